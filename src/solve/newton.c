@@ -402,8 +402,8 @@ static energy_point find_point(step_walk *walk, double share, const energy_point
     return point;
 }
 
-/* Beyond the end of a step of a tangent that was made positive, which is stiffer than the body, while that pays. */
-static void go_on(step_walk *walk, const energy_point *begin, energy_point end)
+/* Makes a step of a tangent that was made positive, which is stiffer than the body, longer: while the energy falls. */
+static void lengthen(step_walk *walk, const energy_point *begin, energy_point end)
 {
     double most = MOST_SHARE * end.share;
     while (end.slope < FLAT * begin->slope && end.share < most) {
@@ -432,7 +432,7 @@ static bool go_by_energy(newton_run *run, double share)
         bool is_finite = pel_newton_is_finite(run);
         if (is_finite && end.energy <= begin.energy + DECREASE * share * begin.slope + noise) {
             if (is_stiff && n == 0)
-                go_on(&walk, &begin, end);
+                lengthen(&walk, &begin, end);
             return true;
         }
         share = is_finite ? find_least(begin, end) : LEAST_CUT * share;

@@ -1,7 +1,7 @@
 /* Newton's method on the balance of forces of a model: states of rest, and steps in time, where inertia is a spring of
    each vertex to a point (theory page, section 16).
 
-   The tangent is that of mixed integration points: its geometric part takes the stresses that the last step promised.
+   The tangent is that of mixed integration points: its geometric part takes the stresses that the last step predicted.
    It goes in full steps and gets by with some ten of them where membrane and bending stiffness are far apart, but
    nothing makes it go downhill. Under constraints, which begin and cease to act, it would run to and fro between far
    states: there steps of the exact tangent, of its positive part where it has no factor, go as far as the energy

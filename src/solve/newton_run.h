@@ -52,7 +52,7 @@ typedef struct newton_run {
     pel_status status;
     pel_tangent_kind kind;
     bool has_stresses;     /* newton->stresses are those of the geometric parts */
-    double promise;        /* share of the step from newton->start that the next matrix takes them from; 0 = taken */
+    double predicted;      /* share of the step from newton->start that the next matrix takes them from; 0 = taken */
     double shift;          /* 1/s2, of the masses */
     double parts;          /* J, sum of the sizes of the energy's parts */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
@@ -126,7 +126,7 @@ double pel_newton_longest_move(const pel_newton *newton);
 double pel_newton_find_share(const pel_newton *newton);
 /* goes a share of the step */
 void pel_newton_go(newton_run *run, double scale);
-/* mixed integration points: the next matrix takes the stresses that a share of the step promises, from here */
+/* mixed integration points: the next matrix takes the stresses that a share of the step predicts, from here */
 void pel_newton_extrapolate(newton_run *run, double scale);
 bool pel_newton_has_converged(newton_run *run);
 bool pel_newton_is_at_targets(const newton_run *run);

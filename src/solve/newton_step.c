@@ -200,7 +200,7 @@ static bool has_volume_terms(const pel_newton *newton)
     return false;
 }
 
-/* the stresses that the last step promised: none are needed where it was the last one of the run */
+/* the stresses that the last step predicts: none are needed where it was the last one of the run */
 static void fill_stresses(newton_run *run)
 {
     pel_newton *newton = run->newton;
@@ -209,10 +209,10 @@ static void fill_stresses(newton_run *run)
         .time = run->problem->time,
         .state = run->problem->state,
     };
-    if (run->has_stresses && run->promise > 0)
-        pel_tangent_extrapolate(newton->tangent, &input, pel_newton_find_move(run, run->promise), newton->pool,
+    if (run->has_stresses && run->predicted > 0)
+        pel_tangent_extrapolate(newton->tangent, &input, pel_newton_find_move(run, run->predicted), newton->pool,
                                 newton->stresses);
-    run->promise = 0;
+    run->predicted = 0;
 }
 
 /* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
@@ -380,7 +380,7 @@ void pel_newton_extrapolate(newton_run *run, double scale)
 {
     const pel_newton *newton = run->newton;
     memcpy(newton->start, run->unknowns, (size_t)newton->pattern->unknown_count * sizeof *newton->start);
-    run->promise = scale;
+    run->predicted = scale;
     run->has_stresses = true;
 }
 

@@ -49,6 +49,15 @@ static void add_sheet(arrays *a, int32_t rows, double height, double noise, rand
     a->groups[a->body_count++] = (pel_contact_group){.thickness = THICKNESS, .friction = 0};
 }
 
+/* two sheets, the second one above the first */
+static void make_sheets(arrays *a, uint64_t seed, int32_t lower_rows, int32_t upper_rows, double height, double noise)
+{
+    random_state random = {seed};
+    *a = (arrays){0};
+    add_sheet(a, lower_rows, 0, noise, &random);
+    add_sheet(a, upper_rows, height, noise, &random);
+}
+
 /* the last group, so after all sheets */
 static void add_obstacle(arrays *a, const pel_obstacle *obstacle, double friction)
 {
@@ -429,11 +438,8 @@ static void test_guard_of_held(void **unused)
 {
     (void)unused;
     static const int32_t held[4] = {0, 1, 7, 8};
-    random_state random = {4};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 7, 0, 0.005, &random);
-    add_sheet(&a, 6, 0.06, 0.005, &random);
+    make_sheets(&a, 4, 7, 6, 0.06, 0.005);
     pel_obstacle obstacle = {
         .solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .body = -1, .held = held, .held_count = 4};
     add_obstacle(&a, &obstacle, 0);
@@ -470,11 +476,8 @@ static void test_guard_of_held(void **unused)
  */
 static void check_guard_momentum(int fixed)
 {
-    random_state random = {6};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 7, 0, 0.005, &random);
-    add_sheet(&a, 6, 0.05, 0.005, &random);
+    make_sheets(&a, 6, 7, 6, 0.05, 0.005);
     /* the other one is thrown */
     int still = fixed == 1 ? 1 : 0;
     for (int32_t v = 0; v < a.vertex_count; v++) {
@@ -574,11 +577,8 @@ static void test_guard_of_train(void **unused)
 /* A body that flies far and meets another one keeps its shape: all of it goes the same share of its way. */
 static void check_far_flight(int32_t flying)
 {
-    random_state random = {8};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 7, 0, 0.005, &random);
-    add_sheet(&a, 6, 0.3, 0.005, &random);
+    make_sheets(&a, 8, 7, 6, 0.3, 0.005);
     const double up = flying == 0 ? 2 : -2;
     for (int32_t v = 0; v < a.vertex_count; v++)
         if (a.mass[v] > 0 && a.body_of_slice[v / PEL_WIDTH] == flying)
@@ -611,11 +611,8 @@ static void test_far_flight(void **unused)
 static void test_limit(void **unused)
 {
     (void)unused;
-    random_state random = {3};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 7, 0, 0.01, &random);
-    add_sheet(&a, 6, 0.025, 0.01, &random);
+    make_sheets(&a, 3, 7, 6, 0.025, 0.01);
     pel_contact_set *set = create(&a);
     assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
     int32_t all = set->list.count;
@@ -661,11 +658,8 @@ static void test_far_through(void **unused)
     (void)unused;
     int acting = 0, left = 0, off = 0;
     for (double down = 0.1; down < 1; down += 0.1) {
-        random_state random = {3};
         static arrays a;
-        a = (arrays){0};
-        add_sheet(&a, 7, 0, 0.005, &random);
-        add_sheet(&a, 6, 0.06, 0.005, &random);
+        make_sheets(&a, 3, 7, 6, 0.06, 0.005);
         for (int32_t v = 0; v < a.vertex_count; v++)
             if (a.mass[v] > 0 && a.body_of_slice[v / PEL_WIDTH] == 1)
                 a.next[v][2] -= (pel_real)down;
@@ -702,11 +696,8 @@ static void test_far_through(void **unused)
 static void test_seconds(void **unused)
 {
     (void)unused;
-    random_state random = {3};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 9, 0, 0.01, &random);
-    add_sheet(&a, 9, 0.025, 0.01, &random);
+    make_sheets(&a, 3, 9, 9, 0.025, 0.01);
     pel_contact_set *set = create(&a);
     struct timespec began, ended;
     timespec_get(&began, TIME_UTC);
@@ -760,11 +751,8 @@ static void test_strangers(void **unused)
 static void test_tangles(void **unused)
 {
     (void)unused;
-    random_state random = {2};
     static arrays a;
-    a = (arrays){0};
-    add_sheet(&a, 5, 0, 0.02, &random);
-    add_sheet(&a, 5, 0, 0.02, &random);
+    make_sheets(&a, 2, 5, 5, 0, 0.02);
     pel_contact_set *set = create(&a);
     assert_int_equal(pel_tangles_find(set, NULL), PEL_OK);
     assert_true(set->tangles.is_known && set->tangles.count > 0);
