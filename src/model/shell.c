@@ -505,13 +505,16 @@ static pel_status create_pressure(const pel_body_def *def, const pel_body *body,
 }
 
 /* a gas and a target volume need a volume */
-static pel_status check_closed(const pel_body_def *def, const pel_body *body, int32_t index, pel_error *error)
+static pel_status check_closed(const pel_body_def *def, const pel_body *body, int32_t index,
+                               const pel_topology *topology, pel_error *error)
 {
     if (body->closed || !has_volume(def->shell.pressure.kind))
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "its mesh has a boundary and encloses no volume");
     pel_fail_element(error, "body", index);
-    pel_fail_remedy(error, "close the mesh with `pellicle check --fix`, or give the pressure as a number");
+    pel_fail_remedy(
+        error, "close its holes with `pellicle check MESH --fix OUT --fill-holes %d`, or give the pressure as a number",
+        (int)topology->boundary_edge_count);
     return PEL_BAD_ARGUMENT;
 }
 
@@ -524,7 +527,7 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);
     if (shell == NULL)
         return pel_fail_memory(error);
-    pel_status status = check_closed(def, b, body, error);
+    pel_status status = check_closed(def, b, body, topology, error);
     if (status == PEL_OK)
         status = create_triangles(def, model, b, shell, error);
     if (status == PEL_OK)

@@ -595,8 +595,8 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
     if (run->scene->model.body_count > 1)
         snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
     else if (body->refine.levels > 0)
-        snprintf(text, size, "use bodies.%s.refine.levels=%d, with near_tools", body->name,
-                 (int)body->refine.levels + levels);
+        snprintf(text, size, "use bodies.%s.refine.levels=%d%s", body->name, (int)body->refine.levels + levels,
+                 body->refine.near_tools > 0 ? "" : ", with near_tools");
     else
         snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
                  levels, 2.5 * mean_edge(body->mesh));

@@ -445,8 +445,20 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 
 /* ---- creation ---- */
 
-/* half the largest stiffness times the square of the rounding of positions, and the weight times that rounding and the
-   slack of contacts inside the solve */
+/* J, of the work against enclosed gases: their pressure is large at rest too */
+static double gas_energy(const pel_model *model)
+{
+    double sum = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        if (shell != NULL && shell->pressure.kind == PEL_PRESSURE_GAS)
+            sum += shell->pressure.value * fabs(model->bodies[b].rest_volume);
+    }
+    return sum;
+}
+
+/* half the largest stiffness times the square of the rounding of positions, the weight times that rounding and the
+   slack of contacts inside the solve, and the same share of the energy of gases */
 static double rounding_of(const pel_sim *sim)
 {
     const pel_model *model = sim->model;
@@ -459,10 +471,11 @@ static double rounding_of(const pel_sim *sim)
         for (int c = 0; c < 3; c++)
             farthest = fmax(farthest, fabs((double)model->rest[v][c]));
     }
-    double shift = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE) * farthest;
+    double share = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
     double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
-    return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack);
+    return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack) +
+           share * gas_energy(model);
 }
 
 static bool has_any(const pel_real *numbers, int32_t count)

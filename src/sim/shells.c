@@ -4,7 +4,9 @@
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "sim/descent.h"
 #include "sim/sim.h"
+#include "solve/shell_stability.h"
 
 #include <string.h>
 
@@ -163,12 +165,27 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
             forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_output_model_index(sim, body, r)][c];
 }
 
+/* Constraints are as stiff as the finest vertices: with the bound of the base, which is 4 times lower per level, rounds
+   close gaps slowly. Only shells in motion keep that of the base: there stiffer constraints take 1.3 to 1.7 times the
+   time. */
+static void update_constraint_stiffness(pel_sim *sim)
+{
+    pel_stability stability;
+    if (sim->descent == NULL || (sim->shells != NULL && pel_sim_has_velocity(sim)))
+        return;
+    pel_stability_bound(sim->model, &stability);
+    pel_shell_stability_bound(sim->shells, &stability);
+    if (stability.stiffness_bound > 0)
+        sim->descent->stiffness = stability.stiffness_bound;
+}
+
 void pel_shells_follow(pel_sim *sim, int32_t body)
 {
     sim->state->older_is_known = false;
     sim->substeps.now.is_stale = true;
     pel_batches_rebuild(sim->batches, body);
     pel_shell_forces_rebuild(sim->shells, body);
+    update_constraint_stiffness(sim);
     if (sim->stepper->follow_surface != NULL)
         sim->stepper->follow_surface(sim);
 }

@@ -403,6 +403,13 @@ static void test_coarse_contact(void **unused)
     run_scene(pressed, overrides, 3, NULL, 0, &summary);
     assert_null(find_warning(&summary, "coarse-contact"));
     assert_true(summary.steps == 2 && summary.vertices_final > 1200);
+    /* a refinement under the tool that is too coarse: more levels of it */
+    const char *coarse[] = {"bodies.ball.mesh.frequency=4", "bodies.ball.refine={ levels: 1, near_tools: 0.02 }"};
+    run_scene(pressed, coarse, 2, NULL, 0, &summary);
+    warning = find_warning(&summary, "coarse-contact");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "use bodies.ball.refine.levels="));
+    assert_null(strstr(warning->text, "with near_tools"));
 }
 
 /* the hollow ball of paper A creeps; with volumetric springs, or long after the force ended, it is at rest */

@@ -372,7 +372,9 @@ static void test_bad_runs(void **unused)
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}}]\nstop: {volume_ratio_below: 0.5}\n",
          "stop.volume_ratio_below needs a volume, but no body is closed"},
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}, pressure: {gas: {}}}]\n",
-         "a.yaml:3:10: error: body 'body1': its mesh has a boundary and encloses no volume"},
+         "a.yaml:3:10: error: body 'body1': its mesh has a boundary and encloses no volume. close its holes with "
+         "`pellicle "
+         "check MESH --fix OUT --fill-holes 40`, or give the pressure as a number"},
         {"version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}, membrane: {preset: skin, poisson: 1}}]\n",
          "poisson is 1. give a number with -1 < poisson < 1"},
         {SHELL "    anisotropy: {strength: 1}\nsolver: {method: explicit, dt: 0.001}\n", "caves in"},

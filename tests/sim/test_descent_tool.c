@@ -261,6 +261,32 @@ static void test_bits(void **unused)
         free(x[i]);
 }
 
+/* constraints are as stiff as the surface: with the stiffness of the base, 16 times lower than that of level 2, rounds
+   ended before the gaps were closed */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    press_begin(&scene, 5, 0);
+    scene.body.mass_kind = PEL_MASS_DENSITY;
+    scene.body.mass = 1000;
+    scene.body.thickness.value = 1.0 / 3;
+    scene.body.spring_stiffness.value = scene.body.volumetric_stiffness.value = 5000;
+    scene.body.spring_thickness = 0.1;
+    scene.body.volumetric_depth = 1;
+    scene.body.refine.levels = 2;
+    scene.body.refine.everywhere = true;
+    scene.def.solver.method = PEL_METHOD_STATIC;
+    scene.def.solver.iterations = 0;
+    press_move(&scene, 1.5, 0.2);
+    pel_sim *sim = press_create(&scene);
+    for (int n = 0; n < 10; n++) {
+        run_steps(sim, 1);
+        assert_true(solver_of(sim).converged);
+    }
+    press_end(&scene, sim);
+}
+
 /* ---- memory ---- */
 
 /* allocates where more is touched than ever before, and no more on the way back */
@@ -383,6 +409,7 @@ int main(void)
         cmocka_unit_test(test_fast_tool),
         cmocka_unit_test(test_far_tool),
         cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_refined),
         cmocka_unit_test(test_allocation),
         cmocka_unit_test(test_step_again),
         cmocka_unit_test(test_every_allocation),

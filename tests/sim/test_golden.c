@@ -124,7 +124,7 @@ static const golden_case cases[] = {
      .contact = true},
     {.solver = {.method = PEL_METHOD_IMPLICIT, .dt = 0.1},
      .early = UINT64_C(0x430fec212817be53),
-     .hash = UINT64_C(0x853cdd8625b66b5a),
+     .hash = UINT64_C(0x50ea271df3bc999e),
      .refines = true},
     {.solver = {.method = PEL_METHOD_STATIC, .dt = 0.25},
      .early = UINT64_C(0x8d911986b3a249d0),
