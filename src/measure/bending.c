@@ -88,9 +88,9 @@ static double turned_angle(const double x[4][3], double cosine, double sine, dou
 {
     pel_particle p[4];
     load_points(x, p);
-    pel_hinge_lanes h = pel_hinge_of(p, cosine, sine);
     if (gradient == NULL)
-        return h.difference;
+        return pel_hinge_angle_of(p, cosine, sine).difference;
+    pel_hinge_lanes h = pel_hinge_of(p, cosine, sine);
     pel_lane3 g[4];
     pel_hinge_gradients(&h, -h.length, g);
     for (int a = 0; a < 4; a++)

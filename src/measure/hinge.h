@@ -16,9 +16,9 @@ typedef struct pel_hinge_lanes {
     pel_lane t2, t3;         /* feet of the tips on the edge */
 } pel_hinge_lanes;
 
-PEL_INLINE pel_hinge_lanes pel_hinge_of(const pel_particle p[4], pel_lane rest_cosine, pel_lane rest_sine)
+/* the angle alone: sets neither r2, r3 nor t2, t3 */
+PEL_INLINE pel_hinge_lanes pel_hinge_angle_of(const pel_particle p[4], pel_lane rest_cosine, pel_lane rest_sine)
 {
-    const pel_lane one = pel_lane_splat(1);
     pel_hinge_lanes h;
     pel_lane3 edge = pel_lane3_subtract(p[1].at, p[0].at), to2 = pel_lane3_subtract(p[2].at, p[0].at);
     pel_lane3 to3 = pel_lane3_subtract(p[3].at, p[0].at);
@@ -30,6 +30,15 @@ PEL_INLINE pel_hinge_lanes pel_hinge_of(const pel_particle p[4], pel_lane rest_c
     pel_lane sine = -(h.length * pel_lane3_dot(to3, h.n2));
     /* turned back by the rest angle */
     h.difference = pel_lane_atan2(sine * rest_cosine - h.cosine * rest_sine, h.cosine * rest_cosine + sine * rest_sine);
+    return h;
+}
+
+PEL_INLINE pel_hinge_lanes pel_hinge_of(const pel_particle p[4], pel_lane rest_cosine, pel_lane rest_sine)
+{
+    const pel_lane one = pel_lane_splat(1);
+    pel_hinge_lanes h = pel_hinge_angle_of(p, rest_cosine, rest_sine);
+    pel_lane3 edge = pel_lane3_subtract(p[1].at, p[0].at), to2 = pel_lane3_subtract(p[2].at, p[0].at);
+    pel_lane3 to3 = pel_lane3_subtract(p[3].at, p[0].at);
     h.r2 = pel_lane_quotient(one, pel_lane3_dot(h.n2, h.n2));
     h.r3 = pel_lane_quotient(one, pel_lane3_dot(h.n3, h.n3));
     pel_lane inverse = pel_lane_quotient(one, h.square);
