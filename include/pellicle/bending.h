@@ -51,7 +51,8 @@ PEL_API double pel_bending_isometric_energy(const pel_bending_isometric *stencil
 PEL_API double pel_dihedral_angle(const double x[4][3], double gradient[4][3]);
 
 /* Hinge with a rest angle: E = 1/2 factor (theta - rest_angle)^2, factor = |e|^2 / (A0 + A1) of the rest shape, to be
-   multiplied by D [J]. The difference is taken the short way round the circle. */
+   multiplied by D [J]. A fold does not pass where it is closed: the difference is that of angles
+   from -pi to pi, and the short way round the circle where the rest angle is sharper than a quarter turn. */
 typedef struct pel_hinge {
     double factor;
     double rest_angle; /* rad; its negative makes the rest shape cave in */

@@ -76,6 +76,7 @@ struct pel_tangent {
     int32_t *gather_begin;   /* (nodes + 1) rows of a node */
     int32_t *gather;
     double *half_angles;          /* (edge_count) (theta - theta_rest) / 2; 0 on the boundary */
+    double *first_half_angles;    /* (edge_count) those when edges were last settled: others are less than pi away */
     double *settle[4];            /* (edge_count) scratch */
     pel_tangent_energy *energies; /* (chunk_count) */
 };

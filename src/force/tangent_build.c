@@ -153,7 +153,8 @@ static bool allocate_lists(pel_tangent *tangent)
     tangent->pattern.stress_limit = (int32_t)room.stresses;
     tangent->edges = pel_allocate(room.edges, sizeof *tangent->edges);
     tangent->half_angles = pel_allocate(room.edges, sizeof *tangent->half_angles);
-    bool all = tangent->edges != NULL && tangent->half_angles != NULL;
+    tangent->first_half_angles = pel_allocate(room.edges, sizeof *tangent->first_half_angles);
+    bool all = tangent->edges != NULL && tangent->half_angles != NULL && tangent->first_half_angles != NULL;
     for (int i = 0; i < 4; i++) {
         tangent->settle[i] = pel_allocate(room.edges, sizeof(double));
         all &= tangent->settle[i] != NULL;
@@ -479,11 +480,11 @@ void pel_tangent_destroy(pel_tangent *tangent)
         for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
             pel_free(arrays[k]);
     }
-    void *arrays[] = {tangent->parts,     tangent->shells,       tangent->rank_ones,  tangent->edges,
-                      tangent->springs,   tangent->points,       tangent->node_begin, tangent->nodes,
-                      tangent->rows,      tangent->gather_begin, tangent->gather,     tangent->half_angles,
-                      tangent->settle[0], tangent->settle[1],    tangent->settle[2],  tangent->settle[3],
-                      tangent->energies,  tangent->element_kind};
+    void *arrays[] = {tangent->parts,     tangent->shells,       tangent->rank_ones,        tangent->edges,
+                      tangent->springs,   tangent->points,       tangent->node_begin,       tangent->nodes,
+                      tangent->rows,      tangent->gather_begin, tangent->gather,           tangent->half_angles,
+                      tangent->settle[0], tangent->settle[1],    tangent->settle[2],        tangent->settle[3],
+                      tangent->energies,  tangent->element_kind, tangent->first_half_angles};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         pel_free(arrays[k]);
     pel_free(tangent);

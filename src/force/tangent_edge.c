@@ -2,6 +2,7 @@
 #include "force/tangent_body.h"
 #include "math/vec3.h"
 
+#include <math.h>
 #include <string.h>
 
 /* a loop over the edges */
@@ -12,15 +13,19 @@ typedef struct edge_loop {
     double *xi; /* null = angles */
 } edge_loop;
 
+/* An angle of positions has no turns. On the way to a balance a fold may close beyond where its sides meet: its angle
+   goes on there, as that of xi does. */
 static void find_angle(const edge_loop *loop, int32_t e)
 {
+    const double half_turn = 3.141592653589793;
     const pel_tangent_edge *edge = &loop->tangent->edges[e];
     double x[12];
     loop->tangent->half_angles[e] = 0;
     if (edge->triangles[1] < 0)
         return;
     pel_tangent_points(loop->unknowns, edge->vertices, 4, x);
-    loop->tangent->half_angles[e] = 0.5 * pel_angle_from_rest(x, edge->rest_angle);
+    double half = 0.5 * pel_angle_from_rest(x, edge->rest_angle);
+    loop->tangent->half_angles[e] = half + half_turn * rint((loop->tangent->first_half_angles[e] - half) / half_turn);
 }
 
 /* the finite turn of one triangle of an edge over the step */
@@ -67,6 +72,15 @@ void pel_tangent_advance(pel_tangent *tangent, double *unknowns, const double *s
     pel_pool_run(pool, pel_tangent_chunk_count(tangent->pattern.edge_count), edge_chunk, &loop);
     for (size_t i = 0; i < positions; i++)
         unknowns[i] += scale * step[i];
+}
+
+/* those of positions alone, from which the others go on */
+static void find_first_angles(pel_tangent *tangent, const double *unknowns)
+{
+    size_t bytes = (size_t)tangent->pattern.edge_count * sizeof *tangent->half_angles;
+    memset(tangent->first_half_angles, 0, bytes);
+    pel_tangent_find_angles(tangent, unknowns, NULL);
+    memcpy(tangent->first_half_angles, tangent->half_angles, bytes);
 }
 
 /* ---- minimum over rotations ---- */
@@ -119,7 +133,7 @@ int pel_tangent_settle_edges(pel_tangent *tangent, double *unknowns, const uint8
     double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
     double *residual = tangent->settle[0], *direction = tangent->settle[1], *image = tangent->settle[2];
     double *diagonal = tangent->settle[3], product = 0, start = 0;
-    pel_tangent_find_angles(tangent, unknowns, NULL);
+    find_first_angles(tangent, unknowns);
     edge_moments(tangent, xi, 1, is_fixed, residual, diagonal);
     for (int32_t e = 0; e < count; e++) {
         direction[e] = diagonal[e] > 0 ? -residual[e] / diagonal[e] : 0;
@@ -161,7 +175,7 @@ static void carried_normal(const double rest[3][3], const double now[3][3], doub
 void pel_tangent_clamp_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed)
 {
     double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
-    pel_tangent_find_angles(tangent, unknowns, NULL);
+    find_first_angles(tangent, unknowns);
     for (int32_t e = 0; e < tangent->pattern.edge_count; e++) {
         double rest[3][3], now[3][3], normal[3];
         if (!is_fixed[e])

@@ -8,13 +8,26 @@
 /* The gradients of the angle are g2 = -length r2 n2 and g3 = -length r3 n3 on the tips, -(1 - t2) g2 - (1 - t3) g3 and
    -t2 g2 - t3 g3 on the ends of the edge. */
 typedef struct pel_hinge_lanes {
-    pel_lane difference;     /* angle less that at rest, the short way round */
+    pel_lane difference;     /* angle less that at rest (pel_hinge_difference) */
     pel_lane length, square; /* of the edge */
     pel_lane3 n2, n3;        /* normals times twice the areas */
     pel_lane cosine;         /* n2 . n3 */
     pel_lane r2, r3;         /* 1 / |n|^2, 0 where that is 0 */
     pel_lane t2, t3;         /* feet of the tips on the edge */
 } pel_hinge_lanes;
+
+/* An angle turned back by that at rest, the short way round, is the difference of both unless that is beyond half a
+   turn: then a fold would have gone from one side to the other where it is closed. Only a rest shape whose fold is
+   sharper than a quarter turn is taken to do so: scans have such folds, whose sides overlap. `sine` has the sign of the
+   angle. */
+PEL_INLINE pel_lane pel_hinge_difference(pel_lane turned, pel_lane sine, pel_lane rest_cosine)
+{
+    const pel_lane zero = pel_lane_splat(0), full = PEL_CONSTANT(6.283185307179586);
+    pel_lane far = pel_lane_abs(turned) - PEL_CONSTANT(1.5707963267948966);
+    pel_lane across = pel_lane_min(pel_lane_min(-(turned * sine), far), rest_cosine);
+    pel_lane turn = pel_lane_select(pel_lane_above(turned, zero), full, -full);
+    return turned - pel_lane_select(pel_lane_above(across, zero), turn, zero);
+}
 
 /* the angle alone: sets neither r2, r3 nor t2, t3 */
 PEL_INLINE pel_hinge_lanes pel_hinge_angle_of(const pel_particle p[4], pel_lane rest_cosine, pel_lane rest_sine)
@@ -28,8 +41,9 @@ PEL_INLINE pel_hinge_lanes pel_hinge_angle_of(const pel_particle p[4], pel_lane 
     h.length = pel_lane_sqrt(h.square);
     h.cosine = pel_lane3_dot(h.n2, h.n3);
     pel_lane sine = -(h.length * pel_lane3_dot(to3, h.n2));
-    /* turned back by the rest angle */
-    h.difference = pel_lane_atan2(sine * rest_cosine - h.cosine * rest_sine, h.cosine * rest_cosine + sine * rest_sine);
+    pel_lane turned =
+        pel_lane_atan2(sine * rest_cosine - h.cosine * rest_sine, h.cosine * rest_cosine + sine * rest_sine);
+    h.difference = pel_hinge_difference(turned, sine, rest_cosine);
     return h;
 }
 

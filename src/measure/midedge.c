@@ -35,7 +35,7 @@ double pel_angle_from_rest(const double *x, double rest_angle)
     double p[4][3];
     memcpy(p, x, sizeof p);
     double angle = pel_dihedral_angle((const double(*)[3])p, NULL) - rest_angle;
-    return fabs(angle) <= 0.5 * turn ? angle : remainder(angle, turn);
+    return fabs(rest_angle) <= 0.25 * turn || fabs(angle) <= 0.5 * turn ? angle : remainder(angle, turn);
 }
 
 /* the triangle of a hinge with the corners a, b, c: its part of B, and of the geometric part where a lead is given */

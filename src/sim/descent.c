@@ -42,12 +42,17 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 #define REDUCTION 0.1
 /* and no more than this share of the tolerance: loads that come from places far from rest are worth nothing */
 #define ROUGH_SHARE 1e3
-/* the stiffness of constraints, of the bound of that of the bodies: stiffer where a round closes gaps by less than this
- */
+/* The stiffness of constraints, of the bound of that of the bodies and their inertia. Stiffer where a round closes gaps
+   by less than CLOSING, or leaves them open by more than FAR tolerances. */
 #define PENALTY 0.1
-#define MOST_PENALTY 10
+#define MOST_PENALTY 100
 #define STIFFENING 4.0
 #define CLOSING 0.3
+#define FAR 20
+/* Where surfaces press from all sides some gaps do not close, however large the loads: under constraints so stiff they
+   may stay open by so many tolerances, 0.3 of the thickness. What is certified is less than half of what is left. */
+#define JAM_PENALTY 6
+#define JAM_GAP 8
 /* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
@@ -388,7 +393,8 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         if (!pel_sim_all_inside(sim) || (can_halve && failures == HALVING_FAILURES))
             return PEL_OK;
         double error_of_gaps = pel_descent_contacts_update(sim);
-        if (round.converged && error_of_gaps > 1 && error_of_gaps > CLOSING * before)
+        double allowed = descent->penalty >= JAM_PENALTY ? JAM_GAP : 1;
+        if (round.converged && error_of_gaps > allowed && error_of_gaps > fmin(CLOSING * before, FAR))
             descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
@@ -400,7 +406,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
                 break;
             continue;
         }
-        closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= 1;
+        closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= allowed;
         sum->converged = closed && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
         if (sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline)

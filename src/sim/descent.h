@@ -63,7 +63,8 @@ struct pel_sim_descent {
     double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
                                     it. The first is in snapshots */
     double stiffness;            /* 1/s2, bound of that of the bodies over mass */
-    double penalty;              /* stiffness of constraints over that bound */
+    const double *inertia;       /* (vertex_count) N/m, springs that inertia is; null = none */
+    double penalty;              /* stiffness of constraints over that of bodies and inertia */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
     int32_t stray_body;          /* has got away by the last step (pel_descent_find_stray); -1 = none */
     double stray_way;            /* m */

@@ -272,8 +272,13 @@ pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *cons
 {
     pel_sim_descent *descent = sim->descent;
     double free = 0;
-    for (int i = 0; i < 4; i++)
-        free += mobility_of(sim, constraint->vertices[i]) * constraint->weights[i] * constraint->weights[i];
+    for (int i = 0; i < 4; i++) {
+        int32_t v = constraint->vertices[i];
+        double mobility = mobility_of(sim, v);
+        if (mobility > 0 && descent->inertia != NULL)
+            mobility = 1 / (1 / mobility + descent->inertia[v] / descent->stiffness);
+        free += mobility * constraint->weights[i] * constraint->weights[i];
+    }
     if (!(free > 0))
         return PEL_OK;
     if (!pel_reserve((void **)&descent->constraints, &descent->capacity, (size_t)descent->count + 1,

@@ -47,6 +47,7 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
+        sim->descent->inertia = newton->point_stiffness;
         newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
         newton->collided = pel_allocate((size_t)sim->model->body_count, sizeof *newton->collided);
         room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL &&

@@ -1,6 +1,7 @@
 /* What the elements add up to: plates, strips and beams at rest under loads, by Newton's method on dense matrices. */
 #include "tangent_fixture.h"
 
+#include "math/pose.h"
 #include "measure/midedge.h"
 
 #include <stdlib.h>
@@ -296,12 +297,58 @@ static void end_moment_rolls_a_strip_up(void **unused)
     free_strip(&on);
 }
 
+/* two triangles of a square, folded by an angle about its diagonal */
+static void fold_square(tangents *on, double angle)
+{
+    const pel_tangent_edge *edges = pel_tangent_edges_of(on->tangent), *diagonal = edges;
+    while (diagonal->triangles[1] < 0)
+        diagonal++;
+    const double still[4] = {0, 0, 0, 1};
+    double axis[3], way[3], turned[4];
+    double *tail = on->unknowns + 3 * diagonal->vertices[0], *tip = on->unknowns + 3 * diagonal->vertices[3];
+    set_rest_unknowns(on);
+    pel_vec3_subtract(on->unknowns + 3 * diagonal->vertices[1], tail, axis);
+    pel_vec3_normalize(axis);
+    pel_rotation_turn(still, axis, angle, turned);
+    pel_vec3_subtract(tip, tail, way);
+    pel_rotate(turned, way, way);
+    pel_vec3_add(tail, way, tip);
+}
+
+/* on the way to a balance a fold may go on where its sides meet: its energy goes on to grow; where edges are settled
+   anew it is one of the other side */
+static void folds_have_no_jump_where_they_are_closed(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_grid(1, 1, 1, 1, PEL_GRID_ONE_DIAGONAL);
+    pel_body_def body = plate_body(mesh, 3e5, 0.3, 0.02);
+    tangents on = make_tangents(&body);
+    for (int side = -1; side <= 1; side += 2) {
+        fold_square(&on, 3 * side);
+        pel_tangent_settle_edges(on.tangent, on.unknowns, NULL);
+        double before = 0;
+        for (double angle = 3; angle < 3.4; angle += 0.02) {
+            fold_square(&on, side * angle);
+            evaluate_tangents(&on, (pel_tangent_input){0});
+            assert_true(on.energy.edges > before);
+            before = on.energy.edges;
+        }
+        memset(on.unknowns, 0, (size_t)on.count * sizeof *on.unknowns);
+        fold_square(&on, 3.4 * side);
+        pel_tangent_settle_edges(on.tangent, on.unknowns, NULL);
+        evaluate_tangents(&on, (pel_tangent_input){0});
+        assert_true(on.energy.edges < before);
+    }
+    free_tangents(&on);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bent_sheets_have_a_plates_energy), cmocka_unit_test(twisted_plates_are_exact),
         cmocka_unit_test(heavy_strip_is_an_elastica),       cmocka_unit_test(cantilever_bends_under_an_end_shear),
-        cmocka_unit_test(end_moment_rolls_a_strip_up),
+        cmocka_unit_test(end_moment_rolls_a_strip_up),      cmocka_unit_test(folds_have_no_jump_where_they_are_closed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -31,7 +31,7 @@ static const char gas[] =
     "version: 1\n"
     "bodies: [{name: body, mesh: {shape: geodesic-sphere, frequency: 2, radius: 0.1}, mass: {per_vertex: 0.002},\n"
     "  membrane: {material: neo-hookean, young: 1.0e+5, poisson: 0.4, thickness: 0.001},\n"
-    "  bending: {model: midedge}, pressure: {gas: {pressure: 900, outside: 700}}}]\n"
+    "  bending: {model: midedge}, pressure: {gas: {pressure: 900, outside: 500}}}]\n"
     "loads: [{name: pull, force: [0.3, 0.05, 0.1], at: {nearest: [0.1, 0, 0]}}]\n"
     "gravity: [0, 0, -2]\nsolver: {method: implicit, dt: 0.004}\nduration: 1\n";
 /* hinges and springs of paper A, damped and not in potentials of shells alone */
