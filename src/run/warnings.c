@@ -398,13 +398,15 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
-/* implicit steps are divided before they fail */
+/* implicit steps are divided before they fail; those of static have more iterations than they can use */
 static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
 {
     if (solver->budget > 0)
         snprintf(text, size, "use a larger solver.budget");
     else if (solver->method == PEL_METHOD_IMPLICIT && solver->iterations <= 0)
         snprintf(text, size, "use a smaller solver.dt");
+    else if (solver->method == PEL_METHOD_STATIC && solver->iterations <= 0)
+        snprintf(text, size, "use more steps (solver.steps, with a duration a smaller solver.dt)");
     else
         snprintf(text, size, "use solver.iterations above %d",
                  (int)(solver->iterations > 0 ? solver->iterations : automatic));
@@ -422,7 +424,7 @@ static void tell_unconverged(const text_context *at)
         return;
     }
     bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
-    char remedy[64];
+    char remedy[96];
     write_remedy(&sim->solver, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. %s, or let loads "

@@ -144,6 +144,12 @@ static void test_unconverged(void **unused)
     overrides[0] = "solver={ method: descent, iterations: 2000 }";
     run_scene(SHELL, overrides, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "unconverged"));
+    /* beyond the largest pressure that the balloon can hold: iterations do not help */
+    overrides[0] = "solver={ method: static }";
+    overrides[1] = "bodies.ball.pressure.inside=200000";
+    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
+    assert_non_null(find_warning(&summary, "unconverged"));
+    assert_non_null(strstr(find_warning(&summary, "unconverged")->text, "use more steps (solver.steps"));
 }
 
 /* a twisted strip: the moment on the grasp, bending included, does the work that the strip holds */
@@ -192,7 +198,7 @@ static void test_stray(void **unused)
         "  - { name: floor, shape: box, size: [0.3, 0.3, 0.02], motion: [{ position: [0, 0, -0.0605] }] }\n"
         "  - { name: plate, shape: box, size: [0.3, 0.3, 0.02],\n"
         "      motion: [{ position: [0, 0, 0.0605] }, { time: 1, position: [0, 0, 0.0505] }] }\n"
-        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 30 }\n";
+        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 18 }\n";
     const char *held = "contact.friction=0.3";
     pel_run_summary summary;
     run_scene(text, NULL, 0, NULL, 0, &summary);
