@@ -108,7 +108,7 @@ static pel_status keep_start(pel_run_kept *kept, pel_error *error)
     kept->start = pel_allocate(size, 1);
     if (kept->start == NULL)
         return pel_fail_memory(error);
-    pel_sim_save(kept->sim, kept->start);
+    pel_snapshot_keep(kept->sim, kept->start);
     kept->is_at_start = true;
     return PEL_OK;
 }
@@ -653,6 +653,20 @@ pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error)
     pel_status status = pel_snapshot_rewind(kept->sim, kept->start, error);
     kept->is_at_start = status == PEL_OK;
     return status;
+}
+
+bool pel_run_kept_refill(pel_run_kept *kept, const pel_run_number *numbers, int32_t count, bool with_model)
+{
+    if (kept->sim == NULL || pel_run_kept_rewind(kept, NULL) != PEL_OK)
+        return false;
+    for (int32_t i = 0; i < count; i++)
+        if (!pel_parameter_write(&kept->model->def, &kept->sim->def, numbers[i].place, numbers[i].text))
+            return false;
+    if ((with_model && !pel_model_refill(kept->model)) || !pel_sim_refill(kept->sim, with_model))
+        return false;
+    if (with_model)
+        pel_snapshot_keep(kept->sim, kept->start);
+    return true;
 }
 
 void pel_run_kept_drop(pel_run_kept *kept, bool with_model)

@@ -496,6 +496,14 @@ void pel_ledger_follow(pel_sim *sim)
     }
 }
 
+void pel_ledger_refill(pel_sim *sim)
+{
+    pel_ledger *ledger = &sim->ledger;
+    ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
+    ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
+    ledger->rounding = rounding_of(sim);
+}
+
 pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 {
     pel_ledger *ledger = &sim->ledger;
@@ -508,9 +516,7 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
     if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL ||
         ledger->checked_volumes == NULL || ledger->chunks == NULL)
         return pel_fail_memory(error);
-    ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
-    ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
-    ledger->rounding = rounding_of(sim);
+    pel_ledger_refill(sim);
     pel_ledger_follow(sim);
     return PEL_OK;
 }

@@ -26,6 +26,8 @@ typedef struct pel_ledger {
 
 /* Allocates the ledger; tools must exist already. PEL_OUT_OF_MEMORY. */
 pel_status pel_ledger_create(pel_sim *sim, pel_error *error);
+/* Recomputes its constants after the numbers of the model have changed. */
+void pel_ledger_refill(pel_sim *sim);
 void pel_ledger_destroy(pel_sim *sim);
 
 /* Records the energies at the start, once, before the first step. */
