@@ -100,6 +100,16 @@ static uint64_t hash_scene(const pel_scene *scene)
     return hash;
 }
 
+/* the state before the first step, with its energies: no run computes them again */
+static void keep_at_start(pel_run_kept *kept)
+{
+    const unsigned readers = PEL_RUN_ENERGIES | PEL_RUN_WARNINGS;
+    kept->sim->ledger.is_unread = (kept->skips & readers) == readers;
+    pel_ledger_start(kept->sim);
+    pel_snapshot_keep(kept->sim, kept->start);
+    kept->is_at_start = true;
+}
+
 /* the state before the first step */
 static pel_status keep_start(pel_run_kept *kept, pel_error *error)
 {
@@ -108,8 +118,7 @@ static pel_status keep_start(pel_run_kept *kept, pel_error *error)
     kept->start = pel_allocate(size, 1);
     if (kept->start == NULL)
         return pel_fail_memory(error);
-    pel_snapshot_keep(kept->sim, kept->start);
-    kept->is_at_start = true;
+    keep_at_start(kept);
     return PEL_OK;
 }
 
@@ -477,7 +486,8 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    pel_warnings_check_step(run);
+    if ((run->frames.skips & PEL_RUN_WARNINGS) == 0)
+        pel_warnings_check_step(run);
     status = write_due(run, error);
     return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }
@@ -665,7 +675,7 @@ bool pel_run_kept_refill(pel_run_kept *kept, const pel_run_number *numbers, int3
     if ((with_model && !pel_model_refill(kept->model)) || !pel_sim_refill(kept->sim, with_model))
         return false;
     if (with_model)
-        pel_snapshot_keep(kept->sim, kept->start);
+        keep_at_start(kept);
     return true;
 }
 

@@ -387,6 +387,8 @@ void pel_ledger_start(pel_sim *sim)
     if (sim->ledger.is_started)
         return;
     sim->ledger.is_started = true;
+    if (sim->ledger.is_unread)
+        return;
     pel_sim_sum_energies(sim, &now);
     sim->ledger.sums.elastic_start = now.elastic_energy;
     sim->ledger.sums.kinetic_start = kinetic_energy(sim, &now);
@@ -468,8 +470,11 @@ static double rounding_of(const pel_sim *sim)
     pel_shell_stability_bound(sim->shells, &stability);
     for (int32_t v = 0; v < model->vertex_count; v++) {
         mass += (double)model->mass[v];
-        for (int c = 0; c < 3; c++)
-            farthest = fmax(farthest, fabs((double)model->rest[v][c]));
+        /* fmax is a call */
+        for (int c = 0; c < 3; c++) {
+            double far = fabs((double)model->rest[v][c]);
+            farthest = far > farthest ? far : farthest;
+        }
     }
     double share = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
