@@ -113,7 +113,7 @@ static double precise_energy(const pel_descent_context *at, const double *positi
 static double energy_of(void *context, const double *position, double *force)
 {
     pel_descent_context *at = context;
-    const pel_sim *sim = at->sim;
+    pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
     double energy = descent->tangent != NULL ? precise_energy(at, position, force) : batch_energy(at, position, force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
@@ -224,6 +224,9 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
     double beyond = (1 - share) * pel_vec3_distance(start, end);
     if (beyond < BEYOND_SHARE * sim->descent->mean_edge || (sim->held != NULL && sim->held[v]))
         return false;
+    /* Newton's method comes back by itself, and keeps the shape of the bodies */
+    if (sim->descent->minimiser == NULL)
+        return true;
     for (int k = 0; k < 3; k++)
         sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
     copy_position(sim->state->position_next, v, sim->descent->position);

@@ -17,6 +17,7 @@
 #define PEL_SIM_DESCENT_H
 
 #include "sim/sim.h"
+#include "solve/newton.h"
 
 /* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
 typedef struct pel_descent_contact {
@@ -77,6 +78,7 @@ struct pel_sim_descent {
     pel_descent_contact *constraints, *others;
     size_t capacity, other_capacity;
     int32_t count, tool_count;
+    const pel_newton_kink *kinks;  /* (count) say which constraints act; null = their gaps do */
     int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
     double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
@@ -140,10 +142,12 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */
-double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force);
+double pel_descent_contacts_evaluate(pel_sim *sim, const double *position, double *force);
 /* Second derivatives of a constraint's part. False where it does not act. */
 bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                                    pel_contact_stiffness *stiffness);
+/* Constraints as kinks (count) at positions; until pel_descent_contacts_evaluate stiffnesses are of those that act. */
+void pel_descent_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks);
 /* Loads and drags after a minimisation. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);

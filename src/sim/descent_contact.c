@@ -244,23 +244,43 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
     double drag[3];
     pel_descent_contact_meet(sim, constraint, position, &meeting);
     double load = constraint->load - constraint->stiffness * meeting.gap;
-    bool drags = find_drag(sim, constraint, position, drag);
+    bool drags = find_drag(sim, constraint, position, drag), acts = load > 0;
+    if (sim->descent->kinks != NULL)
+        acts = sim->descent->kinks[constraint - sim->descent->constraints].acts;
     *stiffness = (pel_contact_stiffness){0};
     memcpy(stiffness->weights, meeting.weights, sizeof meeting.weights);
     for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3 && load > 0; b++)
+        for (int b = 0; b < 3 && acts; b++)
             stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
     if (drags)
         drag_stiffness(constraint, drag, stiffness->across);
     if (load > 0 && constraint->points > 0)
         add_turning(sim, constraint, position, &meeting, load, stiffness);
-    return load > 0 || drags;
+    return acts || drags;
 }
 
-double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force)
+void pel_descent_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks)
 {
     const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        pel_newton_kink *kink = &kinks[c];
+        pel_gap_sample meeting;
+        pel_descent_contact_meet(sim, constraint, position, &meeting);
+        *kink = (pel_newton_kink){.gap = meeting.gap, .load = constraint->load, .stiffness = constraint->stiffness};
+        memcpy(kink->vertices, constraint->vertices, sizeof kink->vertices);
+        memcpy(kink->weights, meeting.weights, sizeof kink->weights);
+        pel_vec3_copy(meeting.normal, kink->normal);
+        kink->acts = kink->load - kink->stiffness * kink->gap > 0;
+    }
+    sim->descent->kinks = kinks;
+}
+
+double pel_descent_contacts_evaluate(pel_sim *sim, const double *position, double *force)
+{
+    pel_sim_descent *descent = sim->descent;
     double energy = 0;
+    descent->kinks = NULL;
     for (int32_t c = 0; c < descent->count; c++)
         energy += evaluate(sim, &descent->constraints[c], position, force);
     return energy;

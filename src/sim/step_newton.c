@@ -63,7 +63,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     pel_newton_destroy(newton->newton);
     void *arrays[] = {newton->unknowns,        newton->target, newton->loads,     newton->fixed,
                       newton->force,           newton->points, newton->couplings, newton->radial,
-                      newton->point_stiffness, newton->groups, newton->collided};
+                      newton->point_stiffness, newton->groups, newton->collided,  newton->kinks};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -340,6 +340,15 @@ static void add_constraints(void *context, pel_matrix *matrix)
     }
 }
 
+static pel_newton_kink *list_kinks(void *context, int32_t *count)
+{
+    const pel_descent_context *at = context;
+    pel_sim_newton *newton = at->sim->descent->newton;
+    *count = at->sim->descent->count;
+    pel_descent_contacts_list_kinks(at->sim, newton->unknowns, newton->kinks);
+    return newton->kinks;
+}
+
 static void add_skew(void *context, const double *x, double *y)
 {
     const pel_descent_context *at = context;
@@ -479,6 +488,7 @@ pel_newton_terms pel_sim_newton_terms(pel_descent_context *context)
         .add_matrix = add_constraints,
         .list_couplings = list_couplings,
         .add_skew = context->sim->follower_count > 0 ? add_skew : NULL,
+        .list_kinks = context->is_constrained ? list_kinks : NULL,
         .has_kinks = context->is_constrained,
     };
 }
@@ -501,7 +511,9 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     bool is_exact = newton->is_exact;
     const pel_newton_terms terms = pel_sim_newton_terms(context);
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
-                     sizeof *newton->couplings))
+                     sizeof *newton->couplings) ||
+        !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, (size_t)sim->descent->count,
+                     sizeof *newton->kinks))
         return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     double moments = pel_newton_moment_force(newton->newton, newton->loads);

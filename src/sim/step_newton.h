@@ -23,6 +23,8 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
+    pel_newton_kink *kinks; /* scratch: constraints */
+    size_t kink_capacity;
     bool has_stepped; /* since the state was loaded: the springs of inertia are those of a step that led to it */
     bool is_damped;   /* drag, or damping of springs */
     const struct pel_implicit_scheme *scheme; /* of the last step in time */
