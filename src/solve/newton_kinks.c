@@ -72,64 +72,6 @@ static bool has_changed(const pel_newton_kink *kink)
 
 /* ---- responses ---- */
 
-/* a vector of forces along x, y, z as the right side of a system */
-static void set_right(const crossing *c, double *force)
-{
-    pel_newton_frames_turn(&c->run->problem->frames, force);
-    for (int32_t u = 0; u < c->unknowns; u++)
-        c->newton->right[u] = c->newton->fixed[u] ? 0 : force[u];
-}
-
-static double *response(const crossing *c, int32_t i)
-{
-    return c->space->responses + (size_t)i * (size_t)c->unknowns;
-}
-
-/* z of a constraint, and what it does to the gaps of the others; false where the solve fails */
-static bool respond(crossing *c, int32_t number)
-{
-    pel_newton *newton = c->newton;
-    pel_newton_space *space = c->space;
-    int32_t own = space->count;
-    size_t size = (size_t)(own + 1) * (size_t)c->unknowns;
-    if (!pel_reserve((void **)&space->responses, &space->capacity, size, sizeof *space->responses)) {
-        c->run->status = pel_fail_memory(c->run->error);
-        return false;
-    }
-    memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
-    push(&c->kinks[number], 1, newton->product);
-    set_right(c, newton->product);
-    if (!pel_newton_answer(c->run))
-        return false;
-    memcpy(response(c, own), newton->step, (size_t)c->unknowns * sizeof *newton->step);
-    const double *move = pel_newton_find_move(c->run, 1);
-    space->kinks[own] = number;
-    space->excess[own] = 0;
-    space->count++;
-    for (int32_t i = 0; i < space->count; i++)
-        space->gaps[i][own] = space->gaps[own][i] = rate_of(&c->kinks[space->kinks[i]], move);
-    return true;
-}
-
-static bool is_touched(const pel_newton_space *space, int32_t number)
-{
-    for (int32_t i = 0; i < space->count; i++)
-        if (space->kinks[i] == number)
-            return true;
-    return false;
-}
-
-/* responses of all that have changed; false where there are too many, or a solve fails */
-static bool touch_changed(crossing *c)
-{
-    for (int32_t k = 0; k < c->count; k++)
-        if (has_changed(&c->kinks[k]) && !is_touched(c->space, k) && (c->space->count == TOUCHED || !respond(c, k)))
-            return false;
-    return true;
-}
-
-/* ---- the minimum of a piece ---- */
-
 /* A x = b by elimination with pivots, x in b; false where A is singular */
 static bool eliminate(double a[TOUCHED][TOUCHED], double *b, int32_t count)
 {
@@ -161,6 +103,136 @@ static bool eliminate(double a[TOUCHED][TOUCHED], double *b, int32_t count)
     }
     return true;
 }
+
+/* a vector of forces along x, y, z as the right side of a system */
+static void set_right(const crossing *c, double *force)
+{
+    pel_newton_frames_turn(&c->run->problem->frames, force);
+    for (int32_t u = 0; u < c->unknowns; u++)
+        c->newton->right[u] = c->newton->fixed[u] ? 0 : force[u];
+}
+
+static double *response(const crossing *c, int32_t i)
+{
+    return c->space->responses + (size_t)i * (size_t)c->unknowns;
+}
+
+static double *volume_response(const crossing *c, int32_t i)
+{
+    return c->space->volume_responses + (size_t)i * (size_t)c->unknowns;
+}
+
+/* of the gradient of a volume and a vector that is 0 where unknowns are fixed */
+static double volume_product(const crossing *c, int32_t i, const double *x)
+{
+    const pel_rank_one *one = &c->newton->pattern->rank_ones[c->space->volumes[i]];
+    double product = 0;
+    for (int32_t k = 0; k < 3 * one->vertex_count; k++)
+        product += one->gradient[k] * x[3 * one->first_vertex + k];
+    return product;
+}
+
+/* newton->step of newton->right, by the factor: nearly */
+static bool answer(crossing *c)
+{
+    pel_newton *newton = c->newton;
+    pel_newton_space *space = c->space;
+    double products[TOUCHED];
+    pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
+    c->run->status = pel_pool_check(newton->pool, c->run->error);
+    if (c->run->status != PEL_OK)
+        return false;
+    for (int32_t i = 0; i < space->volume_count; i++) {
+        products[i] = volume_product(c, i, newton->step);
+        for (int32_t j = 0; j < space->volume_count; j++)
+            space->system[i][j] = space->volume_gaps[i][j];
+        space->system[i][i] += 1 / newton->pattern->rank_ones[space->volumes[i]].coefficient;
+    }
+    if (!eliminate(space->system, products, space->volume_count))
+        return false;
+    for (int32_t i = 0; i < space->volume_count; i++)
+        for (int32_t u = 0; u < c->unknowns; u++)
+            newton->step[u] -= products[i] * volume_response(c, i)[u];
+    return true;
+}
+
+/* responses to the gradients of volumes, whose terms are no part of the factor; of more than there is room for none */
+static bool respond_to_volumes(crossing *c)
+{
+    pel_newton *newton = c->newton;
+    pel_newton_space *space = c->space;
+    int32_t count = 0;
+    space->volume_count = 0;
+    for (int32_t r = 0; r < newton->pattern->rank_one_count && count < PEL_NEWTON_VOLUMES; r++) {
+        const pel_rank_one *one = &newton->pattern->rank_ones[r];
+        size_t size = (size_t)(count + 1) * (size_t)c->unknowns;
+        if (!(one->coefficient > 0))
+            continue;
+        if (!pel_reserve((void **)&space->volume_responses, &space->volume_capacity, size, sizeof(double))) {
+            c->run->status = pel_fail_memory(c->run->error);
+            return false;
+        }
+        memset(newton->right, 0, (size_t)c->unknowns * sizeof *newton->right);
+        for (int32_t k = 0; k < 3 * one->vertex_count; k++)
+            newton->right[3 * one->first_vertex + k] = newton->fixed[3 * one->first_vertex + k] ? 0 : one->gradient[k];
+        if (!answer(c))
+            return false;
+        memcpy(volume_response(c, count), newton->step, (size_t)c->unknowns * sizeof(double));
+        space->volumes[count++] = r;
+    }
+    for (int32_t i = 0; i < count; i++)
+        for (int32_t j = 0; j < count; j++)
+            space->volume_gaps[i][j] = volume_product(c, i, volume_response(c, j));
+    space->volume_count = count;
+    return true;
+}
+
+/* z of a constraint, and what it does to the gaps of the others; false where the solve fails */
+static bool respond(crossing *c, int32_t number)
+{
+    pel_newton *newton = c->newton;
+    pel_newton_space *space = c->space;
+    int32_t own = space->count;
+    size_t size = (size_t)(own + 1) * (size_t)c->unknowns;
+    if (!pel_reserve((void **)&space->responses, &space->capacity, size, sizeof *space->responses)) {
+        c->run->status = pel_fail_memory(c->run->error);
+        return false;
+    }
+    memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
+    push(&c->kinks[number], 1, newton->product);
+    if (own == 0 && !respond_to_volumes(c))
+        return false;
+    set_right(c, newton->product);
+    if (!answer(c))
+        return false;
+    memcpy(response(c, own), newton->step, (size_t)c->unknowns * sizeof *newton->step);
+    const double *move = pel_newton_find_move(c->run, 1);
+    space->kinks[own] = number;
+    space->excess[own] = 0;
+    space->count++;
+    for (int32_t i = 0; i < space->count; i++)
+        space->gaps[i][own] = space->gaps[own][i] = rate_of(&c->kinks[space->kinks[i]], move);
+    return true;
+}
+
+static bool is_touched(const pel_newton_space *space, int32_t number)
+{
+    for (int32_t i = 0; i < space->count; i++)
+        if (space->kinks[i] == number)
+            return true;
+    return false;
+}
+
+/* responses of all that have changed; false where there are too many, or a solve fails */
+static bool touch_changed(crossing *c)
+{
+    for (int32_t k = 0; k < c->count; k++)
+        if (has_changed(&c->kinks[k]) && !is_touched(c->space, k) && (c->space->count == TOUCHED || !respond(c, k)))
+            return false;
+    return true;
+}
+
+/* ---- the minimum of a piece ---- */
 
 /* What constraints push in excess (count of the space) at the minimum of the present piece. */
 static bool find_target(const crossing *c, double *target)
@@ -382,7 +454,9 @@ bool pel_newton_cross_kinks(newton_run *run)
 
 void pel_newton_space_destroy(pel_newton_space *space)
 {
-    if (space != NULL)
+    if (space != NULL) {
         pel_free(space->responses);
+        pel_free(space->volume_responses);
+    }
     pel_free(space);
 }

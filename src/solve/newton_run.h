@@ -9,7 +9,7 @@
 typedef struct pel_newton_skew pel_newton_skew;
 
 /* constraints that change in one space of newton_kinks.c */
-enum { PEL_NEWTON_TOUCHED = 48 };
+enum { PEL_NEWTON_TOUCHED = 48, PEL_NEWTON_VOLUMES = 8 };
 
 /* What constraints do to a step and to each other, by one matrix. */
 typedef struct pel_newton_space {
@@ -20,6 +20,11 @@ typedef struct pel_newton_space {
     double system[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED];
     double *responses; /* (count x unknown_count) m/N */
     size_t capacity;
+    /* the first terms of volumes, which the factor does not have: of each by each, and responses to their gradients */
+    int32_t volume_count, volumes[PEL_NEWTON_VOLUMES];
+    double volume_gaps[PEL_NEWTON_VOLUMES][PEL_NEWTON_VOLUMES];
+    double *volume_responses; /* (volume_count x unknown_count) */
+    size_t volume_capacity;
 } pel_newton_space;
 
 struct pel_newton {
@@ -120,8 +125,6 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
 /* terms of the system of a run (context) besides the matrix: volumes, and the stiffness along the direction of a path
  */
 void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
-/* newton->step of newton->right by the factor of the matrix, nearly; false where it fails. */
-bool pel_newton_answer(newton_run *run);
 /* newton->step of newton->right by the matrix alone; false where that is not positive definite. */
 bool pel_newton_solve_symmetric(newton_run *run);
 /* The step of the matrix; false where that is not positive definite. */

@@ -338,18 +338,6 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
     return end;
 }
 
-bool pel_newton_answer(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    if (has_volume_terms(newton)) {
-        pel_pcg_end end = pel_newton_solve(run, PEL_NEWTON_PRODUCTS);
-        return run->status == PEL_OK && (end == PEL_PCG_CONVERGED || end == PEL_PCG_LIMIT);
-    }
-    pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
-    run->status = pel_pool_check(newton->pool, run->error);
-    return run->status == PEL_OK;
-}
-
 /* newton->step of newton->right by the matrix alone */
 bool pel_newton_solve_symmetric(newton_run *run)
 {
