@@ -249,7 +249,15 @@ static void find_middle(const job *j, double middle[3])
         middle[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
 }
 
-/* tools smaller than the body belong into the picture; larger ones may reach out of it */
+/* Of the body's size: tools up to this are shown whole, larger ones may reach out of the picture. Beyond half of it
+   they may hide the body: they are drawn more transparent and cast no shadow. */
+#define WHOLE_TOOL 0.7
+
+static bool may_hide(const job *j, const pel_tool_def *tool)
+{
+    return tool_radius(tool) > 0.5 * WHOLE_TOOL * body_size(j);
+}
+
 static void survey_tools(job *j, view_shot shot)
 {
     const view_run *run = &j->runs[shot.run];
@@ -260,7 +268,7 @@ static void survey_tools(job *j, view_shot shot)
             continue;
         double radius = tool_radius(tool), middle[3];
         find_middle(j, middle);
-        if (radius < 0.35 * body_size(j)) {
+        if (radius < WHOLE_TOOL * body_size(j)) {
             view_camera_see(&j->camera, position, radius);
             j->around =
                 fmax(j->around,
@@ -461,7 +469,7 @@ static pel_status survey(job *j, pel_error *error)
 
 /* The corners of a picture, in the order in which they are drawn. */
 typedef struct parts {
-    size_t surface, arrows, tools, ground; /* where each ends */
+    size_t surface, arrows, tools, large_tools, ground; /* where each ends */
 } parts;
 
 static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_error *error)
@@ -480,14 +488,15 @@ static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_
     return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, colored ? j->values : NULL, j->def.flat, error);
 }
 
-static pel_status add_tools(job *j, view_shot shot, pel_error *error)
+static pel_status add_tools(job *j, view_shot shot, bool large, pel_error *error)
 {
     const view_run *run = &j->runs[shot.run];
     pel_status status = PEL_OK;
     for (int32_t t = 0; status == PEL_OK && t < view_run_tool_count(run); ++t) {
         double position[3], rotation[4];
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
-        status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
+        if (may_hide(j, tool) == large)
+            status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
     }
     return status;
 }
@@ -513,8 +522,11 @@ static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts 
         status = walk_arrows(j, mesh, add_arrow, error);
     ends->arrows = j->soup.count;
     if (status == PEL_OK)
-        status = add_tools(j, shot, error);
+        status = add_tools(j, shot, false, error);
     ends->tools = j->soup.count;
+    if (status == PEL_OK)
+        status = add_tools(j, shot, true, error);
+    ends->large_tools = j->soup.count;
     if (status == PEL_OK)
         status = add_ground(j, error);
     ends->ground = j->soup.count;
@@ -533,7 +545,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
                                .occlusion = colored ? 0.6 : 1};
     const view_look outline = {.plain = {{40, 34, 34, 255}}, .outline_width = fmax(1.2, j->page.text_size / 14.0)};
     const view_look arrows = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1, .occlusion = 0.4};
-    const view_look tools = {.plain = {{120, 132, 148, 110}}, .highlight = 0.25};
+    const view_look tools = {.plain = {{120, 132, 148, 110}}, .highlight = 0.25},
+                    large_tools = {.plain = {{120, 132, 148, 44}}, .highlight = 0.1};
     const view_look ground = {.ground = true, .occlusion = j->def.background == PEL_BACKGROUND_DARK ? 1 : 0.8};
     double middle[3], center[3];
     find_middle(j, middle);
@@ -547,7 +560,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
     if (j->def.outline)
         view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &outline);
     view_gl_target_draw(j->canvas, &j->soup, ends->surface, ends->arrows - ends->surface, &arrows);
-    view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->ground - ends->tools, &ground);
+    view_gl_target_draw(j->canvas, &j->soup, ends->large_tools, ends->ground - ends->large_tools, &ground);
+    view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->large_tools - ends->tools, &large_tools);
     view_gl_target_draw(j->canvas, &j->soup, ends->arrows, ends->tools - ends->arrows, &tools);
 }
 
