@@ -64,6 +64,8 @@ extern const pel_member pel_model_members[], pel_body_members[], pel_sim_members
 
 /* Adds the members of a valid def of such a table. */
 void pel_fingerprint_add(pel_fingerprint *fingerprint, const pel_member *members, const void *def);
+/* Of a pel_model_def whose meshes are those of before: the same as a new fingerprint. */
+void pel_fingerprint_renew(pel_fingerprint *fingerprint, const void *def);
 void pel_fingerprint_add_bytes(pel_fingerprint *fingerprint, pel_part part, const void *bytes, size_t size);
 
 /* The names of the parts that differ, "gravity, tools"; empty when none does. Returns text. */

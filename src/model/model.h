@@ -140,6 +140,12 @@ bool pel_model_allocate_slots(pel_model *model, pel_spring_room room, int32_t fa
 /* All of them; names, meshes and the like belong to the bodies. */
 void pel_model_free_arrays(pel_model *model);
 
+/* Recomputes all arrays of numbers after the caller has changed numbers of model->def; the order of vertices and the
+   springs stay. The result has the same bits as that of pel_model_create. False if the model must be created anew: it
+   has a shell, levels of detail or springs of several stiffnesses, needs other arrays, or the numbers are refused. It
+   must be destroyed then. */
+bool pel_model_refill(pel_model *model);
+
 /* Stiffness of the spring on an edge of the body's mesh [N/m]; of keyed springs that at the factor 1. */
 double pel_model_rest_stiffness(const pel_body_def *def, const pel_topology *topology, int32_t edge);
 

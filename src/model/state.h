@@ -32,6 +32,8 @@ struct pel_state {
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error);
 /* gives the vertices that may move the velocities with which their bodies start; the state has velocities */
 void pel_state_start(const pel_model *model, pel_state *state);
+/* After pel_model_refill, at the start of a simulation: masses, and velocities where `with_velocity`. */
+void pel_state_refill(const pel_model *model, bool with_velocity, pel_state *state);
 /* allocates the history of second order methods, empty */
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error);
 /* converts the history of a step of length `before` to a step of length `step`: x(t - h) and v(t - h) of the motion

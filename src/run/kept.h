@@ -3,6 +3,7 @@
 #define PEL_RUN_KEPT_H
 
 #include "pellicle/run.h"
+#include "sim/parameter_table.h"
 
 /* Results of a run at its frames and its end. */
 enum {
@@ -28,6 +29,15 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
 /* Takes the simulation back to its start, with the numbers of loads and grasps that it was made with
    (pel_snapshot_rewind). Errors of pel_sim_load. */
 pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error);
+/* Another value of a parameter. */
+typedef struct pel_run_number {
+    pel_parameter_place place;
+    const char *text; /* as scenes have it */
+} pel_run_number;
+
+/* Writes numbers of bodies and the solver into the simulation, back at its start, and into the model with the bodies'.
+   False if it must be forgotten: it was not created yet, or pel_model_refill or pel_sim_refill returns false. */
+bool pel_run_kept_refill(pel_run_kept *kept, const pel_run_number *numbers, int32_t count, bool with_model);
 /* Forgets the simulation, or all of it. */
 void pel_run_kept_drop(pel_run_kept *kept, bool with_model);
 

@@ -100,6 +100,16 @@ static uint64_t hash_scene(const pel_scene *scene)
     return hash;
 }
 
+/* the state before the first step, with its energies: no run computes them again */
+static void keep_at_start(pel_run_kept *kept)
+{
+    const unsigned readers = PEL_RUN_ENERGIES | PEL_RUN_WARNINGS;
+    kept->sim->ledger.is_unread = (kept->skips & readers) == readers;
+    pel_ledger_start(kept->sim);
+    pel_snapshot_keep(kept->sim, kept->start);
+    kept->is_at_start = true;
+}
+
 /* the state before the first step */
 static pel_status keep_start(pel_run_kept *kept, pel_error *error)
 {
@@ -108,8 +118,7 @@ static pel_status keep_start(pel_run_kept *kept, pel_error *error)
     kept->start = pel_allocate(size, 1);
     if (kept->start == NULL)
         return pel_fail_memory(error);
-    pel_sim_save(kept->sim, kept->start);
-    kept->is_at_start = true;
+    keep_at_start(kept);
     return PEL_OK;
 }
 
@@ -477,7 +486,8 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
-    pel_warnings_check_step(run);
+    if ((run->frames.skips & PEL_RUN_WARNINGS) == 0)
+        pel_warnings_check_step(run);
     status = write_due(run, error);
     return status == PEL_OK && !run->settled ? keep_state(run, error) : status;
 }
@@ -653,6 +663,20 @@ pel_status pel_run_kept_rewind(pel_run_kept *kept, pel_error *error)
     pel_status status = pel_snapshot_rewind(kept->sim, kept->start, error);
     kept->is_at_start = status == PEL_OK;
     return status;
+}
+
+bool pel_run_kept_refill(pel_run_kept *kept, const pel_run_number *numbers, int32_t count, bool with_model)
+{
+    if (kept->sim == NULL || pel_run_kept_rewind(kept, NULL) != PEL_OK)
+        return false;
+    for (int32_t i = 0; i < count; i++)
+        if (!pel_parameter_write(&kept->model->def, &kept->sim->def, numbers[i].place, numbers[i].text))
+            return false;
+    if ((with_model && !pel_model_refill(kept->model)) || !pel_sim_refill(kept->sim, with_model))
+        return false;
+    if (with_model)
+        keep_at_start(kept);
+    return true;
 }
 
 void pel_run_kept_drop(pel_run_kept *kept, bool with_model)

@@ -387,6 +387,8 @@ void pel_ledger_start(pel_sim *sim)
     if (sim->ledger.is_started)
         return;
     sim->ledger.is_started = true;
+    if (sim->ledger.is_unread)
+        return;
     pel_sim_sum_energies(sim, &now);
     sim->ledger.sums.elastic_start = now.elastic_energy;
     sim->ledger.sums.kinetic_start = kinetic_energy(sim, &now);
@@ -468,8 +470,11 @@ static double rounding_of(const pel_sim *sim)
     pel_shell_stability_bound(sim->shells, &stability);
     for (int32_t v = 0; v < model->vertex_count; v++) {
         mass += (double)model->mass[v];
-        for (int c = 0; c < 3; c++)
-            farthest = fmax(farthest, fabs((double)model->rest[v][c]));
+        /* fmax is a call */
+        for (int c = 0; c < 3; c++) {
+            double far = fabs((double)model->rest[v][c]);
+            farthest = far > farthest ? far : farthest;
+        }
     }
     double share = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
@@ -496,6 +501,14 @@ void pel_ledger_follow(pel_sim *sim)
     }
 }
 
+void pel_ledger_refill(pel_sim *sim)
+{
+    pel_ledger *ledger = &sim->ledger;
+    ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
+    ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
+    ledger->rounding = rounding_of(sim);
+}
+
 pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 {
     pel_ledger *ledger = &sim->ledger;
@@ -508,9 +521,7 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
     if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL ||
         ledger->checked_volumes == NULL || ledger->chunks == NULL)
         return pel_fail_memory(error);
-    ledger->has_damping = has_any(sim->given->damping, sim->given->vertex_count);
-    ledger->has_radial_damping = has_any(sim->given->volumetric_damping, sim->given->vertex_count);
-    ledger->rounding = rounding_of(sim);
+    pel_ledger_refill(sim);
     pel_ledger_follow(sim);
     return PEL_OK;
 }

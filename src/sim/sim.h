@@ -504,6 +504,8 @@ pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns);
 pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 
 /* ---- snapshot.c ---- */
+/* pel_sim_save without the checksum, for pel_snapshot_rewind alone. */
+void pel_snapshot_keep(const pel_sim *sim, void *bytes);
 /* Recomputes the checksum of a snapshot, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
 /* Restores a snapshot of the same simulation. Its defs must not have changed, except numbers that it reads in each
@@ -527,6 +529,11 @@ void pel_sim_take_fingerprint(pel_sim *sim);
 /* ---- sim_create.c ---- */
 /* Sets up a simulation by its def, in a sim that is empty except goes_on; release it also on failure. */
 pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error);
+/* Recomputes all constants of a simulation at its start after numbers of the solver in sim->def have changed and, with
+   the model, after pel_model_refill. The result has the same bits as that of pel_sim_create. False if it must be created
+   anew: another method than explicit and quasi-static, shells, refinement, tools, supports or contact, or the numbers
+   are refused. It must be destroyed then. */
+bool pel_sim_refill(pel_sim *sim, bool with_model);
 /* Frees all that is in it. */
 void pel_sim_release(pel_sim *sim);
 

@@ -463,10 +463,9 @@ void pel_snapshot_seal(void *bytes, size_t size)
     memcpy((unsigned char *)bytes + offsetof(header, checksum), &checksum, sizeof checksum);
 }
 
-void pel_sim_save(const pel_sim *sim, void *bytes)
+/* returns its size */
+static size_t save(const pel_sim *sim, void *bytes)
 {
-    if (sim == NULL || bytes == NULL)
-        return;
     header head = {
         .magic = "PELSNAP",
         .version = SNAPSHOT_VERSION,
@@ -480,7 +479,18 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
     cursor place = {.bytes = bytes, .at = sizeof head};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
-    pel_snapshot_seal(bytes, place.at);
+    return place.at;
+}
+
+void pel_snapshot_keep(const pel_sim *sim, void *bytes)
+{
+    (void)save(sim, bytes);
+}
+
+void pel_sim_save(const pel_sim *sim, void *bytes)
+{
+    if (sim != NULL && bytes != NULL)
+        pel_snapshot_seal(bytes, save(sim, bytes));
 }
 
 static const char damage_remedy[] = "load another one before the next step";

@@ -1,4 +1,4 @@
-#include "sim/step_newton.h"
+#include "sim/step_turn.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -50,8 +50,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         sim->descent->inertia = newton->point_stiffness;
         newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
         newton->collided = pel_allocate((size_t)sim->model->body_count, sizeof *newton->collided);
+        newton->turns = pel_allocate((size_t)sim->model->body_count, sizeof *newton->turns);
         room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL &&
-                newton->collided != NULL;
+                newton->collided != NULL && newton->turns != NULL;
     }
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -63,7 +64,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     pel_newton_destroy(newton->newton);
     void *arrays[] = {newton->unknowns,        newton->target, newton->loads,     newton->fixed,
                       newton->force,           newton->points, newton->couplings, newton->radial,
-                      newton->point_stiffness, newton->groups, newton->collided};
+                      newton->point_stiffness, newton->groups, newton->collided,  newton->turns};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -141,7 +142,7 @@ static bool is_held(const pel_sim *sim, int32_t v)
     return !(sim->model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v]);
 }
 
-static bool is_free(const pel_sim *sim, int32_t body)
+bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
 {
     const pel_body *own = &sim->model->bodies[body];
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
@@ -238,7 +239,7 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
     newton->frames = pel_holds_fix(sim, time, newton->fixed, newton->target);
     find_loads(sim, time);
     for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
-        if (!is_free(sim, b))
+        if (!pel_sim_newton_is_free(sim, b))
             continue;
         if (newton->lead != NULL)
             support_as_lead(sim, b);
@@ -446,7 +447,7 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
     const pel_sim_descent *descent = sim->descent;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         descent->newton->groups[b] =
-            (newton_group){.leader = b, .is_held = !is_free(sim, b) || descent->newton->radial != NULL};
+            (newton_group){.leader = b, .is_held = !pel_sim_newton_is_free(sim, b) || descent->newton->radial != NULL};
     for (int32_t c = 0; is_constrained && c < descent->count; c++)
         join(sim, &descent->constraints[c]);
 }
@@ -565,7 +566,7 @@ bool pel_sim_newton_approximate(pel_descent_context *context)
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (is_free(sim, b))
+        if (pel_sim_newton_is_free(sim, b))
             return false;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {

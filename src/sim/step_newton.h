@@ -26,6 +26,7 @@ struct pel_sim_newton {
     bool has_stepped; /* since the state was loaded: the springs of inertia belong to a step that led to it */
     bool is_damped;   /* drag, or damping of springs */
     const struct pel_implicit_scheme *scheme; /* of the last step in time */
+    struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
     bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
     bool goes_on;                             /* the unknowns belong to the step in progress */
@@ -45,6 +46,8 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
    tool, pins or supports hold it. */
 int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body);
 bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group);
+/* whether pins, supports, tools or volumetric springs hold a body; contact may touch it */
+bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
 /* pel_descent_run by Newton's method. PEL_OUT_OF_MEMORY. */

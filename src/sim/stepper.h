@@ -22,6 +22,7 @@ typedef struct pel_stepper {
     bool bounds_motion; /* the step finds the longest edge itself */
     bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
     bool turns_edges;   /* rotations of edges are unknowns: PEL_BENDING_MIDEDGE */
+    bool can_refill;    /* create only checks and chooses numbers where no body refines: it may be repeated */
 
     /* Data of the method, after model, state and shells; fills automatic numbers of the solver. */
     pel_status (*create)(pel_sim *sim, pel_error *error);
