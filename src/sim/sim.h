@@ -530,9 +530,9 @@ void pel_sim_take_fingerprint(pel_sim *sim);
 /* Sets up a simulation by its def, in a sim that is empty except goes_on; release it also on failure. */
 pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 /* Recomputes all constants of a simulation at its start after numbers of the solver in sim->def have changed and, with
-   the model, after pel_model_refill. The result has the same bits as that of pel_sim_create. False if it must be created
-   anew: another method than explicit and quasi-static, shells, refinement, tools, supports or contact, or the numbers
-   are refused. It must be destroyed then. */
+   the model, after pel_model_refill. The result has the same bits as that of pel_sim_create. False if it must be
+   created anew: another method than explicit and quasi-static, shells, refinement, tools, supports or contact, or the
+   numbers are refused. It must be destroyed then. */
 bool pel_sim_refill(pel_sim *sim, bool with_model);
 /* Frees all that is in it. */
 void pel_sim_release(pel_sim *sim);

@@ -1,4 +1,4 @@
-/* Steps in time by Newton's method: order, what is kept, and what touches. */
+/* Steps in time by Newton's method: order, conservation, and contact. */
 #include "pellicle/geometry.h"
 #include "sim/contact_scene.h"
 #include "sim/descent_fixture.h"
@@ -278,7 +278,7 @@ static void test_driven_volume(void **unused)
     end_stage(&s);
 }
 
-/* ---- what touches ---- */
+/* ---- contact ---- */
 
 /* A sheet on a slope, across the edges of a flat mesh: g (sin - mu cos) t^2 / 2. One of steel whose friction nearly
    holds it: what sticks is so stiff that the first steps of Newton's method are very short. */
