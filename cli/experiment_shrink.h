@@ -26,8 +26,9 @@ pel_status cli_shrink_ratio(const cli_experiment *experiment, const char *run, c
 /* number in the last row of a column */
 pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, const char *column, double *number);
 
-/* Writes a plot of the volumes of runs (count). */
-pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs, int count);
+/* Writes a plot of the volumes of runs (count) with these labels. */
+pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs,
+                           const char *const *labels, int count);
 
 /* The region of fibres (E_A) at the cap of a body, as a setting; text (512 bytes). */
 const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const char *energy, char *text);
