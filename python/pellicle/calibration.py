@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import difflib
 import json
 import os
 import sys
@@ -42,12 +43,15 @@ class _Curve:
         self.name = os.path.basename(entry["file"])
         names, columns = _read_csv(entry["file"])
         if self.body is not None:
-            self.vertices = _pick(entry["file"], names, columns, "vertex").astype(int)
+            vertices = _pick(entry["file"], names, columns, "vertex")
+            self.vertices = vertices.astype(int)
+            if (self.vertices != vertices).any():
+                raise _core.Error(f"{entry['file']}: error: the column vertex must hold whole numbers. correct it")
             self.x = np.arange(3 * len(self.vertices), dtype=float)
             self.y = np.column_stack([_pick(entry["file"], names, columns, axis) for axis in "xyz"]).ravel()
         else:
-            self.x = _pick(entry["file"], names, columns, entry.get("column_x", entry["x"]), 0)
-            self.y = _pick(entry["file"], names, columns, entry.get("column_y", entry["y"]), 1)
+            self.x = _pick_axis(entry, "x", 0, names, columns)
+            self.y = _pick_axis(entry, "y", 1, names, columns)
         size = float(np.ptp(self.y)) if self.body is not None else float(np.abs(self.y).max())
         if not size > 0:
             raise _core.Error(f"{entry['file']}: error: all measured values are the same. measure more than one point")
@@ -75,8 +79,8 @@ class _Curve:
         for key in ("x", "y"):
             if self.entry[key] not in series:
                 raise _core.Error(
-                    f"error: the series of the scene has no column {self.entry[key]!r} ({key} of {self.name}). it has "
-                    + ", ".join(series)
+                    f"error: the series of the scene has no column {self.entry[key]!r} ({key} of {self.name}). "
+                    + _advise(self.entry[key], list(series))
                 )
         x = series[self.entry["x"]] * float(self.entry.get("scale_x", 1))
         y = series[self.entry["y"]] * float(self.entry.get("scale_y", 1))
@@ -86,16 +90,34 @@ class _Curve:
         return np.interp(self.x, x[order], y[order])
 
 
+def _advise(name: str, names: list[str]) -> str:
+    near = difflib.get_close_matches(name, names, 1)
+    return f"did you mean {near[0]!r}?" if near else "it has " + ", ".join(names)
+
+
 def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
+    names: list[str] = []
+    rows = []
     with open(path, newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    try:
-        columns = np.array([[float(cell) for cell in row] for row in rows[1:]]).T
-    except ValueError as error:
-        raise _core.Error(f"{path}: error: {error}. write one line with names, then lines of numbers") from None
-    if columns.ndim != 2 or len(columns) != len(rows[0]) or columns.shape[1] < 2 or not np.isfinite(columns).all():
+        reader = csv.reader(file)
+        for row in reader:
+            if not row or row[0].startswith("#"):
+                continue
+            if not names:
+                names = [name.strip() for name in row]
+                continue
+            place = f"{path}:{reader.line_num}: error: "
+            if len(row) != len(names):
+                raise _core.Error(f"{place}{len(row)} cells below {len(names)} names. write one number for each name")
+            try:
+                rows.append([float(cell) for cell in row])
+            except ValueError as error:
+                raise _core.Error(f"{place}{error}. write one line with names, then lines of numbers") from None
+            if not np.isfinite(rows[-1]).all():
+                raise _core.Error(f"{place}a number is not finite. correct or remove the line")
+    if len(rows) < 2:
         raise _core.Error(f"{path}: error: no table of numbers. write one line with names, then at least two lines of numbers")
-    return [name.strip() for name in rows[0]], columns
+    return names, np.array(rows).T
 
 
 def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Optional[int] = None) -> np.ndarray:
@@ -104,6 +126,12 @@ def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Op
     if place is not None and len(names) == 2:
         return columns[place]
     raise _core.Error(f"{path}: error: there is no column {name!r}. name one of {', '.join(names)} as column_x and column_y")
+
+
+def _pick_axis(entry: Mapping[str, Any], axis: str, place: int, names: list[str], columns: np.ndarray) -> np.ndarray:
+    """A column that the entry names must be there; otherwise it may be one of the only two."""
+    given = entry.get(f"column_{axis}")
+    return _pick(entry["file"], names, columns, given or entry[axis], None if given else place)
 
 
 class Fit:

@@ -42,6 +42,10 @@ def _plain(value: Any) -> Any:
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
+    if isinstance(value, range):
+        return list(value)
+    if isinstance(value, Mesh):
+        raise TypeError("scene: a Mesh cannot stand here: write it to a file and give {'file': path}")
     raise TypeError(f"scene: a {type(value).__name__} cannot stand in a scene")
 
 

@@ -69,10 +69,16 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
         return;
     }
     char names[200] = "";
+    bool takes_file = false;
     for (const pel_scene_row *child = NULL;
-         row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;)
-        add_name(names, sizeof names, pel_scene_row_name(child, prefix));
-    if (value->kind == PEL_SCENE_SCALAR && value->parent != NULL && names[0] != '\0')
+         row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;) {
+        const char *name = pel_scene_row_name(child, prefix);
+        add_name(names, sizeof names, name);
+        takes_file |= strcmp(name, "file") == 0;
+    }
+    if (takes_file && value->kind == PEL_SCENE_SCALAR && strchr(value->text, '.') != NULL)
+        pel_fail_remedy(reader->error, "write { file: %.150s }", value->text);
+    else if (value->kind == PEL_SCENE_SCALAR && value->parent != NULL && names[0] != '\0')
         pel_fail_remedy(reader->error, "write { key: value } with keys of: %s", names);
     else
         pel_fail_remedy(reader->error, "it means: %s", row->doc);

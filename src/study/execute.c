@@ -82,6 +82,9 @@ static void tell(const execution *e)
 static pel_status keep_row(execution *e, const char *row, pel_error *error)
 {
     pel_status status = pel_study_store_gather(e->store, row, error);
+    /* progress tells of rows that are written */
+    if (status == PEL_OK && e->def->progress != NULL)
+        status = pel_study_store_flush(e->store, error);
     if (status != PEL_OK)
         return status;
     e->failed += pel_study_row_is_done(row) ? 0 : 1;
@@ -98,7 +101,7 @@ static pel_status keep_lost(execution *e, int64_t run, const char *word, const c
     return status == PEL_OK ? pel_study_store_flush(e->store, error) : status;
 }
 
-/* the rows that have come back whole, with one write */
+/* the rows that have come back whole, with one write where nobody asks for progress */
 static pel_status keep_rows(execution *e, pel_study_worker *worker, pel_error *error)
 {
     const char *row;

@@ -35,6 +35,8 @@ static const bad_scene bad_scenes[] = {
     {BALL "    springs: {stiffness: '3'}\n", NULL, "a.yaml:5:26: error: bodies.0.springs.stiffness is '3', it must be"},
     {BALL "    springs: 3\n", NULL,
      "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: young, thick"},
+    {"version: 1\nduration: 2\nbodies:\n  - {name: a, mesh: ball.obj}\n", NULL,
+     "a.yaml:4:21: error: bodies.0.mesh is 'ball.obj', it must be: map. write { file: ball.obj }"},
     {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
      "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number alone, it "
      "is taken in N/m"},

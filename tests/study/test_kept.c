@@ -187,7 +187,7 @@ static void test_unconverged(void **unused)
     pel_study *study = make_study(&descent, "measure: [solver_unconverged_steps]\n");
     static char row[ROW];
     assert_int_equal(pel_study_run(study, 0, NULL, NULL, NULL, row, NULL), PEL_OK);
-    assert_non_null(strstr(row, ",20,done,"));
+    assert_non_null(strstr(row, ",16,done,"));
     pel_study_destroy(study);
 }
 
