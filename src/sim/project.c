@@ -16,9 +16,10 @@ enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.02
 /* how far a sweep brings a pair together, in the largest depth that it met */
 #define CORRECTION_REACH 4.0
-/* depth that a pair had before a substep and that is taken back in it, of the thickness: all at once would turn depth
-   into speed */
+/* depth before a substep of pairs, and of vertices and triangles at round and box tools, of the thickness: at most this
+   is taken back within a step. All at once, depth would turn into speed. */
 #define RECOVERY_SHARE 0.05
+#define SOLID_RECOVERY_SHARE 0.5
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -62,6 +63,17 @@ static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record 
     }
 }
 
+static void set_recovery(pel_sim *sim)
+{
+    double share = sim->projector->substep / sim->projector->whole_dt, thickness = 0;
+    if (sim->contacts != NULL) {
+        thickness = sim->contacts->def.thickness;
+        sim->contacts->list.recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * share * thickness;
+    }
+    if (sim->solids != NULL)
+        sim->solids->list.recovery = thickness > 0 ? SOLID_RECOVERY_SHARE * share * thickness : HUGE_VAL;
+}
+
 /* one sweep over the elements, then over contacts */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
@@ -74,7 +86,6 @@ static void sweep(pel_sim *sim, const pel_record *start)
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
-        sim->solids->list.recovery = HUGE_VAL;
         pel_solids_refresh(sim, start);
         pel_contacts_project(&sim->solids->list, positions, start);
     }
@@ -95,9 +106,9 @@ static void run_substep(pel_sim *sim, int32_t number)
                 number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
+    set_recovery(sim);
     if (pairs != NULL) {
         pel_contacts_begin_substep(sim);
-        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->def.thickness;
         pel_contacts_begin(pairs);
         pel_contacts_begin(&sim->contacts->heights.list);
     }
