@@ -10,11 +10,11 @@
    bodies, and tools, keep their prescribed motion.
 
    A collision begins with the first step in which the pair presses, and ends with the first one in which it does not
-   and parts. Its approach and its parting are counted at the place of the contact: u^2 +- 2 a s with the relative
-   acceleration a of gravity over the way s within the step. When a body has lost its velocity without giving it back it
-   rests in the contact; then it is sent off at once. An impulse adds no more energy than the run has lost by then
-   (ledger.h) where a method has the material's energy, so e <= 1 makes none appear. What approaches more slowly than 2
-   g dt does not bounce, so that what rests stays at rest (Mueller et al. 2020, section 3.6). */
+   and parts. Its approach and separation velocities are taken at the contact: u^2 +- 2 a s with the relative
+   acceleration a of gravity over the displacement s within the step. If a body has lost its velocity without rebound it
+   rests in the contact; then the impulse is applied immediately. An impulse adds no more energy than the run has lost
+   until then (ledger.h) if the method has the material's energy, so e <= 1 creates none. Bodies that approach more
+   slowly than 2 g dt do not bounce, so that resting bodies stay at rest (Mueller et al. 2020, section 3.6). */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
@@ -23,11 +23,11 @@
 
 #include <string.h>
 
-/* of the approach: what approaches more slowly than that has come to rest in the contact */
+/* share of the approach velocity: a pair that is slower has come to rest in the contact */
 #define REST_SHARE 0.05
 /* in steps of gravity: the least approach that bounces */
 #define LEAST_STEPS 2
-/* of the mean edge: a pair that approaches by so much without a push is no collision any more */
+/* share of the mean edge: a pair that approaches by this much without a push has ended its collision */
 #define IDLE_SHARE 1.0
 /* a pair of groups in a collision, now and when the step began */
 typedef struct encounter {
@@ -164,7 +164,8 @@ static void push(const encounter *e, double impulse)
     sim->force_is_present = false;
 }
 
-/* Energy that the run has lost by now [J]. That of pbd is not the material's: there the approach alone bounds it. */
+/* Energy that the run has lost until now [J]. The energy of pbd is not the material's: there only the approach bounds
+   it. */
 static double lost_energy(pel_sim *sim)
 {
     pel_sim_ledger ledger;
@@ -174,8 +175,8 @@ static double lost_energy(pel_sim *sim)
     return ledger.dissipated_solver - ledger.energy_error;
 }
 
-/* Brings the parting velocity to that of Newton's law. A pair that still presses waits until that takes no more energy
-   than was lost. */
+/* Sets the separation velocity by Newton's law. A pair that still presses waits until that takes no more energy than
+   was lost. */
 static void part(encounter *e, double speed, bool presses)
 {
     double wanted = e->restitution * e->state->approach, risen = 2 * fall(e) * e->state->risen;

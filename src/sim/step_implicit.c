@@ -9,12 +9,12 @@
      BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
-   Forces that change in time are taken at the time of y: in the middle of the step under the midpoint rule, else at its
-   end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a stiff body turns
-   or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such steps. BDF2 damps
-   unresolved motion and keeps sliding and resting contact at second order. Euler takes the first
-   step and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h).
-   Damping along volumetric springs is c (u . e) e, with e from the start of the step. */
+   Forces that change in time are evaluated at the time of y: in the middle of the step under the midpoint rule,
+   otherwise at its end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a
+   stiff body turns or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such
+   steps. BDF2 damps unresolved motion and keeps sliding and resting contact at second order. Euler takes the first step
+   and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h). Damping
+   along volumetric springs is c (u . e) e, with e from the start of the step. */
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -153,7 +153,7 @@ static bool has_potential(const pel_sim *sim)
 static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
-    /* beside another simulation the scheme of its step, which is there already */
+    /* beside another simulation the scheme of its step, which is known */
     if (sim->descent->newton->lead != NULL)
         return sim->descent->newton->scheme;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&

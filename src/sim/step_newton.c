@@ -12,7 +12,7 @@
 
 /* steps that derivatives are taken of end at this share of the forces that they start with */
 #define EXACT_REDUCTION 1e-10
-/* of the diagonal of a preconditioner: what rounding in float may take */
+/* share of the diagonal of a preconditioner that rounding in float may remove */
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
@@ -70,7 +70,7 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     pel_free(newton);
 }
 
-/* ---- what goes in ---- */
+/* ---- input ---- */
 
 void pel_sim_newton_begin(pel_sim *sim)
 {
@@ -87,7 +87,7 @@ void pel_sim_newton_follow_surface(pel_sim *sim)
     pel_newton_rebuild(sim->descent->newton->newton);
 }
 
-/* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
+/* edges at least bending energy, except clamps; from zero: the same bits for any history */
 static void settle_edges(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -192,9 +192,9 @@ static void fix(pel_sim_newton *newton, int32_t v, int k)
     newton->target[3 * v + k] = newton->unknowns[3 * v + k];
 }
 
-/* A body that nothing holds, under loads in balance: six components of three vertices take its rigid motions away and
-   feel no force. All of one vertex; of a second one those across the way to it; of a third one that across their plane.
- */
+/* An unsupported body under balanced loads: six components of three vertices remove its rigid motions and carry no
+   force: all of one vertex; for a second one those across the line to it; for a third one the component across their
+   plane. */
 static void support_free_body(pel_sim *sim, int32_t body)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -215,7 +215,7 @@ static void support_free_body(pel_sim *sim, int32_t body)
     fix(newton, third, largest_component(normal));
 }
 
-/* beside another simulation: the components that it has supported, where it has them */
+/* beside another simulation: the components that it has supported, if any */
 static void support_as_lead(const pel_sim *sim, int32_t body)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -251,8 +251,8 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
 
 /* ---- constraints ---- */
 
-/* Damping along volumetric springs: the part of a vertex's velocity along the way that it is from its place at rest,
-   where the step begins. */
+/* Damping along volumetric springs: the component of a vertex's velocity along its displacement from rest at the start
+   of the step. */
 static double evaluate_radial(const pel_sim_newton *newton, int32_t count, const double *unknowns, double *gradient)
 {
     double energy = 0;
@@ -354,7 +354,7 @@ static bool has_tied_corners(const pel_sim *sim, int32_t v)
     return body->shell != NULL || body->plain_spring != 0;
 }
 
-/* the vertices that take part; the first of these for the others */
+/* the moving vertices; the first of these for the others */
 static void copy_vertices(const pel_descent_contact *constraint, int32_t vertices[4])
 {
     int first = 0;
@@ -452,8 +452,8 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
         join(sim, &descent->constraints[c]);
 }
 
-/* Systems are solved roughly, and forces on a body as a whole may be left: a translation of all that moves together
-   balances them, which nothing but inertia and drag feels. So momentum stays what the loads make of it. */
+/* Systems are solved approximately, which may leave a net force on a body: a translation of everything that moves
+   together balances it, against inertia and drag only. So momentum follows the loads. */
 static void balance_groups(const pel_sim *sim, bool is_constrained)
 {
     pel_sim_newton *newton = sim->descent->newton;
