@@ -15,9 +15,10 @@ enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.02
 /* how far a sweep brings a pair together, in the largest depth that it met */
 #define CORRECTION_REACH 4.0
-/* share of the thickness by which an earlier depth of a pair is corrected per substep: correcting it all would turn
-   depth into velocity */
+/* shares of the thickness by which an earlier depth is corrected within a step, of pairs and at spheres, capsules and
+   boxes: correcting it all at once would turn depth into velocity */
 #define RECOVERY_SHARE 0.05
+#define SOLID_RECOVERY_SHARE 0.5
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -61,6 +62,17 @@ static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record 
     }
 }
 
+static void set_recovery(pel_sim *sim)
+{
+    double share = sim->projector->substep / sim->projector->whole_dt, thickness = 0;
+    if (sim->contacts != NULL) {
+        thickness = sim->contacts->def.thickness;
+        sim->contacts->list.recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * share * thickness;
+    }
+    if (sim->solids != NULL)
+        sim->solids->list.recovery = thickness > 0 ? SOLID_RECOVERY_SHARE * share * thickness : HUGE_VAL;
+}
+
 /* one sweep over the elements, then over contacts */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
@@ -73,7 +85,6 @@ static void sweep(pel_sim *sim, const pel_record *start)
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
-        sim->solids->list.recovery = HUGE_VAL;
         pel_solids_refresh(sim, start);
         pel_contacts_project(&sim->solids->list, positions, start);
     }
@@ -94,9 +105,9 @@ static void run_substep(pel_sim *sim, int32_t number)
                 number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
+    set_recovery(sim);
     if (pairs != NULL) {
         pel_contacts_begin_substep(sim);
-        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->def.thickness;
         pel_contacts_begin(pairs);
         pel_contacts_begin(&sim->contacts->heights.list);
     }

@@ -310,6 +310,38 @@ static void add_floor(contact_scene *scene, pel_tool_shape shape)
     }
 }
 
+/* A sheet that starts at half the thickness above a floor rises to the thickness within some steps, not in one substep,
+   which would throw it up at 3 m/s. */
+static void test_start_too_close(void **unused)
+{
+    (void)unused;
+    const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
+    for (int i = 0; i < 4; i++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene.gravity = -8;
+        scene.def.solver.substeps = 64;
+        scene.def.contact.thickness = 1e-3;
+        scene_body(&scene, make_sheet(3, 0));
+        add_floor(&scene, shapes[i]);
+        pel_transform transform = pel_transform_default();
+        pel_vec3_set(transform.translation, -0.5, -0.5, 0.5e-3);
+        assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
+        pel_sim *sim = scene_create(&scene);
+        double x[3 * 16], v[3 * 16];
+        for (int n = 0; n < 30; n++) {
+            run_free(sim, 1);
+            pel_sim_get_positions(sim, 0, x);
+            pel_sim_get_velocities(sim, 0, v);
+            for (int k = 0; k < 16; k++)
+                assert_true(x[3 * k + 2] < 1.3e-3 && v[3 * k + 2] < 0.06);
+        }
+        for (int k = 0; k < 16; k++)
+            assert_true(x[3 * k + 2] > 0.7e-3); /* round floors are 0.25 mm lower at the corners */
+        scene_end(&scene, sim);
+    }
+}
+
 /* way along x of a sheet on a floor of slope 1/2 after a time, and the force on the floor over the weight */
 static double slide_with(pel_tool_shape shape, pel_method method, const double friction[3], double time,
                          double force[3])
@@ -833,6 +865,7 @@ int main(void)
         cmocka_unit_test(test_held_tools_catch_up),
         cmocka_unit_test(test_still_tool_is_not_held),
         cmocka_unit_test(test_ring),
+        cmocka_unit_test(test_start_too_close),
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_momentum_of_shells),
         cmocka_unit_test(test_mesh_tool),
