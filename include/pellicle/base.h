@@ -89,6 +89,10 @@ PEL_API const char *pel_nearest_name(const char *name, const char *const *names,
    becomes \ufffd), and without '<', so that it may stand inside HTML. */
 PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
 
+/* For writers of JSON: writes the shortest digits that read back to the same bits, whatever the locale; null for NaN
+   and infinity. Returns text. */
+PEL_API const char *pel_json_digits(double number, char text[32]);
+
 /* Where notes and warnings go (a quad was triangulated, vertices were welded). Null log or null write: nowhere. */
 typedef struct pel_log {
     void (*write)(void *user, const char *text); /* one line without newline */
