@@ -89,7 +89,7 @@ static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_
     }
 }
 
-/* what is found in a mesh */
+/* findings of a mesh */
 typedef struct findings {
     pel_mesh_report *report;
     cli_intersections intersections;
@@ -169,7 +169,7 @@ static void print_verdict(const char *path, const pel_mesh_report *report, const
                (long long)warning_count, warning_count == 1 ? "warning" : "warnings");
 }
 
-/* what the repair did: JSON key and how it is said */
+/* summary of a repair: JSON key and text */
 typedef struct deed {
     const char *key, *text;
     int32_t count;
@@ -226,7 +226,7 @@ static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, cli_json *js
     pel_mesh *filled = NULL, *turned = NULL;
     pel_fill_summary summary;
     pel_status status = pel_mesh_fill_holes(*mesh, cli_count(call, "fill-holes"), &filled, &summary, error);
-    /* nothing is welded again that was cut apart */
+    /* split vertices are not welded again */
     pel_repair_options options = pel_repair_options_default();
     options.weld = options.cut = false;
     if (status == PEL_OK)
@@ -318,7 +318,7 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
     return status;
 }
 
-/* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
+/* prints the defects of the meshes of the scene's bodies; false if one cannot be simulated */
 static bool check_bodies(const cli_call *call, const pel_scene *scene, cli_json *json)
 {
     bool good = true;
@@ -383,7 +383,7 @@ static int check_scene(const cli_call *call, cli_json *json)
     return status;
 }
 
-/* format is that of --fix */
+/* format: of --fix */
 static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
 {
     const char *path = call->arguments[0];

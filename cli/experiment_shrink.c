@@ -128,7 +128,7 @@ pel_status cli_shrink_read(const cli_experiment *experiment, const char *run, in
 
 /* ---- measures ---- */
 
-/* the mean curvature at a vertex less the mean of that of its neighbours */
+/* the mean curvature at a vertex minus the mean over its neighbours */
 static double unevenness(const pel_topology *topology, const double *curvature, int32_t v)
 {
     double sum = 0;

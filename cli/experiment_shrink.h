@@ -1,4 +1,4 @@
-/* What the experiments of paper B share: a closed shell that shrinks under an outside pressure, with self-contact. */
+/* Shared by the experiments of paper B: a closed shell that shrinks under an outside pressure, with self-contact. */
 #ifndef PELLICLE_CLI_EXPERIMENT_SHRINK_H
 #define PELLICLE_CLI_EXPERIMENT_SHRINK_H
 
@@ -35,7 +35,7 @@ const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const 
 /* a frame of a run, or its last one */
 pel_status cli_shrink_read(const cli_experiment *experiment, const char *run, int frame, pel_mesh **mesh);
 
-/* How the surface of a frame lies to that of frame 0. */
+/* The surface of a frame relative to frame 0. */
 typedef struct cli_shrunk {
     double cap_way, body_way; /* root mean square of the displacement of the vertices of the cap, and of all [m] */
     double cap_depth;         /* mean way inward, along the normals at rest, of the cap [m] */

@@ -44,8 +44,9 @@ static bool quote(const char *path, char *out, size_t size)
     return true;
 }
 
-/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is drawn home, as much as on the paper's
-   sphere of 252 vertices whatever the mesh. A shell is a sheet of rubber, 1/100 of the diagonal thick. */
+/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is pulled back to its rest position, as
+   strongly as on the paper's sphere of 252 vertices for any mesh. A shell is a sheet of rubber, 1/100 of the diagonal
+   thick. */
 static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char *text)
 {
     char name[PATH_SIZE * 2];
@@ -80,7 +81,7 @@ static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char
     return true;
 }
 
-/* a mesh that cannot be simulated is told with what repairs it */
+/* reports a mesh that cannot be simulated, with the command that repairs it */
 static int load_mesh(const cli_call *call, const char *const *settings, int setting_count, pel_scene **scene)
 {
     const char *path = call->arguments[0];
@@ -115,7 +116,7 @@ static int load(const cli_call *call, const char *const *settings, int setting_c
 
 /* ---- the server ---- */
 
-/* the browser of the desktop; false when there is none */
+/* opens the browser of the desktop; false if there is none */
 static bool open_browser(const char *address)
 {
     int status = -1;

@@ -1,6 +1,6 @@
-/* The whole job, in two passes over the frames: the first finds the range of the colors and where the camera has to
-   stand, so that all pictures agree; the second draws. Only one frame is in memory at a time, and nothing is written
-   before all frames were read once without an error. */
+/* Rendering in two passes over the frames: the first finds the range of the colors and the camera, so that all pictures
+   agree; the second draws. Only one frame is in memory at a time, and nothing is written before all frames were read
+   once without an error. */
 #include "pellicle/render.h"
 
 #include "view/field.h"
@@ -297,7 +297,7 @@ static bool is_drawn(const double vector[3], double least)
     return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2] > least * least;
 }
 
-/* what is done with an arrow from ends[0] to ends[1] */
+/* callback for an arrow from ends[0] to ends[1] */
 typedef pel_status arrow_visit(job *j, const double ends[2][3], pel_error *error);
 
 static pel_status see_arrow(job *j, const double ends[2][3], pel_error *error)
@@ -369,7 +369,7 @@ static bool is_from_zero(const double range[2])
     return range[0] == 0 || (range[0] > 0 && range[0] < 0.1 * range[1]);
 }
 
-/* grey stands for zero where zero is in the middle or at the low end of the range */
+/* grey is zero if zero is in the middle or at the low end of the range */
 static pel_color_map choose_color_map(const pel_render_def *def, const double range[2])
 {
     bool both = range[0] < 0 && range[1] > 0;
@@ -571,7 +571,7 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
     if (j->def.labels != NULL && j->def.labels[shot.run] != NULL) {
         add_part(text, sizeof text, "%s", j->def.labels[shot.run]);
     } else if (j->def.input_count > 1) {
-        /* the last part of the path, slashes behind it left out */
+        /* the last part of the path, without trailing slashes */
         const char *end = run->path + strlen(run->path);
         while (end > run->path + 1 && end[-1] == '/')
             --end;
@@ -689,7 +689,7 @@ static pel_status write_pictures(job *j, bool folder, pel_error *error)
     return status == PEL_OK ? ended : status;
 }
 
-/* real time, within what looks like a film */
+/* real time, within the limits of a smooth film */
 static double film_rate(const job *j)
 {
     const view_frame_selection *shots = &j->shots;

@@ -56,7 +56,7 @@ const char *pel_nearest_name(const char *name, const char *const *names, size_t 
     const char *nearest = NULL;
     for (size_t i = 0; i < count; i++) {
         size_t distance = pel_edit_distance(name, names[i]);
-        /* a name of which nothing is left is no help */
+        /* an empty name is no help */
         if (distance <= allowed && distance < strlen(names[i])) {
             allowed = distance > 0 ? distance - 1 : 0;
             nearest = names[i];

@@ -1,5 +1,4 @@
-/* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
- */
+/* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
 #include "base/status.h"
 #include "contact/sweep.h"
 #include "sim/contact.h"
@@ -16,8 +15,8 @@ enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.02
 /* how far a sweep brings a pair together, in the largest depth that it met */
 #define CORRECTION_REACH 4.0
-/* depth that a pair had before a substep and that is taken back in it, of the thickness: all at once would turn depth
-   into speed */
+/* share of the thickness by which an earlier depth of a pair is corrected per substep: correcting it all would turn
+   depth into velocity */
 #define RECOVERY_SHARE 0.05
 
 static pel_status create(pel_sim *sim, pel_error *error)
@@ -34,7 +33,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* adds loads and pressure at a time to sim->force, which is 0: what a substep takes it leaves so */
+/* adds loads and pressure at a time to sim->force, which is 0: a substep clears it after use */
 static void find_forces(pel_sim *sim, double time, const pel_record *positions)
 {
     pel_loads_add(sim, time, positions, sim->force);
@@ -47,8 +46,8 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
-/* Sweeps over the pairs until none is deep. After the first one only what the corrections can have brought together is
-   looked at: most pairs of a wad are farther apart. */
+/* Sweeps over the pairs until none is deep. After the first sweep only pairs that corrections can have brought together
+   are checked: most pairs of a crumpled sheet are farther apart. */
 static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
 {
     pel_contact_set *contacts = sim->contacts;

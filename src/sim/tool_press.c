@@ -4,11 +4,11 @@
    first, which settles most of it.
 
    A quasi-static step may spring back farther than a small tool is thick, and the triangle would come out on the other
-   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back.
+   side. So the half space of each contact is kept for one step: triangles deep behind it are brought back.
 
-   Friction, with contact: each push by a distance d takes back up to friction times d of the way that the point has
-   gone across the normal since the start of the step, against the tool's own motion; velocities likewise, by the
-   impulse. The sums obey Coulomb's law as each of them does. */
+   Friction, with contact: each push by a distance d reverts up to friction times d of the point's tangential
+   displacement since the start of the step, relative to the tool; velocities likewise, by the impulse. The sums obey
+   Coulomb's law because each push does. */
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -18,7 +18,7 @@
 enum { SWEEP_LIMIT = 100 };
 /* depth that counts as touching, relative to the tool's size */
 #define DEPTH_TOLERANCE 1e-5
-/* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
+/* triangles this near to the tool's box, relative to the longest edge, may be pushed into it during a step */
 #define NEAR_MARGIN 0.25
 
 pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
@@ -40,8 +40,8 @@ pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
     return box;
 }
 
-/* in rising order: the sweeps depend on the order, which must not change when a triangle that does not touch comes near
-   or goes */
+/* in rising order: the sweeps depend on the order, which must not change when a triangle without contact enters or
+   leaves the list */
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
 {
     pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
@@ -87,7 +87,7 @@ double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
                                 sim->model->body_count + (int32_t)(tool - sim->tools));
 }
 
-/* the part of a vector across the unit normal, turned round and at most `limit` long; false when it is nothing */
+/* the component of a vector across the unit normal, reversed and at most `limit` long; false if it is zero */
 static bool oppose_across(const double vector[3], const double normal[3], double limit, double back[3])
 {
     pel_vec3_along(vector, -pel_vec3_dot(vector, normal), normal, back);
@@ -106,7 +106,7 @@ static void change_velocity(pel_sim *sim, const surface_point *at, double impuls
     }
 }
 
-/* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
+/* explicit method: removes the velocity of the point into the tool, and records the impulse */
 static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
 {
     double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
@@ -137,7 +137,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     pel_tool_add_reaction(tool, point, force);
 }
 
-/* takes back what a push by `depth` can hold of the way of the point across the tool in this step */
+/* reverts the point's displacement along the tool in this step, as far as friction of a push by `depth` allows */
 static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *at, double depth, const double normal[3],
                       double inertia)
 {
@@ -291,7 +291,7 @@ static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double toler
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }
 
-/* with contact the solid is grown by the thickness, most of which is to be kept */
+/* with contact the solid is grown by the thickness, most of which must be kept */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 {
     double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
@@ -326,7 +326,7 @@ static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
     bool moved = false, again = true;
     sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
-        /* what rests has to be pushed in every step, or it would creep where friction holds it */
+        /* resting points have to be pushed in every step, or they would creep against friction */
         int32_t v = sim->model->triangles[sim->near_triangles[i]][0];
         double corner_tolerance = pel_sim_friction(sim, tool, v) > 0 ? 0 : tolerance;
         press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
@@ -339,8 +339,8 @@ static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
     return moved;
 }
 
-/* brings back what has gone through the tool since the last step: a point that lies behind its plane by more than half
-   the thickness of the tool was pushed out on the wrong side */
+/* brings back points that passed through the tool since the last step: a point that lies behind its plane by more than
+   half the thickness of the tool was pushed out on the wrong side */
 static bool bring_back(pel_sim *sim, pel_tool *tool)
 {
     double half[3];

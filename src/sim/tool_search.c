@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* vertices of a block: with 8 there are twice as many boxes, with 32 twice as many triangles in those near a tool */
+/* vertices of a block: 8 give twice as many boxes, 32 twice as many triangles in the boxes near a tool */
 enum { BLOCK = 16 };
 /* blocks that a list names at most; where triangles reach to more, the box is made from them */
 enum { BESIDE_LIMIT = 16 };
@@ -202,7 +202,7 @@ static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
     return (span){begin, begin + BLOCK < limit ? begin + BLOCK : limit};
 }
 
-/* behind the last block in use */
+/* past the last block in use */
 static int32_t block_end(const pel_tool_search *search, int32_t body)
 {
     const pel_search_body *own = &search->bodies[body];
