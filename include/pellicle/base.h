@@ -89,6 +89,10 @@ PEL_API const char *pel_nearest_name(const char *name, const char *const *names,
    that it is safe inside HTML. */
 PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
 
+/* For writers of JSON: writes the shortest digits that read back to the same bits in any locale; null for NaN and
+   infinity. Returns text. */
+PEL_API const char *pel_json_digits(double number, char text[32]);
+
 /* Receiver of notes and warnings (a quad was triangulated, vertices were welded). Null log or null write: none. */
 typedef struct pel_log {
     void (*write)(void *user, const char *text); /* one line without newline */

@@ -1,5 +1,8 @@
 #include "base/text.h"
 
+#include "base/number.h"
+
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -78,6 +81,15 @@ size_t pel_utf8_length(const char *text, size_t size)
     bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
     bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
     return overlong || beyond ? 0 : length;
+}
+
+const char *pel_json_digits(double number, char text[32])
+{
+    if (isfinite(number))
+        pel_number_print(text, number);
+    else
+        memcpy(text, "null", 5);
+    return text;
 }
 
 const char *pel_json_letter(const char *text, char escaped[7])
