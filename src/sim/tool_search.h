@@ -1,10 +1,10 @@
 /* Which triangles reach into a box: the search of the tools.
 
    Each triangle of the surfaces is owned by its corner that stands last in the model's order, so that an event of
-   refinement moves only what it changed. Vertices stand in blocks in that order; a block has a box about all triangles
-   of its vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only
-   triangles of blocks near the box are tested: after one pass over the vertices in a step, the time of a search grows
-   with the number of triangles near the tool. */
+   refinement moves only what it changed. Base vertices stand in blocks that are compact at rest, finer ones in blocks
+   in the model's order; a block has a box about all triangles of its vertices, the union of boxes about the vertices of
+   the few blocks to which these triangles reach. Only triangles of blocks near the box are tested: after one pass over
+   the vertices in a step, the time of a search grows with the number of triangles near the tool. */
 #ifndef PEL_SIM_TOOL_SEARCH_H
 #define PEL_SIM_TOOL_SEARCH_H
 
@@ -35,6 +35,8 @@ typedef struct pel_search_body {
 typedef struct pel_tool_search {
     const pel_model *model;
     pel_search_body *bodies;
+    int32_t *member; /* (vertex_count) vertices by block */
+    int32_t *block;  /* (vertex_count) of each vertex */
     /* lists of triangles by owner, -1 = end or none */
     int32_t *owner, *next; /* (triangle_count) */
     int32_t *first;        /* (vertex_count) */
