@@ -9,6 +9,7 @@
    Friction, with contact: each push by a distance d reverts up to friction times d of the point's tangential
    displacement since the start of the step, relative to the tool; velocities likewise, by the impulse. The sums obey
    Coulomb's law because each push does. */
+#include "base/lane.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -256,29 +257,56 @@ static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
     return done;
 }
 
-/* whether a box keeps clear of a sphere about the tool's place, surely so; of no other tool */
-static bool is_clear_of_sphere(const pel_tool *tool, const pel_search_box *box)
+/* What a triangle that touches a tool reaches into, surely so: the tool's box, or a sphere where it is one. */
+typedef struct press_bounds {
+    pel_search_box box;
+    pel_record center;
+    pel_real square; /* of the radius */
+    bool is_sphere;
+} press_bounds;
+
+static press_bounds bounds_of(const pel_tool *tool, double longest)
 {
-    if (tool->solid.kind != PEL_SOLID_SPHERE)
-        return false;
-    double reach = 1.000001 * (tool->solid.radius + tool->press_margin), square = 0;
-    for (int i = 0; i < 3; i++) {
-        double below = (double)box->low[i] - tool->pose.position[i],
-               above = tool->pose.position[i] - (double)box->high[i];
-        double way = below > above ? below : above;
-        square += way > 0 ? way * way : 0;
-    }
-    return square > reach * reach;
+    const double *x = tool->pose.position;
+    double radius = 1.000001 * (tool->solid.radius + tool->press_margin);
+    radius += 16 * (double)PEL_REAL_EPSILON * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + radius + longest);
+    return (press_bounds){.box = pel_tool_box(tool, tool->press_margin, 0),
+                          .center = {(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0},
+                          .square = (pel_real)(radius * radius),
+                          .is_sphere = tool->solid.kind == PEL_SOLID_SPHERE};
 }
 
-static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
+/* of the three components of the vectors */
+static inline pel_real dot(pel_record a, pel_record b)
+{
+    pel_record product = a * b;
+    return product[0] + product[1] + product[2];
+}
+
+/* Whether a triangle, or a vertex three times, stays out of the bounds: of a sphere by a plane across the direction of
+   its middle. */
+static inline bool is_clear(const press_bounds *bounds, const pel_record *positions, const int32_t corners[3])
+{
+    if (!bounds->is_sphere) {
+        const pel_search_box around = pel_search_triangle(positions, corners);
+        return pel_search_apart(&around, &bounds->box);
+    }
+    const pel_record a = positions[corners[0]] - bounds->center, b = positions[corners[1]] - bounds->center,
+                     c = positions[corners[2]] - bounds->center, way = a + b + c;
+    pel_real least = dot(way, a), second = dot(way, b), third = dot(way, c);
+    pel_real square = least + second + third;
+    least = second < least ? second : least;
+    least = third < least ? third : least;
+    return least > 0 && least * least > bounds->square * square;
+}
+
+static void press_corners(pel_sim *sim, pel_tool *tool, const press_bounds *bounds, int32_t t, double tolerance,
                           bool *moved)
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
-        const pel_record x = sim->state->position_next[corners[c]];
-        const pel_search_box at = {x, x};
-        if (!is_done(sim, tool, corners[c]) && !pel_search_apart(&at, box) && !is_clear_of_sphere(tool, &at))
+        const int32_t vertex[3] = {corners[c], corners[c], corners[c]};
+        if (!is_done(sim, tool, corners[c]) && !is_clear(bounds, sim->state->position_next, vertex))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -300,7 +328,7 @@ double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
    (by vertex) and looked_at (by place in the list) count the pushes of this step. */
-static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t near_count, double tolerance)
+static bool sweep(pel_sim *sim, pel_tool *tool, const press_bounds *bounds, int32_t near_count, double tolerance)
 {
     bool moved = false;
     for (int32_t i = 0; i < near_count; i++) {
@@ -310,30 +338,31 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32
         if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
             continue;
         sim->looked_at[i] = sim->push_count;
-        pel_search_box around = pel_search_triangle(sim->state->position_next, v);
-        if (pel_search_apart(&around, box) || is_clear_of_sphere(tool, &around))
-            continue;
-        moved |= press_triangle(sim, tool, t, tolerance);
+        moved |= !is_clear(bounds, sim->state->position_next, v) && press_triangle(sim, tool, t, tolerance);
     }
     return moved;
 }
 
 /* corners first, then whole triangles until none is deep */
-static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
+static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count, double longest)
 {
     double tolerance = pel_tool_press_tolerance(sim, tool);
-    pel_search_box box = pel_tool_box(tool, tool->press_margin, 0);
+    const press_bounds bounds = bounds_of(tool, longest);
     bool moved = false, again = true;
     sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
+        int32_t t = sim->near_triangles[i];
+        const int32_t *v = sim->model->triangles[t];
+        sim->looked_at[i] = sim->push_count;
+        if (is_clear(&bounds, sim->state->position_next, v))
+            continue;
         /* resting points have to be pushed in every step, or they would creep against friction */
-        int32_t v = sim->model->triangles[sim->near_triangles[i]][0];
-        double corner_tolerance = pel_sim_friction(sim, tool, v) > 0 ? 0 : tolerance;
-        press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
+        double corner_tolerance = pel_sim_friction(sim, tool, v[0]) > 0 ? 0 : tolerance;
+        press_corners(sim, tool, &bounds, t, corner_tolerance, &moved);
         sim->looked_at[i] = -1;
     }
     for (int round = 0; again && round < SWEEP_LIMIT; round++) {
-        again = sweep(sim, tool, &box, near_count, tolerance);
+        again = sweep(sim, tool, &bounds, near_count, tolerance);
         moved |= again;
     }
     return moved;
@@ -367,9 +396,9 @@ bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
     int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
-    bool moved = press_out(sim, tool, near_count);
+    bool moved = press_out(sim, tool, near_count, longest);
     if (bring_back(sim, tool))
-        moved |= press_out(sim, tool, near_count);
+        moved |= press_out(sim, tool, near_count, longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = 0;
     return moved;

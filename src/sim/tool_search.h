@@ -1,8 +1,9 @@
 /* Search of the triangles that reach into a box, for tools. Each triangle of the surfaces is owned by its last corner
-   in the model's order, so that an event of refinement moves only triangles that it changed. Vertices form blocks in
-   that order; a block has a box about all triangles of its vertices, the union of boxes about the vertices of the few
-   blocks to which these triangles reach. Only triangles of blocks near the box are tested: after one pass over the
-   vertices in a step, the time of a search grows with the number of triangles near the tool. */
+   in the model's order, so that an event of refinement moves only triangles that it changed. Base vertices form blocks
+   that are compact at rest, finer ones blocks in the model's order; a block has a box about all triangles of its
+   vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only triangles of
+   blocks near the box are tested: after one pass over the vertices in a step, the time of a search grows with the
+   number of triangles near the tool. */
 #ifndef PEL_SIM_TOOL_SEARCH_H
 #define PEL_SIM_TOOL_SEARCH_H
 
@@ -33,6 +34,8 @@ typedef struct pel_search_body {
 typedef struct pel_tool_search {
     const pel_model *model;
     pel_search_body *bodies;
+    int32_t *member; /* (vertex_count) vertices by block */
+    int32_t *block;  /* (vertex_count) of each vertex */
     /* lists of triangles by owner, -1 = end or none */
     int32_t *owner, *next; /* (triangle_count) */
     int32_t *first;        /* (vertex_count) */
