@@ -28,7 +28,7 @@ static void show_progress(void *user, const pel_study_progress *p)
 {
     display *d = user;
     double now = cli_clock();
-    if (!d->shown || (now - d->last < 0.1 && p->done < p->total))
+    if (now - d->last < 0.1 && p->done < p->total)
         return;
     d->last = now;
     fprintf(stderr, "\r\033[Krun %lld/%lld", (long long)p->done, (long long)p->total);
@@ -171,7 +171,7 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     int chunks = cli_has(call, "chunks") ? cli_count(call, "chunks") : SLURM_CHUNKS;
     if (chunks > runs)
         chunks = (int)runs;
-    /* makes the folder, and refuses one of another study */
+    /* creates the folder, and refuses one of another study */
     pel_study_store *store;
     pel_error error;
     int64_t missing = 0, failed = 0;
@@ -219,7 +219,7 @@ static int run_here(const cli_call *call, const pel_study *study, pel_study_def 
     def->thread_count = cli_count(call, "jobs");
     def->run_seconds = cli_has(call, "timeout") ? cli_number(call, "timeout") : 0;
     def->retry = cli_has(call, "retry");
-    def->progress = show_progress;
+    def->progress = d.shown ? show_progress : NULL;
     def->wanted = is_wanted;
     def->user = &d;
     cli_catch_stop(quiet ? "" : "stopping; the same command continues\n");

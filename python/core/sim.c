@@ -27,19 +27,33 @@ int core_sim_check(core_sim *self)
     return -1;
 }
 
+static void refuse_name(core_sim *self, PyObject *body)
+{
+    PyObject *names = PyDict_Keys(self->names);
+    if (names != NULL)
+        PyErr_Format(PyExc_KeyError, "body: %R is none of the bodies %R", body, names);
+    Py_XDECREF(names);
+}
+
 int32_t core_sim_body(core_sim *self, PyObject *body)
 {
     int32_t number;
     if (core_sim_check(self) < 0)
         return -1;
     int64_t last = (int64_t)pel_model_body_count(pel_sim_model(self->sim)) - 1;
-    if (!PyUnicode_Check(body))
-        return core_get_index(body, "body", 0, last, &number) < 0 ? -1 : number;
+    if (!PyUnicode_Check(body)) {
+        if (core_get_index(body, "body", 0, last, &number) == 0)
+            return number;
+        if (PyErr_ExceptionMatches(PyExc_TypeError))
+            PyErr_Format(PyExc_TypeError, "body: must be the name or number of a body, not %S",
+                         (PyObject *)Py_TYPE(body));
+        return -1;
+    }
     PyObject *found = PyDict_GetItemWithError(self->names, body);
     if (found != NULL)
         return (int32_t)PyLong_AsLong(found);
     if (!PyErr_Occurred())
-        PyErr_Format(PyExc_KeyError, "body: %R is none of %S", body, self->names);
+        refuse_name(self, body);
     return -1;
 }
 

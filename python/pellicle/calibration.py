@@ -4,7 +4,7 @@ The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t f
 standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
 
 Under the methods static and implicit the Jacobian goes forward along the steps: runs with each parameter a little smaller and
-a little larger go beside the run itself and are solved with the matrix of its steps, so that each takes a few solutions a step
+a little larger are stepped together with the run and are solved with the matrix of its steps, so that each takes a few solutions a step
 where differences take whole runs (pel_sim_step_beside).
 """
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import difflib
 import json
 import os
 import sys
@@ -25,7 +26,7 @@ from . import _core
 from .mesh import PathLike
 from .simulation import Scene
 
-#: Step of the differences, of the range of a parameter: far above what a solver's tolerance leaves of a curve.
+#: Step of the differences, relative to the range of a parameter: far above the error of a curve by a solver's tolerance.
 _STEP = 1e-3
 #: Two parameters whose correlation is beyond this cannot be told apart by the data.
 _CORRELATED = 0.97
@@ -34,7 +35,7 @@ _FAILED = 10.0
 
 
 class _Curve:
-    """One entry of `data`: what was measured, and how the same is read from a run."""
+    """One entry of `data`: a measurement, and how to read the same quantity from a run."""
 
     def __init__(self, entry: Mapping[str, Any]) -> None:
         self.entry = entry
@@ -42,12 +43,15 @@ class _Curve:
         self.name = os.path.basename(entry["file"])
         names, columns = _read_csv(entry["file"])
         if self.body is not None:
-            self.vertices = _pick(entry["file"], names, columns, "vertex").astype(int)
+            vertices = _pick(entry["file"], names, columns, "vertex")
+            self.vertices = vertices.astype(int)
+            if (self.vertices != vertices).any():
+                raise _core.Error(f"{entry['file']}: error: the column vertex must hold whole numbers. correct it")
             self.x = np.arange(3 * len(self.vertices), dtype=float)
             self.y = np.column_stack([_pick(entry["file"], names, columns, axis) for axis in "xyz"]).ravel()
         else:
-            self.x = _pick(entry["file"], names, columns, entry.get("column_x", entry["x"]), 0)
-            self.y = _pick(entry["file"], names, columns, entry.get("column_y", entry["y"]), 1)
+            self.x = _pick_axis(entry, "x", 0, names, columns)
+            self.y = _pick_axis(entry, "y", 1, names, columns)
         size = float(np.ptp(self.y)) if self.body is not None else float(np.abs(self.y).max())
         if not size > 0:
             raise _core.Error(f"{entry['file']}: error: all measured values are the same. measure more than one point")
@@ -75,8 +79,8 @@ class _Curve:
         for key in ("x", "y"):
             if self.entry[key] not in series:
                 raise _core.Error(
-                    f"error: the series of the scene has no column {self.entry[key]!r} ({key} of {self.name}). it has "
-                    + ", ".join(series)
+                    f"error: the series of the scene has no column {self.entry[key]!r} ({key} of {self.name}). "
+                    + _advise(self.entry[key], list(series))
                 )
         x = series[self.entry["x"]] * float(self.entry.get("scale_x", 1))
         y = series[self.entry["y"]] * float(self.entry.get("scale_y", 1))
@@ -86,16 +90,34 @@ class _Curve:
         return np.interp(self.x, x[order], y[order])
 
 
+def _advise(name: str, names: list[str]) -> str:
+    near = difflib.get_close_matches(name, names, 1)
+    return f"did you mean {near[0]!r}?" if near else "it has " + ", ".join(names)
+
+
 def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
+    names: list[str] = []
+    rows = []
     with open(path, newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    try:
-        columns = np.array([[float(cell) for cell in row] for row in rows[1:]]).T
-    except ValueError as error:
-        raise _core.Error(f"{path}: error: {error}. write one line with names, then lines of numbers") from None
-    if columns.ndim != 2 or len(columns) != len(rows[0]) or columns.shape[1] < 2 or not np.isfinite(columns).all():
+        reader = csv.reader(file)
+        for row in reader:
+            if not row or row[0].startswith("#"):
+                continue
+            if not names:
+                names = [name.strip() for name in row]
+                continue
+            place = f"{path}:{reader.line_num}: error: "
+            if len(row) != len(names):
+                raise _core.Error(f"{place}{len(row)} cells below {len(names)} names. write one number for each name")
+            try:
+                rows.append([float(cell) for cell in row])
+            except ValueError as error:
+                raise _core.Error(f"{place}{error}. write one line with names, then lines of numbers") from None
+            if not np.isfinite(rows[-1]).all():
+                raise _core.Error(f"{place}a number is not finite. correct or remove the line")
+    if len(rows) < 2:
         raise _core.Error(f"{path}: error: no table of numbers. write one line with names, then at least two lines of numbers")
-    return [name.strip() for name in rows[0]], columns
+    return names, np.array(rows).T
 
 
 def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Optional[int] = None) -> np.ndarray:
@@ -104,6 +126,12 @@ def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Op
     if place is not None and len(names) == 2:
         return columns[place]
     raise _core.Error(f"{path}: error: there is no column {name!r}. name one of {', '.join(names)} as column_x and column_y")
+
+
+def _pick_axis(entry: Mapping[str, Any], axis: str, place: int, names: list[str], columns: np.ndarray) -> np.ndarray:
+    """A column that the entry names must be there; otherwise it may be one of the only two."""
+    given = entry.get(f"column_{axis}")
+    return _pick(entry["file"], names, columns, given or entry[axis], None if given else place)
 
 
 class Fit:
@@ -180,13 +208,13 @@ class _Problem:
         return np.where(self.is_log, np.exp(np.where(self.is_log, inner, 0)), inner)
 
     def run(self, unit: np.ndarray, beside: Sequence[np.ndarray] = ()) -> list[list[np.ndarray]]:
-        """The measured points of a run with these parameters, curve by curve, then those of runs beside it."""
+        """The measured points of a run with these parameters, curve by curve, then the points of runs beside it."""
         scenes = [Scene(self.scene, dict(zip(self.paths, map(float, self.values(u))))) for u in (unit, *beside)]
         self.evaluations += 1
         runs = _core.series(scenes[0]._core, tuple(scene._core for scene in scenes[1:]))
         header = next(csv.reader(runs[0][0][:1]))
         beside_points = [self.points(scenes[0], header, *run) for run in runs[1:]]
-        # the run itself is read last: it says whether it covers what was measured
+        # the run itself is read last: it determines whether it covers the measurement
         return [self.points(scenes[0], header, *runs[0]), *beside_points]
 
     def points(self, scene: Scene, header: list[str], lines: list[str], positions: list[np.ndarray]) -> list[np.ndarray]:
@@ -206,7 +234,7 @@ class _Problem:
             return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Residuals; the Jacobian comes with them where runs can go beside this one."""
+        """Residuals; with the Jacobian if runs can be stepped beside this one."""
         if not self.reason:
             try:
                 return self.go_forward(unit)
@@ -252,7 +280,7 @@ class _Problem:
 
 
 def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[str, Any]:
-    """Intervals, correlations and what is doubtful, from the Jacobian at the fit."""
+    """Intervals, correlations and doubtful parameters, from the Jacobian at the fit."""
     from scipy.stats import t as student
 
     residual, jacobian = problem.residual(unit), problem.jacobian(unit)
@@ -386,7 +414,7 @@ def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
         x, points, line = curve["x"], curve["measured"], curve["fitted"]
         labels = entry.get("x"), entry.get("y"), "measured (points) and the fit (line)"
         if "body" in entry:
-            # positions have no axis of their own: those of the fit over those measured
+            # positions have no axis: plot fitted against measured ones
             x, points, line = points, line, points
             labels = "measured position [m]", "position in the fit [m]", "markers (points) and equality (line)"
         order = np.argsort(x)

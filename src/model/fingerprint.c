@@ -186,7 +186,7 @@ static const pel_member load[] = {
     PLAIN(pel_load_def, follower, SAME),
     LIST(pel_load_def, vertices, SAME, vertex_count),
     OTHER(pel_load_def, vertex_count),
-    OTHER(pel_load_def, weights), /* as many as vertices, which may be left out: loads.c adds them */
+    OTHER(pel_load_def, weights), /* one per vertex, and optional: loads.c adds them */
     PLAIN(pel_load_def, from, SAME),
     PLAIN(pel_load_def, until, SAME),
     LIST(pel_load_def, keys, SAME, key_count),
@@ -277,6 +277,7 @@ const pel_member pel_sim_members[] = {
 typedef struct place {
     pel_part part;
     const pel_mesh *mesh; /* of the body; null = none */
+    bool skips_meshes;
 } place;
 
 void pel_fingerprint_add_bytes(pel_fingerprint *fingerprint, pel_part part, const void *bytes, size_t size)
@@ -294,7 +295,7 @@ static void add_mesh(pel_fingerprint *fingerprint, pel_part part, const pel_mesh
 
 static void add_members(pel_fingerprint *fingerprint, const pel_member *members, const char *def, place outer);
 
-/* what a pointer of a def points to */
+/* the target of a pointer of a def */
 static void add_behind(pel_fingerprint *fingerprint, const pel_member *member, const char *def, place at)
 {
     const char *pointer;
@@ -308,6 +309,8 @@ static void add_behind(pel_fingerprint *fingerprint, const pel_member *member, c
         memcpy(&count, def + member->count_offset, sizeof count);
         pel_fingerprint_add_bytes(fingerprint, at.part, &count, sizeof count);
     }
+    if (member->form == PEL_MEMBER_MESH && at.skips_meshes)
+        return;
     if (member->form == PEL_MEMBER_MESH)
         add_mesh(fingerprint, at.part, (const pel_mesh *)(const void *)pointer);
     else if (member->form == PEL_MEMBER_FIELD)
@@ -323,7 +326,7 @@ static void add_members(pel_fingerprint *fingerprint, const pel_member *members,
     if (members == pel_body_members)
         outer.mesh = ((const pel_body_def *)(const void *)def)->mesh;
     for (const pel_member *member = members; member->form != PEL_MEMBER_END; member++) {
-        place at = {member->part == PEL_PART_SAME ? outer.part : member->part, outer.mesh};
+        place at = {member->part == PEL_PART_SAME ? outer.part : member->part, outer.mesh, outer.skips_meshes};
         if (member->form == PEL_MEMBER_PLAIN)
             pel_fingerprint_add_bytes(fingerprint, at.part, def + member->offset, member->size);
         else if (member->form == PEL_MEMBER_DEF)
@@ -335,7 +338,15 @@ static void add_members(pel_fingerprint *fingerprint, const pel_member *members,
 
 void pel_fingerprint_add(pel_fingerprint *fingerprint, const pel_member *members, const void *def)
 {
-    add_members(fingerprint, members, def, (place){PEL_PART_COUNT, NULL});
+    add_members(fingerprint, members, def, (place){PEL_PART_COUNT, NULL, false});
+}
+
+void pel_fingerprint_renew(pel_fingerprint *fingerprint, const void *def)
+{
+    uint64_t meshes = fingerprint->parts[PEL_PART_MESH];
+    *fingerprint = (pel_fingerprint){0};
+    add_members(fingerprint, pel_model_members, def, (place){PEL_PART_COUNT, NULL, true});
+    fingerprint->parts[PEL_PART_MESH] = meshes;
 }
 
 const char *pel_fingerprint_compare(const pel_fingerprint *a, const pel_fingerprint *b, char *text, size_t size)

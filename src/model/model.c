@@ -392,7 +392,7 @@ static void build_end(build *scratch)
     *scratch = (struct build){0};
 }
 
-/* the mesh of a body, with what is inside out turned over, and its topology */
+/* the mesh of a body, with inside-out parts turned, and its topology */
 static pel_status begin_surface(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
 {
     pel_status status = copy_mesh(given->mesh, &body->mesh, error);
@@ -414,6 +414,19 @@ static bool same_everywhere(const pel_body_def *def)
 {
     const pel_quantity *k = &def->spring_stiffness;
     return k->field == NULL && !(def->spring_thickness > 0 && pel_quantity_at(k, 0) > 0);
+}
+
+static void copy_numbers(const pel_body_def *def, pel_body *body)
+{
+    const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
+    body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
+    body->is_foundation = body->has_volumetric && def->volumetric_depth > 0;
+    body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
+    memcpy(body->velocity, def->velocity, sizeof body->velocity);
+    memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);
+    body->friction = def->friction;
+    body->restitution = def->restitution;
+    body->contact_thickness = def->contact_thickness;
 }
 
 /* first pass: everything about a body that does not need the model's arrays */
@@ -443,16 +456,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
             pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
             return PEL_BAD_MESH;
         }
-    const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
-    body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
-    body->is_foundation = body->has_volumetric && def->volumetric_depth > 0;
-    body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
+    copy_numbers(def, body);
     body->diameter = bounding_diagonal(def->mesh);
-    memcpy(body->velocity, def->velocity, sizeof body->velocity);
-    memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);
-    body->friction = def->friction;
-    body->restitution = def->restitution;
-    body->contact_thickness = def->contact_thickness;
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }
@@ -472,7 +477,7 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
     return PEL_OK;
 }
 
-/* says of which body an error is: as its element, or before the text where that names a vertex or triangle */
+/* adds the body to an error: as its element, or before the text if that names a vertex or triangle */
 static pel_status name_body(pel_status status, const char *name, int32_t body, pel_error *error)
 {
     char what[sizeof error->what];
@@ -487,9 +492,21 @@ static pel_status name_body(pel_status status, const char *name, int32_t body, p
     return status;
 }
 
-static pel_status build_bodies(pel_model *model, const pel_model_def *def, build *builds, pel_error *error)
+static pel_spring_room needed_springs(const pel_model *model)
 {
     pel_spring_room springs = PEL_SPRINGS_OFF;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        double uniform = model->bodies[b].uniform_spring;
+        if (uniform < 0)
+            springs = PEL_SPRINGS_OWN;
+        else if (uniform > 0 && springs == PEL_SPRINGS_OFF)
+            springs = PEL_SPRINGS_UNIFORM;
+    }
+    return springs;
+}
+
+static pel_status build_bodies(pel_model *model, const pel_model_def *def, build *builds, pel_error *error)
+{
     for (int32_t b = 0; b < model->body_count; b++) {
         pel_body *body = &model->bodies[b];
         pel_status status = begin_body(&def->bodies[b], body, &builds[b], error);
@@ -499,10 +516,6 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         model->slice_count += (body->mesh->vertex_count + PEL_WIDTH - 1) / PEL_WIDTH;
         body->slice_end = model->slice_count;
         model->triangle_count += body->mesh->triangle_count;
-        if (body->uniform_spring < 0)
-            springs = PEL_SPRINGS_OWN;
-        else if (body->uniform_spring > 0 && springs == PEL_SPRINGS_OFF)
-            springs = PEL_SPRINGS_UNIFORM;
     }
     model->vertex_count = model->slice_count * PEL_WIDTH;
     if (!pel_model_allocate(model))
@@ -519,7 +532,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         fill_triangles(model, b);
     }
     int32_t *filled = pel_allocate((size_t)model->vertex_count, sizeof *filled);
-    bool room = filled != NULL && pel_model_allocate_slots(model, springs, 3 * model->triangle_count);
+    bool room = filled != NULL && pel_model_allocate_slots(model, needed_springs(model), 3 * model->triangle_count);
     for (int32_t b = 0; room && b < model->body_count; b++)
         fill_springs(model, &builds[b].def, &model->bodies[b], builds[b].topology, filled);
     pel_free(filled);
@@ -536,7 +549,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     return PEL_OK;
 }
 
-/* what the model was made from, for those who make one with other numbers */
+/* keeps the def of the model, to create one with other numbers */
 static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
 {
     model->def = *def;
@@ -580,6 +593,50 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     else
         pel_model_destroy(made);
     return status;
+}
+
+/* ---- other numbers ---- */
+
+/* springs of one stiffness have no array of it, and the order of vertices stays */
+static bool may_refill(const pel_model *model, const pel_body *body, const pel_body_def *def)
+{
+    bool has_parts = body->detail != NULL || body->shell != NULL;
+    return !has_parts && model->stiffnesses == NULL && same_everywhere(def);
+}
+
+/* null where nothing asks for areas */
+static pel_status refill_vertices(pel_model *model, int32_t b, pel_error *error)
+{
+    pel_body *body = &model->bodies[b];
+    const pel_body_def *def = &model->def.bodies[b];
+    bool has_areas = def->volumetric_by_area || def->volumetric_depth > 0 || def->mass_kind == PEL_MASS_DENSITY;
+    double *areas = NULL;
+    pel_status status = PEL_OK;
+    if (has_areas) {
+        areas = pel_allocate((size_t)def->mesh->vertex_count, sizeof *areas);
+        status = areas != NULL ? lump_areas(def->mesh, areas, &body->rest_area, error) : pel_fail_memory(error);
+    }
+    if (status == PEL_OK) {
+        copy_numbers(def, body);
+        fill_vertices(model, def, body, model->mesh_vertex + body->slice_begin * PEL_WIDTH, areas);
+        status = check_masses(model, b, error);
+    }
+    pel_free(areas);
+    return status;
+}
+
+bool pel_model_refill(pel_model *model)
+{
+    const pel_model_def *def = &model->def;
+    pel_spring_room before = needed_springs(model);
+    bool may = check_def(def, NULL) == PEL_OK;
+    for (int32_t b = 0; may && b < model->body_count; b++)
+        may = may_refill(model, &model->bodies[b], &def->bodies[b]);
+    for (int32_t b = 0; may && b < model->body_count; b++)
+        may = refill_vertices(model, b, NULL) == PEL_OK;
+    memcpy(model->gravity, def->gravity, sizeof model->gravity);
+    pel_fingerprint_renew(&model->fingerprint, def);
+    return may && needed_springs(model) == before;
 }
 
 void pel_model_destroy(pel_model *model)

@@ -72,6 +72,14 @@ void pel_state_start(const pel_model *model, pel_state *state)
             start_body(model, &model->bodies[b], state);
 }
 
+void pel_state_refill(const pel_model *model, bool with_velocity, pel_state *state)
+{
+    for (int32_t i = 0; i < model->vertex_count; i++)
+        state->position[i][3] = state->position_before[i][3] = state->position_next[i][3] = model->inverse_mass[i];
+    if (with_velocity)
+        pel_state_start(model, state);
+}
+
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error)
 {
     size_t count = (size_t)model->vertex_count;

@@ -15,7 +15,8 @@ typedef struct pel_ledger {
     pel_sim_ledger sums;                    /* over all steps; members of the present state stay 0 */
     double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
     uint8_t is_started;                     /* the energies at the start are known */
-    bool has_damping, has_radial_damping;   /* any vertex has one of its own, along its volumetric spring */
+    bool is_unread;                         /* nobody reads it: the energies at the start stay 0 */
+    bool has_damping, has_radial_damping;   /* any vertex has its own damping, along its volumetric spring */
     double rounding;                        /* J, energy that rounding of positions alone can show */
     pel_tool_reading *tools;                /* (tool_count) at the start of the step */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
@@ -26,6 +27,8 @@ typedef struct pel_ledger {
 
 /* Allocates the ledger; tools must exist already. PEL_OUT_OF_MEMORY. */
 pel_status pel_ledger_create(pel_sim *sim, pel_error *error);
+/* Recomputes its constants after the numbers of the model have changed. */
+void pel_ledger_refill(pel_sim *sim);
 void pel_ledger_destroy(pel_sim *sim);
 
 /* Records the energies at the start, once, before the first step. */

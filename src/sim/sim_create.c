@@ -148,7 +148,7 @@ static double read_clock(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* a copy of the def, for changes; meshes of tools are those of the sim */
+/* a copy of the def, for changes; meshes of tools belong to the sim */
 static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->def = *def;
@@ -270,6 +270,33 @@ pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *erro
     else
         pel_sim_destroy(made);
     return status;
+}
+
+/* nothing but the method and the ledger depends on numbers of the bodies and the solver */
+static bool may_refill(const pel_sim *sim)
+{
+    bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tool_count > 0 || sim->def.support_count > 0 ||
+                     sim->edge_load_count > 0 || sim->follower_count > 0 || sim->contacts != NULL;
+    return sim->stepper->can_refill && !has_parts;
+}
+
+bool pel_sim_refill(pel_sim *sim, bool with_model)
+{
+    if (!may_refill(sim) || check_def(&sim->def, NULL) != PEL_OK)
+        return false;
+    sim->solver = sim->def.solver;
+    sim->step.keep_velocity = sim->solver.keep_velocity;
+    if (check_start(sim, NULL) != PEL_OK || sim->stepper->create(sim, NULL) != PEL_OK)
+        return false;
+    if (with_model) {
+        pel_state_refill(sim->model, pel_sim_has_velocity(sim), sim->state);
+        pel_ledger_refill(sim);
+    }
+    pel_parts_create(sim);
+    pel_sim_take_fingerprint(sim);
+    sim->force_is_present = false;
+    sim->state_number++;
+    return true;
 }
 
 void pel_sim_release(pel_sim *sim)

@@ -119,6 +119,7 @@ const pel_stepper pel_step_explicit_kind = {
     .has_velocity = true,
     .is_explicit = true,
     .bounds_motion = true,
+    .can_refill = true,
     .create = check_dt,
     .step = step,
     .advise = advise,

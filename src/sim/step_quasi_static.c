@@ -61,6 +61,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 const pel_stepper pel_step_quasi_static_kind = {
     .bounds_motion = true,
+    .can_refill = true,
     .create = create,
     .step = step,
     .advise = advise,

@@ -38,23 +38,39 @@ static double spring_stiffness(const pel_model *model, int32_t slot, int32_t lan
     return uniform ? factors->spring : factors->spring * (double)model->stiffnesses[slot][lane];
 }
 
+/* as fmax, which is a call */
+static double larger(double a, double b)
+{
+    return b > a ? b : a;
+}
+
+/* stiffness of all springs of each vertex of a slice */
+static void sum_springs(const pel_model *model, int32_t slice, const body_factors *factors, double sums[PEL_WIDTH])
+{
+    bool uniform = is_uniform(model, slice);
+    for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+        sums[lane] = 0;
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
+        for (int32_t lane = 0; lane < PEL_WIDTH; lane++)
+            sums[lane] += spring_stiffness(model, slot, lane, slice * PEL_WIDTH + lane, factors, uniform);
+}
+
 void pel_stability_bound(const pel_model *model, pel_stability *stability)
 {
     *stability = (pel_stability){0};
     for (int32_t slice = 0; slice < model->slice_count; slice++) {
         body_factors factors = factors_of(model, slice);
-        bool uniform = is_uniform(model, slice);
+        double sums[PEL_WIDTH];
+        sum_springs(model, slice, &factors, sums);
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
             int32_t v = slice * PEL_WIDTH + lane;
-            double sum = 0, inverse_mass = (double)model->inverse_mass[v];
-            for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
-                sum += spring_stiffness(model, slot, lane, v, &factors, uniform);
-            sum = 2 * sum + factors.volumetric * (double)model->rest[v][3];
+            double inverse_mass = (double)model->inverse_mass[v];
+            double stiffness = 2 * sums[lane] + factors.volumetric * (double)model->rest[v][3];
             double drag = factors.damping * (double)model->damping[v];
             double radial = drag + factors.volumetric_damping * (double)model->volumetric_damping[v];
-            stability->stiffness_bound = fmax(stability->stiffness_bound, inverse_mass * sum);
-            stability->drag = fmax(stability->drag, inverse_mass * drag);
-            stability->radial_drag = fmax(stability->radial_drag, inverse_mass * radial);
+            stability->stiffness_bound = larger(stability->stiffness_bound, inverse_mass * stiffness);
+            stability->drag = larger(stability->drag, inverse_mass * drag);
+            stability->radial_drag = larger(stability->radial_drag, inverse_mass * radial);
         }
     }
     stability->stiffness = stability->stiffness_bound;

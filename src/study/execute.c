@@ -81,7 +81,10 @@ static void tell(const execution *e)
 
 static pel_status keep_row(execution *e, const char *row, pel_error *error)
 {
-    pel_status status = pel_study_store_add(e->store, row, error);
+    pel_status status = pel_study_store_gather(e->store, row, error);
+    /* progress tells of rows that are written */
+    if (status == PEL_OK && e->def->progress != NULL)
+        status = pel_study_store_flush(e->store, error);
     if (status != PEL_OK)
         return status;
     e->failed += pel_study_row_is_done(row) ? 0 : 1;
@@ -94,22 +97,23 @@ static pel_status keep_lost(execution *e, int64_t run, const char *word, const c
                             pel_error *error)
 {
     pel_status status = pel_study_lost_run(e->study, run, word, what, remedy, e->row, error);
-    return status == PEL_OK ? keep_row(e, e->row, error) : status;
+    status = status == PEL_OK ? keep_row(e, e->row, error) : status;
+    return status == PEL_OK ? pel_study_store_flush(e->store, error) : status;
 }
 
-/* the rows that have come back whole */
+/* the rows that have come back whole, with one write where nobody asks for progress */
 static pel_status keep_rows(execution *e, pel_study_worker *worker, pel_error *error)
 {
     const char *row;
-    while (goes_on(e) && (row = pel_study_worker_row(worker)) != NULL) {
-        pel_status status = row[0] != '\0' ? keep_row(e, row, error)
-                                           : keep_lost(e, worker->queue[0], "failed", "out of memory",
-                                                       "use a coarser mesh, or do fewer runs at a time", error);
-        if (status != PEL_OK)
-            return status;
-        pel_study_worker_answered(worker, clock_now());
+    pel_status status = PEL_OK;
+    while (status == PEL_OK && goes_on(e) && (row = pel_study_worker_row(worker)) != NULL) {
+        status = row[0] != '\0' ? keep_row(e, row, error)
+                                : keep_lost(e, worker->queue[0], "failed", "out of memory",
+                                            "use a coarser mesh, or do fewer runs at a time", error);
+        if (status == PEL_OK)
+            pel_study_worker_answered(worker, clock_now());
     }
-    return PEL_OK;
+    return status == PEL_OK ? pel_study_store_flush(e->store, error) : status;
 }
 
 /* ---- workers ---- */
@@ -125,9 +129,12 @@ static int32_t queue_length(const pel_study_worker *worker)
 /* a worker that ends while it is given a run is found by the next look */
 static void fill_queue(execution *e, pel_study_worker *worker)
 {
-    bool is_there = worker->process != 0;
-    while (is_there && e->given < e->run_count && worker->queued < queue_length(worker))
-        is_there = pel_study_worker_give(worker, e->runs[e->given++], clock_now());
+    int64_t left = e->run_count - e->given;
+    int32_t room = queue_length(worker) - worker->queued, count = room < left ? room : (int32_t)left;
+    if (worker->process == 0 || count <= 0)
+        return;
+    pel_study_worker_give(worker, e->runs + e->given, count, clock_now());
+    e->given += count;
 }
 
 static pel_status start_worker(execution *e, pel_study_worker *worker, pel_error *error)
@@ -136,10 +143,12 @@ static pel_status start_worker(execution *e, pel_study_worker *worker, pel_error
     if (status != PEL_OK)
         return status;
     /* what the one before has not done */
-    int32_t queued = worker->queued;
+    int64_t runs[PEL_STUDY_QUEUE];
+    int32_t count = worker->queued;
+    memcpy(runs, worker->queue, (size_t)count * sizeof *runs);
     worker->queued = 0;
-    for (int32_t i = 0; i < queued; i++)
-        pel_study_worker_give(worker, worker->queue[i], clock_now());
+    if (count > 0)
+        pel_study_worker_give(worker, runs, count, clock_now());
     fill_queue(e, worker);
     return PEL_OK;
 }

@@ -9,6 +9,7 @@ void pel_study_kept_drop(pel_study_kept *kept)
     pel_run_kept_drop(&kept->parts, true);
     pel_scene_destroy(kept->scene);
     pel_free(kept->places);
+    pel_free(kept->numbers);
     *kept = (pel_study_kept){0};
 }
 
@@ -21,7 +22,8 @@ static bool varies(const pel_study_axis *axis)
 static pel_status find_places(const pel_study *study, pel_study_kept *kept, pel_error *error)
 {
     kept->places = pel_allocate((size_t)study->axis_count, sizeof *kept->places);
-    if (kept->places == NULL)
+    kept->numbers = pel_allocate((size_t)study->axis_count, sizeof *kept->numbers);
+    if (kept->places == NULL || kept->numbers == NULL)
         return pel_fail_memory(error);
     bool all = kept->scene->session_count == 0;
     for (int32_t a = 0; all && a < study->axis_count; a++)
@@ -55,6 +57,7 @@ static bool needs_sim(const pel_study_kept *kept, const pel_parameter_row *row)
 static bool patch(const pel_study *study, pel_study_kept *kept, int64_t run)
 {
     bool changes_model = false, changes_sim = false;
+    int32_t count = 0;
     for (int32_t a = 0; a < study->axis_count; a++) {
         const pel_study_axis *axis = &study->axes[a];
         const char *value = value_of(study, axis, run);
@@ -65,8 +68,9 @@ static bool patch(const pel_study *study, pel_study_kept *kept, int64_t run)
             return false;
         changes_model |= is_of_model(row->owner);
         changes_sim |= needs_sim(kept, row);
+        kept->numbers[count++] = (pel_run_number){kept->places[a], value};
     }
-    if (changes_model || changes_sim)
+    if ((changes_model || changes_sim) && !pel_run_kept_refill(&kept->parts, kept->numbers, count, changes_model))
         pel_run_kept_drop(&kept->parts, changes_model);
     return true;
 }

@@ -159,7 +159,10 @@ void pel_study_put_cell(pel_json *json, const char *text)
         return;
     }
     pel_json_print(json, "\"");
-    for (; *text != '\0'; text++)
-        pel_json_print(json, "%s%c", *text == '"' ? "\"" : "", *text == '\n' || *text == '\r' ? ' ' : *text);
+    while (*text != '\0') {
+        int plain = (int)strcspn(text, "\"\r\n");
+        pel_json_print(json, "%.*s%s", plain, text, text[plain] == '"' ? "\"\"" : text[plain] != '\0' ? " " : "");
+        text += plain + (text[plain] != '\0');
+    }
     pel_json_print(json, "\"");
 }

@@ -55,7 +55,8 @@ static const struct summary_key {
     {"warnings", KEY_INT32, offsetof(pel_run_summary, warning_count), EVERYTHING},
     {"solver_iterations", KEY_INT32, offsetof(pel_run_summary, solver.iterations), 0},
     {"solver_residual", KEY_DOUBLE, offsetof(pel_run_summary, solver.residual), 0},
-    {"solver_unconverged_steps", KEY_INT64, offsetof(pel_run_summary, unconverged_steps), 0},
+    /* they are counted as warnings */
+    {"solver_unconverged_steps", KEY_INT64, offsetof(pel_run_summary, unconverged_steps), EVERYTHING},
     {"frequency", KEY_DOUBLE, offsetof(pel_run_summary, modes), 0},
     {"load_factor", KEY_DOUBLE, offsetof(pel_run_summary, modes), 0},
     ENERGY(elastic),

@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "io/file.h"
+#include "io/json.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -28,6 +29,7 @@ struct pel_study_store {
     int32_t chunk, chunk_count;
     int descriptor;     /* of the chunk's rows */
     char *path;         /* of these */
+    pel_json lines;     /* that were gathered, and are not written yet */
     row_state *present; /* (run_count) rows that were there when the folder was opened */
     char **rows;        /* (run_count) while rows are collected; null = missing */
 };
@@ -293,6 +295,7 @@ void pel_study_store_close(pel_study_store *store)
     if (store->descriptor >= 0)
         close(store->descriptor);
     drop_rows(store);
+    pel_json_free(&store->lines);
     pel_free(store->rows);
     pel_free(store->present);
     pel_free(store->path);
@@ -312,22 +315,29 @@ bool pel_study_store_failed(const pel_study_store *store, int64_t run)
            store->present[run] == ROW_FAILED;
 }
 
+pel_status pel_study_store_gather(pel_study_store *store, const char *row, pel_error *error)
+{
+    char hash[HASH_DIGITS + 2];
+    if (row_run(store->study, row) < 0 || strchr(row, '\n') != NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the text is not a row of this study");
+    put_hash(hash, row, strlen(row));
+    pel_json_print(&store->lines, "%s%s\n", hash, row);
+    return store->lines.failed ? pel_fail_memory(error) : PEL_OK;
+}
+
+pel_status pel_study_store_flush(pel_study_store *store, pel_error *error)
+{
+    size_t length = store->lines.length;
+    store->lines.length = 0;
+    return length > 0 ? append(store, store->lines.text, length, error) : PEL_OK;
+}
+
 pel_status pel_study_store_add(pel_study_store *store, const char *row, pel_error *error)
 {
     PEL_REFUSE_NULL(store, error);
     PEL_REFUSE_NULL(row, error);
-    char hash[HASH_DIGITS + 2];
-    size_t length = strlen(row), size = HASH_DIGITS + 1 + length + 1;
-    if (row_run(store->study, row) < 0 || strchr(row, '\n') != NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "the text is not a row of this study");
-    char *line = pel_allocate(size + 1, 1);
-    if (line == NULL)
-        return pel_fail_memory(error);
-    put_hash(hash, row, length);
-    snprintf(line, size + 1, "%s%s\n", hash, row);
-    pel_status status = append(store, line, size, error);
-    pel_free(line);
-    return status;
+    pel_status status = pel_study_store_gather(store, row, error);
+    return status == PEL_OK ? pel_study_store_flush(store, error) : status;
 }
 
 static pel_status write_table(const pel_study_store *store, pel_error *error)

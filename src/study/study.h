@@ -1,4 +1,4 @@
-/* Inside of a study: what its parts share. */
+/* Internals of a study, shared by its parts. */
 #ifndef PEL_STUDY_STUDY_H
 #define PEL_STUDY_STUDY_H
 
@@ -85,6 +85,9 @@ pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *st
 
 /* whether the status of a row is "done" */
 bool pel_study_row_is_done(const char *row);
+/* pel_study_store_add in two steps: many rows, then one write. The errors of both are those of pel_study_store_add. */
+pel_status pel_study_store_gather(pel_study_store *store, const char *row, pel_error *error);
+pel_status pel_study_store_flush(pel_study_store *store, pel_error *error);
 
 /* ---- page.c ---- */
 

@@ -1,4 +1,4 @@
-/* A process of its own for runs, so that a run that crashes, or is killed, takes nothing else with it. */
+/* A separate process for runs, so that a run that crashes or is killed affects nothing else. */
 #ifndef PEL_STUDY_WORKER_H
 #define PEL_STUDY_WORKER_H
 
@@ -25,8 +25,8 @@ typedef struct pel_study_worker {
    text and size are the caller's. PEL_OUT_OF_MEMORY when there can be no process. */
 pel_status pel_study_worker_start(pel_study_worker *worker, const pel_study *study, const char *folder,
                                   pel_study_store *store, pel_error *error);
-/* Gives it a run; false when the process has ended. */
-bool pel_study_worker_give(pel_study_worker *worker, int64_t run, double now);
+/* Gives it runs, for which the queue has room; false when the process has ended. */
+bool pel_study_worker_give(pel_study_worker *worker, const int64_t *runs, int32_t count, double now);
 /* Reads what has come back; false when the process has ended. */
 bool pel_study_worker_read(pel_study_worker *worker);
 /* The next whole row, without its newline, which the worker's text holds until the next call; "" = the run was out of

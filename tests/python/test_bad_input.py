@@ -182,6 +182,13 @@ class Arrays(unittest.TestCase):
         self.assertEqual(other.volume, mesh.volume)
         self.assertEqual(len(mesh.subdivide().positions), 162)
 
+    def test_bodies(self):
+        """Exchanged arguments and wrong names are told with what is right."""
+        with self.assertRaisesRegex(TypeError, "body: must be the name or number of a body, not <class 'numpy.ndarray'>"):
+            SIM.set_positions("ball", SIM.positions())
+        with self.assertRaisesRegex(KeyError, r"body: 'bal' is none of the bodies \['ball'\]"):
+            SIM.positions("bal")
+
     def test_indices(self):
         sim = pellicle.load_scene(ball())
         for value, kind in (

@@ -200,6 +200,28 @@ class Calibration(unittest.TestCase):
         self.assertIn("tools", problem.reason)
         self.assertIsNone(problem.last)
 
+    def test_bad_data(self):
+        """Each mistake in a table is told with its line or its column."""
+        parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}
+        fit = self.line(self.scene(), parameters, "max_displacement")
+        entry, path = fit["data"][0], self.folder / "bad.csv"
+        for text, more, expected in (
+            ("time,y\n0.1,1\n0.2,x1\n", {}, "bad.csv:3: .*'x1'"),
+            ("time,y\n# taken by hand\n0.1,1\n0.2,1,5\n", {}, "bad.csv:4: .*3 cells below 2 names"),
+            ("time,y\n0.1,1\n0.2,nan\n", {}, "bad.csv:3: .*not finite"),
+            ("time,y\n0.1,1\n", {}, "no table of numbers"),
+            ("time,y\n0.1,1\n0.2,2\n", {"column_y": "z"}, "no column 'z'. name one of time, y"),
+            ("time,y\n0.1,1\n0.2,2\n", {"y": "max_displacment"}, "did you mean 'max_displacement'"),
+            ("vertex,x,y,z\n0,0,0,0\n1.5,0,0,1\n", {"body": "ball"}, "whole numbers"),
+        ):
+            with self.subTest(text=text, more=more):
+                path.write_text(text)
+                data = {**entry, "file": str(path), **more}
+                if "body" in more:
+                    data = {"file": str(path), **more}
+                with self.assertRaisesRegex(pellicle.Error, expected):
+                    pellicle.calibrate({**fit, "data": [data]})
+
     def test_bad(self):
         parameters = {"bodies.ball.springs.stiffness": {"start": 3, "from": 1, "to": 9}}
         with self.assertRaisesRegex(pellicle.Error, "no column 'force'"):

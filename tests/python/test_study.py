@@ -88,6 +88,17 @@ class Sweeps(Folder):
         self.assertEqual(table.column_names, list(sweep))
         self.assertEqual(table["depth"].to_pylist(), sweep["depth"].tolist())
 
+    def test_ranges_and_meshes(self):
+        """Python's and numpy's ranges are lists; a mesh belongs into a file, as the error says."""
+        study = self.study()
+        for values in (range(2, 4), np.arange(2, 4), np.linspace(2, 3, 2)):
+            study["vary"] = {"bodies.ball.springs.stiffness": values}
+            sweep = pellicle.sweep(study, self.folder / f"out-{type(values).__name__}-{np.asarray(values).dtype}")
+            self.assertEqual(sweep["bodies.ball.springs.stiffness"].tolist(), [2, 3])
+        study["scene"] = {"bodies": [{"name": "ball", "mesh": pellicle.Mesh.shape("geodesic-sphere", frequency=2)}]}
+        with self.assertRaisesRegex(TypeError, "write it to a file and give {'file': path}"):
+            pellicle.sweep(study, self.folder / "mesh")
+
     def test_continues(self):
         pellicle.sweep(self.study(), self.folder / "out")
         rows = self.folder / "out/rows/1-of-1.rows"

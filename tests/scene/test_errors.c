@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* four lines before what is wrong */
+/* four lines before the error */
 #define BALL "version: 1\nduration: 2\nbodies:\n  - mesh: {shape: geodesic-sphere}\n"
 
 typedef struct bad_scene {
@@ -35,6 +35,8 @@ static const bad_scene bad_scenes[] = {
     {BALL "    springs: {stiffness: '3'}\n", NULL, "a.yaml:5:26: error: bodies.0.springs.stiffness is '3', it must be"},
     {BALL "    springs: 3\n", NULL,
      "a.yaml:5:14: error: bodies.0.springs is '3', it must be: map. write { key: value } with keys of: young, thick"},
+    {"version: 1\nduration: 2\nbodies:\n  - {name: a, mesh: ball.obj}\n", NULL,
+     "a.yaml:4:21: error: bodies.0.mesh is 'ball.obj', it must be: map. write { file: ball.obj }"},
     {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
      "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number alone, it "
      "is taken in N/m"},
@@ -255,7 +257,7 @@ static void test_null_error(void **unused)
     }
 }
 
-/* what the model and the simulation refuse has its place in the scene */
+/* errors of the model and the simulation have their place in the scene */
 static void check_location(const char *end, const char *expected)
 {
     char text[1000], message[1000];
@@ -308,7 +310,7 @@ static void test_missing_file(void **unused)
     assert_string_equal(error.file, "no/such.yaml");
 }
 
-/* what a mesh file says has its place there */
+/* errors of a mesh file have their place there */
 static void test_bad_mesh_file(void **unused)
 {
     (void)unused;

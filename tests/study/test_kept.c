@@ -176,6 +176,21 @@ static void test_single_numbers(void **unused)
     assert_true(count.done > 100);
 }
 
+/* steps without convergence are counted also where nothing else is asked for */
+static void test_unconverged(void **unused)
+{
+    (void)unused;
+    static const struct study_case descent = {"descent, iterations: 1", shell, "",
+                                              "loads.pull.force: [[0, 0, 5], [0, 5, 0]]"};
+    tally count = {0, 0, 0, 0, 0};
+    check_case(&descent, "measure: [solver_unconverged_steps]\n", &count);
+    pel_study *study = make_study(&descent, "measure: [solver_unconverged_steps]\n");
+    static char row[ROW];
+    assert_int_equal(pel_study_run(study, 0, NULL, NULL, NULL, row, NULL), PEL_OK);
+    assert_non_null(strstr(row, ",16,done,"));
+    pel_study_destroy(study);
+}
+
 /* two runs of one simulation; the study is the data */
 static pel_status run_case(const void *data, pel_error *error)
 {
@@ -201,6 +216,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_rows),
         cmocka_unit_test(test_single_numbers),
+        cmocka_unit_test(test_unconverged),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
