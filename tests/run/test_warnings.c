@@ -198,7 +198,7 @@ static void test_stray(void **unused)
         "  - { name: floor, shape: box, size: [0.3, 0.3, 0.02], motion: [{ position: [0, 0, -0.0605] }] }\n"
         "  - { name: plate, shape: box, size: [0.3, 0.3, 0.02],\n"
         "      motion: [{ position: [0, 0, 0.0605] }, { time: 1, position: [0, 0, 0.0505] }] }\n"
-        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 18 }\n";
+        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 36 }\n";
     const char *held = "contact.friction=0.3";
     pel_run_summary summary;
     run_scene(text, NULL, 0, NULL, 0, &summary);
