@@ -6,7 +6,7 @@
 
 enum { CLI_BENCH_NUMBERS = 20 };
 
-/* What was measured. A benchmark's `finish` adds numbers of its own (bytes moved, shares). */
+/* Measurements. A benchmark's `finish` adds further numbers (bytes moved, shares). */
 typedef struct cli_bench_result {
     int repeats;
     double min_s, median_s;
@@ -26,10 +26,10 @@ void cli_bench_add(cli_bench_result *result, const char *name, const char *unit,
 typedef struct cli_bench_case {
     const char *name;
     const char *doc;        /* one line */
-    double compare_s;       /* the time it stands beside; 0 = none */
+    double compare_s;       /* time for comparison; 0 = none */
     const char *compare_to; /* "paper A, 2006" or "aim"; null when compare_s is 0 */
-    int repeats;            /* when --repeats is left out */
-    /* makes what the benchmark needs; not timed */
+    int repeats;            /* default of --repeats */
+    /* prepares the benchmark; not timed */
     pel_status (*begin)(void **inner, pel_error *error);
     /* brings inner back to where `once` starts; not timed; nullable */
     pel_status (*rewind)(void *inner, pel_error *error);

@@ -1,5 +1,5 @@
-/* What frames cost: whole runs of a sphere of 20,480 triangles that write a frame every 10 steps or every step, beside
-   runs that write the first and the last state alone. */
+/* Cost of frames: whole runs of a sphere of 20,480 triangles that write a frame every 10 steps or every step, compared
+   with runs that write only the first and the last state. */
 #include "bench.h"
 
 #include <pellicle/frames.h>

@@ -13,7 +13,7 @@ typedef struct stepping {
     pel_mesh *mesh;
     pel_model *model;
     pel_sim *sim;
-    void *start; /* snapshot to come back to */
+    void *start; /* snapshot to restore */
     size_t start_size;
     pel_method method;
     int thread_count;

@@ -1,5 +1,6 @@
-/* Table 1 of paper A: 500 steps of the sphere on its base mesh, refined everywhere and refined locally. The four take
-   turns every few steps and processor time is counted, so that what else the machine does meets all of them alike. */
+/* Table 1 of paper A: 500 steps of the sphere on its base mesh, refined everywhere and refined locally. The four
+   alternate every few steps and processor time is counted, so that other load on the machine affects all of them
+   equally. */
 #include "bench.h"
 
 #include <pellicle/shape.h>
@@ -15,7 +16,7 @@ static const double paper_base = 0.060, paper_everywhere = 0.194, paper_local = 
 typedef struct sphere {
     pel_model *model;
     pel_sim *sim;
-    void *start; /* snapshot to come back to */
+    void *start; /* snapshot to restore */
     size_t start_size;
 } sphere;
 

@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* what the package exits with, beside the statuses of the program */
+/* exit statuses of the package, in addition to those of the program */
 enum { NO_PROGRAM = 127 };
 
 enum { MOST_WORDS = 16 };

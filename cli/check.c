@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "cracks.h"
 #include "diagnostics.h"
 #include "intersections.h"
 #include "json.h"
@@ -89,17 +90,26 @@ static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_
     }
 }
 
-/* what is found in a mesh */
+/* findings of a mesh */
 typedef struct findings {
     pel_mesh_report *report;
+    cli_cracks cracks;
     cli_intersections intersections;
 } findings;
+
+static int64_t count_warnings(const findings *found)
+{
+    return found->report->warning_count + (found->cracks.count > 0) + found->intersections.count;
+}
 
 static pel_status find_all(const pel_mesh *mesh, bool with_intersections, findings *found, pel_error *error)
 {
     *found = (findings){0};
     pel_status status = pel_mesh_check(mesh, &found->report, error);
-    if (status == PEL_OK && with_intersections)
+    if (status == PEL_OK)
+        status = cli_find_cracks(mesh, found->report, &found->cracks, error);
+    /* across a crack neighbours count as strangers that touch */
+    if (status == PEL_OK && with_intersections && found->cracks.count == 0)
         status = cli_find_intersections(mesh, found->report, &found->intersections, error);
     return status;
 }
@@ -107,6 +117,7 @@ static pel_status find_all(const pel_mesh *mesh, bool with_intersections, findin
 static void print_findings(const char *path, const pel_mesh *mesh, const findings *found)
 {
     print_issues(path, mesh, found->report);
+    cli_print_cracks(path, &found->cracks);
     cli_print_intersections(path, mesh, &found->intersections, SHOWN_MAX);
 }
 
@@ -139,14 +150,15 @@ static void write_issue(cli_json *json, const pel_issue_info *info, const pel_is
     cli_json_close(json, '}');
 }
 
-static void write_issues(cli_json *json, const pel_mesh_report *report, const cli_intersections *found)
+static void write_issues(cli_json *json, const findings *found)
 {
-    int64_t warning_count = report->warning_count + found->count;
+    const pel_mesh_report *report = found->report;
+    int64_t warning_count = count_warnings(found);
     cli_json_bool(json, "ok", report->error_count == 0 && warning_count == 0);
     cli_json_integer(json, "error_count", report->error_count);
     cli_json_integer(json, "warning_count", warning_count);
-    if (found->looked)
-        cli_json_integer(json, "self_intersections", found->count);
+    if (found->intersections.looked)
+        cli_json_integer(json, "self_intersections", found->intersections.count);
     else
         cli_json_text(json, "self_intersections", NULL);
     cli_json_open(json, "issues", '[');
@@ -154,13 +166,15 @@ static void write_issues(cli_json *json, const pel_mesh_report *report, const cl
         if (report->issues[kind].count > 0)
             write_issue(json, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
     }
-    cli_write_intersections(json, found);
+    cli_write_cracks(json, &found->cracks);
+    cli_write_intersections(json, &found->intersections);
     cli_json_close(json, ']');
 }
 
-static void print_verdict(const char *path, const pel_mesh_report *report, const cli_intersections *found)
+static void print_verdict(const char *path, const findings *found)
 {
-    int64_t warning_count = report->warning_count + found->count;
+    const pel_mesh_report *report = found->report;
+    int64_t warning_count = count_warnings(found);
     printf("%s: %d vertices, %d triangles: ", path, (int)report->vertex_count, (int)report->triangle_count);
     if (report->error_count + warning_count == 0)
         printf("fine, %s\n", report->closed ? "closed" : "open");
@@ -169,7 +183,7 @@ static void print_verdict(const char *path, const pel_mesh_report *report, const
                (long long)warning_count, warning_count == 1 ? "warning" : "warnings");
 }
 
-/* what the repair did: JSON key and how it is said */
+/* summary of a repair: JSON key and text */
 typedef struct deed {
     const char *key, *text;
     int32_t count;
@@ -226,7 +240,7 @@ static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, cli_json *js
     pel_mesh *filled = NULL, *turned = NULL;
     pel_fill_summary summary;
     pel_status status = pel_mesh_fill_holes(*mesh, cli_count(call, "fill-holes"), &filled, &summary, error);
-    /* nothing is welded again that was cut apart */
+    /* split vertices are not welded again */
     pel_repair_options options = pel_repair_options_default();
     options.weld = options.cut = false;
     if (status == PEL_OK)
@@ -305,10 +319,10 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
         if (!fix)
             print_findings(path, mesh, &found);
         if (json != NULL)
-            write_issues(json, found.report, &found.intersections);
+            write_issues(json, &found);
         else
-            print_verdict(path, found.report, &found.intersections);
-        int64_t count = found.report->error_count + found.report->warning_count + found.intersections.count;
+            print_verdict(path, &found);
+        int64_t count = found.report->error_count + count_warnings(&found);
         status = count == 0 ? CLI_DONE : CLI_BAD_INPUT;
         if (fix)
             status = fix_mesh(call, format, mesh, json);
@@ -318,7 +332,7 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
     return status;
 }
 
-/* prints what is wrong with the meshes of the scene's bodies; false when one cannot be simulated */
+/* prints the defects of the meshes of the scene's bodies; false if one cannot be simulated */
 static bool check_bodies(const cli_call *call, const pel_scene *scene, cli_json *json)
 {
     bool good = true;
@@ -383,7 +397,7 @@ static int check_scene(const cli_call *call, cli_json *json)
     return status;
 }
 
-/* format is that of --fix */
+/* format: of --fix */
 static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
 {
     const char *path = call->arguments[0];

@@ -1,4 +1,4 @@
-/* What the commands do; each returns the exit status. The table that names them is table.c. */
+/* The commands; each returns the exit status. table.c lists them. */
 #ifndef PELLICLE_CLI_COMMANDS_H
 #define PELLICLE_CLI_COMMANDS_H
 

@@ -24,7 +24,8 @@ static bool ends_with(const char *text, const char *ending)
     return length > size && strcmp(text + length - size, ending) == 0;
 }
 
-/* what --format or the ending names: FORMAT_GLB, FORMAT_PC2, a pel_mesh_format, or -1 after a complaint */
+/* format by --format or the file's extension: FORMAT_GLB, FORMAT_PC2, a pel_mesh_format, or -1 after an error
+   message */
 static int output_format(const cli_call *call, const char *out)
 {
     const char *name = cli_value(call, "format");

@@ -1,4 +1,4 @@
-/* What several commands share: errors and notes on standard error, meshes in and out. */
+/* Shared by several commands: errors and notes on standard error, meshes in and out. */
 #ifndef PELLICLE_CLI_DIAGNOSTICS_H
 #define PELLICLE_CLI_DIAGNOSTICS_H
 
@@ -8,7 +8,7 @@
 #include <pellicle/error.h>
 #include <pellicle/mesh_io.h>
 
-/* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns the exit status that belongs to it. */
+/* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns its exit status. */
 int cli_report(const pel_error *error);
 /* writes the error as the member "error" of the open JSON object */
 void cli_write_error(cli_json *json, const pel_error *error);
@@ -17,8 +17,8 @@ int cli_report_to(const pel_error *error, cli_json *json);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
 
-/* Finds a file that is installed in share/pellicle, beside the program or, before it is installed, in the build folder
-   or the source tree. Returns path (size bytes), or null when it is in none of these places. */
+/* Finds a file that is installed in share/pellicle next to the program or, before installation, is in the build folder
+   or the source tree. Returns path (size bytes), or null if it is in none of these places. */
 const char *cli_share_path(char *path, size_t size, const char *name);
 /* The scene's file: a name without slash and dot, where no such file is, means an installed scene. Returns path (size
    bytes) or name. */
@@ -41,10 +41,10 @@ extern const pel_log cli_notes;
 /* any mesh file; reports the error (json is nullable) and returns null on failure */
 pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status);
 
-/* The format that --format names, else the one of the path's ending; complains and returns false when there is none. */
+/* The format of --format, otherwise of the path's extension; prints an error and returns false if there is none. */
 bool cli_output_format(const cli_call *call, const char *path, pel_mesh_format *format);
 
-/* Writes the mesh; prints what was written on stdout unless quiet, or the error. Returns the exit status. */
+/* Writes the mesh; prints a summary on stdout unless quiet, or the error. Returns the exit status. */
 int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log, bool quiet);
 
 #endif

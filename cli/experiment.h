@@ -1,5 +1,5 @@
-/* Experiments of `pellicle reproduce`. Each runs scenes and leaves claims: what a paper, the theory or a reference
-   says, the numbers that were measured for it, and the verdict that follows from them. */
+/* Experiments of `pellicle reproduce`. Each runs scenes and gives claims: a statement of a paper, the theory or a
+   reference, the measured numbers, and the verdict. */
 #ifndef PELLICLE_CLI_EXPERIMENT_H
 #define PELLICLE_CLI_EXPERIMENT_H
 
@@ -17,21 +17,21 @@ enum {
     CLI_BODIES = 8
 };
 
-/* Where a claim comes from. */
+/* Source of a claim. */
 typedef enum cli_origin {
     CLI_PAPER,      /* paper A or B says it */
     CLI_THEORY,     /* mechanics, a closed form */
     CLI_REFERENCE,  /* a computation apart from this program, or a published number of others */
-    CLI_REGRESSION, /* what this program gave before: no truth, but a change is to be noticed */
+    CLI_REGRESSION, /* an earlier result of this program: not a truth, but changes must be noticed */
     CLI_ORIGINS
 } cli_origin;
 
 typedef enum cli_relation { CLI_TOLD, CLI_EQUAL, CLI_AT_MOST, CLI_AT_LEAST } cli_relation;
 
-/* A number that came out, beside the one it should be. */
+/* A measured number and its expected value. */
 typedef struct cli_finding {
     char name[96];
-    double value, expected; /* expected is NaN when there is none */
+    double value, expected; /* expected is NaN if there is none */
     double tolerance;       /* CLI_EQUAL: largest difference that counts as equal */
     cli_relation relation;  /* CLI_TOLD = not judged */
     const char *source;     /* of the expected number; a literal */
@@ -65,14 +65,14 @@ typedef struct cli_image {
     char caption[160];
 } cli_image;
 
-/* An experiment at work, and what it leaves. */
+/* A running experiment and its results. */
 typedef struct cli_experiment {
     const char *name, *doc;
     const char *folder; /* exists */
     pel_error *error;
     const cli_body *bodies; /* (body_count) */
     int body_count;
-    bool given_mesh; /* the body is the user's: what a paper claims need not hold on it */
+    bool given_mesh; /* the body is the user's: a paper's claims need not hold on it */
     cli_claim claims[CLI_EXPERIMENT_CLAIMS];
     int claim_count;
     cli_finding findings[CLI_EXPERIMENT_NUMBERS];
@@ -105,7 +105,8 @@ void cli_experiment_check(cli_experiment *experiment, const char *name, double v
 /* A number that has to be at most, or at least, `limit`. */
 void cli_experiment_limit(cli_experiment *experiment, const char *name, double value, double limit, const char *source);
 void cli_experiment_least(cli_experiment *experiment, const char *name, double value, double limit, const char *source);
-/* A number that is told beside another one, or NaN: it depends on the machine, or on what the paper does not say. */
+/* A number that is reported next to another one, or NaN, without a verdict: it depends on the machine, or on values
+   missing in the paper. */
 void cli_experiment_tell(cli_experiment *experiment, const char *name, double value, double expected,
                          const char *source);
 
@@ -142,8 +143,8 @@ pel_status cli_experiment_plot(cli_experiment *experiment, const cli_plot *plot)
 
 enum { CLI_PICTURE_RUNS = 8, CLI_PICTURE_FRAMES = 6 };
 
-/* The next picture, folder/picture.png, picture-2.png, ...: runs as rows, frames as columns. Nothing is drawn by a
-   program without pictures. */
+/* The next picture, folder/picture.png, picture-2.png, ...: runs as rows, frames as columns. A program built without
+   pictures draws none. */
 typedef struct cli_picture {
     const char *caption;
     const char *runs[CLI_PICTURE_RUNS], *labels[CLI_PICTURE_RUNS];
@@ -152,9 +153,9 @@ typedef struct cli_picture {
     int frame_count;
     int columns;        /* 0 = a row for each run */
     const char *field;  /* null = displacement */
-    const char *unit;   /* of the field; null = that of known quantities */
+    const char *unit;   /* of the field; null = the unit of known quantities */
     int component;      /* of a vector field, from 1; 0 = magnitude */
-    double range[2];    /* of the colours; equal = what is there */
+    double range[2];    /* range of the colours; equal ends = range of the data */
     const char *arrows; /* nullable */
     double azimuth, elevation;
     bool edges, times; /* times instead of frame numbers */

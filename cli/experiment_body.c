@@ -66,7 +66,7 @@ static bool solve_4(double a[4][5])
     return true;
 }
 
-/* the way to the camera of the pictures: 35 degrees from the front, 20 above the horizon */
+/* direction to the camera of the pictures: 35 degrees from the front, 20 above the horizon */
 static const double to_camera[3] = {0.539, -0.770, 0.342};
 
 static bool is_seen(const double normal[3])
@@ -192,7 +192,7 @@ static pel_status fit(pel_mesh *mesh, const char *source, int turn, cli_body *bo
     return find_cap(mesh, body, error);
 }
 
-/* "file: "..."", with what YAML needs */
+/* "file: "..."", escaped for YAML */
 static void quote(const char *path, char *text, size_t size)
 {
     size_t length = (size_t)snprintf(text, size, "file: \"");

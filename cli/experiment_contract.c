@@ -1,4 +1,4 @@
-/* Figures 1, 2, 5, 6, 8, 9 and 10 of paper B: the pipeline, the pressure, and what each energy does. */
+/* Figures 1, 2, 5, 6, 8, 9 and 10 of paper B: the pipeline, the pressure, and the effect of each energy. */
 #include "experiment_shrink.h"
 
 #include <pellicle/measure.h>
@@ -92,8 +92,8 @@ const cli_experiment_case cli_b_figure_1 = {
 
 /* ---- figure 2 ---- */
 
-/* largest difference of the force from -P n times a third of the triangles' area, over the largest force, and that of
-   cos alpha from -n_z */
+/* largest difference of the force from -P n times a third of the triangles' area, over the largest force, and the
+   largest difference of cos alpha from -n_z */
 static pel_status check_pressure(const pel_mesh *mesh, double pressure, double off[2], pel_error *error)
 {
     const pel_field *field = pel_mesh_field(mesh, "pressure");
@@ -308,7 +308,7 @@ const cli_experiment_case cli_b_figure_9 = {
 
 static pel_status run_figure_6(cli_experiment *experiment)
 {
-    /* a ball, whatever the other bodies are */
+    /* a ball, for any choice of bodies */
     static const cli_body ball = {.name = "ball",
                                   .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
                                   .cap = "{ center: [0, 0, 1], radius: 0.5 }",

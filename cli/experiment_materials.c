@@ -1,5 +1,5 @@
-/* Figures 11 to 15 and table 1 of paper B: materials, sizes, distances and minimisation beside the paper's method, and
-   the method of Bender and others 2014 (continuous_pbd.h) that it compares itself with. */
+/* Figures 11 to 15 and table 1 of paper B: materials, sizes, distances and minimisation compared with the paper's
+   method, and the method of Bender and others 2014 (continuous_pbd.h), with which the paper compares itself. */
 #include "continuous_pbd.h"
 #include "experiment_shrink.h"
 
@@ -213,7 +213,7 @@ enum { SIZES = 3, BARS = 4, FRAMES = 100 };
 static const double parts[SIZES] = {1, 0.25, 0.0625};
 static const char *const size_names[SIZES] = {"V0", "V0-4", "V0-16"};
 
-/* the first body at a part of its volume; pressure 3 Pa, or one that goes with its size */
+/* the first body at a part of its volume; pressure 3 Pa, or proportional to its size */
 static pel_status run_size(cli_experiment *experiment, int size, int material, bool scaled, double volumes[FRAMES + 1])
 {
     char name[64], what[64], setting[64], pressure[64], mesh[sizeof experiment->bodies[0].mesh];
@@ -411,7 +411,7 @@ const cli_experiment_case cli_b_figure_14 = {
 
 enum { METHODS = 3 };
 
-/* the quickest of a run's steps: what else the machine does counts least [ms] */
+/* the quickest step of a run: least affected by other load on the machine [ms] */
 static pel_status least_step(const cli_experiment *experiment, const char *run, double *milliseconds)
 {
     cli_series series;
@@ -433,7 +433,7 @@ static pel_status run_method(cli_experiment *experiment, int body, int method, c
         solvers[method],
         "solver.descent=gradient",
         method < 2 ? "solver.iterations=5" : "solver.iterations=50",
-        /* one shape for all: a pressure beyond that of buckling has no balance that could be minimised */
+        /* one shape for all: beyond the buckling pressure there is no equilibrium to minimise to */
         "bodies.0.pressure={ volume: { target: { keys: [[0, 1], [0.5, 0.8]] }, bulk: 500 } }",
         "stop.frames=30",
         "contact.self=false",

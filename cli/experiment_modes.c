@@ -14,7 +14,7 @@ enum { MODES = 6 };
 
 /* ---- plates and strips ---- */
 
-/* free, of length 1; six rigid motions come first. Motions in the plane of such thin ones are faster. */
+/* free, of length 1; six rigid motions come first. In-plane modes of such thin strips have higher frequencies. */
 static pel_status check_free(cli_experiment *experiment, const char *name, double width, int along, int across)
 {
     const double poisson = 0.3, stiffness = pel_bending_stiffness(1e9, poisson, 0.001);
@@ -76,8 +76,8 @@ static pel_status check_lateral(cli_experiment *experiment, double width)
        C [(L^2 - (1 - nu) L) v^2 - 2 (1 + nu) L v w + 2 (1 + nu) w^2] + D (L^2 - (1 - nu) L) (v - w)^2
          - p (L / 2 - 1) (w^2 + L v^2)
 
-   Zoelly's pressure is the limit of small h. Modes are even in x, y and z: those of an eighth with planes of symmetry.
- */
+   Zoelly's pressure is the limit of small h. Modes are even in x, y and z: the modes of an eighth with planes of
+   symmetry. */
 static double sphere_pressure(double young, double poisson, double thickness)
 {
     double least = HUGE_VAL;

@@ -1,4 +1,4 @@
-/* Validation: paths by arc length beside those that prescribe a volume or a displacement. */
+/* Validation: paths by arc length compared with prescribed volumes or displacements. */
 #include "validation.h"
 
 #include <math.h>
@@ -48,7 +48,7 @@ static pel_status follow(const cli_experiment *experiment, const char *text, boo
     "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"                          \
     "    bending: { model: midedge }\n"
 
-/* the pressure that keeps a volume: bulk times what the volume lacks */
+/* the pressure that keeps a volume: bulk times the missing volume */
 static pel_status press_to(const cli_experiment *experiment, double volume, double pressure, double *found)
 {
     const double bulk = 20000;
@@ -146,7 +146,7 @@ static void write_scene(const char *file, const char *rim, const char *rest, cha
              file, rim, rest);
 }
 
-/* the force on the top that is moved so far */
+/* the force on the top at this displacement */
 static pel_status push_to(const cli_experiment *experiment, const char *file, const char *rim, double way,
                           double *force)
 {

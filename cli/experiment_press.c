@@ -38,7 +38,7 @@ static double most_moved(const pel_mesh *coarse, const pel_mesh *fine)
     return most;
 }
 
-/* largest distance of the vertices from the outline, of the lens' radius: from those of the finest lens */
+/* largest distance of the vertices from the outline, relative to the lens' radius, measured from the finest lens */
 static double most_off(const pel_mesh *mesh, const pel_mesh *fine)
 {
     double most = 0, radius = 0;

@@ -1,4 +1,4 @@
-/* What local refinement costs and gains: table 1 of paper A, and a study of error against cost. */
+/* Cost and gain of local refinement: table 1 of paper A, and a study of error against cost. */
 #include "bench.h"
 #include "experiment.h"
 
@@ -151,7 +151,7 @@ static pel_status settle(pel_sim *sim, int steps, pel_error *error)
     return status;
 }
 
-/* a sim with what it is made of */
+/* a sim with its mesh and model */
 typedef struct trial {
     pel_scene *scene;
     pel_model *model;
@@ -272,7 +272,7 @@ static pel_status settle_level(int level, pel_mesh *mesh, pel_error *error)
     return status;
 }
 
-/* level by level, each started from what the one before gives between its vertices */
+/* level by level, each started from the interpolated previous one */
 static pel_status solve_reference(cli_experiment *experiment, solution *made)
 {
     pel_mesh *mesh, *fine;

@@ -1,5 +1,5 @@
-/* What shells are checked with: a sphere under pressure, and xpbd beside the leapfrog on the way to half the pressure
-   at which a sphere buckles (theory: sections 11 and 12). */
+/* Checks of shells: a sphere under pressure, and xpbd compared with the leapfrog up to half the buckling pressure of a
+   sphere (theory: sections 11 and 12). */
 #include "experiment.h"
 
 #include <pellicle/shape.h>

@@ -1,8 +1,7 @@
-/* Shells that refine where they bend or are strained, beside coarse and fine ones: what paper B calls for.
-
-   Two thin balls. One is pressed in at a spot and minimises its energy: it has one answer, that of the finest surface,
-   and is asked for the dent, the volume and how smooth the curvature is. The other shrinks as in paper B, whose method
-   has no answer apart from its mesh: there counts how fast the volume falls. */
+/* Shells that refine where they bend or are strained, compared with coarse and fine ones, as paper B proposes. Two thin
+   balls. One is pressed in at a spot and minimises its energy: its reference is the finest surface; measured are the
+   dent, the volume and the smoothness of the curvature. The other shrinks as in paper B, whose method has no
+   mesh-independent solution: measured is how fast the volume falls. */
 #include "experiment.h"
 
 #include <pellicle/measure.h>

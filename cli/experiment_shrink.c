@@ -88,7 +88,8 @@ pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, co
     return status;
 }
 
-pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs, int count)
+pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs,
+                           const char *const *labels, int count)
 {
     cli_series series[CLI_CURVES] = {{0}};
     count = count < CLI_CURVES ? count : CLI_CURVES;
@@ -96,7 +97,7 @@ pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const 
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < count; i++) {
         status = cli_series_read(experiment, runs[i], "frame", "volume_ratio", &series[i]);
-        plot.curves[i] = (cli_curve){runs[i], series[i].x, series[i].y, series[i].count, false};
+        plot.curves[i] = (cli_curve){labels[i], series[i].x, series[i].y, series[i].count, false};
     }
     if (status == PEL_OK)
         status = cli_experiment_plot(experiment, &plot);
@@ -128,7 +129,7 @@ pel_status cli_shrink_read(const cli_experiment *experiment, const char *run, in
 
 /* ---- measures ---- */
 
-/* the mean curvature at a vertex less the mean of that of its neighbours */
+/* the mean curvature at a vertex minus the mean over its neighbours */
 static double unevenness(const pel_topology *topology, const double *curvature, int32_t v)
 {
     double sum = 0;

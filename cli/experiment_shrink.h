@@ -1,4 +1,4 @@
-/* What the experiments of paper B share: a closed shell that shrinks under an outside pressure, with self-contact. */
+/* Shared by the experiments of paper B: a closed shell that shrinks under an outside pressure, with self-contact. */
 #ifndef PELLICLE_CLI_EXPERIMENT_SHRINK_H
 #define PELLICLE_CLI_EXPERIMENT_SHRINK_H
 
@@ -26,8 +26,9 @@ pel_status cli_shrink_ratio(const cli_experiment *experiment, const char *run, c
 /* number in the last row of a column */
 pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, const char *column, double *number);
 
-/* Writes a plot of the volumes of runs (count). */
-pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs, int count);
+/* Writes a plot of the volumes of runs (count) with these labels. */
+pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs,
+                           const char *const *labels, int count);
 
 /* The region of fibres (E_A) at the cap of a body, as a setting; text (512 bytes). */
 const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const char *energy, char *text);
@@ -35,7 +36,7 @@ const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const 
 /* a frame of a run, or its last one */
 pel_status cli_shrink_read(const cli_experiment *experiment, const char *run, int frame, pel_mesh **mesh);
 
-/* How the surface of a frame lies to that of frame 0. */
+/* The surface of a frame relative to frame 0. */
 typedef struct cli_shrunk {
     double cap_way, body_way; /* root mean square of the displacement of the vertices of the cap, and of all [m] */
     double cap_depth;         /* mean way inward, along the normals at rest, of the cap [m] */

@@ -1,5 +1,5 @@
-/* Shells against mechanics: cases with a closed form, a solution of their own in one dimension, or an accepted number,
-   over fineness, kinds of mesh and models of bending. */
+/* Shells against mechanics: cases with a closed form, a one-dimensional solution, or an accepted number, over fineness,
+   kinds of mesh and models of bending. */
 #include "validation.h"
 
 #include <pellicle/mesh_io.h>
@@ -50,7 +50,7 @@ static double shoot(double load, bool heavy, double start, tip *end)
     return y[1];
 }
 
-/* bisects between no turning and that of small deflections */
+/* bisects between no rotation and the rotation of small deflections */
 static tip solve_elastica(double load, bool heavy)
 {
     double low = 0, high = heavy ? 0.5 * load : load;
@@ -67,7 +67,7 @@ static tip solve_elastica(double load, bool heavy)
 
 /* ---- solutions ---- */
 
-/* what a case asks for: the displacement of the vertex nearest to a place at rest, and the ratio of volumes */
+/* quantities of a case: the displacement of the vertex nearest to a place at rest, and the ratio of volumes */
 typedef struct answer {
     double displacement[3], volume_ratio;
 } answer;
@@ -180,7 +180,7 @@ static pel_status plot_study(const cli_experiment *experiment, const study *whic
     return cli_plot_write(cli_experiment_path(experiment, file, path), &plot, experiment->error);
 }
 
-/* all meshes and models; hinges are told beside, not judged */
+/* all meshes and models; hinges are reported, not judged */
 static pel_status run_study(cli_experiment *experiment, const study *which)
 {
     double errors[MESHES * MODELS][SIZES];
@@ -562,7 +562,7 @@ static pel_status check_studies(cli_experiment *experiment)
 
 /* ---- single cases ---- */
 
-/* strips under their weight, beside the solution in one dimension */
+/* strips under their weight, compared with the one-dimensional solution */
 static pel_status check_elastica(cli_experiment *experiment)
 {
     static const double loads[4] = {1, 5, 10, 20}, end[3] = {10, 0, 0};

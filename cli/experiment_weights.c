@@ -102,17 +102,24 @@ static void judge_weights(cli_experiment *experiment, const weighed *made)
 /* figure 17: all weights on one body; figure 18: all bodies with two of them */
 static pel_status plot_weights(cli_experiment *experiment, const weighed *made)
 {
-    const char *runs[CLI_CURVES];
+    static const int shown[2] = {W_1, W_001};
+    const char *runs[CLI_CURVES], *labels[CLI_CURVES];
+    char texts[CLI_CURVES][80];
     int count = 0;
-    for (int i = 0; i < WEIGHTS; i++)
+    for (int i = 0; i < CLI_CURVES; i++)
+        labels[i] = texts[i];
+    for (int i = 0; i < WEIGHTS; i++) {
         runs[i] = made[0].names[i];
-    pel_status status = cli_shrink_plot(experiment, "figure 17: volume with different k_B", runs, WEIGHTS);
-    for (int body = 0; body < experiment->body_count && count + 1 < CLI_CURVES; body++) {
-        runs[count++] = made[body].names[W_1];
-        runs[count++] = made[body].names[W_001];
+        snprintf(texts[i], sizeof *texts, "k_B %s", weights[i]);
     }
+    pel_status status = cli_shrink_plot(experiment, "figure 17: volume with different k_B", runs, labels, WEIGHTS);
+    for (int body = 0; body < experiment->body_count; body++)
+        for (int i = 0; i < 2 && count < CLI_CURVES; i++) {
+            runs[count] = made[body].names[shown[i]];
+            snprintf(texts[count++], sizeof *texts, "%s, k_B %s", experiment->bodies[body].name, weights[shown[i]]);
+        }
     return status == PEL_OK
-               ? cli_shrink_plot(experiment, "figure 18: volume of bodies with k_B 1 and 0.01", runs, count)
+               ? cli_shrink_plot(experiment, "figure 18: volume of bodies with k_B 1 and 0.01", runs, labels, count)
                : status;
 }
 
@@ -231,7 +238,7 @@ static pel_status run_figure_19_20(cli_experiment *experiment)
         runs[count++] = made[body].names[0];
         runs[count++] = made[body].names[1];
     }
-    status = cli_shrink_plot(experiment, "figure 20: volume without and with fibres", runs, count);
+    status = cli_shrink_plot(experiment, "figure 20: volume without and with fibres", runs, runs, count);
     for (int body = 0; status == PEL_OK && body < experiment->body_count && body < 2; body++) {
         cli_picture picture = {.caption = "figure 19: no fibres, and the three energies, in frame 100",
                                .labels = {"none", "arap", "sqrt", "stvk"},

@@ -8,7 +8,7 @@
 #include <pellicle/mesh_check.h>
 
 typedef struct cli_intersections {
-    bool looked;   /* false: not asked for, or the mesh has errors that come first */
+    bool looked;   /* false: not requested, or the mesh has other errors to fix first */
     int64_t count; /* pairs of triangles */
     int32_t listed_count;
     pel_pair pairs[PEL_ISSUE_LIST_LIMIT];
@@ -16,7 +16,7 @@ typedef struct cli_intersections {
 } cli_intersections;
 
 /* Looks for them in a mesh whose report has no errors; vertices at one place count as one, as after `--fix`. Too much
-   work is no failure: `failure` says it and nothing is counted. */
+   work is not an error: `failure` describes it and nothing is counted. */
 pel_status cli_find_intersections(const pel_mesh *mesh, const pel_mesh_report *report, cli_intersections *found,
                                   pel_error *error);
 

@@ -3,7 +3,6 @@
 #include <pellicle/base.h>
 
 #include <inttypes.h>
-#include <math.h>
 
 static void write_string(FILE *file, const char *text)
 {
@@ -18,10 +17,8 @@ static void write_string(FILE *file, const char *text)
 
 static void write_number(FILE *file, double number)
 {
-    if (isfinite(number))
-        fprintf(file, "%.17g", number);
-    else
-        fputs("null", file);
+    char text[32];
+    fputs(pel_json_digits(number, text), file);
 }
 
 static void new_line(const cli_json *json)

@@ -44,14 +44,12 @@ static bool quote(const char *path, char *out, size_t size)
     return true;
 }
 
-/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is drawn home, as much as on the paper's
-   sphere of 252 vertices whatever the mesh. A shell is a sheet of rubber, 1/100 of the diagonal thick. */
-static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char *text)
+/* of a shell, of the diagonal */
+static const double THICKNESS = 0.01;
+
+static double diagonal_of(const pel_mesh *mesh)
 {
-    char name[PATH_SIZE * 2];
     double low[3], high[3], squared = 0;
-    if (!quote(path, name, sizeof name))
-        return false;
     for (int i = 0; i < 3; i++) {
         low[i] = high[i] = mesh->positions[0][i];
         for (int32_t v = 1; v < mesh->vertex_count; v++) {
@@ -60,6 +58,17 @@ static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char
         }
         squared += (high[i] - low[i]) * (high[i] - low[i]);
     }
+    return sqrt(squared);
+}
+
+/* Tissue fills the mesh (paper A): springs on the edges, and each vertex is pulled back to its rest position, as
+   strongly as on the paper's sphere of 252 vertices for any mesh. A shell is a sheet of rubber, 1/100 of the diagonal
+   thick. */
+static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char *text)
+{
+    char name[PATH_SIZE * 2];
+    if (!quote(path, name, sizeof name))
+        return false;
     static const char tissue[] = "    mass: { total: 1 }\n    scale_with_area: true\n"
                                  "    springs: { stiffness: 3, damping: 0.01 }\n"
                                  "    volumetric: { stiffness: 1.5, damping: 0.01 }\n"
@@ -75,12 +84,28 @@ static bool write_scene(const pel_mesh *mesh, const char *path, bool shell, char
                            "    membrane: { preset: rubber, thickness: %.6g }\n    bending: { model: hinge }\n"
                            "    mass: { density: 1000 }\n"
                            "solver: { method: xpbd, dt: 0.01, substeps: 20, second_order: false, drag: 2 }\n",
-                           sqrt(squared) / 100);
+                           THICKNESS * diagonal_of(mesh));
     snprintf(text + length, SCENE_SIZE - (size_t)length, "duration: 60\n");
     return true;
 }
 
-/* a mesh that cannot be simulated is told with what repairs it */
+/* m: a larger body is probably in millimetres, as in the warning of runs */
+static const double LARGE_BODY = 20;
+
+/* says so if the scene's body is that large */
+static void note_size(const cli_call *call, const pel_scene *scene)
+{
+    const double size = diagonal_of(scene->model.bodies[0].mesh);
+    if (cli_has(call, "quiet") || !(size > LARGE_BODY))
+        return;
+    fprintf(stderr, "note: '%s' is %.4g m across. if it is in millimetres, add --set bodies.body.mesh.scale=0.001",
+            call->arguments[0], size);
+    if (cli_has(call, "shell"))
+        fprintf(stderr, " --set bodies.body.membrane.thickness=%.4g", THICKNESS * 0.001 * size);
+    fputc('\n', stderr);
+}
+
+/* reports a mesh that cannot be simulated, with the command that repairs it */
 static int load_mesh(const cli_call *call, const char *const *settings, int setting_count, pel_scene **scene)
 {
     const char *path = call->arguments[0];
@@ -94,9 +119,10 @@ static int load_mesh(const cli_call *call, const char *const *settings, int sett
     pel_mesh_destroy(mesh);
     if (!written)
         return cli_complain("the name of '%s' is too long or holds control characters", path);
-    if (pel_scene_parse(path, text, strlen(text), settings, setting_count, NULL, scene, &error) == PEL_OK)
-        return CLI_DONE;
-    return cli_report(&error);
+    if (pel_scene_parse(path, text, strlen(text), settings, setting_count, NULL, scene, &error) != PEL_OK)
+        return cli_report(&error);
+    note_size(call, *scene);
+    return CLI_DONE;
 }
 
 static int load(const cli_call *call, const char *const *settings, int setting_count, pel_scene **scene)
@@ -115,7 +141,7 @@ static int load(const cli_call *call, const char *const *settings, int setting_c
 
 /* ---- the server ---- */
 
-/* the browser of the desktop; false when there is none */
+/* opens the browser of the desktop; false if there is none */
 static bool open_browser(const char *address)
 {
     int status = -1;

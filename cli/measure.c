@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* a mesh and what was found out about it */
+/* a mesh and its measures */
 typedef struct measured {
     pel_mesh *mesh;
     pel_topology *topology;
@@ -22,7 +22,7 @@ static bool has_volume(const measured *m)
     return m->report->closed && m->report->oriented;
 }
 
-/* what Gauss and Bonnet say that the total curvature is */
+/* total curvature by Gauss and Bonnet */
 static double expected_total(const measured *m)
 {
     return 2 * 3.14159265358979323846 * m->report->euler_characteristic;

@@ -29,7 +29,7 @@ const char *cli_nearest(const char *text, cli_words *words)
     return pel_nearest_name(text, names, count);
 }
 
-/* the parser's state: where it stands and what it fills */
+/* state of the parser: its position and output */
 typedef struct parser {
     const cli_command *command;
     int count, next;
@@ -88,7 +88,7 @@ static bool check_word(const char *noun, const char *value, cli_words *words)
     return false;
 }
 
-/* refuses values that cannot be right, whatever the command does with them; noun is what a word is called */
+/* refuses values that are invalid for any command; noun is the name of a word */
 static bool check_value(const char *place, const char *noun, cli_kind kind, const char *value, cli_words *words)
 {
     char *end = NULL;
@@ -112,7 +112,7 @@ static bool check_value(const char *place, const char *noun, cli_kind kind, cons
     return true;
 }
 
-/* notes one option; value is what stood behind '=' or the letter, null when nothing did */
+/* records one option; value is the text after '=' or the letter, null if there is none */
 static bool take_option(parser *p, const cli_option *option, const char *value)
 {
     char place[80];

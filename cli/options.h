@@ -8,7 +8,7 @@
 /* exit statuses of the program */
 enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2 };
 
-/* what a value stands for: how it is checked and completed */
+/* kind of a value: its check and completion */
 typedef enum cli_kind {
     CLI_FLAG,    /* no value */
     CLI_COUNT,   /* whole number from 1 */
@@ -29,7 +29,7 @@ typedef struct cli_option {
     char letter;      /* short name, 0 = none */
     cli_kind kind;
     bool repeated;     /* may be given more than once */
-    const char *value; /* what stands for the value in the help, null for a flag */
+    const char *value; /* placeholder of the value in the help, null for a flag */
     const char *doc;
     cli_words *words;               /* the choices of a CLI_WORD */
     void (*print_keys)(FILE *file); /* writes the keys of a CLI_SETTING, one a line, for completion */
@@ -41,7 +41,7 @@ typedef struct cli_slot {
     cli_kind kind;
     bool optional;
     bool repeated;    /* the last slot may take any number of arguments */
-    const char *noun; /* what a CLI_WORD is called in errors */
+    const char *noun; /* name of a CLI_WORD in errors */
     cli_words *words;
 } cli_slot;
 
@@ -66,7 +66,7 @@ typedef struct cli_given {
     const char *value; /* null for a flag */
 } cli_given;
 
-/* a parsed command line; the strings are those of main */
+/* a parsed command line; the strings belong to main */
 struct cli_call {
     const cli_command *command;
     const char *arguments[CLI_ARGUMENTS]; /* null = not given */
@@ -84,8 +84,8 @@ cli_words cli_command_names;
 /* options that every command has */
 extern const cli_option cli_help_option;
 
-/* Parses what follows the command's name into call (given holds at least argument_count entries). Says on stderr what
-   is wrong and returns false. `*help` tells that --help was among the options. */
+/* Parses the arguments after the command's name into call (given has at least argument_count entries). On an error
+   prints it to stderr and returns false. `*help` is set if --help is among the options. */
 bool cli_parse(const cli_command *command, int argument_count, char *const *arguments, cli_given *given, cli_call *call,
                bool *help);
 

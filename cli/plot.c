@@ -136,7 +136,7 @@ static void write_curve(FILE *file, const cli_curve *curve, const char *color, c
                 pixel(y, curve->y[i]), color);
 }
 
-/* the bars of curve c of the plot: beside those of the others, about their x */
+/* the bars of curve c of the plot: next to those of the others, around their x */
 static void write_bars(FILE *file, const cli_plot *plot, int c, const axis *x, const axis *y)
 {
     const cli_curve *curve = &plot->curves[c];

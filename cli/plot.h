@@ -1,4 +1,4 @@
-/* Plots as SVG files: axes with ticks, curves with marks or groups of bars, a legend beside them. */
+/* Plots as SVG files: axes with ticks, curves with marks or groups of bars, and a legend to the right. */
 #ifndef PELLICLE_CLI_PLOT_H
 #define PELLICLE_CLI_PLOT_H
 

@@ -244,7 +244,7 @@ static const char *choose_output(const cli_call *call, char *text, size_t size)
     return text;
 }
 
-/* whether the name would be a folder of that name, though it is that of a file that cannot be written */
+/* whether the name, taken as a folder of pictures, has the extension of a file format that cannot be written */
 static bool is_other_file(const char *output)
 {
     static const char *const endings[] = {".jpg", ".jpeg", ".bmp",  ".tif", ".tiff", ".webp", ".svg", ".pdf",

@@ -58,7 +58,7 @@ static pel_status make_folder(char *path, pel_error *error)
 /* ---- progress: one line that is written over on a terminal, else a line for each run ---- */
 
 static struct {
-    int number, count; /* of the experiment, and of those that run */
+    int number, count; /* index of the experiment, and number of those that run */
     double begin;
 } at;
 
@@ -210,7 +210,7 @@ static pel_status run_case(job *work, const cli_experiment_case *which, pel_erro
     experiment->folder = folder;
     pel_status status = make_folder(folder, error);
     double begin = cli_clock();
-    /* a case without claims of its own is judged for what it is about */
+    /* a case without its own claims is judged by its subject */
     if (strcmp(which->group, "own") == 0)
         cli_experiment_claim(experiment, which->origin, which->doc, NULL);
     if (status == PEL_OK)

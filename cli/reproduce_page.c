@@ -1,12 +1,12 @@
 /* The page about experiments that ran: a table of verdicts, then each with its claims, numbers and pictures. Once as
-   HTML and once as Markdown; both name the files beside them, so that the folder can be moved as a whole. */
+   HTML and once as Markdown; both use relative paths, so that the folder can be moved. */
 #include "experiment.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* text with what HTML needs */
+/* text escaped for HTML */
 static void put_html(FILE *file, const char *text)
 {
     for (; *text != '\0'; text++) {

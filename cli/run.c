@@ -46,7 +46,7 @@ static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
     double now = cli_clock();
-    /* until now nothing is lost by ending at once */
+    /* nothing is lost if the program ends before this point */
     cli_catch_stop(d->quiet                  ? ""
                    : d->form == PROGRESS_BAR ? "\r\033[Kstopping; the same again ends at once\n"
                                              : "stopping; the same again ends at once\n");
@@ -65,7 +65,7 @@ static bool is_wanted(void *user)
     return !cli_stop_asked();
 }
 
-/* --progress, or what suits standard error */
+/* --progress, or a default that suits standard error */
 static progress_form choose_progress(const cli_call *call, bool quiet)
 {
     const char *name = cli_value(call, "progress");
@@ -75,7 +75,7 @@ static progress_form choose_progress(const cli_call *call, bool quiet)
     return !quiet && isatty(STDERR_FILENO) != 0 ? PROGRESS_BAR : PROGRESS_NONE;
 }
 
-/* warnings come before and after the steps; the progress line gives way to them */
+/* warnings come before and after the steps; they replace the progress line */
 static void write_warning(void *user, const char *text)
 {
     const display *d = user;
@@ -106,7 +106,7 @@ static bool choose_folder(const cli_call *call, char folder[PEL_RUN_PATH_SIZE])
     return true;
 }
 
-/* those of the results that are there, and what they are for */
+/* existing files of the results, and their use */
 static void print_files(const char *folder)
 {
     static const struct {

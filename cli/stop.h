@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-/* From now on the first of these signals asks to stop, and writes `text` (ends with a newline, lives forever) on
-   standard error; the second ends the program at once, as all of them did before. Signals that the caller told us to
-   ignore stay ignored. Further calls change nothing. */
+/* After the call the first of these signals requests a stop, and writes `text` (ends with a newline, lives forever) to
+   standard error; the second ends the program immediately. Signals that the parent process ignores stay ignored.
+   Further calls change nothing. */
 void cli_catch_stop(const char *text);
 
 bool cli_stop_asked(void);

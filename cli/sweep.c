@@ -171,7 +171,7 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     int chunks = cli_has(call, "chunks") ? cli_count(call, "chunks") : SLURM_CHUNKS;
     if (chunks > runs)
         chunks = (int)runs;
-    /* makes the folder, and refuses one of another study */
+    /* creates the folder, and refuses one of another study */
     pel_study_store *store;
     pel_error error;
     int64_t missing = 0, failed = 0;

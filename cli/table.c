@@ -1,4 +1,4 @@
-/* The table of commands: parsing, help and completion all come from here. */
+/* The table of commands, from which parsing, help and completion are derived. */
 #include "commands.h"
 #include "help.h"
 

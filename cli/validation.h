@@ -1,4 +1,4 @@
-/* What the files of the experiment `validation` share. */
+/* Shared by the files of the experiment `validation`. */
 #ifndef PELLICLE_CLI_VALIDATION_H
 #define PELLICLE_CLI_VALIDATION_H
 

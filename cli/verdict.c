@@ -71,7 +71,7 @@ static void count(const cli_experiment *experiment, int claim, int *judged, int 
     }
 }
 
-/* what a paper says, and what this program gave before, is about its bodies */
+/* claims of a paper, and earlier results of this program, refer to their own bodies */
 static bool is_excused(const cli_experiment *experiment, const cli_claim *claim)
 {
     bool of_bodies = claim->origin == CLI_PAPER || claim->origin == CLI_REGRESSION;

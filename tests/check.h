@@ -1,4 +1,4 @@
-/* What every test file needs: cmocka with its prerequisites, and comparisons of doubles. */
+/* Common to all test files: cmocka with its prerequisites, and comparisons of doubles. */
 #ifndef PEL_TESTS_CHECK_H
 #define PEL_TESTS_CHECK_H
 
@@ -23,14 +23,13 @@ enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_saniti
 enum { IS_SLOW = 0 };
 #endif
 
-/* whether to leave out what takes long: where steps are slow, unless PELLICLE_ALL is in the environment (make nightly)
- */
+/* whether to skip long tests: in slow builds, unless PELLICLE_ALL is in the environment (make nightly) */
 static inline bool is_slow(void)
 {
     return IS_SLOW && getenv("PELLICLE_ALL") == NULL;
 }
 
-/* rounds of a loop; few are enough where they are slow: there it counts what each does, not how many are right */
+/* rounds of a loop; slow builds check each operation, not many results, so a few are enough there */
 #define ROUNDS(full, few) (is_slow() ? (few) : (full))
 
 /* for tests of accuracy alone, whose code shorter tests run too */

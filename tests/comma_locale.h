@@ -1,4 +1,4 @@
-/* A locale in which numbers have a decimal comma: what is read and written must not change. */
+/* A locale in which numbers have a decimal comma: input and output must not change. */
 #ifndef PEL_TESTS_COMMA_LOCALE_H
 #define PEL_TESTS_COMMA_LOCALE_H
 

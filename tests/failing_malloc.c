@@ -17,7 +17,7 @@ void *__wrap_realloc(void *block, size_t size);
 void *__wrap_aligned_alloc(size_t alignment, size_t size);
 void __wrap_free(void *block);
 
-/* live blocks are kept by address: what a shared library made and we free must not count */
+/* live blocks are kept by address: blocks of a shared library that we free must not count */
 enum { LIVE_LIMIT = 1 << 16 };
 static atomic_flag busy = ATOMIC_FLAG_INIT;
 static atomic_bool counting;
@@ -143,7 +143,7 @@ long for_allocation_failures(allocation_case *run, const void *data, long step)
             assert_int_equal(status, PEL_OK);
             return counted.calls;
         }
-        /* a failed realloc leaves the old block, and code that only wanted to shrink it goes on */
+        /* a failed realloc keeps the old block, and code that only shrinks it continues */
         if (counted.failed_shrink && status == PEL_OK)
             continue;
         if (status != PEL_OUT_OF_MEMORY)

@@ -1,6 +1,6 @@
-/* Calls of public functions with what they must refuse, each in a process of its own: a crash or a call that never ends
-   is a failure with the name of the function, not the end of the test. Every public function stands in one of these
-   calls; the test house/misuse looks for them. */
+/* Calls of public functions with invalid arguments, each in a separate process: a crash or an endless call is a failure
+   with the name of the function, not the end of the test. Every public function has such a call; the test house/misuse
+   checks that. */
 #ifndef PEL_TESTS_MISUSE_H
 #define PEL_TESTS_MISUSE_H
 
@@ -62,7 +62,7 @@ static inline void misuse_end(pel_status status, const pel_error *error, const c
             misuse_end(call, &error, word);                                                                            \
     } while (0)
 
-/* refused, with whatever status and message there is */
+/* refused, with any status and message */
 #define FAILS(call)                                                                                                    \
     do {                                                                                                               \
         pel_error error = {.status = PEL_OK};                                                                          \
@@ -79,7 +79,7 @@ static inline void misuse_end(pel_status status, const pel_error *error, const c
         }                                                                                                              \
     } while (0)
 
-/* a condition on what comes back */
+/* a condition on the result */
 #define GIVES(condition)                                                                                               \
     do {                                                                                                               \
         if (misuse_begin(#condition))                                                                                  \

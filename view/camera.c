@@ -5,7 +5,7 @@
        a + s f <= p + s D    and    a - s f >= p - s D
 
    for all points. With A the largest a + s f and B the least a - s f, p = (A + B) / 2 and D = (A - B) / (2 s) fit
-   exactly. The same goes for up; the larger D is taken. A ball of radius r adds r sqrt(1 + s^2) to A and to -B. */
+   exactly. Likewise for up; the larger D is used. A ball of radius r adds r sqrt(1 + s^2) to A and to -B. */
 #include "view/camera.h"
 
 #include <math.h>
@@ -39,7 +39,7 @@ bool pel_camera_preset_find(const char *name, pel_camera_angle *angle)
     return false;
 }
 
-/* z-up coordinates to those of the world */
+/* z-up coordinates to coordinates of the world */
 static void set_axis(double axis[3], int32_t up, double x, double y, double z)
 {
     const double values[3][3] = {{z, x, y}, {x, z, -y}, {x, y, z}};
@@ -92,7 +92,7 @@ void view_camera_see(view_camera *camera, const double point[3], double radius)
 
 void view_camera_fit(view_camera *camera, double zoom)
 {
-    /* never inside what is seen, also when that is flat or a single point */
+    /* never inside the visible scene, even if it is flat or a single point */
     double thickness = camera->depths[1] - camera->depths[0];
     double least = thickness > 0 ? 0.05 * thickness : 1e-6 * (1 + fabs(camera->depths[1]));
     double stand = camera->depths[1] + least;

@@ -12,15 +12,15 @@ typedef struct view_camera {
     double near, far;     /* distances from the camera between which everything lies */
     double tangents[2];   /* of half the angle of view, across and up */
     double fit_bounds[4]; /* while fitting: largest and least a + tangent f, across and up */
-    double depths[2];     /* while fitting: least and largest f of what must be seen, */
-    double all_depths[2]; /* of what is drawn */
+    double depths[2];     /* while fitting: least and largest f of the points that must be visible, */
+    double all_depths[2]; /* and of all that is drawn */
 } view_camera;
 
 /* Begins fitting for a picture of that shape. */
 void view_camera_begin(view_camera *camera, const pel_camera_angle *angle, int32_t up, int32_t width, int32_t height);
-/* adds a ball of that radius (0 = a point) around a point to what must be seen */
+/* adds a ball of that radius (0 = a point) around a point to the points that must be visible */
 void view_camera_see(view_camera *camera, const double point[3], double radius);
-/* adds it to what is drawn, wherever the borders of the picture are */
+/* adds it to the points drawn, which may lie outside the picture */
 void view_camera_reach(view_camera *camera, const double point[3], double radius);
 /* Sets center, distance, near and far. */
 void view_camera_fit(view_camera *camera, double zoom);

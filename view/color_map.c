@@ -76,7 +76,7 @@ static void lab_to_rgb(const double lab[3], double rgb[3])
     }
 }
 
-/* hue of the white end, so that the way there keeps its hue for the eye (section 5 of Moreland) */
+/* hue of the white end, so that the perceived hue stays constant towards it (section 5 of Moreland) */
 static double spun_hue(const double msh[3], double magnitude)
 {
     if (msh[0] >= magnitude)

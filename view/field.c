@@ -86,7 +86,7 @@ pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t compo
 
 /* ---- scales ---- */
 
-/* fields of meshes and of measures; those of a simulation are in the library's table */
+/* fields of meshes and of measures; fields of a simulation are in the library's table */
 static const struct {
     const char *ending, *unit;
 } units[] = {

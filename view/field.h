@@ -1,4 +1,4 @@
-/* Which numbers are shown, what they are called, and how they are written. */
+/* Displayed numbers: selection, names and formats. */
 #ifndef PELLICLE_VIEW_FIELD_H
 #define PELLICLE_VIEW_FIELD_H
 
@@ -11,7 +11,7 @@
 pel_status view_field_take(const pel_mesh *mesh, const char *name, int32_t component, const char *place, double *values,
                            double range[2], pel_error *error);
 
-/* the field of that name; PEL_BAD_ARGUMENT with the nearest name when there is none */
+/* the field of that name; PEL_BAD_ARGUMENT with the nearest name if there is none */
 pel_status view_field_find(const pel_mesh *mesh, const char *name, const char *place, const pel_field **field,
                            pel_error *error);
 
@@ -20,7 +20,7 @@ const char *view_field_unit(const char *name);
 
 enum { VIEW_TEXT_SIZE = 128, VIEW_TICKS = 12 };
 
-/* A scale of numbers beside a color bar. */
+/* The numbers of a color bar. */
 typedef struct view_scale {
     char title[VIEW_TEXT_SIZE]; /* "mean curvature", "force z" */
     char unit[VIEW_TEXT_SIZE];  /* "mm", "×10⁻⁶"; may be empty */
@@ -29,7 +29,7 @@ typedef struct view_scale {
     char text[VIEW_TICKS][32]; /* (count) */
 } view_scale;
 
-/* Round numbers between range[0] and range[1], about five; unit null = that of the name. */
+/* Round numbers between range[0] and range[1], about five; unit null = the unit of the field's name. */
 void view_scale_make(view_scale *scale, const char *name, int32_t component, int32_t component_count, const char *unit,
                      const double range[2]);
 

@@ -1,5 +1,5 @@
 /* ffmpeg reads raw pictures from its standard input and writes to a temporary name. The pipe is a pair of sockets,
-   because writing to one whose other end is gone can be told not to raise a signal. */
+   because writing to a closed one need not raise a signal. */
 #define _XOPEN_SOURCE 700 /* fseeko */
 #include "view/film.h"
 
@@ -50,7 +50,7 @@ static pel_status start(view_film *film, int32_t width, int32_t height, double f
     char size[32], rate[32], name[] = "ffmpeg";
     snprintf(size, sizeof size, "%dx%d", (int)width, (int)height);
     snprintf(rate, sizeof rate, "%.6g", frame_rate);
-    /* mp4: odd sizes do not go with yuv420p; gif: colors of its own for the whole film */
+    /* mp4: yuv420p needs even sizes; gif: one palette for the whole film */
     bool gif = view_ends_with(film->path, ".gif");
     const char *filter =
         gif ? "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=bayer:bayer_scale=4"

@@ -1,4 +1,4 @@
-/* Films: pictures go through a pipe to ffmpeg, which writes MP4. */
+/* Films: pictures are piped to ffmpeg, which writes MP4 or GIF. */
 #ifndef PELLICLE_VIEW_FILM_H
 #define PELLICLE_VIEW_FILM_H
 

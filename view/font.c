@@ -61,7 +61,7 @@ int32_t view_font_cap_height(const view_font *font)
     return font->cap_height;
 }
 
-/* the next character of UTF-8 text; bytes that are none stand for themselves; 0 at the end */
+/* the next character of UTF-8 text; invalid bytes are returned as characters; 0 at the end */
 static FT_ULong next_character(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;

@@ -11,11 +11,11 @@ typedef struct view_font view_font;
 pel_status view_font_create(int32_t size, view_font **font, pel_error *error);
 void view_font_destroy(view_font *font);
 
-/* pixels from the top of an A to the line it stands on */
+/* pixels from the top of an A to the baseline */
 int32_t view_font_cap_height(const view_font *font);
 /* pixels that the UTF-8 text takes */
 int32_t view_font_width(view_font *font, const char *text);
-/* draws text that begins at x and stands on the line y */
+/* draws text that begins at x on the baseline y */
 void view_font_draw(view_font *font, view_image *image, int32_t x, int32_t y, const char *text, view_color color);
 
 #endif

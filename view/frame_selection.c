@@ -72,7 +72,7 @@ static pel_status walk_ranges(const view_run *run, const pel_frame_range *ranges
     return PEL_OK;
 }
 
-/* as many frames as a run has cells for each field on the sheet, evenly spaced from the first to the last */
+/* one frame per cell of a run and field on the sheet, evenly spaced from the first to the last */
 static pel_status spread_frames(frame_list *list, const view_run *run, const pel_render_def *def, int32_t field_count,
                                 pel_error *error)
 {
@@ -132,8 +132,7 @@ static pel_status choose_layout(view_frame_selection *shots, const pel_render_de
     return PEL_OK;
 }
 
-/* one page with all frames: those of a run and field one after the other, each in a new row when nothing else is asked
- */
+/* one page with all frames: a row for each run and field by default */
 static pel_status fill_sheet(view_frame_selection *shots, const pel_render_def *def, int32_t field_count,
                              const frame_list *lists, pel_error *error)
 {
@@ -164,7 +163,7 @@ static pel_status fill_pages(view_frame_selection *shots, const pel_render_def *
 {
     for (int32_t r = 0; r < def->input_count; ++r)
         shots->page_count = lists[r].count > shots->page_count ? lists[r].count : shots->page_count;
-    /* what stands still is seen from all sides */
+    /* turntables show a still body from all sides */
     if (def->turn != 0 && shots->page_count == 1)
         shots->page_count = TURNTABLE_PICTURES;
     int32_t used = def->input_count * field_count;

@@ -1,4 +1,4 @@
-/* Which frames of which runs stand on which page. */
+/* Assignment of frames and runs to pages. */
 #ifndef PELLICLE_VIEW_FRAME_SELECTION_H
 #define PELLICLE_VIEW_FRAME_SELECTION_H
 

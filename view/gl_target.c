@@ -1,9 +1,9 @@
 /* One framebuffer with four samples per pixel and one without, into which it is resolved to be read. The context comes
    from EGL's surfaceless platform (Mesa), which needs neither a display nor a window system.
 
-   Light: a key light whose shadows are sharp enough to read (one depth map, sampled per pixel) and the light of the sky
-   from SKY directions around the body (one small depth map each, sampled per vertex). The share of the sky that a
-   vertex sees is its ambient occlusion; it depends on the surface alone, so it neither flickers nor has noise. */
+   Light: a key light whose shadows are sharp enough to read (one depth map, sampled per pixel) and sky light from SKY
+   directions around the body (one small depth map each, sampled per vertex). The visible share of the sky at a vertex
+   is its ambient occlusion; it depends on the surface alone, so it neither flickers nor has noise. */
 #include "view/gl_target.h"
 
 #include "view/support.h"
@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum { SAMPLES = 4, COLOR_STEPS = 256, SKY = 24, SKY_SIZE = 192, KEY_SIZE = 1024 };
-/* corners that are drawn at once: some tenths of a second of software */
+/* corners per draw call: some tenths of a second in software */
 enum { PORTION = 3 * 50000 };
 
 /* one for surfaces without edges, one with: software runs both sides of a branch, and edges cost as much as the light;
@@ -430,8 +430,8 @@ void view_gl_target_watch(view_gl_target *canvas, bool (*wanted)(void *user), vo
     canvas->user = user;
 }
 
-/* Draws triangles in portions. OpenGL only queues what it is told to draw: between two portions it has to finish before
-   anybody is asked. */
+/* Draws triangles in portions. OpenGL only queues draw calls: between two portions it has to finish before `wanted` is
+   called. */
 static void draw_corners(view_gl_target *canvas, size_t first, size_t count)
 {
     for (size_t end = first + count; first < end && !canvas->is_stopped; first += PORTION) {
@@ -451,7 +451,7 @@ void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, vie
         part[i] = (float)background.rgba[i] / 255;
     glBindFramebuffer(GL_FRAMEBUFFER, canvas->framebuffers[0]);
     glDisable(GL_BLEND);
-    /* what is read has its alpha multiplied in */
+    /* pixels that are read have premultiplied alpha */
     glClearColor(part[0] * part[3], part[1] * part[3], part[2] * part[3], part[3]);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     canvas->background = background;
@@ -580,7 +580,7 @@ static void note_part(view_gl_target *canvas, const view_corner *corners, size_t
         }
     }
     for (int k = 0; k < 2; ++k) {
-        /* something beside or behind the camera may be anywhere */
+        /* points beside or behind the camera have no bounded projection */
         int32_t first = before && low[k] > 4 ? (int32_t)low[k] - 4 : 0;
         int32_t end = before && high[k] < size[k] - 5 ? (int32_t)high[k] + 5 : (int32_t)size[k];
         canvas->low[k] = first < canvas->low[k] ? first : canvas->low[k];

@@ -27,14 +27,14 @@ void view_gl_target_destroy(view_gl_target *canvas);
 
 const char *view_gl_target_renderer(const view_gl_target *canvas);
 void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map);
-/* Asks `wanted` while many triangles are drawn; null asks nobody. From its first no on nothing is drawn, and
-   view_gl_target_read gives PEL_STOPPED. */
+/* Calls `wanted` (nullable) while many triangles are drawn. After it returns false nothing is drawn, and
+   view_gl_target_read returns PEL_STOPPED. */
 void view_gl_target_watch(view_gl_target *canvas, bool (*wanted)(void *user), void *user);
 
-/* Empties the canvas and sets the camera for what is drawn until view_gl_target_read. */
+/* Clears the canvas and sets the camera until view_gl_target_read. */
 void view_gl_target_begin(view_gl_target *canvas, const view_camera *camera, view_color background);
-/* Takes over the triangles and lights them. The first occluder_count corners cast shadows where they lie in a ball,
-   which is the same for all pictures of a film, or shadows would flicker. */
+/* Takes over the triangles and lights them. The first occluder_count corners cast shadows if they lie in a ball, which
+   is the same for all pictures of a film to avoid flicker. */
 void view_gl_target_load(view_gl_target *canvas, const view_triangle_list *soup, size_t occluder_count,
                          const double center[3], double radius);
 /* Draws `count` corners from `first` of the list that was loaded. */

@@ -1,4 +1,4 @@
-/* Pictures in memory: sRGB with alpha, and what is drawn on them without OpenGL. */
+/* Pictures in memory: sRGB with alpha, and drawing on them without OpenGL. */
 #ifndef PELLICLE_VIEW_IMAGE_H
 #define PELLICLE_VIEW_IMAGE_H
 

@@ -1,6 +1,6 @@
-/* The whole job, in two passes over the frames: the first finds the range of the colors and where the camera has to
-   stand, so that all pictures agree; the second draws. Only one frame is in memory at a time, and nothing is written
-   before all frames were read once without an error. */
+/* Rendering in two passes over the frames: the first finds the range of the colors and the camera, so that all pictures
+   agree; the second draws. Only one frame is in memory at a time, and nothing is written before all frames were read
+   once without an error. */
 #include "pellicle/render.h"
 
 #include "view/field.h"
@@ -249,7 +249,15 @@ static void find_middle(const job *j, double middle[3])
         middle[i] = 0.5 * (j->bounds[0][i] + j->bounds[1][i]);
 }
 
-/* tools smaller than the body belong into the picture; larger ones may reach out of it */
+/* Of the body's size: tools up to this are shown whole, larger ones may reach out of the picture. Beyond half of it
+   they may hide the body: they are drawn more transparent and cast no shadow. */
+#define WHOLE_TOOL 0.7
+
+static bool may_hide(const job *j, const pel_tool_def *tool)
+{
+    return tool_radius(tool) > 0.5 * WHOLE_TOOL * body_size(j);
+}
+
 static void survey_tools(job *j, view_shot shot)
 {
     const view_run *run = &j->runs[shot.run];
@@ -260,7 +268,7 @@ static void survey_tools(job *j, view_shot shot)
             continue;
         double radius = tool_radius(tool), middle[3];
         find_middle(j, middle);
-        if (radius < 0.35 * body_size(j)) {
+        if (radius < WHOLE_TOOL * body_size(j)) {
             view_camera_see(&j->camera, position, radius);
             j->around =
                 fmax(j->around,
@@ -297,7 +305,7 @@ static bool is_drawn(const double vector[3], double least)
     return vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2] > least * least;
 }
 
-/* what is done with an arrow from ends[0] to ends[1] */
+/* callback for an arrow from ends[0] to ends[1] */
 typedef pel_status arrow_visit(job *j, const double ends[2][3], pel_error *error);
 
 static pel_status see_arrow(job *j, const double ends[2][3], pel_error *error)
@@ -369,7 +377,7 @@ static bool is_from_zero(const double range[2])
     return range[0] == 0 || (range[0] > 0 && range[0] < 0.1 * range[1]);
 }
 
-/* grey stands for zero where zero is in the middle or at the low end of the range */
+/* grey is zero if zero is in the middle or at the low end of the range */
 static pel_color_map choose_color_map(const pel_render_def *def, const double range[2])
 {
     bool both = range[0] < 0 && range[1] > 0;
@@ -461,7 +469,7 @@ static pel_status survey(job *j, pel_error *error)
 
 /* The corners of a picture, in the order in which they are drawn. */
 typedef struct parts {
-    size_t surface, arrows, tools, ground; /* where each ends */
+    size_t surface, arrows, tools, large_tools, ground; /* where each ends */
 } parts;
 
 static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_error *error)
@@ -480,14 +488,15 @@ static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_
     return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, colored ? j->values : NULL, j->def.flat, error);
 }
 
-static pel_status add_tools(job *j, view_shot shot, pel_error *error)
+static pel_status add_tools(job *j, view_shot shot, bool large, pel_error *error)
 {
     const view_run *run = &j->runs[shot.run];
     pel_status status = PEL_OK;
     for (int32_t t = 0; status == PEL_OK && t < view_run_tool_count(run); ++t) {
         double position[3], rotation[4];
         const pel_tool_def *tool = view_run_tool(run, t, shot.frame, position, rotation);
-        status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
+        if (may_hide(j, tool) == large)
+            status = view_triangle_list_add_tool(&j->soup, &j->camera, tool, position, rotation, error);
     }
     return status;
 }
@@ -513,8 +522,11 @@ static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts 
         status = walk_arrows(j, mesh, add_arrow, error);
     ends->arrows = j->soup.count;
     if (status == PEL_OK)
-        status = add_tools(j, shot, error);
+        status = add_tools(j, shot, false, error);
     ends->tools = j->soup.count;
+    if (status == PEL_OK)
+        status = add_tools(j, shot, true, error);
+    ends->large_tools = j->soup.count;
     if (status == PEL_OK)
         status = add_ground(j, error);
     ends->ground = j->soup.count;
@@ -533,7 +545,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
                                .occlusion = colored ? 0.6 : 1};
     const view_look outline = {.plain = {{40, 34, 34, 255}}, .outline_width = fmax(1.2, j->page.text_size / 14.0)};
     const view_look arrows = {.plain = {{196, 44, 56, 255}}, .highlight = 0.1, .occlusion = 0.4};
-    const view_look tools = {.plain = {{120, 132, 148, 110}}, .highlight = 0.25};
+    const view_look tools = {.plain = {{120, 132, 148, 110}}, .highlight = 0.25},
+                    large_tools = {.plain = {{120, 132, 148, 44}}, .highlight = 0.1};
     const view_look ground = {.ground = true, .occlusion = j->def.background == PEL_BACKGROUND_DARK ? 1 : 0.8};
     double middle[3], center[3];
     find_middle(j, middle);
@@ -547,7 +560,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
     if (j->def.outline)
         view_gl_target_draw(j->canvas, &j->soup, 0, ends->surface, &outline);
     view_gl_target_draw(j->canvas, &j->soup, ends->surface, ends->arrows - ends->surface, &arrows);
-    view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->ground - ends->tools, &ground);
+    view_gl_target_draw(j->canvas, &j->soup, ends->large_tools, ends->ground - ends->large_tools, &ground);
+    view_gl_target_draw(j->canvas, &j->soup, ends->tools, ends->large_tools - ends->tools, &large_tools);
     view_gl_target_draw(j->canvas, &j->soup, ends->arrows, ends->tools - ends->arrows, &tools);
 }
 
@@ -571,7 +585,7 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
     if (j->def.labels != NULL && j->def.labels[shot.run] != NULL) {
         add_part(text, sizeof text, "%s", j->def.labels[shot.run]);
     } else if (j->def.input_count > 1) {
-        /* the last part of the path, slashes behind it left out */
+        /* the last part of the path, without trailing slashes */
         const char *end = run->path + strlen(run->path);
         while (end > run->path + 1 && end[-1] == '/')
             --end;
@@ -689,7 +703,7 @@ static pel_status write_pictures(job *j, bool folder, pel_error *error)
     return status == PEL_OK ? ended : status;
 }
 
-/* real time, within what looks like a film */
+/* real time, within the limits of a smooth film */
 static double film_rate(const job *j)
 {
     const view_frame_selection *shots = &j->shots;

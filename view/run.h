@@ -1,4 +1,4 @@
-/* What is drawn: the frames of a run or one mesh, and the tools of the run. */
+/* Input of a picture: the frames of a run or one mesh, and the tools of the run. */
 #ifndef PELLICLE_VIEW_RUN_H
 #define PELLICLE_VIEW_RUN_H
 
@@ -14,8 +14,8 @@ typedef struct view_run {
     int32_t peak;               /* frame with the largest displacement; the last one if series.csv does not tell */
 } view_run;
 
-/* Opens a run; tools tells whether those are wanted, and why they cannot be had goes to log. Errors: PEL_BAD_FILE,
-   PEL_BAD_FORMAT, PEL_OUT_OF_MEMORY; the run is empty then. */
+/* Opens a run; with `tools` they are opened too; if they are unavailable, log receives the reason. Errors:
+   PEL_BAD_FILE, PEL_BAD_FORMAT, PEL_OUT_OF_MEMORY; the run is empty then. */
 pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_log *log, pel_error *error);
 void view_run_close(view_run *run);
 

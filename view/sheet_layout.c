@@ -25,7 +25,7 @@ static pel_status fail_size(const view_sheet *page, pel_error *error)
     return PEL_BAD_ARGUMENT;
 }
 
-/* the sizes of everything; cells take what title, labels and bar leave */
+/* sizes of all parts; cells fill the space left by title, labels and bar */
 static void lay_out(view_sheet *page, const view_sheet_def *def)
 {
     page->top = page->title != NULL ? ems(page, 240) : ems(page, 40);

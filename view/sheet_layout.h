@@ -23,7 +23,7 @@ typedef struct view_sheet {
     int32_t cell_width, cell_height; /* of the drawing, its label not counted */
     int32_t label_height;            /* below each cell */
     int32_t top, text_size;
-    int32_t bar_columns, bar_rows, bar_width; /* as many rows of bars as the sheet has, and the width of each */
+    int32_t bar_columns, bar_rows, bar_width; /* number of rows of bars, and the width of each */
     view_color background, ink;
     const char *title;
     view_font *font;

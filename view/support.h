@@ -1,5 +1,5 @@
-/* What the files of this folder share: memory, names, time. The view sees include/pellicle only, as any program
-   outside would. */
+/* Shared by the files of this folder: memory, names, time. The view includes include/pellicle only, like any external
+   program. */
 #ifndef PELLICLE_VIEW_SUPPORT_H
 #define PELLICLE_VIEW_SUPPORT_H
 

@@ -92,7 +92,7 @@ static bool is_front(const view_camera *camera, const view_corner *a, const view
     return volume > 0;
 }
 
-/* triangles whose front is seen come first, so that those behind them need not be shaded */
+/* front-facing triangles come first, so that hidden ones need not be shaded */
 static void set_triangles(view_corner *first, const view_camera *camera, const pel_mesh *mesh,
                           const view_corner *vertices, bool flat)
 {
@@ -134,7 +134,7 @@ pel_status view_triangle_list_add_mesh(view_triangle_list *soup, const view_came
     return good ? PEL_OK : pel_fail_memory(error);
 }
 
-/* ---- solids, in a frame of their own ---- */
+/* ---- solids, in their own frame ---- */
 
 /* where a solid stands: columns are its axes */
 typedef struct frame {

@@ -1,4 +1,4 @@
-/* Triangles as OpenGL draws them: three corners each, along the axes of the camera. */
+/* Triangles for OpenGL: three corners each, along the axes of the camera. */
 #ifndef PELLICLE_VIEW_TRIANGLE_LIST_H
 #define PELLICLE_VIEW_TRIANGLE_LIST_H
 

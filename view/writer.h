@@ -1,4 +1,4 @@
-/* Packs and writes one picture in a thread of its own while the next one is drawn. */
+/* Compresses and writes one picture in a separate thread while the next one is drawn. */
 #ifndef PELLICLE_VIEW_WRITER_H
 #define PELLICLE_VIEW_WRITER_H
 
@@ -21,8 +21,8 @@ typedef struct view_writer {
 /* For pictures of that size. PEL_OUT_OF_MEMORY. Close also on failure. */
 pel_status view_writer_open(view_writer *writer, int32_t width, int32_t height, pel_error *error);
 
-/* Takes the pixels of an image, which gets others in exchange, and writes them as view_image_write does. Waits for the
-   picture before and returns its failure; nothing is written then. */
+/* Takes the pixels of an image, which gets another buffer in exchange, and writes them like view_image_write. Waits for
+   the previous picture and returns its failure; nothing is written then. */
 pel_status view_writer_add(view_writer *writer, view_image *image, const char *path, bool fast, pel_error *error);
 
 /* Waits for the last picture and returns its failure. */

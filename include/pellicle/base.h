@@ -35,13 +35,13 @@ typedef double pel_real;
 /* Longest name of a field, body, load or tool, terminating zero included. */
 #define PEL_NAME_SIZE 64
 
-/* What a function that can fail returns. PEL_OK is 0; everything else is a failure. */
+/* Result of a function that can fail. PEL_OK is 0; every other value is a failure. */
 typedef enum pel_status {
     PEL_OK = 0,
     PEL_OUT_OF_MEMORY, /* an allocation failed */
     PEL_BAD_ARGUMENT,  /* an argument or a member of a def is missing, NaN, infinite or out of range */
     PEL_BAD_FILE,      /* a file cannot be opened, read or written (see errno text in the message) */
-    PEL_BAD_FORMAT,    /* the content of a file is not what its format allows */
+    PEL_BAD_FORMAT,    /* the content of a file violates its format */
     PEL_BAD_MESH,      /* a mesh has a topology or geometry that cannot be simulated */
     PEL_BAD_SCENE,     /* a scene file has an unknown key, a wrong type or a value out of range */
     PEL_UNSTABLE,      /* a parameter lies beyond the stability limit of this mesh */
@@ -70,7 +70,7 @@ typedef struct pel_error {
     int64_t byte_offset;              /* place in a binary file, from 0; -1 = does not apply */
     char element_kind[24];            /* "vertex", "triangle", "edge", "tool", ... */
     int64_t element;                  /* its number, from 0; -1 = does not apply */
-    char element_name[PEL_NAME_SIZE]; /* what the scene calls it; the text names it instead of the number */
+    char element_name[PEL_NAME_SIZE]; /* its name in the scene, which the text gives instead of the number */
     char what[320];                   /* what is wrong, one sentence without a full stop */
     char remedy[320];                 /* what to do about it, one sentence without a full stop */
 } pel_error;
@@ -80,16 +80,20 @@ typedef struct pel_error {
 PEL_API const char *pel_error_text(const pel_error *error, char *text, size_t size);
 
 /* The name (of count) with the smallest edit distance to `name`, the first of several; upper and lower case, '-' and
-   '_' count as equal. Null when none is near: when more than a third of the letters, and more than two, would have to
-   change. For remedies: "did you mean ...?". */
+   '_' count as equal. Null if all differ by more than a third of the letters and by more than two. For remedies: "did
+   you mean ...?". */
 PEL_API const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 
-/* For writers of JSON: writes the letter at `text` as it stands between the quotes of a string, with a zero at the end,
-   and returns where the next one begins; text is not at its end. Valid UTF-8 whatever the text holds (what is none
-   becomes \ufffd), and without '<', so that it may stand inside HTML. */
+/* For writers of JSON: writes the first letter of `text` (not empty), escaped for a JSON string and zero-terminated,
+   and returns the start of the next letter. The output is valid UTF-8 (invalid bytes become \ufffd) and escapes '<', so
+   that it is safe inside HTML. */
 PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
 
-/* Where notes and warnings go (a quad was triangulated, vertices were welded). Null log or null write: nowhere. */
+/* For writers of JSON: writes the shortest digits that read back to the same bits in any locale; null for NaN and
+   infinity. Returns text. */
+PEL_API const char *pel_json_digits(double number, char text[32]);
+
+/* Receiver of notes and warnings (a quad was triangulated, vertices were welded). Null log or null write: none. */
 typedef struct pel_log {
     void (*write)(void *user, const char *text); /* one line without newline */
     void *user;

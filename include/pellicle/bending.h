@@ -46,13 +46,13 @@ typedef enum pel_bending_form {
 PEL_API double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_bending_form form,
                                             const double x[4][3], double gradient[4][3]);
 
-/* Dihedral angle [rad] and its gradient [1/m] (may be null). 0 where a triangle has no area; a gradient leaves out what
-   such a triangle would contribute, and is zero where the edge has no length. */
+/* Dihedral angle [rad] and its gradient [1/m] (may be null). 0 where a triangle has no area; the gradient omits the
+   contribution of such a triangle, and is zero if the edge has no length. */
 PEL_API double pel_dihedral_angle(const double x[4][3], double gradient[4][3]);
 
 /* Hinge with a rest angle: E = 1/2 factor (theta - rest_angle)^2, factor = |e|^2 / (A0 + A1) of the rest shape, to be
-   multiplied by D [J]. A fold does not pass where it is closed: the difference is that of angles
-   from -pi to pi, and the short way round the circle where the rest angle is sharper than a quarter turn. */
+   multiplied by D [J]. A fold does not pass through its closed state: the difference is taken between angles from -pi
+   to pi, or along the shorter arc if the rest angle is sharper than a quarter turn. */
 typedef struct pel_hinge {
     double factor;
     double rest_angle; /* rad; its negative makes the rest shape cave in */

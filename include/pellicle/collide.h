@@ -1,5 +1,5 @@
-/* Pellicle: collisions of a moving surface with itself. A collider knows the triangles of a surface and is asked, step
-   by step, what may touch between two sets of positions:
+/* Pellicle: collisions of a moving surface with itself. A collider knows the triangles of a surface and finds, step by
+   step, the pairs that may touch between two sets of positions:
 
        pel_collider_def def = pel_collider_def_default();
        def.mesh = mesh;
@@ -8,9 +8,9 @@
        query.start = x, query.end = x_next, query.min_separation = thickness;
        pel_collider_detect(collider, &query, &result, &error);
 
-   Nothing is moved: what to do about a collision is the caller's business. One collider is used by one thread at a time
-   (it uses threads of its own inside). It remembers pairs from call to call, which changes the time it takes and, for
-   candidates, their order and those that boxes do not tell apart, but not what it detects. */
+   It moves nothing: the caller responds to collisions. One collider is used by one thread at a time (it uses threads of
+   its own inside). It keeps pairs from call to call. This changes its run time, and the order and number of candidates,
+   but not the detected collisions. */
 #ifndef PELLICLE_COLLIDE_H
 #define PELLICLE_COLLIDE_H
 
@@ -53,16 +53,16 @@ typedef struct pel_collision_query {
 /* Separation 0, tolerance 0, near 0, PEL_CCD_CONSERVATIVE. */
 PEL_API pel_collision_query pel_collision_query_default(void);
 
-/* What may touch: all pairs without a common vertex whose boxes around their ways, grown by min_separation + tolerance,
-   overlap, and none twice. Lives until the next call with this collider. */
+/* Candidates: all pairs without a common vertex whose swept boxes, grown by min_separation + tolerance, overlap; none
+   twice. Lives until the next call with this collider. */
 typedef struct pel_collision_candidates {
     const pel_pair *vertex_face; /* (vertex_face_count) vertex, triangle */
     int64_t vertex_face_count;
     const pel_pair *edge_edge; /* (edge_edge_count) edges, first < second. An edge is named by the first half-edge along
                                   it, 3 t + i: from corner i of triangle t to the next corner */
     int64_t edge_edge_count;
-    int64_t searches; /* of the tree, since the collider was made; the other steps were served from kept pairs */
-    int64_t kept;     /* pairs that were looked through */
+    int64_t searches; /* searches of the tree since creation; the other steps used kept pairs */
+    int64_t kept;     /* pairs examined */
 } pel_collision_candidates;
 
 /* The broad phase alone. No memory is allocated unless there are more candidates than ever before.

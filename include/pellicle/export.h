@@ -2,11 +2,9 @@
    twice, first to find damage, so that nothing is written when a frame is bad; memory holds a few frames at a time.
 
    Bodies that refine have other triangles in other frames. All exports then put every frame on the finest common mesh:
-   what any frame has split is split, and each frame keeps the very surface that it had. It has the vertices of the
-   bodies' meshes first, body by body; fields are interpolated, and level, mesh_vertices and mesh_weights left out.
-
-   Tools are parts of their own behind the bodies, as they were in each frame; a tool that was added later stands still
-   until then. */
+   each triangle that any frame splits is split, and the surface of each frame does not change. The vertices of the
+   bodies' meshes come first, body by body; fields are interpolated; level, mesh_vertices and mesh_weights are omitted.
+   Tools are separate parts after the bodies, posed as in each frame; a tool that was added later rests until then. */
 #ifndef PELLICLE_EXPORT_H
 #define PELLICLE_EXPORT_H
 
@@ -18,11 +16,11 @@ extern "C" {
 #endif
 
 /* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): the positions of the bodies in all frames,
-   one sample a frame from frame 0, and beside OUT.pc2 the mesh that it goes on, OUT-bodies.obj; each tool has a cache
-   and a mesh of its own, OUT-NAME.pc2 and OUT-NAME.obj, where characters of its name but letters, digits, - and _
-   become _ and its number is added. Without refinement the cache of the bodies goes on final.ply too.
-   Errors: those of pel_frames_read; PEL_BAD_FORMAT when the triangles change and a frame does not say where its
-   vertices lie in the mesh (fields mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
+   one sample a frame from frame 0, and next to OUT.pc2 the mesh for it, OUT-bodies.obj. Each tool has its own cache and
+   mesh, OUT-NAME.pc2 and OUT-NAME.obj; characters of its name other than letters, digits, - and _ become _, and its
+   number is added. Without refinement the cache of the bodies fits final.ply too. Errors: those of pel_frames_read;
+   PEL_BAD_FORMAT when the triangles change and a frame does not say where its vertices lie in the mesh (fields
+   mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
 PEL_API pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
 
 /* Writes a binary glTF 2.0 file with a node for each body and each tool: frame 0 as a mesh with normals, every further
@@ -40,10 +38,9 @@ PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, p
 /* The name of the numbered file of frame `frame`: out/ball.obj gives out/ball_00012.obj. Returns text. */
 PEL_API const char *pel_export_numbered_path(char text[PEL_EXPORT_PATH_SIZE], const char *path, int32_t frame);
 
-/* Writes every frame as a mesh file of its own under a numbered name. With tools the field `body` numbers bodies, then
-   tools; an OBJ file has an object for each number. Files of these names are replaced; after a
-   failure none of those that were written is left. log (nullable) receives the notes of the first frame.
-   Errors: those of pel_export_pc2 and pel_mesh_write. */
+/* Writes every frame as a separate, numbered mesh file. With tools the field `body` numbers bodies, then tools; an OBJ
+   file has an object for each number. Files of these names are replaced; after a failure the written ones are removed.
+   log (nullable) receives the notes of the first frame. Errors: those of pel_export_pc2 and pel_mesh_write. */
 PEL_API pel_status pel_export_sequence(const char *path, pel_mesh_format format, const pel_frames *frames,
                                        const pel_log *log, pel_error *error);
 

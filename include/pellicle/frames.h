@@ -1,4 +1,4 @@
-/* Pellicle: reading back what a run left in its folder: the frames, one at a time, and columns of its series. */
+/* Pellicle: reading the folder of a run: the frames, one at a time, and columns of the series. */
 #ifndef PELLICLE_FRAMES_H
 #define PELLICLE_FRAMES_H
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* The files of a run's folder; pellicle/run.h says what they hold. */
+/* The files of a run's folder; pellicle/run.h describes their contents. */
 typedef enum pel_run_file {
     PEL_RUN_SCENE,
     PEL_RUN_SERIES,
@@ -19,7 +19,7 @@ typedef enum pel_run_file {
     PEL_RUN_FILE_COUNT
 } pel_run_file;
 
-/* "series.csv" and the like; lives forever, null for a number that is none of them. */
+/* "series.csv" and the like; lives forever, null for an unknown number. */
 PEL_API const char *pel_run_file_name(pel_run_file file);
 
 /* The frames that frames.pvd names, in its order. Plain data, owned by the list, not to be changed. */
@@ -34,9 +34,9 @@ typedef struct pel_frames {
     char **tool_paths; /* (frame_count x tool_count) null = the tool was not there */
 } pel_frames;
 
-/* Opens a folder that pel_run wrote, also while the run goes on. On failure *frames is null. Free with
-   pel_frames_close. Errors: PEL_BAD_FILE (no folder, no frames.pvd), PEL_BAD_FORMAT (frames.pvd is damaged or names no
-   frame; the run is of a newer version than this library), PEL_OUT_OF_MEMORY. */
+/* Opens a folder of pel_run, finished or not. On failure *frames is null. Free with pel_frames_close. Errors:
+   PEL_BAD_FILE (no folder, no frames.pvd), PEL_BAD_FORMAT (frames.pvd is damaged or names no frame; the run is of a
+   newer version than this library), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error);
 
 /* null is fine */
@@ -46,20 +46,20 @@ PEL_API void pel_frames_close(pel_frames *frames);
    Errors: those of pel_vtp_read, and PEL_BAD_FORMAT with the vertex when a field is NaN or infinite. */
 PEL_API pel_status pel_frames_read(const pel_frames *frames, int32_t frame, pel_mesh **mesh, pel_error *error);
 
-/* The surface of a tool (0 .. tool_count - 1) in a frame, where it is then; *mesh is null, without an error, where it
-   was not there. Free with pel_mesh_destroy. Errors: those of pel_vtp_read. */
+/* The surface of a tool (0 .. tool_count - 1) at its pose in a frame; if the tool is absent from the frame, *mesh is
+   null and there is no error. Free with pel_mesh_destroy. Errors: those of pel_vtp_read. */
 PEL_API pel_status pel_frames_read_tool(const pel_frames *frames, int32_t frame, int32_t tool, pel_mesh **mesh,
                                         pel_error *error);
 
-/* What all frames have in common. */
+/* Common properties of all frames. */
 typedef struct pel_frames_outline {
     int32_t vertex_count, triangle_count; /* of the first frame */
     int32_t changed_frame;                /* the first frame with other triangles than frame 0; -1 = none */
     double low[3], high[3];               /* m, box around all frames */
 } pel_frames_outline;
 
-/* Reads all frames and tells their outline; also the way to find damage before anything is written.
-   Errors: those of pel_frames_read. */
+/* Reads all frames and returns their outline; also finds damage before anything is written. Errors: those of
+   pel_frames_read. */
 PEL_API pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error);
 
 /* Some columns of a series.csv. */

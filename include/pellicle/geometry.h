@@ -12,9 +12,9 @@ extern "C" {
 
 /* Closest points. Each function returns the squared distance and writes the weights of the end points or corners, in
    the order of the arguments: all in 0 .. 1, those of one object sum to 1, the closest point is the weighted sum.
-   Degenerate segments and triangles (all points equal or on a line) are treated as what they are. Nearly parallel and
-   thin cases choose the nearest of several candidates, so the distance is right even where the place is ill-determined.
-   NaN or infinite input gives NaN or infinity, with weights that are still in range. */
+   Degenerate segments and triangles (all points equal or on a line) are treated as points and lines. Nearly parallel
+   and thin cases choose the nearest of several candidates, so the distance is right even where the place is
+   ill-determined. NaN or infinite input gives NaN or infinity, with weights that are still in range. */
 
 /* Point p and segment a, b: weights (2) of a, b. */
 PEL_API double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2]);
@@ -27,25 +27,24 @@ PEL_API double pel_closest_point_triangle(const double p[3], const double a[3], 
 PEL_API double pel_closest_segment_segment(const double a[3], const double b[3], const double c[3], const double d[3],
                                            double weights[4]);
 
-/* Segment a, b and triangle c0, c1, c2: weights (5), first of a, b, then of c0, c1, c2. When the segment goes through
-   the triangle the distance is zero but for rounding. */
+/* Segment a, b and triangle c0, c1, c2: weights (5), first of a, b, then of c0, c1, c2. If the segment pierces the
+   triangle, the distance is zero up to rounding. */
 PEL_API double pel_closest_segment_triangle(const double a[3], const double b[3], const double c0[3],
                                             const double c1[3], const double c2[3], double weights[5]);
 
 /* Continuous collision of points that move on straight lines, x(t) = start + t (end - start), 0 <= t <= 1.
 
    The answer is "hit" unless freedom was proved with bounded rounding error, so there is no false negative by
-   construction: what comes within min_separation, touching included, is always found. A wrong "hit" needs a gap (beyond
+   construction: every approach within min_separation, touching included, is found. A wrong "hit" needs a gap (beyond
    min_separation) below `tolerance` or below the rounding of the closest distance: about 1e-14 of the size of the
-   features, up to 1e-8 for nearly parallel edges and very thin faces; or a motion so hard to follow that the budget of
-   time intervals is used up (pel_ccd_statistics counts these; they are rare). Only differences of
-   points matter, not their place in the world; the answer does not depend on the order of the points of a face or an
-   edge nor of the two edges; degenerate faces and edges, and pairs that do not move, are treated as what they are. NaN
-   and infinite input cannot be ruled out and is a hit.
+   features, up to 1e-8 for nearly parallel edges and very thin faces; or a motion that exhausts the budget of time
+   intervals (pel_ccd_statistics counts these; they are rare). Only differences of points matter, not their place in the
+   world; the answer does not depend on the order of the points of a face or an edge nor of the two edges; degenerate
+   faces and edges, and pairs that do not move, are supported. NaN or infinite input is a hit.
 
    min_separation  length >= 0; negative counts as 0
-   tolerance       length: a motion is followed until the features move less than this, relative to each other, in the
-                   time interval that is left. 1e-6 of the size of the features is usual; 0 = as fine as double allows
+   tolerance       length: time intervals are divided until the features move less than this relative to each other.
+   1e-6 of the size of the features is usual; 0 = as fine as double allows
  */
 
 /* The first time at which freedom could not be proved any longer. */
@@ -93,9 +92,9 @@ typedef struct pel_ccd_batch {
     pel_ccd_method method; /* of pel_ccd_solve_batch */
     double min_separation; /* as above */
     double tolerance;
-    double near; /* length: of a query that is not proved free, and starts within this with its closest points inside
-                    both features, the time is not looked for: it hits at time 0, at that place. Up to
-                    min_separation, as 0: none but what is too near already. Not for PEL_CCD_BRIDSON */
+    double near; /* length: a query that starts within this distance, with its closest points inside both features, and
+                    is not proved free, hits at time 0 at that place; its time is not computed. Values up to
+                    min_separation (such as 0) affect only pairs that are too near already. Not for PEL_CCD_BRIDSON */
 } pel_ccd_batch;
 
 /* How far queries got: each number counts those that passed a stage. Functions add to it. */
@@ -135,8 +134,8 @@ PEL_API int pel_orient3d(const double a[3], const double b[3], const double c[3]
 PEL_API bool pel_triangles_intersect(const double a[3][3], const double b[3][3]);
 
 /* The same for neighbours in a mesh: the first shared_count corners of both (0, 1 or 2) are the same points, in the
-   same order, and only what they have in common beyond the shared corner or edge counts: one cuts through the other, or
-   is folded onto it. True when a neighbour has no area or shared_count is 3 (the same triangle twice). */
+   same order, and only an intersection beyond the shared corner or edge counts: one cuts through the other, or is
+   folded onto it. True when a neighbour has no area or shared_count is 3 (the same triangle twice). */
 PEL_API bool pel_triangles_intersect_beyond(const double a[3][3], const double b[3][3], int shared_count);
 
 #ifdef __cplusplus

@@ -18,15 +18,15 @@
                   the solid in plane stress: the square c of the thickness stretch follows from zero normal stress; with
                   poisson 0.5 the incompressible one. 0 <= poisson <= 0.5
    gent           -mu Jm/2 ln(1 - (I1 - 3) / Jm),        mu = E h / 3, Jm = extension_limit
-                  incompressible, poisson is not read. Beyond 0.99 Jm the energy goes on as its parabola there,
-                  beyond 2 Jm as its tangent
+                  incompressible, poisson is not read. Beyond 0.99 Jm the energy continues as its parabola there, beyond
+                  2 Jm as its tangent
    fung           E h/b (exp(b w / (E h)) - 1),          w = the energy of stvk, b = stiffening
    Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Gent 1996, Fung 1967; theory page sections 3 and 17.
 
    Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. Incompressible laws and
-   neo-hookean are infinite there: below J = 0.01 they go on as their tangents in J, so that a squeezed triangle is
-   pushed open with a large, finite force. A triangle squeezed to a line has no normal: forces across the line are left
-   out. */
+   neo-hookean are infinite there: below J = 0.01 they continue as their tangents in J, so that a squeezed triangle is
+   pushed open with a large, finite force. A triangle squeezed to a line has no normal: forces across the line are
+   omitted. */
 #ifndef PELLICLE_MATERIAL_H
 #define PELLICLE_MATERIAL_H
 

@@ -5,9 +5,9 @@
    Triangles are counter-clockwise seen from outside: normals point outward and a sphere of radius r has the mean
    curvature +1/r.
 
-   What a triangle without area does (PEL_FLAT_TRIANGLE of mesh_check.h): its area, if any, goes to its corners in equal
-   parts, it adds nothing to normals and mean curvature, and its angles still sum to pi (coincident corners count as the
-   limit of an isosceles or equilateral triangle), so that the total curvature stays right. No result is NaN for finite
+   Triangles without area (PEL_FLAT_TRIANGLE of mesh_check.h): their area, if any, is shared equally by the corners;
+   they add nothing to normals and mean curvature; their angles still sum to pi (coincident corners count as the limit
+   of an isosceles or equilateral triangle), so that the total curvature stays right. No result is NaN for finite
    positions of ordinary size. Vertices in no triangle get zeros. */
 #ifndef PELLICLE_MEASURE_H
 #define PELLICLE_MEASURE_H
@@ -20,7 +20,7 @@ extern "C" {
 
 /* ---- one vertex ---- */
 
-/* What the triangles around a vertex say about the surface there. Source, unless said otherwise: Meyer, Desbrun,
+/* Measures of the surface at a vertex, from the triangles around it. Source, unless stated otherwise: Meyer, Desbrun,
    Schroeder, Barr 2003, "Discrete differential-geometry operators for triangulated 2-manifolds". */
 typedef struct pel_vertex_measure {
     double area;           /* m2, mixed area: Voronoi parts of triangles that are not obtuse, else a half or a quarter;
@@ -41,7 +41,7 @@ typedef struct pel_vertex_measure {
 PEL_API void pel_vertex_measure_fill(const pel_topology *topology, const double *positions, int32_t v,
                                      pel_vertex_measure *measure);
 
-/* ---- all vertices; what is not wanted stays null ---- */
+/* ---- all vertices; pass null for measures that are not wanted ---- */
 
 typedef enum pel_normal_weight {
     PEL_NORMAL_ANGLE, /* by the angle at the vertex: does not depend on how the surface is cut into triangles */
@@ -64,14 +64,14 @@ PEL_API void pel_surface_mean_curvature(const pel_topology *topology, const doub
 PEL_API double pel_surface_gaussian_curvature(const pel_topology *topology, const double *positions, double *curvature,
                                               double *defects);
 
-/* How curved a surface is. Least, mean and greatest are those over the vertices that are not on the boundary (all zero
-   when there is none); means are weighted by area. */
+/* Summary of curvature. Least, mean and greatest are over the vertices that are not on the boundary (all zero if there
+   are none); means are weighted by area. */
 typedef struct pel_curvature_summary {
     int32_t inner_vertex_count;
     double area;                    /* m2, of the whole surface */
     double mean_curvature_integral; /* m, mean curvature times area: 4 pi r on a sphere */
     double mean_curvature_min, mean_curvature_mean, mean_curvature_max; /* 1/m */
-    double total_curvature; /* sum of all angle defects, those of the boundary included */
+    double total_curvature; /* sum of all angle defects, including the boundary */
     double gaussian_curvature_min, gaussian_curvature_mean, gaussian_curvature_max; /* 1/m2 */
 } pel_curvature_summary;
 

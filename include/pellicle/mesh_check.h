@@ -1,4 +1,4 @@
-/* Pellicle: what is wrong with a mesh, its figures, and the repair of what can be repaired. */
+/* Pellicle: defects of a mesh, its counts and sizes, and its repair. */
 #ifndef PELLICLE_MESH_CHECK_H
 #define PELLICLE_MESH_CHECK_H
 
@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* Kinds of findings. `element` and `related` below: what an issue's lists hold. */
+/* Kinds of findings. `element` and `related` below: the contents of an issue's lists. */
 typedef enum pel_issue_kind {
     PEL_ISSUE_BAD_INDEX,           /* triangle with an index outside 0 .. vertex_count - 1; related: corner, index */
     PEL_ISSUE_NOT_FINITE,          /* vertex with a coordinate that is NaN or infinite */
@@ -28,18 +28,18 @@ typedef enum pel_issue_kind {
 
 typedef enum pel_severity {
     PEL_SEVERITY_NOTE,    /* normal for some meshes */
-    PEL_SEVERITY_WARNING, /* can be simulated, but probably not what was meant */
+    PEL_SEVERITY_WARNING, /* can be simulated, but is probably unintended */
     PEL_SEVERITY_ERROR    /* cannot be simulated */
 } pel_severity;
 
-/* What is to be said about one kind of issue. Lives forever. */
+/* Description of a kind of issue. Lives forever. */
 typedef struct pel_issue_info {
     pel_issue_kind kind;
     const char *name;         /* "non-manifold-edge", ... */
     const char *element_kind; /* "vertex", "triangle", "edge" or "component" */
     pel_severity severity;
-    const char *doc;    /* what it is, one sentence without a full stop */
-    const char *remedy; /* what to do, one sentence without a full stop */
+    const char *doc;    /* the defect, one sentence without a full stop */
+    const char *remedy; /* the remedy, one sentence without a full stop */
     bool repairable; /* pel_mesh_repair removes it (but a non-orientable rest, and duplicate vertices where it cuts) */
 } pel_issue_info;
 
@@ -94,7 +94,7 @@ typedef struct pel_mesh_report {
     bool oriented;                  /* no inconsistent winding */
 
     double area;          /* m2 */
-    double volume;        /* m3, sum over the components (each about a point of its own) */
+    double volume;        /* m3, sum over the components (each about its own point) */
     double bounds_low[3]; /* m, of the finite vertices; zero when there are none */
     double bounds_high[3];
     double edge_length_min, edge_length_median, edge_length_mean, edge_length_max; /* m */
@@ -104,7 +104,7 @@ typedef struct pel_mesh_report {
     double valence_mean;
 } pel_mesh_report;
 
-/* Looks at a mesh in near-linear time; the same mesh gives the same report. The mesh may hold anything (bad indices,
+/* Examines a mesh in near-linear time; the same mesh gives the same report. The mesh may hold anything (bad indices,
    NaN, infinities, no vertices): those are findings, not failures. Counts below 0 or more than 2^31 / 3 triangles are
    PEL_BAD_ARGUMENT. On failure *report is null. Free with pel_mesh_report_destroy. */
 PEL_API pel_status pel_mesh_check(const pel_mesh *mesh, pel_mesh_report **report, pel_error *error);
@@ -114,60 +114,60 @@ PEL_API void pel_mesh_report_destroy(pel_mesh_report *report);
 
 /* Null options mean the defaults: everything, tolerance 0. */
 typedef struct pel_repair_options {
-    bool weld;             /* make one vertex of those at the same place: position and fields of the first are kept */
+    bool weld;             /* merge vertices at the same place; position and fields of the first are kept */
     double weld_tolerance; /* m; vertices linked by steps of at most this are one place; 0 = exactly equal */
     bool drop_degenerate;  /* triangles with a vertex twice or without area (see PEL_FLAT_TRIANGLE) */
     bool drop_duplicates;  /* all but the first of the triangles with the same three vertices */
-    bool close_slits;      /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge
-                              goes into its neighbour there, which is divided at that corner. Nothing moves */
-    bool cut;              /* split non-manifold vertices and edges by duplicating vertices. Of several triangles at an
-                              edge those stay connected that face each other through a body; others get a boundary */
-    bool drop_isolated;    /* vertices in no triangle (those that are not finite go in any case) */
-    bool orient;           /* one winding per component: that of most of its triangles */
-    bool outward;          /* turn closed components outward; also the inner walls of hollow bodies */
-    int32_t *vertex_map;   /* (vertex_count) receives the new number of each vertex, -1 = dropped; nullable */
+    bool close_slits;    /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge is
+                            merged into its neighbour there, which is split at that corner. No vertex moves */
+    bool cut;            /* split non-manifold vertices and edges by duplicating vertices. Of several triangles at an
+                            edge those stay connected that face each other through a body; others get a boundary */
+    bool drop_isolated;  /* vertices in no triangle (those that are not finite go in any case) */
+    bool orient;         /* give each component the winding of most of its triangles */
+    bool outward;        /* turn closed components outward; also the inner walls of hollow bodies */
+    int32_t *vertex_map; /* (vertex_count) receives the new number of each vertex, -1 = dropped; nullable */
 } pel_repair_options;
 
 PEL_API pel_repair_options pel_repair_options_default(void);
 
-/* What a repair did. */
+/* Summary of a repair. */
 typedef struct pel_repair_summary {
     int32_t bad_triangles;        /* dropped: bad index or a vertex that is not finite */
     int32_t degenerate_triangles; /* dropped */
     int32_t duplicate_triangles;  /* dropped */
-    int32_t welded_vertices;      /* gone into an earlier vertex */
+    int32_t welded_vertices;      /* merged into an earlier vertex */
     int32_t isolated_vertices;    /* dropped */
-    int32_t closed_slits;         /* triangles without area that went into their neighbours */
-    int32_t cut_vertices;         /* copies of vertices, for fans that were cut apart */
+    int32_t closed_slits;         /* triangles without area, merged into their neighbours */
+    int32_t cut_vertices;         /* copies of vertices, for fans that were split */
     int32_t turned_triangles;     /* winding reversed */
     int32_t outward_components;   /* closed components turned outward as a whole */
-    int32_t non_orientable;       /* components that no winding can make consistent */
-    bool changed;                 /* the repaired mesh is another one */
+    int32_t non_orientable;       /* components that no winding makes consistent */
+    bool changed;                 /* the repaired mesh differs from the input */
 } pel_repair_summary;
 
-/* A repaired copy: triangles with bad indices or vertices that are not finite go, then the options are applied: weld,
-   drop, close, cut, orient. Vertices and triangles keep their order, copies of vertices come last, fields are carried
-   along. Repairing again changes nothing, unless pieces were cut apart. An edge in more than two triangles stays where
-   two pieces share both its vertices on every way around (see the report of the result). PEL_BAD_MESH when no triangle
-   is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of the coordinates or more than a
-   twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
+/* A repaired copy: triangles with bad indices or vertices that are not finite are dropped, then the options are
+   applied: weld, drop, close, cut, orient. Vertices and triangles keep their order, copies of vertices come last,
+   fields are kept. Repairing again changes nothing, unless pieces were split. An edge in more than two triangles
+   remains if two pieces share both its vertices on every path around (see the report of the result). PEL_BAD_MESH when
+   no triangle is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of the coordinates or
+   more than a twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
 PEL_API pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                                    pel_repair_summary *summary, pel_error *error);
 
-/* What filling did. */
+/* Summary of a filling. */
 typedef struct pel_fill_summary {
     int32_t filled_holes;
-    int32_t left_holes; /* longer than the limit, or such that no triangles close them */
+    int32_t left_holes; /* longer than the limit, or not closable by triangles */
     int32_t triangles;  /* added */
     double quality_min; /* of the added triangles: 1 = equilateral, 0 = flat; 1 when there are none */
 } pel_fill_summary;
 
 /* Closes the holes of an oriented manifold whose rims have at most edge_limit (>= 3) edges, without new vertices: of
-   all ways to cut a rim of up to 160 edges into triangles the one with the least bend between neighbours, then the
-   least area (Liepa 2003, "Filling holes in meshes"); longer rims are divided along short chords first. The triangles
-   of the mesh stay first; fields are carried along. The rim of an open surface is a hole like any other.
-   pel_mesh_repair afterwards turns what is closed now outward. Errors: PEL_BAD_ARGUMENT, PEL_BAD_MESH as
-   pel_topology_create, PEL_OUT_OF_MEMORY; *filled is null then. summary is nullable. */
+   all triangulations of a rim of up to 160 edges the one with the least bend between neighbours, then the least area
+   (Liepa 2003, "Filling holes in meshes"); longer rims are divided along short chords first. The triangles of the mesh
+   stay first; fields are kept. The rim of an open surface counts as a hole. pel_mesh_repair afterwards turns closed
+   components outward. Errors: PEL_BAD_ARGUMENT, PEL_BAD_MESH as pel_topology_create, PEL_OUT_OF_MEMORY; *filled is null
+   then. summary is nullable. */
 PEL_API pel_status pel_mesh_fill_holes(const pel_mesh *mesh, int32_t edge_limit, pel_mesh **filled,
                                        pel_fill_summary *summary, pel_error *error);
 

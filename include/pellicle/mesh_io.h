@@ -1,7 +1,7 @@
 /* Pellicle: reading and writing mesh files: OBJ, PLY (ASCII, binary little and big endian), STL (ASCII, binary), OFF,
-   VTK PolyData (.vtp).
-   Vertex order and connectivity survive. Faces of more than three corners are cut into triangles that keep their
-   winding. Numbers are read exactly, whatever the locale; NaN, infinity and indices that do not exist are refused.
+   VTK PolyData (.vtp). Vertex order and connectivity survive. Faces of more than three corners are cut into triangles
+   that keep their winding. Numbers are read exactly, in any locale; NaN, infinity and indices that do not exist are
+   refused.
    - OBJ: v and f with all kinds of indices; colours, weights, normals, texture coordinates, points, lines ignored.
    - PLY: scalar vertex properties other than x, y, z become fields, those named n_0, n_1, ... one vector field n; list
      properties of vertices and elements other than vertex and face ignored.
@@ -34,9 +34,9 @@ typedef enum pel_mesh_format {
 /* The format that a path's extension names, PEL_FORMAT_AUTO when it names none of the above. */
 PEL_API pel_mesh_format pel_mesh_format_of_path(const char *path);
 
-/* Reads a mesh file. log (nullable) receives notes: polygons triangulated, vertices welded, data ignored.
-   Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT with line or byte offset, PEL_OUT_OF_MEMORY. Memory use is
-   bounded by a small multiple of the file's size whatever its header claims. Free with pel_mesh_destroy. */
+/* Reads a mesh file. log (nullable) receives notes: polygons triangulated, vertices welded, data ignored. Errors:
+   PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT with line or byte offset, PEL_OUT_OF_MEMORY. Memory use is bounded
+   by a small multiple of the file's size, independent of its header. Free with pel_mesh_destroy. */
 PEL_API pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
                                  pel_error *error);
 

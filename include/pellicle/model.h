@@ -50,7 +50,7 @@ typedef struct pel_refine_def {
     int32_t region_levels; /* 1 to levels; 0 (default) = levels */
     int32_t rings;         /* rings of triangles around a vertex, on each level: 1 to 3; default: 2 */
     int32_t dwell;         /* steps; default: 50 */
-    int32_t interval;      /* every vertex is tested once in so many steps; default: 10 */
+    int32_t interval;      /* number of steps in which every vertex is tested once; default: 10 */
     int32_t budget; /* maximum number of triangles of the body, 0 = no limit. Candidates are ranked by measure over
                        threshold; one that is twice as strong replaces a weaker one */
     pel_refine_springs springs;
@@ -117,9 +117,9 @@ PEL_API int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields), with inside-out closed parts turned outward. Lives
    as long as the model. */
 PEL_API const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
-/* Number of turned triangles: those of each part (connected by edges) without boundary and with negative signed volume,
-   unless it is a cavity within the rest of the mesh. The order of triangles and vertices is kept; the last two corners
-   of these triangles are swapped. So pressure acts on the enclosed volume for any orientation of the mesh. */
+/* Number of turned triangles: all triangles of each part (connected by edges) without boundary and with negative signed
+   volume, unless it is a cavity within the rest of the mesh. The order of triangles and vertices is kept; the last two
+   corners of these triangles are swapped. So pressure acts on the enclosed volume for any orientation of the mesh. */
 PEL_API int32_t pel_model_turned_count(const pel_model *model, int32_t body);
 /* Number of pinned vertices of a body's mesh. */
 PEL_API int32_t pel_model_pinned_count(const pel_model *model, int32_t body);

@@ -35,8 +35,8 @@ PEL_API const pel_field_info *pel_field_at(int32_t field);
 PEL_API int32_t pel_field_find(const char *name);
 
 /* Values of a field on the vertices of a body (pel_sim_vertex_count x component_count), rows as those of
-   pel_sim_get_positions. What several fields need is computed once for a state. PEL_BAD_ARGUMENT for a field or body
-   that does not exist, PEL_OUT_OF_MEMORY. */
+   pel_sim_get_positions. Intermediate results that several fields need are computed once for a state. PEL_BAD_ARGUMENT
+   for a field or body that does not exist, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
 /* The same on triangles (pel_sim_triangle_count x component_count), in the order of pel_sim_get_triangles;
    PEL_BAD_ARGUMENT for a field on vertices alone. */

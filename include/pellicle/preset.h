@@ -1,5 +1,5 @@
-/* Pellicle: materials of thin sheets that a scene may name (membrane: { preset: rubber }), with where the numbers come
-   from. They are means of what varies widely in nature: a start, not a measurement. */
+/* Pellicle: materials of thin sheets that a scene may name (membrane: { preset: rubber }), with the sources of the
+   numbers. They are means of values that vary widely in nature: a start, not a measurement. */
 #ifndef PELLICLE_PRESET_H
 #define PELLICLE_PRESET_H
 
@@ -13,7 +13,7 @@ typedef struct pel_material_preset {
     const char *name; /* "rubber" */
     pel_membrane_material material;
     double density;     /* kg/m3 */
-    const char *doc;    /* what it is, one line */
+    const char *doc;    /* description, one line */
     const char *source; /* of the numbers, one line */
 } pel_material_preset;
 

@@ -1,4 +1,4 @@
-/* Pellicle: regions: which vertices of a mesh something acts on, and how much. */
+/* Pellicle: regions: the vertices of a mesh that a load or property acts on, with weights. */
 #ifndef PELLICLE_REGION_H
 #define PELLICLE_REGION_H
 
@@ -18,14 +18,14 @@ typedef enum pel_region_kind {
     PEL_REGION_BOUNDARY  /* the vertices on the border of an open mesh */
 } pel_region_kind;
 
-/* A region. Members of other kinds are not looked at; pointers need to live during the call only. */
+/* A region. Members of other kinds are ignored; pointers need to live during the call only. */
 typedef struct pel_region {
     pel_region_kind kind;
     double point[3];         /* m, nearest */
     double center[3];        /* m, sphere */
     double radius;           /* m, sphere, >= 0 */
     double low[3], high[3];  /* m, box, low <= high */
-    const int32_t *vertices; /* (vertex_count) vertices; twice the same is fine */
+    const int32_t *vertices; /* (vertex_count) vertices; duplicates are allowed */
     int32_t vertex_count;
     const char *field; /* name of a scalar field of the mesh */
     double above;      /* field; 0.5 by default */

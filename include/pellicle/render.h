@@ -60,13 +60,13 @@ enum { PEL_RENDER_FIELD_LIMIT = 8 };
 typedef struct pel_render_def {
     const char *const *inputs; /* (input_count) run folders, .vtp or mesh files */
     int32_t input_count;
-    const char *const *labels; /* (input_count) what stands beside each input; null = names of the folders */
+    const char *const *labels; /* (input_count) label of each input; null = names of the folders */
     /* a folder (one picture for each frame), FILE.png (one picture; a contact sheet when there are several frames or
        inputs) or FILE.mp4 or FILE.gif (a film) */
     const char *output;
     const pel_frame_range *frames; /* (frame_range_count); null = all; for a .png the frame with the largest
-                                      displacement of each run (the last frame if series.csv does not tell), or as many
-                                      as columns x rows hold, evenly spaced */
+                                      displacement of each run (the last frame if series.csv has no displacements), or
+                                      as many as columns x rows hold, evenly spaced */
     int32_t frame_range_count;
 
     const char *field; /* vertex field that colours the surface, "none" = plain; up to PEL_RENDER_FIELD_LIMIT names
@@ -80,14 +80,14 @@ typedef struct pel_render_def {
 
     pel_camera_angle angle;
     int32_t up;                /* axis that points up: 0 x, 1 y, 2 z */
-    int32_t width, height;     /* pixels of the whole picture; 0 = 1280 x 720, or what suits a sheet */
+    int32_t width, height;     /* pixels of the whole picture; 0 = 1280 x 720, or a size that suits the sheet */
     int32_t columns, rows;     /* of a contact sheet; 0 = one row for each input */
     bool flat;                 /* one normal per triangle */
     bool edges;                /* draw the edges of the triangles */
     bool outline;              /* draw a dark line along the silhouette of the surface */
-    bool hide_tools, hide_bar; /* leave out tools, the colour bar */
-    bool hide_labels;          /* leave out times and names */
-    bool hide_ground;          /* leave out the shadow on the ground */
+    bool hide_tools, hide_bar; /* omit tools, the colour bar */
+    bool hide_labels;          /* omit times and names */
+    bool hide_ground;          /* omit the shadow on the ground */
     bool frame_numbers;        /* labels tell the number of the frame instead of the time */
     pel_background background;
     const char *title; /* above the picture; null or empty = none */
@@ -103,7 +103,7 @@ typedef struct pel_render_def {
 
 PEL_API pel_render_def pel_render_def_default(void);
 
-/* What was drawn. */
+/* Summary of a picture. */
 typedef struct pel_render_summary {
     int32_t picture_count;     /* files, or pictures of the film */
     int32_t width, height;     /* pixels */
@@ -116,13 +116,12 @@ typedef struct pel_render_summary {
     char renderer[128];
 } pel_render_summary;
 
-/* Draws what the def says. log (nullable) receives notes, such as tools that cannot be drawn. summary is nullable.
-   Tools are drawn where series.csv or the resolved scene of a run says they are. Arrows whose vector points into the
-   surface have their head, all others their tail at the vertex.
-   Errors: PEL_BAD_ARGUMENT (a number out of range, an unknown field with the nearest name, a frame that does not exist,
-   no OpenGL, no font, no ffmpeg), PEL_BAD_FILE and PEL_BAD_FORMAT (missing or damaged frames, NaN in a field with frame
-   and vertex, output that cannot be written), PEL_OUT_OF_MEMORY, PEL_STOPPED. A picture or film is written whole or not
-   at all. */
+/* Draws a picture or film. log (nullable) receives notes, such as tools that cannot be drawn. summary is nullable.
+   Tools are drawn at their poses in series.csv or the resolved scene of a run. Arrows whose vector points into the
+   surface have their head, all others their tail at the vertex. Errors: PEL_BAD_ARGUMENT (a number out of range, an
+   unknown field with the nearest name, a frame that does not exist, no OpenGL, no font, no ffmpeg), PEL_BAD_FILE and
+   PEL_BAD_FORMAT (missing or damaged frames, NaN in a field with frame and vertex, output that cannot be written),
+   PEL_OUT_OF_MEMORY, PEL_STOPPED. A picture or film is written whole or not at all. */
 PEL_API pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary,
                               pel_error *error);
 

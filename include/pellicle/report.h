@@ -12,10 +12,10 @@ typedef struct pel_report_def {
     const char *page;           /* the empty page, report.html, that `make web` builds */
     const char *const *folders; /* (folder_count) of runs */
     int32_t folder_count;       /* >= 1 */
-    const char *const *fields;  /* (field_count) to take along, the first is shown first; null = all */
+    const char *const *fields;  /* (field_count) fields of the report, the first is shown first; null = all */
     int32_t field_count;
-    int64_t size_limit; /* bytes that the report may have; what does not fit is thinned */
-    const pel_log *log; /* says what was thinned; nullable */
+    int64_t size_limit; /* size limit in bytes; larger reports are thinned */
+    const pel_log *log; /* receives notes on thinning; nullable */
     uint32_t cookie;    /* set by pel_report_def_default */
 } pel_report_def;
 
@@ -28,11 +28,11 @@ typedef struct pel_report_summary {
     int64_t frame_total; /* of all runs, in their folders */
 } pel_report_summary;
 
-/* Writes a report. Positions are rounded to 1/65535 of the box around the run, fields to 1/65535 of their range. When
+/* Writes a report. Positions are rounded to 1/65535 of the box around the run, fields to 1/65535 of their range. If
    that is too large, vectors lose their directions, then fields are rounded to 1/255 of their range, then frames are
-   left out evenly; the page says which. summary is nullable. Errors: PEL_BAD_ARGUMENT (no folder; a field that a run
-   does not have; a single frame is too large), PEL_BAD_FILE (the page is missing; not writable), PEL_BAD_FORMAT (the
-   page is of another version), and those of pel_frames_open and pel_frames_read. Nothing is written then. */
+   omitted evenly; the page says so. summary is nullable. Errors: PEL_BAD_ARGUMENT (no folder; a field that a run does
+   not have; a single frame is too large), PEL_BAD_FILE (the page is missing; not writable), PEL_BAD_FORMAT (the page is
+   of another version), and those of pel_frames_open and pel_frames_read. Nothing is written then. */
 PEL_API pel_status pel_report_write(const char *path, const pel_report_def *def, pel_report_summary *summary,
                                     pel_error *error);
 

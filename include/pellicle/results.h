@@ -1,5 +1,5 @@
 /* Pellicle: results as VTK PolyData (.vtp) with a .pvd series, for ParaView and for reading back. Every file is written
-   to a temporary name and renamed, so that what stands in the folder is always whole. */
+   to a temporary name and renamed, so that the folder never holds a partial file. */
 #ifndef PELLICLE_RESULTS_H
 #define PELLICLE_RESULTS_H
 
@@ -34,7 +34,7 @@ typedef struct pel_vtp {
    Errors: PEL_BAD_ARGUMENT (counts, field names), PEL_BAD_FILE (folder missing, disk full), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);
 
-/* Writes the files of a series: memory stays between them, and triangles that stay are encoded and packed once. The
+/* Writes the files of a series: memory is kept between them, and unchanged triangles are encoded and packed once. The
    files are those of pel_vtp_write. For one thread at a time. */
 typedef struct pel_vtp_writer pel_vtp_writer;
 
@@ -45,11 +45,11 @@ PEL_API void pel_vtp_writer_destroy(pel_vtp_writer *writer);
 PEL_API pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error);
 
 /* Reads a .vtp file of one piece as VTK and ParaView write it: arrays as text, in base64 or in the appended section,
-   raw or in base64, packed by zlib or not, in either byte order. Polygons are cut into triangles, strips taken apart,
-   vertices and lines left out. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when there
-   is none. Memory use is bounded by a multiple of the file's size whatever its head claims. On failure *mesh is null.
-   Free with pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element, PEL_OUT_OF_MEMORY.
- */
+   raw or in base64, packed by zlib or not, in either byte order. Polygons are cut into triangles, strips are split,
+   vertices and lines are ignored. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when
+   there is none. Memory use is bounded by a multiple of the file's size, independent of its header. On failure *mesh is
+   null. Free with pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element,
+   PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
 
 /* The same from memory; `name` stands for the file in messages. */

@@ -37,7 +37,8 @@ typedef struct pel_run_progress {
     double max_force;           /* N, worst residual: largest vertex force at the last frame */
 } pel_run_progress;
 
-/* Runs beside a run, step by step (pel_sim_step_beside): scenes that differ from its by small changes of numbers. */
+/* Runs beside a run, step by step (pel_sim_step_beside): scenes that differ from its scene by small changes of
+   numbers. */
 typedef struct pel_run_beside {
     const pel_scene *const *scenes;
     int32_t count;
@@ -62,8 +63,8 @@ typedef struct pel_run_def {
     /* Called between and, in long steps, within steps, from one thread at a time; returning false stops the run within
        0.5 s (meshes of about 100,000 triangles). Nullable. */
     bool (*wanted)(void *user);
-    /* Called with the simulation at the end of a run without an error: that of the run (-1), then those beside it.
-       Nullable. */
+    /* Called with each simulation at the end of a run without an error: first the run's own (-1), then the ones beside
+       it. Nullable. */
     void (*ended)(void *user, int32_t scene, pel_sim *sim);
     void *user;
     const pel_run_beside *beside; /* without a folder and sessions; null = none */
@@ -72,7 +73,7 @@ typedef struct pel_run_def {
     double keep_seconds;
     bool skip_intersections; /* does not compute self_intersections_final: for many small runs */
     const pel_log *log;      /* notes; nullable */
-    const pel_log *warnings; /* receives each warning of the summary once: those of the scene before the first step, the
+    const pel_log *warnings; /* receives each warning of the summary once: warnings of the scene before the first step,
                                 others at the end; nullable */
     uint32_t cookie;         /* set by pel_run_def_default */
 } pel_run_def;
@@ -130,7 +131,7 @@ typedef struct pel_run_summary {
    wall times, all files equal those of an uninterrupted run. Returns PEL_OK; PEL_STOPPED (progress or wanted returned
    false); PEL_DIVERGED; PEL_BAD_FILE (folder cannot be made or written: nothing is written then; disk full: the file is
    named); PEL_BAD_FORMAT (the checkpoint is damaged, or of another scene or version); PEL_BAD_ARGUMENT;
-   PEL_OUT_OF_MEMORY; and what pel_model_create and pel_sim_create return (nothing is written then). After a failure
+   PEL_OUT_OF_MEMORY; and errors of pel_model_create and pel_sim_create (nothing is written then). After a failure
    during the run the remedy names the checkpoint to resume. Always fills summary. */
 PEL_API pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
 

@@ -1,5 +1,5 @@
-/* Pellicle: scene files (YAML 1.2 or JSON): reading them into defs, and what the table of their keys yields. In the
-   library pellicle_scene (CMake target pellicle::scene), because it needs libfyaml and assimp. Runs are in run.h. */
+/* Pellicle: scene files (YAML 1.2 or JSON): reading them into defs, and listings of the table of keys. In the library
+   pellicle_scene (CMake target pellicle::scene), because it needs libfyaml and assimp. Runs are in run.h. */
 #ifndef PELLICLE_SCENE_H
 #define PELLICLE_SCENE_H
 
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* When and what a run writes. */
+/* Output of a run. */
 typedef struct pel_output_def {
     double every;        /* s between frames; 0 = use every_frame */
     int32_t every_frame; /* steps between frames when every is 0; >= 1 */
@@ -24,7 +24,7 @@ typedef struct pel_output_def {
 
 /* A command of a recorded session (pellicle/session.h). */
 typedef struct pel_scene_command {
-    int64_t step;               /* it is done when so many steps are done */
+    int64_t step;               /* number of steps at the end of the run */
     const char *line;           /* the command */
     int32_t at_line, at_column; /* its place in the scene, from 1 */
 } pel_scene_command;
@@ -32,7 +32,7 @@ typedef struct pel_scene_command {
 /* A scene that was read, checked and resolved: defs ready for the library, arrays and meshes owned by it. */
 typedef struct pel_scene {
     const char *path;
-    const char *title; /* empty when there is none */
+    const char *title; /* empty if there is none */
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
@@ -50,12 +50,11 @@ typedef struct pel_scene {
 } pel_scene;
 
 /* Reads a scene file (YAML 1.2 or JSON) and its meshes; paths are relative to the scene. overrides (override_count,
-   nullable): "a.b=c" as after --set, done in order, with list elements as bodies.0.springs.stiffness=5 or
-   bodies.ball.springs.stiffness=5 (by name). The number after the last element adds one; an alternative takes the
-   place of the others (bodies.0.mesh.file=x.ply that of a shape); an empty value or null takes the key out.
-   log (nullable) receives the notes of the mesh reader.
-   Errors: PEL_BAD_SCENE with file:line:column (or the override as file) and remedy; PEL_BAD_FILE for the scene itself
-   and, at its place in the scene, for a mesh file; what the mesh reader says of the content of a mesh file;
+   nullable): "a.b=c" as after --set, applied in order, with list elements as bodies.0.springs.stiffness=5 or
+   bodies.ball.springs.stiffness=5 (by name). The number after the last element adds one; an alternative replaces the
+   others (bodies.0.mesh.file=x.ply replaces a shape); an empty value or null removes the key. log (nullable) receives
+   the notes of the mesh reader. Errors: PEL_BAD_SCENE with file:line:column (or the override as file) and remedy;
+   PEL_BAD_FILE for the scene itself and, at its place in the scene, for a mesh file; errors of the mesh reader;
    PEL_OUT_OF_MEMORY. On failure *scene is null. Free with pel_scene_destroy; null is fine there. */
 PEL_API pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count,
                                   const pel_log *log, pel_scene **scene, pel_error *error);
@@ -69,12 +68,12 @@ PEL_API pel_status pel_scene_parse(const char *path, const char *text, size_t si
    any folder, and the same text. Zero-terminated; lives as long as the scene. */
 PEL_API const char *pel_scene_text(const pel_scene *scene);
 
-/* Gives an error of pel_model_create or pel_sim_create, which has no file, its place in the scene: that of the body,
-   load or tool it names, that of alpha or dt for PEL_UNSTABLE, otherwise the file alone. Other errors stay. */
+/* Adds the place in the scene to an error of pel_model_create or pel_sim_create: the body, load or tool it names, alpha
+   or dt for PEL_UNSTABLE, otherwise the file alone. Other errors are left unchanged. */
 PEL_API void pel_scene_locate(const pel_scene *scene, pel_error *error);
 
-/* What the table of parameters knows, for people and editors. Each writes to an open file and flushes it.
-   Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+/* Listings of the table of parameters, for people and editors. Each writes to an open file and flushes it. Errors:
+   PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 
 /* JSON Schema (draft 7) of scene files, for editors that check and complete while typing. */
 PEL_API pel_status pel_scene_write_schema(FILE *file, pel_error *error);

@@ -81,7 +81,7 @@ PEL_API double pel_session_pressure(const pel_session *session, int32_t body);
 
 /* The record, lines "STEP COMMAND"; free it with pel_session_free_text. PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_session_record(const pel_session *session, char **text, pel_error *error);
-/* A scene that repeats the session so far: its scene with the record as `session`. Free as above. */
+/* A scene that repeats the session to this point: its scene with the record as `session`. Free as above. */
 PEL_API pel_status pel_session_scene(const pel_session *session, char **text, pel_error *error);
 PEL_API void pel_session_free_text(char *text);
 

@@ -276,7 +276,7 @@ PEL_API void pel_sim_get_levels(const pel_sim *sim, int32_t body, int32_t *level
 PEL_API void pel_sim_get_mesh_places(const pel_sim *sim, int32_t body, int32_t *triangles, double *weights);
 /* (vertex_count) kg */
 PEL_API void pel_sim_get_masses(const pel_sim *sim, int32_t body, double *masses);
-/* Number of events so far that changed a body's surface; counts and triangles change only with it. */
+/* Number of events that changed a body's surface; counts and triangles change only with it. */
 PEL_API int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
 
 /* Requests a minimum level for the `rings` (of the body's refine def) around a vertex of the mesh, regardless of the
@@ -284,8 +284,8 @@ PEL_API int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body);
    does not exist, and if it would exceed the budget (nothing changes). Allocates nothing. */
 PEL_API pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t level, pel_error *error);
 
-/* Copies the rows of one body: (vertex_count x 3). Velocity is that of the last step. Force is the sum of all forces of
-   eq. A-2 and A-4, of the shell and of the loads on each vertex at the present state, contact excluded [N]. */
+/* Copies the rows of one body: (vertex_count x 3). Velocity of the last step. Force on each vertex at the present
+   state: the sum of eq. A-2 and A-4, shell and loads, without contact [N]. */
 PEL_API void pel_sim_get_positions(const pel_sim *sim, int32_t body, double *positions);
 PEL_API void pel_sim_get_velocities(const pel_sim *sim, int32_t body, double *velocities);
 PEL_API void pel_sim_get_forces(pel_sim *sim, int32_t body, double *forces);
@@ -299,16 +299,15 @@ PEL_API void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double
                                         double *fibre);
 /* Force of the body's pressure on each vertex (vertex_count x 3) [N]; zeros without pressure. */
 PEL_API void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces);
-/* Virial of springs and shell on each vertex (vertex_count) [J]: half of tension times length of each spring at it, a
-   third of that of each triangle of a shell. Divided by twice the vertex's area this is the mean tension of the net or
-   sheet [N/m], positive in tension; the sum over all vertices is the derivative of the energy of springs, membrane and
-   fibres with respect to the logarithm of the body's size. */
+/* Virial of springs and shell on each vertex (vertex_count) [J]: half of tension times length of each spring at it, and
+   a third of the virial of each shell triangle at it. Divided by twice the vertex's area it is the mean tension of the
+   net or sheet [N/m], positive in tension; the sum over all vertices is the derivative of the energy of springs,
+   membrane and fibres with respect to the logarithm of the body's size. */
 PEL_API void pel_sim_get_spring_virials(const pel_sim *sim, int32_t body, double *virials);
 /* A triangle of a shell. Tensors lie in its plane and have the components xx, yy, zz, xy, yz, xz along the axes of
    space: strain and piola_stress in the rest plane, the others in the present one. Positive moments stretch the outer
-   side (that of the normal). Bending follows small strain theory: the moment is that of a plate on the rest shape,
-   rotated with the triangle. The moments of hinges are conjugate to their angles, so they have the Poisson's ratio of
-   hinges. */
+   side (that of the normal). Bending follows small strain theory: the moment of a plate on the rest shape, rotated with
+   the triangle. The moments of hinges are conjugate to their angles, so they have the Poisson's ratio of hinges. */
 typedef struct pel_triangle_mechanics {
     double area, rest_area; /* m2, present and at rest */
     double thickness;       /* m, present: h J^(-nu / (1 - nu)), exact for incompressible sheets; 0 = none */
@@ -446,10 +445,10 @@ typedef struct pel_solver_reading {
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; without any, of the largest earlier ones */
     int32_t substeps; /* of the last step; of the next one before the first step */
-    int32_t least_substeps, most_substeps; /* of all steps so far */
+    int32_t least_substeps, most_substeps; /* of all steps taken */
     int32_t needed_substeps;               /* xpbd: largest automatic number without the limit max_substeps */
     bool second_order;                     /* xpbd: in use */
-    double softness, most_softness;        /* pel_sim_softness, and the largest so far */
+    double softness, most_softness;        /* pel_sim_softness, and its maximum over the steps */
 } pel_solver_reading;
 PEL_API void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);
 
@@ -539,13 +538,12 @@ PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *
 /* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
    small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
    the end of its step, some two or three solutions instead of the factors of Newton's method
-   (src/solve/newton_beside.c). With two simulations that have a number a little smaller and a little larger, the
-   difference of any of their readings over the difference of the number is its derivative along the path of steps.
-
-   PEL_METHOD_STATIC, along a path by arc length too, and PEL_METHOD_IMPLICIT, without tools, contact, refinement,
-   analyses and a budget of time. A step is taken whole; one that does not converge is refused. After a failure the
-   simulations are not at the same step any more. PEL_BAD_ARGUMENT for what is refused, for simulations that do not
-   match, and where a change is too large to go beside sim; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
+   (src/solve/newton_beside.c). With two simulations whose number is a little smaller and a little larger, the
+   difference of a reading over the difference of the number is its derivative along the path of steps. For
+   PEL_METHOD_STATIC (arc length included) and PEL_METHOD_IMPLICIT, without tools, contact, refinement, analyses and a
+   time budget. A step is taken by all simulations; one that does not converge is refused. After a failure the
+   simulations may be at different steps. PEL_BAD_ARGUMENT for refused features, for simulations that do not match, and
+   for changes that are too large; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
 PEL_API pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */
@@ -590,8 +588,8 @@ typedef struct pel_sim_ledger {
     double dissipated_drag;              /* by drag of the solver and damping of vertices */
     double dissipated_solver;            /* magnitude of a negative remainder */
     double energy_error;                 /* a positive remainder */
-    double supplied;                     /* largest sum so far of the start energies and the magnitudes of all works */
-    double tolerance;                    /* raise an alarm if energy_error exceeds it: 5 % of supplied, plus rounding */
+    double supplied;  /* largest sum, over the steps, of the start energies and the magnitudes of all works */
+    double tolerance; /* raise an alarm if energy_error exceeds it: 5 % of supplied, plus rounding */
 } pel_sim_ledger;
 /* Works are summed in each step; the energies are evaluated here. */
 PEL_API void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);

@@ -29,9 +29,10 @@ PEL_API pel_status pel_mesh_subdivide(const pel_mesh *mesh, int32_t levels, pel_
    vertex of the edge from corner i to corner i + 1. Winding is kept; fields are interpolated by the same stencils.
 
    A new vertex depends on: for ends of six triangles or on the boundary, the eight points around its edge (1/2, 1/8,
-   -1/16), a point that is missing beyond a boundary edge p q of a triangle p q r being p + q - r; for an inner end with
-   another number of triangles, the ring of this end (the mean of both rings where both ends are so); on the boundary,
-   the four boundary vertices around (-1/16, 9/16, 9/16, -1/16), so that patches with a common boundary stay joined.
+   -1/16), where a point missing beyond a boundary edge p q of a triangle p q r is p + q - r; for an inner end with
+   another number of triangles, the ring of this end (the mean of both rings if both ends are irregular); on the
+   boundary, the four boundary vertices around (-1/16, 9/16, 9/16, -1/16), so that patches with a common boundary stay
+   joined.
 
    Errors: PEL_BAD_ARGUMENT for negative levels and for results beyond memory_limit or 2^31 half-edges, with the
    numbers; PEL_BAD_MESH as pel_topology_create; PEL_OUT_OF_MEMORY. On failure *fine is null. Linear time. */

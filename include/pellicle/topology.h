@@ -21,9 +21,9 @@ typedef struct pel_topology {
     int32_t *half_edge_of_edge; /* (edge_count) the lower of its half-edges; edges are numbered by it */
 } pel_topology;
 
-/* Builds the table in linear time. Refuses (PEL_BAD_MESH with edge or vertex) what is not an oriented manifold with
-   boundary: an edge in more than two triangles, two triangles with opposite winding, a vertex whose triangles do not
-   form one fan, a triangle with a repeated vertex. Free with pel_topology_destroy. */
+/* Builds the table in linear time. Refuses (PEL_BAD_MESH with edge or vertex) meshes that are not oriented manifolds
+   with boundary: an edge in more than two triangles, two triangles with opposite winding, a vertex whose triangles do
+   not form one fan, a triangle with a repeated vertex. Free with pel_topology_destroy. */
 PEL_API pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pel_error *error);
 PEL_API void pel_topology_destroy(pel_topology *topology);
 

@@ -1,4 +1,4 @@
-"""``python3 -m pellicle calibrate FIT``: what the command `pellicle calibrate` runs."""
+"""``python3 -m pellicle calibrate FIT``: called by the command `pellicle calibrate`."""
 
 import sys
 

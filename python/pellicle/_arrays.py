@@ -20,7 +20,7 @@ def _check_shape(array: np.ndarray, name: str, shape: Shape) -> None:
 
 
 def numbers(value: Any, name: str, shape: Shape, finite: bool = True) -> np.ndarray:
-    """A C-contiguous float64 array of that shape; copies only what is not one already."""
+    """A C-contiguous float64 array of that shape; copies only if necessary."""
     try:
         array = np.asarray(value)
     except ValueError:

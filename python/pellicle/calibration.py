@@ -4,7 +4,7 @@ The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t f
 standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
 
 Under the methods static and implicit the Jacobian goes forward along the steps: runs with each parameter a little smaller and
-a little larger go beside the run itself and are solved with the matrix of its steps, so that each takes a few solutions a step
+a little larger are stepped together with the run and are solved with the matrix of its steps, so that each takes a few solutions a step
 where differences take whole runs (pel_sim_step_beside).
 """
 
@@ -26,7 +26,7 @@ from . import _core
 from .mesh import PathLike
 from .simulation import Scene
 
-#: Step of the differences, of the range of a parameter: far above what a solver's tolerance leaves of a curve.
+#: Step of the differences, relative to the range of a parameter: far above the error of a curve by a solver's tolerance.
 _STEP = 1e-3
 #: Two parameters whose correlation is beyond this cannot be told apart by the data.
 _CORRELATED = 0.97
@@ -35,7 +35,7 @@ _FAILED = 10.0
 
 
 class _Curve:
-    """One entry of `data`: what was measured, and how the same is read from a run."""
+    """One entry of `data`: a measurement, and how to read the same quantity from a run."""
 
     def __init__(self, entry: Mapping[str, Any]) -> None:
         self.entry = entry
@@ -208,13 +208,13 @@ class _Problem:
         return np.where(self.is_log, np.exp(np.where(self.is_log, inner, 0)), inner)
 
     def run(self, unit: np.ndarray, beside: Sequence[np.ndarray] = ()) -> list[list[np.ndarray]]:
-        """The measured points of a run with these parameters, curve by curve, then those of runs beside it."""
+        """The measured points of a run with these parameters, curve by curve, then the points of runs beside it."""
         scenes = [Scene(self.scene, dict(zip(self.paths, map(float, self.values(u))))) for u in (unit, *beside)]
         self.evaluations += 1
         runs = _core.series(scenes[0]._core, tuple(scene._core for scene in scenes[1:]))
         header = next(csv.reader(runs[0][0][:1]))
         beside_points = [self.points(scenes[0], header, *run) for run in runs[1:]]
-        # the run itself is read last: it says whether it covers what was measured
+        # the run itself is read last: it determines whether it covers the measurement
         return [self.points(scenes[0], header, *runs[0]), *beside_points]
 
     def points(self, scene: Scene, header: list[str], lines: list[str], positions: list[np.ndarray]) -> list[np.ndarray]:
@@ -234,7 +234,7 @@ class _Problem:
             return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Residuals; the Jacobian comes with them where runs can go beside this one."""
+        """Residuals; with the Jacobian if runs can be stepped beside this one."""
         if not self.reason:
             try:
                 return self.go_forward(unit)
@@ -280,7 +280,7 @@ class _Problem:
 
 
 def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[str, Any]:
-    """Intervals, correlations and what is doubtful, from the Jacobian at the fit."""
+    """Intervals, correlations and doubtful parameters, from the Jacobian at the fit."""
     from scipy.stats import t as student
 
     residual, jacobian = problem.residual(unit), problem.jacobian(unit)
@@ -414,7 +414,7 @@ def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
         x, points, line = curve["x"], curve["measured"], curve["fitted"]
         labels = entry.get("x"), entry.get("y"), "measured (points) and the fit (line)"
         if "body" in entry:
-            # positions have no axis of their own: those of the fit over those measured
+            # positions have no axis: plot fitted against measured ones
             x, points, line = points, line, points
             labels = "measured position [m]", "position in the fit [m]", "markers (points) and equality (line)"
         order = np.argsort(x)

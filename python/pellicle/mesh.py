@@ -31,7 +31,7 @@ class Mesh:
     triangles : numpy.ndarray, (m, 3), int32
     fields : dict of str to numpy.ndarray
     notes : tuple of str
-        What the reader of a file changed: polygons cut into triangles, vertices welded.
+        Changes made by the reader of a file: polygons cut into triangles, vertices welded.
 
     Notes
     -----
@@ -133,7 +133,7 @@ class Mesh:
         return Mesh._of_core(_core.subdivide(*self._arguments(), levels))
 
     def repair(self, weld_tolerance: float = 0.0) -> tuple["Mesh", dict[str, Any]]:
-        """A repaired copy, and what was done as counts.
+        """A repaired copy, and counts of the repairs.
 
         Welds vertices within `weld_tolerance` [m], drops broken, flat and duplicate triangles, cuts non-manifold pieces
         apart and turns all triangles outward.
@@ -159,7 +159,7 @@ class Mesh:
         return report
 
     def self_intersections(self, limit: int = 100_000) -> np.ndarray:
-        """Pairs of triangles that cut or touch each other beyond what they share, decided exactly: (k, 2), first < second.
+        """Pairs of triangles that cut or touch each other beyond shared corners, decided exactly: (k, 2), first < second.
 
         At most `limit` of them; an empty result is a certificate that there are none.
         """

@@ -68,7 +68,7 @@ def _write(folder: str, path: PathLike) -> str:
 
 
 def _table(title: str, rows: dict[str, Any]) -> str:
-    """What is shown where there is no page."""
+    """Table for installations without the page."""
     lines = "".join(
         f"<tr><td>{html.escape(str(key))}</td><td>{html.escape(str(value))}</td></tr>"
         for key, value in rows.items()

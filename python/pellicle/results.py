@@ -1,4 +1,4 @@
-"""Whole runs and what they leave."""
+"""Whole runs and their results."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def _read_series(path: str) -> dict[str, np.ndarray]:
 
 
 def _read_summary(path: str) -> dict[str, Any]:
-    """Empty while the run goes on."""
+    """Empty while the run is in progress."""
     try:
         with open(path, encoding="utf-8") as file:
             return json.load(file)
@@ -130,7 +130,7 @@ def _read_summary(path: str) -> dict[str, Any]:
 
 
 def read_run(folder: PathLike) -> Run:
-    """Read what a run left in its folder: series, frames and summary.
+    """Read the folder of a run: series, frames and summary.
 
     Raises
     ------
@@ -165,7 +165,7 @@ def run(
     Raises
     ------
     Error
-        The scene is refused, or the run fails; what is left in the folder is whole.
+        The scene is refused, or the run fails; the files in the folder are complete.
     KeyboardInterrupt
         Ctrl-C; the run can be continued from its checkpoint by ``pellicle run --resume``.
     """

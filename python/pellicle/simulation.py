@@ -56,7 +56,7 @@ def _override(path: str, value: Any) -> str:
 
 
 def _keep_meshes(spec: Any, folder: str, place: str) -> Any:
-    """A copy of a scene's dict in which each Mesh stands as a file in `folder`."""
+    """A copy of a scene's dict with each Mesh replaced by a file in `folder`."""
     if isinstance(spec, Mesh):
         path = os.path.join(folder, f"{place}.ply")
         spec.write(path)
@@ -92,7 +92,7 @@ class Scene:
     duration, dt : float
         [s]
     notes : tuple of str
-        What was changed while meshes were read.
+        Changes made while meshes were read.
 
     Raises
     ------
@@ -422,7 +422,7 @@ class Simulation:
         }
 
     def ledger(self) -> dict[str, float]:
-        """Energy balance since the start [J]: works, energies, dissipation and what is left over (docs/results.md)."""
+        """Energy balance since the start [J]: works, energies, dissipation and the remaining error (docs/results.md)."""
         return self._core.ledger()
 
     def solver(self) -> dict[str, Any]:
@@ -524,7 +524,7 @@ class Simulation:
         Raises
         ------
         Error
-            Bending of the model midedge, which has unknowns beside the positions; a body that refines.
+            Bending of the model midedge, which has unknowns in addition to the positions; a body that refines.
         """
         from scipy.sparse import csr_matrix
 

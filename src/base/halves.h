@@ -1,5 +1,5 @@
-/* Four doubles as two vectors of WebAssembly's 128 bits, for what compilers do not find in loops over lanes: square
-   root, minimum and maximum. With these a step of springs takes 0.17 times as long. */
+/* Four doubles as two vectors of WebAssembly's 128 bits, for operations that compilers do not vectorise in loops over
+   lanes: square root, minimum and maximum. With these a step of springs takes 0.17 times as long. */
 #ifndef PEL_BASE_HALVES_H
 #define PEL_BASE_HALVES_H
 

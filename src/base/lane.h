@@ -1,9 +1,9 @@
 /* The scalar type of laws, measures and constraint kernels, which are written once and included once for each type:
      by default     lanes: as many pel_real as fit 256 bits, 8 float or 4 double
      PEL_LANE_SCALAR  plain pel_real: the oracle of the wide kernels
-     PEL_LANE_DOUBLE  plain double whatever pel_real is: the public functions
+     PEL_LANE_DOUBLE  plain double for any pel_real: the public functions
    A source defines one of the two names, or none, before its first include. Every operation is exact IEEE arithmetic
-   per lane in a fixed order: wide, plain, GCC, Clang, with AVX2 and without give the same bits.
+   per lane in a fixed order: wide, plain, GCC, Clang, with and without AVX2 give the same bits.
 
    Records {x, y, z, w} of a block of particles are loaded whole and transposed in registers; hardware gathers are 3.5
    times slower (docs/performance.md). */
@@ -15,7 +15,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* for kernels of which there is a copy for each kind: the flags that tell them apart are constants */
+/* for kernels that are copied for each kind, with its flags as constants */
 #define PEL_INLINE static inline __attribute__((always_inline))
 
 #ifdef PEL_SINGLE
@@ -216,8 +216,8 @@ static inline pel_lane pel_lane_normal_square(pel_lane t)
 }
 
 /* Angle of (x, y) in (-pi, pi]; 0 for (0, 0). The quotient of the smaller by the larger is reduced by pi/4 to at most
-   tan(pi/8), where a Chebyshev fit of atan(t)/t in t^2 has an error of 5e-20 (float: 2e-11). Where no lane needs it
-   the reduction is left out, which changes no bit. */
+   tan(pi/8), where a Chebyshev fit of atan(t)/t in t^2 has an error of 5e-20 (float: 2e-11). If no lane needs the
+   reduction it is skipped, which changes no bit. */
 static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
 {
     const pel_lane eighth_tangent = PEL_CONSTANT(0.41421356237309504880), zero = pel_lane_splat(0);
@@ -296,8 +296,7 @@ static inline pel_lane pel_lane_log1p(pel_lane x)
 }
 
 /* exp(x) - 1 for |x| <= 80: x = n ln 2 + r with |r| <= ln 2 / 2, then 2^n (exp(r) - 1) + (2^n - 1) by a Taylor series;
-   a small x keeps all its digits. Adding 1.5 times 2^(digits - 1) rounds to an integer, which then stands in the lowest
-   bits. */
+   a small x keeps all its digits. Adding 1.5 times 2^(digits - 1) rounds to an integer, in the lowest bits. */
 static inline pel_lane pel_lane_expm1(pel_lane x)
 {
 #ifdef PEL_LANE_SINGLE

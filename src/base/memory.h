@@ -17,8 +17,8 @@ void pel_free(void *block);
 /* copy of a string, or null */
 char *pel_copy_string(const char *text);
 
-/* Bytes that this process may have: those of the machine, or less where its group or a resource limit says so; HUGE_VAL
-   where the system does not tell. */
+/* Bytes that this process may use: the memory of the machine, or a lower limit of its group or resources; HUGE_VAL if
+   the system does not tell. */
 double pel_memory_limit(void);
 
 /* Makes room for `needed` elements of `size` bytes in a growing array: doubles *capacity. False when out of memory. */

@@ -1,13 +1,13 @@
-/* A decimal number is w 10^k with integers w and k. Three ways from there to the nearest double, the first that
+/* A decimal number is w 10^k with integers w and k. The nearest double is found by the first of three methods that
    applies:
 
    1. w <= 2^53 and |k| <= 22: both w and 10^|k| are doubles, so one multiplication or division rounds once (Clinger,
       "How to read floating point numbers accurately", 1990).
    2. w < 2^64 (19 digits) and |k| <= 27: 10^k = 5^k 2^k and 5^27 < 2^63, so w 5^k fits 128 bits, and w / 5^-k is a
-      128-bit quotient with a remainder that tells on which side of a tie it lies. Rounding to 53 bits is done in
+      128-bit quotient with a remainder that decides on which side of a tie it lies. Rounding to 53 bits is done in
    integers. All numbers printed with 17 digits between 1e-10 and 1e27 end here.
-   3. Anything else goes to strtod, as digits without a point and an exponent (so that the locale has no say). 800
-   digits and a mark for whether something follows are enough: a tie between doubles has at most 767. */
+   3. Anything else goes to strtod, as digits without a point and an exponent (independent of the locale). 800 digits
+      and a mark for further non-zero digits are enough: a tie between doubles has at most 767. */
 #include "base/number.h"
 
 #include <float.h>
@@ -21,7 +21,7 @@
 typedef struct decimal {
     uint64_t mantissa; /* the first 19 significant digits */
     int64_t exponent;  /* of ten, belonging to the mantissa */
-    int64_t written;   /* the exponent behind the letter e */
+    int64_t written;   /* the exponent after the letter e */
     bool negative;
     bool whole; /* no digit but zeros is missing from the mantissa */
 } decimal;
@@ -241,7 +241,7 @@ const char *pel_number_parse(const char *at, const char *end, double *value)
     return behind;
 }
 
-/* turns whatever the locale writes as decimal point into a point */
+/* replaces the decimal point of the locale by '.' */
 static size_t fix_point(char *text)
 {
     size_t length = 0;

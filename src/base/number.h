@@ -5,8 +5,8 @@
 #include <stddef.h>
 
 /* Reads the number at `at` (sign, digits, point, exponent; or nan, inf, infinity in any case) and never looks at or
-   past `end`. Returns the first character behind it, null when there is no number. The value has the bits that strtod
-   gives in the C locale; too large is infinity. */
+   past `end`. Returns the first character after it, null if there is no number. The value has the bits of strtod in the
+   C locale; numbers too large give infinity. */
 const char *pel_number_parse(const char *at, const char *end, double *value);
 
 /* room for any number that pel_number_print writes, terminating zero included */

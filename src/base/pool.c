@@ -1,8 +1,7 @@
-/* One atomic word hands out the work: the number of the loop in its upper half, the next chunk in its lower half. A
-   thread takes a chunk by raising the lower half with compare-and-swap, which fails when the loop has changed
-   meanwhile; so what it read of the loop before is what it runs. A new loop is closed (no chunks) until it is
-   described, and a thread reads the number of chunks before the rest: when it sees chunks of the new loop, it sees its
-   function too. */
+/* One atomic word distributes the work: the number of the loop in its upper half, the next chunk in its lower half. A
+   thread takes a chunk by raising the lower half with compare-and-swap, which fails if the loop has changed meanwhile;
+   so it runs the loop that it read. A new loop is closed (no chunks) until it is described, and a thread reads the
+   number of chunks before the rest: if it sees chunks of the new loop, it sees its function too. */
 #include "base/pool.h"
 
 #include "base/memory.h"
@@ -45,7 +44,7 @@ static bool has_work(pel_pool *pool)
     return (int64_t)(atomic_load(&pool->ticket) & UINT32_MAX) < atomic_load(&pool->chunk_count);
 }
 
-/* takes and runs one chunk; false when there is none to take */
+/* takes and runs one chunk; false if none is left */
 static bool run_chunk(pel_pool *pool)
 {
     uint64_t ticket = atomic_load(&pool->ticket);

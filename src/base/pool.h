@@ -1,12 +1,11 @@
 /* Threads for the loops of one simulation.
 
-   A loop is cut into chunks whose bounds depend on the count alone; which thread takes a chunk changes nothing, and
-   what a chunk finds goes to a place of its own. So results have the same bits for any number of threads.
+   A loop is cut into chunks whose bounds depend on the count alone; the thread that takes a chunk does not matter, and
+   each chunk writes to its own place. So results have the same bits for any number of threads.
 
-   The calling thread works too and never waits for a helper that has not begun: on a busy machine, where a helper may
-   be scheduled milliseconds late, the caller simply does all chunks itself. (OpenMP's barriers were tried: with another
-   job on the second core a step of 100 us took 15 ms.) Helpers spin for some microseconds after a loop and then sleep.
- */
+   The calling thread works too and never waits for a helper that has not begun: if a helper is scheduled milliseconds
+   late, on a busy machine, the caller does all chunks itself. (OpenMP's barriers were tried: with another job on the
+   second core a step of 100 us took 15 ms.) Helpers spin for some microseconds after a loop and then sleep. */
 #ifndef PEL_BASE_POOL_H
 #define PEL_BASE_POOL_H
 
@@ -17,7 +16,7 @@ typedef struct pel_pool pel_pool;
 /* threads that a def may ask for */
 enum { PEL_THREADS_MOST = 1024 };
 
-/* the work of one chunk; called from any of the threads, different chunks at once */
+/* the work of one chunk; called from any thread, for different chunks at the same time */
 typedef void pel_chunk_function(void *context, int32_t chunk);
 
 /* thread_count - 1 helpers; 1 or less gives none. PEL_OUT_OF_MEMORY when threads cannot be had. */

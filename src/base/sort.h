@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Defines `static inline void name(type *values, size_t count)`, which sorts so that nothing comes after what
-   `is_before(const type *, const type *)` says it comes before. */
+/* Defines `static inline void name(type *values, size_t count)`, which sorts by the order `is_before(const type *,
+   const type *)`. */
 #define PEL_DEFINE_SORT(name, type, is_before)                                                                         \
     static inline void name##_sink(type *values, size_t root, size_t count)                                            \
     {                                                                                                                  \

@@ -100,9 +100,12 @@ const char *pel_error_text(const pel_error *error, char *text, size_t size)
     if (error->byte_offset >= 0)
         append(text, size, &length, "byte %lld:", (long long)error->byte_offset);
     append(text, size, &length, "%serror: ", length > 0 ? " " : "");
-    if (error->element_name[0] != '\0')
-        append(text, size, &length, "%s '%s': ", error->element_kind, error->element_name);
-    else if (error->element >= 0)
+    if (error->element_name[0] != '\0') {
+        char element[sizeof error->element_kind + sizeof error->element_name + 4];
+        int named = snprintf(element, sizeof element, "%s '%s'", error->element_kind, error->element_name);
+        if (strncmp(error->what, element, (size_t)named) != 0)
+            append(text, size, &length, "%s: ", element);
+    } else if (error->element >= 0)
         append(text, size, &length, "%s %lld: ", error->element_kind, (long long)error->element);
     append(text, size, &length, "%s", error->what);
     if (error->remedy[0] != '\0')

@@ -11,7 +11,7 @@
             return pel_fail((error), PEL_BAD_ARGUMENT, "%s is null", #pointer);                                        \
     } while (0)
 
-/* whether the value of an enum is none of the first `count` */
+/* whether the value of an enum is outside the first `count` */
 #define PEL_IS_NO_CHOICE(value, count) ((int64_t)(value) < 0 || (int64_t)(value) >= (int64_t)(count))
 
 #endif

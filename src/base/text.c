@@ -1,5 +1,8 @@
 #include "base/text.h"
 
+#include "base/number.h"
+
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -53,7 +56,7 @@ const char *pel_nearest_name(const char *name, const char *const *names, size_t 
     const char *nearest = NULL;
     for (size_t i = 0; i < count; i++) {
         size_t distance = pel_edit_distance(name, names[i]);
-        /* a name of which nothing is left is no help */
+        /* an empty name is no help */
         if (distance <= allowed && distance < strlen(names[i])) {
             allowed = distance > 0 ? distance - 1 : 0;
             nearest = names[i];
@@ -78,6 +81,15 @@ size_t pel_utf8_length(const char *text, size_t size)
     bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
     bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
     return overlong || beyond ? 0 : length;
+}
+
+const char *pel_json_digits(double number, char text[32])
+{
+    if (isfinite(number))
+        pel_number_print(text, number);
+    else
+        memcpy(text, "null", 5);
+    return text;
 }
 
 const char *pel_json_letter(const char *text, char escaped[7])

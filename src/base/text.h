@@ -8,8 +8,8 @@
    string alignment); upper and lower case, '-' and '_' count as equal. Names beyond 63 letters are cut there. */
 size_t pel_edit_distance(const char *a, const char *b);
 
-/* Bytes of the UTF-8 character at text, of which `size` bytes may be looked at; 0 when it is none (overlong forms,
-   surrogates and numbers too large are none). */
+/* Bytes of the UTF-8 character at text (`size` bytes may be read); 0 if it is invalid (overlong forms, surrogates and
+   numbers too large are invalid). */
 size_t pel_utf8_length(const char *text, size_t size);
 
 #endif

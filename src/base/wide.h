@@ -22,7 +22,7 @@ enum { PEL_WIDTH = 32 / (int)sizeof(pel_real) };
 enum { PEL_BLOCK = PEL_WIDTH };
 
 typedef pel_real pel_wide __attribute__((vector_size(32)));
-/* what the hot arrays hold: a vector and one more number, aligned to its size */
+/* element of the hot arrays: a vector and a fourth number, aligned to its size */
 typedef pel_real pel_record __attribute__((vector_size(4 * sizeof(pel_real))));
 
 #ifdef PEL_SINGLE
@@ -155,8 +155,8 @@ static inline bool pel_wide_all(pel_wide_mask mask)
 #endif
 }
 
-/* Rows to columns and back. Four rows hold the records of PEL_WIDTH vertices: row i is record i, in float with record
-   i + 4 behind it. The columns are the x, y, z and fourth numbers, a lane a vertex. */
+/* Rows to columns and back. Four rows hold the records of PEL_WIDTH vertices: row i is record i, followed in float by
+   record i + 4. The columns are the x, y, z and fourth numbers, a lane a vertex. */
 #ifdef PEL_SINGLE
 
 static inline pel_wide pel_wide_row(pel_record low, pel_record high)

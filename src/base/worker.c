@@ -11,7 +11,7 @@ struct pel_worker {
     int32_t slot_count;
     pthread_mutex_t mutex;
     pthread_cond_t given, done;
-    int64_t given_count, done_count; /* jobs so far */
+    int64_t given_count, done_count; /* jobs given */
     bool stop;
     pthread_t thread;
 };

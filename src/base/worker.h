@@ -1,5 +1,5 @@
-/* One thread that does jobs in their order while the caller goes on. The caller describes each job in one of a few
-   slots of its own; a slot belongs to the thread from pel_worker_give until its job is done. */
+/* One thread that does jobs in order while the caller continues. The caller describes each job in one of its slots; a
+   slot belongs to the thread from pel_worker_give until its job is done. */
 #ifndef PEL_BASE_WORKER_H
 #define PEL_BASE_WORKER_H
 

@@ -1,8 +1,7 @@
-/* Elements of one kind in blocks of PEL_BLOCK that share no vertex, so that a block is worked on at once: projection
-   moves its points, forces add to them. A block's vertices and numbers stand together, lane by lane; the unused lanes
-   of a last block repeat a used one, which changes nothing when all lanes are loaded before any is stored.
-
-   Blocks stand by bundles (batches.h) and within a bundle by colours. */
+/* Elements of one kind in blocks of PEL_BLOCK that share no vertex, so that all lanes of a block are computed together:
+   projection moves its points, forces add to them. A block's vertices and numbers are stored together, lane by lane;
+   the unused lanes of a last block repeat a used one, which is harmless because all lanes are loaded before any is
+   stored. Blocks are ordered by bundle (batches.h) and within a bundle by colour. */
 #ifndef PEL_BATCH_BATCH_H
 #define PEL_BATCH_BATCH_H
 
@@ -13,10 +12,9 @@
    operations beyond a pending division: this gives it the next blocks to work on (8 and 16: no better). */
 enum { PEL_BATCH_GROUP = 4 };
 
-/* What a batch consists of, with its numbers per element. A softness is 1 / stiffness, the one of a membrane
-   1 / (area young thickness); laws without a constant tangent have area times the shear modulus in its place.
-   "Compliant" ones are those of xpbd and of forces; those of pbd, whose constraints are the energies, have the same
-   numbers and some that only pbd reads. */
+/* Kinds of batches, with their numbers per element. A softness is 1 / stiffness; for a membrane 1 / (area young
+   thickness), and for laws without a constant tangent 1 / (area shear modulus). "Compliant" kinds serve xpbd and
+   forces; the kinds of pbd, whose constraints are the energies, have the same numbers and some that only pbd reads. */
 typedef enum pel_constraint {
     PEL_CONSTRAINT_DISTANCE, /* rest length */
     PEL_CONSTRAINT_SPRING,   /* rest length, softness */
@@ -55,11 +53,11 @@ typedef enum pel_cave_number {
 
 /* numbers that all elements of a batch share */
 typedef struct pel_batch_law {
-    pel_real numbers[PEL_LAW_NUMBERS]; /* membrane: those of its law */
+    pel_real numbers[PEL_LAW_NUMBERS]; /* membrane: constants of its law */
     double modulus;                    /* membrane: shear modulus of the law over young */
     pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
     pel_real weight;                   /* bending of pbd: k_B */
-    pel_real share;          /* pbd: of a correction, below 1 in substeps shorter than those of a whole step */
+    pel_real share;          /* pbd: share of a correction that is applied, below 1 if a step has several substeps */
     pel_real least_strain;   /* limit: Green strain of the least principal stretch */
     pel_real most_strain;    /* limit: of the largest one */
     pel_real rest_length;    /* fibres: factor on the length at rest, now */
@@ -77,18 +75,18 @@ typedef struct pel_batch {
     bool is_on;            /* it is, and has an effect at present */
     int32_t capacity;      /* blocks */
     int32_t block_count;   /* in use */
-    bool is_shared;        /* all but the numbers is that of another batch */
+    bool is_shared;        /* everything but the numbers belongs to another batch */
     int32_t *bundle_begin; /* (bundle_count + 1) first block of each bundle */
     int32_t *steps;        /* (capacity x arity x PEL_BLOCK) places in the model's order times PEL_STEP */
     pel_real *numbers;     /* (capacity x number_count x PEL_BLOCK) */
     int32_t *sources;      /* (capacity x PEL_BLOCK) the element in a lane, numbered as it was given; null when its
                               numbers never change */
     uint8_t *lane_counts;  /* (capacity) lanes used */
-    uint8_t *followers;    /* (capacity) blocks after this one that are computed with it; those of a colour */
+    uint8_t *followers;    /* (capacity) blocks after this one that are computed with it; all of one colour */
     /* of projection */
     pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
     uint8_t *has_fixed;    /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
-    pel_record *reaction;  /* (model vertex_count) forces on what holds vertices; null likewise */
+    pel_record *reaction;  /* (model vertex_count) forces on the holders of vertices; null likewise */
 } pel_batch;
 
 static inline pel_real *pel_batch_number(const pel_batch *batch, int32_t i, int j)

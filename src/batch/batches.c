@@ -10,13 +10,13 @@
 /* vertices of a piece: its records and elements fit the nearer caches, and it is worth a thread */
 enum { PIECE_SIZE = 2048 };
 
-/* what building a body hands around */
+/* arguments of the functions that build a body */
 typedef struct plan {
     const pel_model *model;
     const pel_body *body;
     pel_body_batches *made;
     pel_method method;
-    bool projects; /* what cannot move is left out */
+    bool projects; /* skip vertices that cannot move */
     bool literal;  /* pbd: energies are the constraints */
     int32_t first_place, place_count;
 } plan;
@@ -74,7 +74,7 @@ static int32_t list_triangles(plan *p)
     return count;
 }
 
-/* also what cannot move: the volume is that of all */
+/* also fixed vertices: the volume depends on all */
 static int32_t list_pressed(plan *p)
 {
     const pel_shell *shell = p->body->shell;
@@ -150,7 +150,7 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
     const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, &h);
     for (int j = 0; j < 3; j++)
         *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
-    /* E = D / 3 times factor / 2 |K x|^2 stands for a plate (theory page, section 5) */
+    /* E = D / 3 times factor / 2 |K x|^2 represents a plate (theory page, section 5) */
     *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h.stiffness * stencil.factor));
     double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
     *pel_batch_number(batch, i, 4) = (pel_real)square;
@@ -251,7 +251,7 @@ static pel_status fill_batch(plan *p, pel_batch *batch, pel_error *error)
 static int32_t edge_limit(const plan *p)
 {
     int32_t first = p->first_place / PEL_WIDTH, slices = p->place_count / PEL_WIDTH;
-    /* each stands at both of its ends */
+    /* each is stored at both of its ends */
     return (p->model->slot_begin[first + slices] - p->model->slot_begin[first]) * PEL_WIDTH / 2;
 }
 
@@ -266,7 +266,7 @@ static int32_t valence_limit(const plan *p)
     return most;
 }
 
-/* room for whatever the surface of a body that refines can become */
+/* room for any surface of a body that refines */
 static pel_status reserve_batch(const plan *p, pel_batch *batch, pel_error *error)
 {
     const pel_shell *shell = p->body->shell;
@@ -462,7 +462,7 @@ static plan plan_of(pel_batches *batches, int32_t body)
     return p;
 }
 
-/* vertices of the mesh stand in rings: pieces are runs of them; finer ones go with one of the mesh nearby */
+/* vertices of the mesh are ordered in rings: pieces are runs of them; finer ones join a mesh vertex nearby */
 static void update_pieces(const plan *p)
 {
     pel_pieces *pieces = &p->made->pieces;
@@ -487,7 +487,7 @@ static bool caves(const pel_shell *shell)
     return false;
 }
 
-/* lets go of what only bodies that refine need again */
+/* frees memory that only bodies that refine need again */
 static void end_build(plan *p)
 {
     if (p->body->front != NULL)

@@ -1,9 +1,9 @@
-/* Where the elements of a model lie: springs, triangles, hinges and fibres of each body, once, with their numbers at
+/* Storage of the elements of a model: springs, triangles, hinges and fibres of each body, once, with their numbers at
    rest. Projection sweeps over them, forces add to the vertices from them.
 
-   The elements of a body stand in bundles that share no vertex: pieces of the surface, then the seams between
-   neighbouring pieces, even and odd ones, then the few that touch other pairs of pieces. Bundles of a phase may run at
-   once; the order within a bundle is fixed, and so are the bits of sums, for any number of threads. */
+   The elements of a body form bundles that share no vertex: pieces of the surface, then the seams between neighbouring
+   pieces, even and odd ones, then the few that touch other pairs of pieces. Bundles of a phase may run concurrently;
+   the order within a bundle is fixed, so sums have the same bits for any number of threads. */
 #ifndef PEL_BATCH_BATCHES_H
 #define PEL_BATCH_BATCHES_H
 
@@ -34,15 +34,16 @@ typedef struct pel_batches {
     int32_t phase_begin[PEL_PHASE_COUNT + 1]; /* in bundles */
 } pel_batches;
 
-/* Lays out what a method works on. Methods that project leave out what they do not move, and springs are theirs alone.
-   PEL_OUT_OF_MEMORY. */
+/* Lays out the elements of a method. Methods that project skip elements that they cannot move; only they have springs
+   here. PEL_OUT_OF_MEMORY. */
 pel_status pel_batches_create(const pel_model *model, pel_method method, pel_batches **batches, pel_error *error);
 void pel_batches_destroy(pel_batches *batches);
 
-/* After the surface of a body that refines has changed: lays its elements out anew, without allocation. */
+/* After the surface of a body that refines has changed: lays out its elements again, without allocation. */
 void pel_batches_rebuild(pel_batches *batches, int32_t body);
 
-/* Sets the fibres of a body that follow the largest stretch (PEL_FIBRE_PRINCIPAL) to that of these positions. */
+/* Turns the fibres of a body that follow the largest stretch (PEL_FIBRE_PRINCIPAL) to its direction at these
+   positions. */
 void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions);
 
 /* true for a batch whose energy has a region's fibres */

@@ -1,6 +1,6 @@
 /* Colours are given greedily, the lowest one that none of an element's vertices has yet, with a mask of 64 bits at each
-   vertex; what finds none takes part in another round of 64. Elements are taken by their first vertex in the model's
-   order, which goes over the surface in rings: sorted so, those of one colour lie near each other. */
+   vertex; elements without a free colour wait for another round of 64. Elements are taken by their first vertex in the
+   model's order, which traverses the surface in rings, so that elements of one colour are near each other in memory. */
 #include "batch/layout.h"
 
 #include "base/memory.h"
@@ -39,7 +39,7 @@ void pel_build_scratch_destroy(pel_build_scratch *scratch)
     *scratch = (pel_build_scratch){0};
 }
 
-/* counts of the keys 0 .. key_count - 1 stand in begin[1 ..]; makes begin[key] the first place of a key */
+/* turns counts of the keys 0 .. key_count - 1 in begin[1 ..] into begin[key], the first place of a key */
 static void sum_counts(int32_t *begin, int32_t key_count)
 {
     begin[0] = 0;

@@ -34,17 +34,17 @@ pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_pieces
                                     pel_error *error);
 void pel_build_scratch_destroy(pel_build_scratch *scratch);
 
-/* Room for `capacity` blocks of a batch, of which arity and number_count are set. PEL_OUT_OF_MEMORY. */
+/* Room for `capacity` blocks of a batch, whose arity and number_count are set. PEL_OUT_OF_MEMORY. */
 pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, pel_error *error);
-/* Lets a batch stand on the elements of another one, which outlives it; numbers apart. */
+/* Makes a batch share the elements of another one, which outlives it; its numbers are its own. */
 void pel_batch_share(pel_batch *batch, const pel_batch *other);
 void pel_batch_destroy(pel_batch *batch);
 
 /* Blocks that suffice for count_limit elements on any surface on which no vertex has more than `most` of them. */
 int32_t pel_batch_bound(const pel_batch *batch, int32_t count_limit, int32_t bundle_count, int32_t most);
 
-/* Fills bundles and blocks of a batch from scratch->vertices (count x arity); sources are scratch->origins. Makes room
-   first when there is none. The numbers are left to the caller. PEL_OUT_OF_MEMORY. */
+/* Fills bundles and blocks of a batch from scratch->vertices (count x arity); sources are scratch->origins. Allocates
+   first if necessary. The caller fills the numbers. PEL_OUT_OF_MEMORY. */
 pel_status pel_batch_build(pel_batch *batch, const pel_pieces *pieces, int32_t count, pel_build_scratch *scratch,
                            pel_error *error);
 

@@ -1,6 +1,6 @@
-/* Boxes along the axes, in float, always rounded outward: a box holds what it stands for, so that two things whose
-   boxes are apart are apart. Float halves the memory and doubles the lanes; coordinates are taken relative to an origin
-   in double before they are rounded (pel_frame), so that the place in the world costs no resolution. */
+/* Boxes along the axes, in float, always rounded outward: a box contains its feature, so that features with disjoint
+   boxes are disjoint. Float halves the memory and doubles the lanes; coordinates are taken relative to an origin in
+   double before they are rounded (pel_frame), so that distance from the world's origin costs no resolution. */
 #ifndef PEL_BVH_BOX_H
 #define PEL_BVH_BOX_H
 

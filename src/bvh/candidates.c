@@ -6,13 +6,13 @@
 
 #include <string.h>
 
-/* a tree whose boxes cover this much more area than when it was built is built anew */
+/* rebuild the tree when the area of its boxes has grown by this factor */
 static const double cost_growth = 1.3;
-/* growth of a kept box on every side, of the way of its vertex */
+/* growth of a kept box on every side, relative to the displacement of its vertex */
 static const float way_share = 1;
 /* vertices that left their boxes, as a part of all: up to this it pays to search there only */
 static const double few_left = 0.2;
-/* pairs that may be kept, of those that the last search of the whole tree found */
+/* limit of kept pairs, relative to the pairs of the last search of the whole tree */
 static const double pair_growth = 1.5;
 /* updates that kept pairs must serve to be worth it, and the longest pause without; vertices of one chunk */
 enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32, VERTICES_PER_CHUNK = 2048 };
@@ -91,7 +91,7 @@ static bool choose_margin(pel_candidates *c)
     return c->margin > 0;
 }
 
-/* fits the tree, building it anew when it has become bad */
+/* fits the tree, or rebuilds it when it has degraded */
 static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box *boxes, pel_pool *pool)
 {
     pel_tree_refit(c->tree, boxes, pool);
@@ -102,7 +102,7 @@ static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box 
     c->counts.rebuilds++;
 }
 
-/* the box of a vertex with room for what it may do in the next steps */
+/* the box of a vertex with room for its motion in the next steps */
 static pel_box roomy_box(const pel_candidates *c, int32_t v)
 {
     const pel_box *box = &c->vertex_boxes[v];
@@ -180,7 +180,7 @@ static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
 typedef struct sieve {
     pel_candidates *c;
     pel_pair_kind kind;
-    pel_pair *pairs;                                               /* what is left, chunk after chunk */
+    pel_pair *pairs;                                               /* the remaining pairs, chunk after chunk */
     size_t word[PEL_SEARCH_CHUNKS], offset[PEL_SEARCH_CHUNKS + 1]; /* of each chunk, in the bits and the pairs */
 } sieve;
 
@@ -300,7 +300,7 @@ static int32_t mark_left(pel_candidates *c, pel_pool *pool)
     return count;
 }
 
-/* what is kept serves this update too, extended or not; false = the tree is to be searched anew */
+/* whether the kept pairs, possibly extended, serve this update too; false = search the tree */
 static pel_status use_kept(pel_candidates *c, const pel_frame *frame, const pel_motion *motion, double thickness,
                            pel_pool *pool, bool *serves, pel_error *error)
 {

@@ -1,27 +1,26 @@
-/* What may touch during a step within one surface: pairs of a vertex and a triangle, and pairs of edges, whose boxes,
-   swept over the step and grown by the thickness, overlap. All of them, each once.
+/* Candidate pairs of a step within one surface: all pairs of a vertex and a triangle, and of two edges, whose boxes,
+   swept over the step and grown by the thickness, overlap; each once.
 
-   Most steps do not search the whole tree. The tree is fitted to larger boxes: each vertex box is grown by its own way
-   and by a margin, and the pairs found with these are kept. As long as the swept box of every vertex lies within its
-   larger box, every pair of features that overlap is among the kept ones: it is enough to look through those. Where
-   some vertices have left their boxes these grow, and only what touches a grown box is searched: a pair that did not
-   overlap before is added. Before the comparison the common motion of the surface (translation, rotation, stretch) is
-   taken out by a frame that follows it (bvh/frame.h), so that only the motion of its parts against each other counts.
+   Most steps do not search the whole tree. The tree is fitted to larger boxes: each vertex box is grown by the vertex's
+   displacement and by a margin, and the pairs found with these are kept. As long as the swept box of every vertex lies
+   within its larger box, every overlapping pair of features is among the kept ones, so examining those is enough. If
+   some vertices have left their boxes, these grow and only the grown boxes are searched; new pairs are added. A frame
+   that follows the surface (bvh/frame.h) removes its common motion (translation, rotation, stretch) before the
+   comparison, so that only relative motion counts.
 
-   When many vertices leave their boxes in a single step, it pays to keep nothing: the search then runs with the boxes
-   as they are for some steps, twice as many each time, before a margin is tried again. All decisions are taken from
-   positions, none from clocks: the list does not depend on the machine. Its order depends on when the tree was searched
-   last. */
+   When many vertices leave their boxes in a single step, keeping pairs does not pay: the search then runs without a
+   margin for some steps, twice as many each time, before a margin is tried again. All decisions depend on positions,
+   none on clocks: the list does not depend on the machine. Its order depends on the step of the last search. */
 #ifndef PEL_BVH_CANDIDATES_H
 #define PEL_BVH_CANDIDATES_H
 
 #include "bvh/frame.h"
 #include "bvh/search.h"
 
-/* what happened since the beginning */
+/* counts since creation */
 typedef struct pel_candidate_counts {
     int64_t updates, searches, rebuilds;
-    int64_t extensions; /* searches of what left its boxes alone */
+    int64_t extensions; /* searches of grown boxes only */
     int64_t kept;       /* pairs that are kept at present */
 } pel_candidate_counts;
 
@@ -56,8 +55,8 @@ typedef struct pel_candidates {
     uint8_t *node_grew;       /* (nodes of the tree) */
     uint64_t *overlaps;       /* a bit for each kept pair of one kind: its boxes overlap in this update */
     size_t overlap_capacity;  /* words */
-    size_t kept_limit;        /* pairs beyond which it pays to search anew */
-    double (*kept_places)[3]; /* (pel_frame_sample_count x 3) what the frame follows */
+    size_t kept_limit;        /* more pairs than this: search again */
+    double (*kept_places)[3]; /* (pel_frame_sample_count x 3) points that the frame follows */
     bool has_kept;
     int32_t kept_uses;           /* updates served by the kept pairs */
     int32_t pause, pause_length; /* updates to go without a margin; length of the last such pause */
@@ -72,23 +71,23 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
                                  pel_error *error);
 void pel_candidates_destroy(pel_candidates *candidates);
 
-/* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only
-   where there are more candidates than ever before. pool is nullable; the result does not depend on it.
-   PEL_BAD_ARGUMENT with the vertex when a position is not finite, or beyond the limit; PEL_OUT_OF_MEMORY. After a
-   failure there are no candidates, and the next update starts anew. */
+/* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only for
+   more candidates than ever before. pool is nullable; the result does not depend on it. PEL_BAD_ARGUMENT with the
+   vertex if a position is not finite, or beyond the limit; PEL_OUT_OF_MEMORY. After a failure there are no candidates,
+   and the next update starts from scratch. */
 pel_status pel_candidates_update(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
                                  double thickness, pel_pool *pool, pel_error *error);
 
 /* Instead of an update: the pairs nearer to each other than `reach` at these positions, by their distances, put on the
-   lists. What was kept is forgotten. Errors as for an update. */
+   lists. Kept pairs are discarded. Errors as for an update. */
 pel_status pel_candidates_near(pel_candidates *candidates, const double (*positions)[3], double reach, pel_pool *pool,
                                pel_pair_list *vertex_face, pel_pair_list *edge_edge, pel_error *error);
 
-/* What past updates decide of those to come, beside the surface; the kept pairs follow from it. The pieces are of the
-   same sizes for any surface with as many vertices. */
+/* State that past updates leave for later ones, apart from the surface; the kept pairs follow from it. The sizes of the
+   pieces depend only on the number of vertices. */
 void pel_candidates_memory(pel_candidates *candidates, pel_memory_part parts[PEL_CANDIDATES_PARTS]);
-/* Finds the kept pairs again after the pieces were overwritten. PEL_BAD_FORMAT when they cannot be what was saved;
-   other errors as for an update. */
+/* Finds the kept pairs again after the pieces were overwritten. PEL_BAD_FORMAT if they cannot have been saved from
+   here; other errors as for an update. */
 pel_status pel_candidates_recall(pel_candidates *candidates, pel_pool *pool, pel_error *error);
 
 #endif

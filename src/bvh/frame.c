@@ -145,7 +145,7 @@ static pel_box round_outward(wide4 low, wide4 high)
     return (pel_box){a - (FLOAT_ERROR * corner_abs(a) + tiny), b + (FLOAT_ERROR * corner_abs(b) + tiny)};
 }
 
-/* what a frame becomes for the loop over points */
+/* a frame prepared for the loop over points */
 typedef struct wide_frame {
     wide4 column[3], error, growth;
 } wide_frame;

@@ -1,12 +1,10 @@
 /* Coordinates in which boxes are made, and the boxes of moving points in them.
 
-   Whether two things touch at a time t does not change when all points go through one and the same affine map
-       y = matrix (x - origin(t)),
-   so boxes may be compared in any such frame as long as all of them are in it. The origin moves on a straight line
-   during the step, as the points do; so y does too, and its way is in the box around both ends. Two points at most d
-   apart in x are at most d |row k of matrix| apart in y[k]. A frame that follows the body (translation, rotation,
-   stretch) leaves only the motion of its parts against each other, which is what a cached list of pairs has to allow
-   for. */
+   An affine map of all points, y = matrix (x - origin(t)), does not change whether two features touch at a time t, so
+   boxes may be compared in any such frame if all of them are in it. The origin moves on a straight line during the
+   step, as the points do; so y does too, and the box around both ends contains its path. Two points at most d apart in
+   x are at most d |row k of matrix| apart in y[k]. A frame that follows the body (translation, rotation, stretch)
+   leaves only relative motion, for which a cached list of pairs has to allow. */
 #ifndef PEL_BVH_FRAME_H
 #define PEL_BVH_FRAME_H
 

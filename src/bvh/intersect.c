@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* what the search works on: the triangles that can be used */
+/* input of the search: the usable triangles */
 typedef struct certificate {
     const pel_mesh *mesh;
     int32_t usable_count;
@@ -99,15 +99,15 @@ static bool keep_pair(void *context, int32_t chunk, pel_pair_kind kind, pel_pair
     return triangles_intersect(it, pair) && ++it->counts[chunk] <= it->pair_limit;
 }
 
-/* pairs of overlapping boxes that are tested at most: some for each triangle, and so many in any case. Surfaces have 10
-   to 30 a triangle; a vertex of n triangles adds n^2 / 2 */
+/* limit of tested pairs of overlapping boxes: some for each triangle, and a minimum. Surfaces have 10 to 30 a triangle;
+   a vertex of n triangles adds n^2 / 2 */
 static int64_t test_limit(const certificate *it)
 {
     const int64_t for_each = 100, at_least = 4000000;
     return for_each * it->usable_count + at_least;
 }
 
-/* names the vertex of the most triangles: that it has so many is why there are too many pairs, as a rule */
+/* names the vertex of the most triangles, the usual cause of too many pairs */
 static pel_status fail_limit(const certificate *it, pel_error *error)
 {
     int32_t *valence = pel_allocate((size_t)it->mesh->vertex_count, sizeof *valence), worst = 0;
@@ -153,7 +153,7 @@ static int compare_pairs(const void *a, const void *b)
     return (p->second > q->second) - (p->second < q->second);
 }
 
-/* counts and lists what was found, by the numbers of the mesh (which rise as those of the usable triangles do) */
+/* counts and lists the pairs found, by the numbers of the mesh (in the order of the usable triangles) */
 static void list_pairs(const certificate *it, pel_pair *pairs, int64_t *count)
 {
     int32_t listed = 0;

@@ -7,7 +7,7 @@
 
 typedef struct pel_mesh_query pel_mesh_query;
 
-/* Copies what it needs of a mesh with at least one triangle. PEL_OUT_OF_MEMORY. */
+/* Copies the parts it needs of a mesh with at least one triangle. PEL_OUT_OF_MEMORY. */
 pel_status pel_mesh_query_create(const pel_mesh *mesh, pel_mesh_query **query, pel_error *error);
 void pel_mesh_query_destroy(pel_mesh_query *query);
 

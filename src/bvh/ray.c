@@ -4,7 +4,7 @@
 
 enum { DEPTH_LIMIT = 128 };
 
-/* boxes are of floats: what a ray misses by less than this share of the coordinates is looked at */
+/* boxes are of floats: examine boxes that a ray misses by less than this share of the coordinates */
 #define SLACK 1e-6
 
 /* ---- triangle ---- */

@@ -15,7 +15,7 @@ typedef struct pel_ray_hit {
 } pel_ray_hit;
 
 /* Whether a ray meets a triangle, from either side, and where. Watertight (Woop, Benthin and Wald 2013): a ray through
-   a closed surface meets at least one triangle, also where it goes through an edge or a vertex. */
+   a closed surface meets at least one triangle, even through an edge or a vertex. */
 bool pel_ray_triangle(const pel_ray *ray, const double a[3], const double b[3], const double c[3], pel_ray_hit *hit);
 
 /* The nearest triangle of a tree whose boxes are fitted to the positions (tree->vertex_count), taken less `center`. Of

@@ -33,7 +33,7 @@ typedef struct search_plan {
     bool within;                   /* a and b are one surface */
     const pel_pair_growth *growth; /* null = all pairs */
     pel_pair_search *search;
-    atomic_llong found; /* pairs so far, for the limit */
+    atomic_llong found; /* pairs found, for the limit */
     task tasks[TASK_LIMIT];
     int32_t task_count;
 } search_plan;
@@ -43,7 +43,7 @@ typedef struct leaf_content {
     int32_t leaf; /* -1 = none */
     int group_count, vertex_count;
     pel_box_group groups[LEAF_GROUPS];
-    /* what is in the lanes: a triangle or edge, -1 = nothing; and its vertices, of an edge the last one repeated */
+    /* content of the lanes: a triangle or edge, -1 = empty; and its vertices (an edge repeats the last one) */
     pel_box8_mask elements[LEAF_GROUPS], corners[LEAF_GROUPS][3];
     int32_t vertices[LEAF_MEMBERS];
 } leaf_content;
@@ -51,7 +51,7 @@ typedef struct leaf_content {
 /* a thread's way through its tasks */
 typedef struct walk {
     search_plan *plan;
-    leaf_content *at_hand[2]; /* (LEAVES_AT_HAND) of either tree: a walk comes back to a leaf soon */
+    leaf_content *at_hand[2]; /* (LEAVES_AT_HAND) of either tree: a traversal soon revisits a leaf */
     pel_pair_chunk *chunk;
     size_t dropped;  /* pairs of this chunk that search->keep turned down */
     size_t reported; /* pairs of this chunk that are in plan->found */
@@ -80,7 +80,7 @@ size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind)
     return count;
 }
 
-/* The pairs of two leaves gather here, so that the lists grow by what is found alone. */
+/* Buffer for the pairs of two leaves, so that the lists grow only by pairs found. */
 typedef struct leaf_pairs {
     pel_pair pairs[LEAF_MEMBERS * LEAF_MEMBERS];
     size_t count;
@@ -95,7 +95,7 @@ static pel_pair *make_room(pel_pair_list *list, size_t count)
     return list->pairs + list->count;
 }
 
-/* takes out what the search is not to keep */
+/* removes pairs that the search does not keep */
 static void drop_unwanted(walk *w, pel_pair_kind kind, leaf_pairs *found)
 {
     const pel_pair_search *search = w->plan->search;
@@ -122,7 +122,7 @@ static bool add_pairs(walk *w, pel_pair_kind kind, leaf_pairs *found)
     return true;
 }
 
-/* adds what the chunk found since the last time to the common count; false beyond the limit */
+/* adds the chunk's new pairs to the common count; false beyond the limit */
 static bool report(walk *w, size_t interval)
 {
     size_t count = w->dropped;
@@ -239,8 +239,8 @@ static unsigned touched(const pel_box_group *group, const probe *p)
     return pel_box8_bits(pel_box_group_overlaps(group, p->low, p->high));
 }
 
-/* bit i: lane i of the group, of edges or triangles, has a vertex of the probe, of which it has vertex_count; most of
-   what overlaps within a surface are such neighbours */
+/* bit i: lane i of the group, of edges or triangles, has one of the vertex_count vertices of the probe; most overlaps
+   within a surface are such neighbours */
 static unsigned neighbours(const leaf_content *leaf, int group, const probe *p, int vertex_count)
 {
     pel_box8_mask shared = {0};
@@ -344,7 +344,7 @@ static bool overlapped_before(const search_plan *plan, pel_pair_kind kind, pel_p
     return pel_box_overlaps(&a, &b);
 }
 
-/* takes out what is on the list already, of the pairs from `begin` on */
+/* removes from the pairs from `begin` on those that are already listed */
 static void drop_known(const search_plan *plan, pel_pair_kind kind, pel_pair_list *list, size_t begin)
 {
     size_t kept = begin;

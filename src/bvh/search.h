@@ -1,7 +1,7 @@
 /* Searches of a tree: pairs of features whose boxes overlap, within one surface or between two, and features in a box.
 
    A search over pairs is cut into many pairs of subtrees, from the trees alone; each of a fixed number of chunks takes
-   its share of them and writes lists of its own. So the lists, read chunk after chunk, are the same for any number of
+   its share of them and writes its own lists. So the lists, read chunk after chunk, are the same for any number of
    threads. Lists keep their memory from search to search: once they are large enough nothing is allocated. */
 #ifndef PEL_BVH_SEARCH_H
 #define PEL_BVH_SEARCH_H
@@ -10,8 +10,8 @@
 #include "bvh/tree.h"
 #include "pellicle/intersect.h"
 
-/* What a pair consists of. Pairs of neighbours (a common vertex) are left out, but for those of triangles; in one
-   surface no pair comes twice. */
+/* Kinds of pairs. Pairs of neighbours (a common vertex) are skipped, except of triangles; within one surface no pair is
+   found twice. */
 typedef enum pel_pair_kind {
     PEL_PAIR_VERTEX_FACE, /* vertex of the first surface, triangle of the second */
     PEL_PAIR_FACE_VERTEX, /* triangle of the first, vertex of the second; two surfaces only */
@@ -51,7 +51,7 @@ void pel_pair_search_clear(pel_pair_search *search);
 pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,
                           pel_pair_search *search, pel_error *error);
 
-/* What has grown in one surface since its pairs were found: boxes of vertices only ever grow between two searches. */
+/* Boxes of one surface that have grown since its pairs were found: boxes of vertices only grow between two searches. */
 typedef struct pel_pair_growth {
     const uint8_t *node_grew; /* (node_count) 1 = something below did */
     const pel_box *before;    /* (vertex_count) boxes of the vertices at the last search */
@@ -71,7 +71,7 @@ typedef struct pel_element_list {
     size_t count, capacity;
 } pel_element_list;
 
-/* Fills the list anew. PEL_OUT_OF_MEMORY. */
+/* Refills the list. PEL_OUT_OF_MEMORY. */
 pel_status pel_find_in_box(const pel_tree *tree, const pel_box *box, pel_element_list *list, pel_error *error);
 
 #endif

@@ -8,7 +8,7 @@
 
 /* ---- order of the triangles ---- */
 
-/* Keys stand in the memory of the nodes, which a build leaves empty. */
+/* Keys use the memory of the nodes, which is free during a build. */
 typedef struct build {
     pel_tree *tree;
     const double (*positions)[3];
@@ -31,7 +31,7 @@ static float get_centroid(const build *b, uint32_t t, int axis)
     return b->centroids != NULL ? b->centroids[t][axis] : centroid(b, t, axis);
 }
 
-/* keys rise as the coordinate does, equal ones by triangle: the order is the same whatever sorted them */
+/* keys rise with the coordinate, equal ones with the triangle: the order does not depend on the sorting algorithm */
 static uint64_t make_key(float coordinate, int32_t triangle)
 {
     uint32_t bits;
@@ -62,7 +62,7 @@ static void exchange(uint64_t *a, uint64_t *b)
     *b = c;
 }
 
-/* moves the keys smaller than that of rank `nth` before it and the larger ones behind it (Hoare) */
+/* moves the keys smaller than the key of rank `nth` before it and the larger ones after it (Hoare) */
 static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
 {
     int32_t low = begin, high = end - 1;
@@ -253,7 +253,7 @@ static pel_box leaf_box(const pel_tree *tree, int32_t leaf, const pel_box *boxes
     return whole;
 }
 
-/* what a fit of nodes needs */
+/* arguments of a fit of nodes */
 typedef struct fit {
     pel_tree *tree;
     const pel_box *boxes;
@@ -261,7 +261,7 @@ typedef struct fit {
     uint8_t *node_changed;
 } fit;
 
-/* nodes of this many leaves are fitted at once; the few above them afterwards */
+/* nodes of this many leaves are fitted in parallel; the few above them afterwards */
 enum { LEAVES_PER_CHUNK = 64 };
 
 static pel_box refit_below(const fit *f, int32_t node, int32_t begin, int32_t end)

@@ -3,16 +3,13 @@
    The tree is a balanced binary tree of boxes, built by splitting at the median along the longest side of the
    centroids. Every leaf but the last holds eight triangles: one wide comparison tests a box against all of them. Each
    vertex and each edge belongs to the first triangle that has it, hence to one leaf: so a search over pairs of leaves
-   meets every pair of features exactly once. The box of a triangle holds those of its vertices and edges, so no pair
-   that overlaps is lost.
+   meets every pair of features exactly once. The box of a triangle contains the boxes of its vertices and edges, so no
+   overlapping pair is lost. Nodes are in preorder: the left child of node n over leaves begin..end follows it, the
+   right child comes 2 (middle - begin) later. Only boxes of nodes are stored. A search computes the boxes of a leaf's
+   features from those of the vertices when it reaches the leaf (search.c): stored boxes took 135 bytes a triangle. An
+   edge is named by the first half-edge 3 t + i along it (pellicle/topology.h).
 
-   Nodes stand in preorder: the left child of node n over leaves begin..end follows it, the right child stands
-   2 (middle - begin) further on. Only boxes of nodes are stored. A search gathers those of the features of a leaf from
-   the boxes of the vertices when it comes to the leaf (search.c): stored ones took 135 bytes a triangle.
-
-   An edge is named by the first half-edge 3 t + i that runs along it (pellicle/topology.h).
-
-   Tried and left out: normal cones (a smooth patch that turns by less than a right angle does not touch itself). The
+   Tried and rejected: normal cones (a smooth patch that turns by less than a right angle does not touch itself). The
    theorem needs a patch whose outline, seen along the axis of its cone, does not cross itself, at all times of the
    step, and it speaks of contact only: with a thickness, pairs of a gently bent patch are near each other and must be
    found. So culling by normals would lose pairs that this search promises. */
@@ -33,11 +30,11 @@ typedef struct pel_tree {
     int32_t leaf_count, node_count;
     pel_box *nodes;               /* (node_count) */
     int32_t (*leaves)[PEL_LANES]; /* (leaf_count) triangles, -1 = none */
-    const pel_box *vertex_boxes;  /* (vertex_count) not owned: what the tree was fitted to */
+    const pel_box *vertex_boxes;  /* (vertex_count) not owned: the boxes that the tree was fitted to */
     double built_cost;            /* pel_tree_cost after the first refit since the last build; 0 = not yet */
 } pel_tree;
 
-/* what is in the leaves */
+/* content of the leaves */
 typedef enum pel_tree_content {
     PEL_TREE_TRIANGLES, /* triangles only: for searches of pairs of triangles */
     PEL_TREE_FEATURES   /* vertices and edges too */
@@ -50,10 +47,10 @@ pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, c
                            int32_t triangle_count, pel_tree_content content, pel_tree **tree, pel_error *error);
 void pel_tree_destroy(pel_tree *tree);
 
-/* Sorts the triangles anew; no memory is allocated. Boxes are to be refitted. */
+/* Sorts the triangles again, without allocation. Refit the boxes afterwards. */
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3]);
 
-/* All boxes from those of the vertices (vertex_count), which have to live on while the tree is searched. pool is
+/* All boxes from those of the vertices (vertex_count), which must live as long as the tree is searched. pool is
    nullable. */
 void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool);
 

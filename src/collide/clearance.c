@@ -104,8 +104,8 @@ static double approach_of(const motion_job *job, int32_t target)
     return sqrt(square);
 }
 
-/* How much any two points approached each other at most on the way to `to`, or to one of two; infinite if a
-   displacement is not finite. */
+/* Largest approach of any two points on the path to `to`, or to one of two; infinite if a displacement is not
+   finite. */
 static double longest_approach(const double (*from)[3], const double (*to)[3], const double (*other)[3],
                                int32_t point_count, pel_pool *pool)
 {

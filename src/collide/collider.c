@@ -18,7 +18,7 @@ enum {
     BYTES_PER_PAIR = 4 * sizeof(pel_pair)
 };
 
-/* default of the memory limit: this, or so much per triangle */
+/* default of the memory limit: the larger of this and a size per triangle */
 #define LEAST_MEMORY ((int64_t)1 << 30)
 #define MEMORY_PER_TRIANGLE ((int64_t)1 << 12)
 
@@ -27,7 +27,7 @@ typedef struct collision_list {
     size_t count, capacity;
 } collision_list;
 
-/* what one part of the candidates of one kind gave */
+/* result of one part of the candidates of one kind */
 typedef struct part {
     collision_list list;
     pel_ccd_statistics statistics;
@@ -107,7 +107,7 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
     return isfinite(sum) ? sum / (3.0 * triangle_count) : 0;
 }
 
-/* what knows of one surface; nothing is left behind on failure */
+/* members that belong to one surface; all freed on failure */
 static pel_status make_surface(const pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                const int32_t (*triangles)[3], int32_t triangle_count, pel_candidates **made,
                                pel_clearance *clearance, pel_error *error)
@@ -383,7 +383,7 @@ static bool comes_before(const pel_collision *a, const pel_collision *b)
 /* the order of candidates does not show */
 PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 
-/* solves the pairs of one kind and adds what is found */
+/* solves the pairs of one kind and adds the hits */
 static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
                              const pel_pair_list *pairs, pel_ccd_statistics *statistics)
 {
@@ -413,7 +413,7 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
     return PEL_OK;
 }
 
-/* what the narrow phase looks at: known pairs while no others can come near, else the candidates. A hit is within
+/* input of the narrow phase: the known pairs while no others can come near, else the candidates. A hit is within
    min_separation and tolerance, or starts within `near`, so that both give the same. */
 static pel_status find_pairs(pel_collider *collider, const pel_collision_query *query, pel_pair_list *vertex_face,
                              pel_pair_list *edge_edge, pel_error *error)

@@ -1,4 +1,4 @@
-/* What the simulation asks of a collider beyond pellicle/collide.h. */
+/* Functions of a collider for the simulation, in addition to pellicle/collide.h. */
 #ifndef PEL_COLLIDE_COLLIDER_H
 #define PEL_COLLIDE_COLLIDER_H
 
@@ -12,8 +12,8 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
 /* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
 void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups);
 
-/* The tree over the present surface, which owns it and its triangles: numbers of edges and triangles in results are
-   those of this tree. */
+/* The tree over the present surface, owned by the collider with its triangles: numbers of edges and triangles in
+   results refer to it. */
 const pel_tree *pel_collider_tree(const pel_collider *collider);
 
 /* Another surface, valid as for pel_collider_create; limits and groups stay. The triangles, from pel_allocate, are the
@@ -24,13 +24,13 @@ pel_status pel_collider_set_surface(pel_collider *collider, const double (*posit
 
 enum { PEL_COLLIDER_PARTS = PEL_CANDIDATES_PARTS + PEL_CLEARANCE_PARTS };
 
-/* What past searches decide of those to come: with it and the same surface a collider finds the same pairs by the same
-   searches, and counts the same. The pieces stay where they are until another surface is set, and their sizes for good.
- */
+/* State that past searches leave for later ones: with it and the same surface a collider finds the same pairs by the
+   same searches, and counts the same. The pieces stay in place until another surface is set; their sizes never
+   change. */
 void pel_collider_memory(pel_collider *collider, pel_memory_part parts[PEL_COLLIDER_PARTS]);
 /* Sets another surface with as many vertices as before, for which the pieces were overwritten by those of an earlier
-   search of it; what follows from them is found anew. Errors as for pel_collider_set_surface, and PEL_BAD_FORMAT when
-   the pieces cannot be what was saved. */
+   search of it; derived state is recomputed. Errors as for pel_collider_set_surface, and PEL_BAD_FORMAT if the pieces
+   cannot have been saved from it. */
 pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
 

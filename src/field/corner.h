@@ -1,4 +1,4 @@
-/* One corner of a triangle, seen from its vertex: what the measures around a vertex are summed up from.
+/* One corner of a triangle, seen from its vertex: the contributions that are summed to measures at the vertex.
 
                    c
                   / \        u = b - a, w = c - a, o = c - b, normal = u x w = twice the area along the unit normal

@@ -44,8 +44,8 @@ static inline pel_wide3 pel_slot_offset(const pel_model *model, const pel_record
 
 /* A slot of springs on its way. Their square root takes longer than what a processor can look ahead from one slot to
    the next, so the loop begins the springs of the next slot before it ends those of the present one (7 % faster; tried
-   and lost: a square root and division in float made exact by Newton's steps, whose many cheap operations cost more
-   than the two dear ones; loads of half records; several slots in passes). */
+   and slower: a square root and division in float made exact by Newton's steps, loads of half records, several slots in
+   passes). */
 typedef struct pel_slot_flight {
     pel_wide3 offset;
     pel_wide length;
@@ -64,7 +64,7 @@ static inline pel_wide pel_slot_rest(const pel_model *model, int32_t slot, pel_w
     return model->rest_lengths != NULL ? model->rest_lengths[slot] : length;
 }
 
-/* what a slice gathers: force over the common factor of the stiffnesses, and the longest spring */
+/* sums of a slice: force over the common factor of the stiffnesses, and the longest spring */
 typedef struct pel_spring_sum {
     pel_wide3 force;
     pel_wide longest;

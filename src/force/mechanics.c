@@ -1,4 +1,4 @@
-/* Resultants follow from the forces of the elements by virtual work, so they are those of every law and bending model.
+/* Resultants follow from the forces of the elements by virtual work, and so hold for every law and bending model.
 
    Membrane and fibres: the gradients g_a on the corners x_a of a triangle have the virial sum_a g_a x_a^T = A N, with
    the present area A and the resultant N.
@@ -98,7 +98,7 @@ static int corner_of(const int32_t corners[3], int32_t vertex)
     return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
 }
 
-/* adds a tensor with components along the edge, across it and mixed, to that of the triangle on one side */
+/* adds a tensor with components along the edge, across it and mixed, to the tensor of the triangle on one side */
 static void add_along_edge(const pel_shell *shell, const pel_shell_hinge *hinge, int side, const double tensor[3],
                            double moment[6])
 {

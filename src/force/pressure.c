@@ -74,7 +74,7 @@ double pel_pressure_potential(const pel_shell *shell, double time, double load_f
 
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
 {
-    /* a shell's triangles stand in an order that does not depend on how a refined surface came about */
+    /* the order of a shell's triangles does not depend on the history of a refined surface */
     const pel_shell *shell = model->bodies[body].shell;
     double volume = 0, at[3];
     pel_vertex_position(position, model->bodies[body].model_index[0], at);

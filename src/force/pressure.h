@@ -4,9 +4,8 @@
 
 #include "model/shell.h"
 
-/* What is inside presses outward by so much more than what is outside [Pa]: positive inflates, a positive outside
-   pressure gives a negative number. Triangles multiply it by their weight. The load factor multiplies a given
-   pressure; volume is read by gas and target volume. */
+/* Inside minus outside pressure [Pa]: positive inflates; a positive outside pressure gives a negative number. Triangles
+   multiply it by their weight. The load factor multiplies a given pressure; volume is read by gas and target volume. */
 double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
                                double rest_volume);
 

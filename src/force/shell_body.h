@@ -1,4 +1,4 @@
-/* Inside of the forces of shells: what the files of this folder share. */
+/* Internal declarations of the forces of shells, shared by the files of this folder. */
 #ifndef PEL_FORCE_SHELL_BODY_H
 #define PEL_FORCE_SHELL_BODY_H
 
@@ -6,14 +6,14 @@
 #include "law/membrane.h"
 
 typedef struct pel_shell_body {
-    const pel_shell *shell; /* null = the body is none */
+    const pel_shell *shell; /* null = the body is no shell */
     int32_t body;
     int32_t first_place, place_count;
     int pressure_part;        /* which of the parts its pressure is; 0 = none */
     const pel_batch *pressed; /* the batch of its pressure; null = none */
     double pressure;          /* Pa, positive inflates: of the evaluation in progress */
     pel_membrane_law law;     /* of all triangles, with the modulus of a sheet of young and thickness 1 */
-    double stiffness;         /* of that law at rest: pel_membrane_law_stiffness */
+    double stiffness;         /* stiffness of the law at rest: pel_membrane_law_stiffness */
     /* of pel_shell_forces_list, else null */
     int32_t *element_begin; /* (place_count + 2) */
     int32_t *elements;      /* at a place: triangles, then hinges, counted from triangle_count on */
@@ -69,9 +69,9 @@ static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 {
     return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
 }
-/* which fibres of a region are in a triangle, -1 = none: they stand by rising triangle */
+/* fibres of a region in a triangle, -1 = none; sorted by triangle */
 int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);
-/* rest length of a region's fibres over that of the shape */
+/* rest length of a region's fibres relative to the shape */
 double pel_shell_rest_length(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */
 double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,

@@ -74,8 +74,8 @@ static void add_pressure_norms(const pel_shell_body *own, int32_t t, const doubl
         sums[shell->corners[t][i] - own->first_place] += size * edges / 6;
 }
 
-/* what a pressure that changes with the volume adds: the eigenvalue c sum |g|^2 / m of c g g^T / m, with its slope c
-   and the gradient g of the volume. sums is scratch */
+/* contribution of a pressure that changes with the volume: the eigenvalue c sum |g|^2 / m of c g g^T / m, with its
+   slope c and the gradient g of the volume. sums is scratch */
 static double volume_bound(const pel_model *model, const pel_shell_body *own, double *sums)
 {
     const pel_shell *shell = own->shell;

@@ -80,7 +80,7 @@ static void volume_part(void *context, int32_t part)
 /* between the triangles and the first corner of all */
 static double find_volume(const shell_loop *loop, const pel_shell_body *own, pel_pool *pool)
 {
-    /* parts of the surface that a weight of 0 leaves out have a volume too */
+    /* parts of the surface with a weight of 0 have a volume too */
     if (own->shell->pressure_weights != NULL)
         return pel_body_volume(loop->forces->model, own->body, loop->position);
     volume_job job = {.batch = own->pressed, .position = loop->position};

@@ -1,10 +1,10 @@
 /* Forces and energies of the shells of a model: membrane, bending, fibres, pressure (paper B as energies).
 
-   The blocks of batches add to the forces of their corners, in the order of bundles that is the same for any number of
-   threads, and so are the bits. Nothing is allocated. Loops over blocks (shell_lanes.c) have the precision of the
-   state; what is asked for at vertices goes element by element in double. The force of each part is the negative
-   gradient of its energy, but for pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a
-   rule of position-based dynamics, not an energy: it gives no force. */
+   The blocks of batches add to the forces of their corners, in the order of bundles, which is the same for any number
+   of threads, and so are the bits. Nothing is allocated. Loops over blocks (shell_lanes.c) have the precision of the
+   state; values at vertices are computed element by element in double. The force of each part is the negative gradient
+   of its energy, but for pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a rule of
+   position-based dynamics, not an energy: it gives no force. */
 #ifndef PEL_FORCE_SHELL_FORCE_H
 #define PEL_FORCE_SHELL_FORCE_H
 
@@ -25,7 +25,7 @@ typedef enum pel_shell_part {
 /* Sums over all bodies [J]. */
 typedef struct pel_shell_energy {
     double membrane, bending, fibres;
-    double pressure; /* potential of what is conservative */
+    double pressure; /* potential of the conservative parts */
 } pel_shell_energy;
 
 /* Laws and scratch for all bodies of a model that are shells; one thread at a time uses it. */
@@ -36,7 +36,7 @@ typedef struct pel_shell_forces pel_shell_forces;
 pel_status pel_shell_forces_create(pel_batches *batches, pel_shell_forces **forces, pel_error *error);
 void pel_shell_forces_destroy(pel_shell_forces *forces);
 
-/* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions: once for each state. */
+/* Sets directions that follow the state (PEL_FIBRE_PRINCIPAL) from these positions: once for each state. */
 void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *position);
 
 /* The factor of given pressure from now on; 1 at first. forces may be null. */
@@ -54,7 +54,7 @@ void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position
 /* Lists the elements at each vertex of a body, for the function below. PEL_OUT_OF_MEMORY. */
 pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_error *error);
 
-/* After the surface of a body that refines has changed: makes that list anew, without allocation. */
+/* After the surface of a body that refines has changed: rebuilds that list, without allocation. */
 void pel_shell_forces_rebuild(pel_shell_forces *forces, int32_t body);
 
 /* Force of membrane, bending and fibres on one vertex of a body with lists, from the elements at it alone. */
@@ -62,7 +62,7 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
                                 int32_t place, double force[3]);
 
 /* Energies on the vertices of one body by row: a third of each triangle, a quarter of each hinge there. Rows are the
-   vertices of the mesh, or what output_vertex says of vertices of the forest. The arrays (vertex_count) are
+   vertices of the mesh, or given by output_vertex for vertices of the forest. The arrays (vertex_count) are
    overwritten, with zeros for a body that is no shell. */
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
                                const int32_t *output_vertex, const pel_record *position, double time, double *membrane,

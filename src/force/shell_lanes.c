@@ -1,5 +1,5 @@
 /* Forces and energies of shells over the blocks of batches, all lanes at once. Blocks share no vertex, so a block adds
-   to the forces of its corners without looking at others. */
+   to the forces of its corners independently of others. */
 #include "force/shell_body.h"
 #include "law/fibre.h"
 #include "measure/fibre.h"

@@ -1,10 +1,10 @@
-/* What the shell of a body does at its vertices, for measures and for the criterion of refinement. */
+/* Energies and virials of a shell at the vertices, for measures and for the criterion of refinement. */
 #include "force/shell_body.h"
 #include "math/vec3.h"
 
 #include <string.h>
 
-/* the row of a place: its number in the mesh or forest, or what output_vertex says of that */
+/* the row of a place: its number in the mesh or forest, mapped by output_vertex if given */
 typedef struct row_map {
     const int32_t *mesh_vertex, *output_vertex;
 } row_map;
@@ -17,7 +17,7 @@ static void share(double energy, const int32_t *vertices, int count, const row_m
     }
 }
 
-/* minus the virial of forces of which the gradients are given */
+/* minus the virial of forces with the given gradients */
 static double virial_of(const double x[3][3], const double gradient[3][3])
 {
     double side[3], sum = 0;
@@ -28,7 +28,7 @@ static double virial_of(const double x[3][3], const double gradient[3][3])
     return sum;
 }
 
-/* what a triangle or its fibres give: energies or virials, shared out to the rows of its corners */
+/* energies or virials of a triangle or its fibres, distributed to the rows of its corners */
 typedef struct corner_sums {
     const pel_shell_body *own;
     const pel_record *position;

@@ -3,13 +3,13 @@
    (inertia, drag, soft grasps).
 
    Unknowns are one array in double, whatever pel_real is: 3 for each vertex in the model's order (padding included),
-   then one for each edge of mid-edge bending. In `unknowns` that of an edge is xi, in a gradient, a step and the
-   matrices it is psi (measure/midedge.h): pel_tangent_advance adds a step.
+   then one for each edge of mid-edge bending. The unknown of an edge is xi in `unknowns`, and psi in a gradient, a step
+   and the matrices (measure/midedge.h): pel_tangent_advance adds a step.
 
    Nodes are vertices (3 unknowns) and, from vertex_count on, edges (1 unknown). An element lists its vertices, then its
-   edges; its matrix is dense and symmetric over their unknowns in this order. Every vertex in use has an element of its
-   own, which may be zero. The pattern changes with the surface only; it and pel_tangent_matrices are what
-   linear/matrix.h assembles. */
+   edges; its matrix is dense and symmetric over their unknowns in this order. Every vertex in use has its own element,
+   which may be zero. The pattern changes only with the surface; linear/matrix.h assembles it with
+   pel_tangent_matrices. */
 #ifndef PEL_FORCE_TANGENT_H
 #define PEL_FORCE_TANGENT_H
 
@@ -51,7 +51,7 @@ typedef struct pel_tangent pel_tangent;
 /* Errors: PEL_BAD_ARGUMENT for bending without a stiffness; PEL_OUT_OF_MEMORY. */
 pel_status pel_tangent_create(const pel_model *model, pel_tangent **tangent, pel_error *error);
 void pel_tangent_destroy(pel_tangent *tangent);
-/* After the surface of the model has changed: lists everything anew, without allocation. */
+/* After the surface of the model has changed: rebuilds all lists, without allocation. */
 void pel_tangent_rebuild(pel_tangent *tangent);
 
 const pel_tangent_pattern *pel_tangent_pattern_of(const pel_tangent *tangent);
@@ -73,7 +73,7 @@ typedef struct pel_tangent_input {
 
 typedef struct pel_tangent_energy {
     double membrane, fibres, bending, springs, points;
-    double edges;    /* mid-edge bending; bending is that of hinges */
+    double edges;    /* mid-edge bending; `bending` is of hinges */
     double pressure; /* where it is conservative (pel_pressure_is_conservative), else 0 */
 } pel_tangent_energy;
 
@@ -84,15 +84,15 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
 /* y += the sum of coefficient g (g . x) over the rank ones, on unknowns (unknown_count) that are not fixed. */
 void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t *fixed, const double *x, double *y);
 
-/* Derivatives of m . gradient of one body: by factors, 1 at present, on the stiffness of membranes, on that of bending
-   (D) and on the pressure; by Poisson's ratio with D as it is. */
+/* Derivatives of m . gradient of one body: by factors, 1 at present, of the stiffness of membranes, of bending (D) and
+   of the pressure; by Poisson's ratio at constant D. */
 typedef struct pel_tangent_derivative {
     double membrane, bending, pressure, poisson;
 } pel_tangent_derivative;
 
 /* Adds the derivatives of m . g, with m (unknown_count) and the gradient g of the last evaluation: to bodies
-   (body_count), and those by rest positions to rest (3 vertex_count; null = not asked for), with directions of fibres,
-   volumes at rest and springs left out. Membranes and mid-edge bending. */
+   (body_count), and derivatives by rest positions to rest (3 vertex_count; null = skip), without directions of fibres,
+   volumes at rest and springs. Membranes and mid-edge bending. */
 void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_tangent_derivative *bodies, double *rest);
 
 /* Matrices of `count` elements at the input of the last evaluation, whose arrays have to live: blocks (count x n x n)
@@ -119,7 +119,7 @@ int pel_tangent_settle_edges(pel_tangent *tangent, double *unknowns, const uint8
 /* Sets xi of fixed edges so that their normals are those at rest, carried along with the direction of the edge. */
 void pel_tangent_clamp_edges(pel_tangent *tangent, double *unknowns, const uint8_t *is_fixed);
 
-/* Sets fibre directions that follow the state (PEL_FIBRE_PRINCIPAL) to those of these positions. */
+/* Sets fibre directions that follow the state (PEL_FIBRE_PRINCIPAL) from these positions. */
 void pel_tangent_follow(pel_tangent *tangent, const double *unknowns);
 
 #endif

@@ -43,7 +43,7 @@ typedef struct pel_tangent_spring {
     double stiffness, rest_length; /* N/m without the present factor; m */
 } pel_tangent_spring;
 
-/* what a body is as a shell */
+/* shell properties of a body */
 typedef struct pel_tangent_shell {
     const pel_shell *shell;
     int32_t body;

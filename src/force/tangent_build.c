@@ -105,7 +105,7 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
     return all;
 }
 
-/* what all elements together take at most */
+/* upper bounds over all elements */
 typedef struct pel_tangent_room {
     size_t elements, nodes, rows, edges, springs, chunks, stresses;
 } pel_tangent_room;
@@ -132,7 +132,7 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
             (size_t)shell->triangle_limit * (has_midedge(shell) ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
         room.stresses += (size_t)shell->hinge_limit * PEL_HINGE_STRAINS + fibre_limit(shell);
     }
-    /* a spring stands at both of its ends */
+    /* a spring is stored at both of its ends */
     for (int32_t b = 0; b < model->body_count; b++)
         if (has_springs(model, b)) {
             size_t slots = (size_t)(model->slot_begin[pel_body_place_end(model, b) / PEL_WIDTH] -
@@ -275,7 +275,7 @@ static void fill_slice(pel_tangent *tangent, int32_t body, int32_t slice)
     for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
         for (int32_t lane = 0; lane < PEL_WIDTH; lane++) {
             int32_t v = slice * PEL_WIDTH + lane, other = model->neighbours[slot][lane];
-            if (other <= v) /* filled up, or that of the other end */
+            if (other <= v) /* padding, or the spring of the other end */
                 continue;
             double stiffness = uniform >= 0 ? uniform : (double)model->stiffnesses[slot][lane];
             tangent->springs[tangent->spring_count++] =

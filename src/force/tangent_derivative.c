@@ -1,7 +1,7 @@
 /* Derivatives of m . g, the product of a vector m of unknowns with the gradient g of the last evaluation, by the
-   numbers of the elements: what an adjoint solution m asks for. Factors of stiffness are exact, as the gradient is
-   linear in them. Poisson's ratio and rest positions stand in few numbers of each element: differences of fourth order
-   of that element's own product, which leave some 1e-11 of it. */
+   numbers of the elements, for an adjoint solution m. Factors of stiffness are exact, as the gradient is linear in
+   them. Poisson's ratio and rest positions enter few numbers of each element: differences of fourth order of that
+   element's own product, with a relative error of some 1e-11. */
 #include "force/shell_body.h"
 #include "force/tangent_body.h"
 #include "math/vec3.h"
@@ -146,7 +146,7 @@ static void rest_slopes(const triangle *at, const triangle_numbers *numbers, dou
         }
 }
 
-/* what rest angles do, through alpha = (theta - theta_rest) / 2 +- xi; the product is linear in alpha */
+/* effect of rest angles, through alpha = (theta - theta_rest) / 2 +- xi; the product is linear in alpha */
 static void add_angle_slopes(const triangle *at, const triangle_numbers *numbers, double *by_angle)
 {
     double now = bending_product(at, numbers, at->alpha);

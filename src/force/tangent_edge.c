@@ -13,8 +13,8 @@ typedef struct edge_loop {
     double *xi; /* null = angles */
 } edge_loop;
 
-/* An angle of positions has no turns. On the way to a balance a fold may close beyond where its sides meet: its angle
-   goes on there, as that of xi does. */
+/* An angle of positions has no turns. Before equilibrium a fold may close until its sides pass through each other: its
+   angle continues there, as xi does. */
 static void find_angle(const edge_loop *loop, int32_t e)
 {
     const double half_turn = 3.141592653589793;
@@ -74,7 +74,7 @@ void pel_tangent_advance(pel_tangent *tangent, double *unknowns, const double *s
         unknowns[i] += scale * step[i];
 }
 
-/* those of positions alone, from which the others go on */
+/* angles of positions alone, from which the others continue */
 static void find_first_angles(pel_tangent *tangent, const double *unknowns)
 {
     size_t bytes = (size_t)tangent->pattern.edge_count * sizeof *tangent->half_angles;

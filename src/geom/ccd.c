@@ -1,16 +1,16 @@
 /* The conservative time of impact of one pair (see ccd_pair.h for the two proofs of freedom).
 
-   First the step is cut into quarters, four lanes of the wide kernel: where each of them has a separating axis the
-   cubic is not needed. For the rest only time is subdivided. On an interval [a, b] the cubic's Bernstein polygon is
-   taken by blossoming the coefficients of the whole step, so that errors do not build up; where its hull lies beyond
-   the band the interval is clipped away (Bezier clipping: quadratic convergence at simple roots). What is left is
-   tested against separating axes; if that fails it is followed until the motion left in it is below the tolerance,
-   halved when clipping does not shrink it, earlier half first. The lower end of the first interval that could not be
-   proved free is the time of impact.
+   First the step is cut into quarters, four lanes of the wide kernel: if each of them has a separating axis, the cubic
+   is not needed. Otherwise time is subdivided. On an interval [a, b] the cubic's Bernstein polygon is taken by
+   blossoming the coefficients of the whole step, so that errors do not build up; where its hull lies beyond the band
+   the interval is clipped away (Bezier clipping: quadratic convergence at simple roots). The rest is tested against
+   separating axes; if that fails it is clipped further until the motion within it is below the tolerance, and halved
+   when clipping does not shrink it, earlier half first. The lower end of the first interval that could not be proved
+   free is the time of impact.
 
    The axis tried is the vector between the closest points at mid-time, which is the best axis for pairs that do not
-   turn, whatever feature is closest. Pairs that slide and turn close to each other would need as many intervals as
-   their gap is small; after a few intervals an axis that turns with them is tried as well, from the vector between the
+   turn, whatever feature is closest. Pairs that slide and turn close to each other would need ever more intervals the
+   smaller their gap; after a few intervals an axis that turns with them is tried as well, from the vector between the
    closest points at the start to that at the end, which leaves an error of second order in the interval. The directions
    carry no obligation: the proofs bound their own errors. */
 #include "geom/ccd.h"
@@ -160,7 +160,7 @@ static void closest_place(const double offset[3], const double edge1[3], const d
     pel_vec3_along(along1, *u, edge2, vector);
 }
 
-/* Takes out of a vector what is along an edge. */
+/* Removes the component of a vector along an edge. */
 static void straighten(const double edge[3], double vector[3])
 {
     double length2 = pel_vec3_dot(edge, edge);
@@ -467,7 +467,7 @@ void ccd_hit_set(const ccd_query *query, double time, pel_ccd_hit *hit)
     ccd_closest(query, time, &s, &u, vector);
     hit->time_of_impact = time;
     hit_weights(query, s, u, hit->weight);
-    /* the distance must stand out from rounding: go back in time until it does */
+    /* the distance must exceed its rounding error: go back in time until it does */
     double least = 256 * query->error;
     bool found = normalize(vector, least);
     for (double back = 0x1p-24; !found && time > 0 && back < 8; back *= 8) {

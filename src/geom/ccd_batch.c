@@ -1,5 +1,5 @@
-/* Batches: blocks of queries go through the filter and the separating axes four at a time; what is left goes one by
-   one. A block's list of survivors lies on the stack; nothing is allocated. */
+/* Batches: blocks of queries go through the filter and the separating axes four at a time; survivors go one by one. A
+   block's list of survivors is on the stack; nothing is allocated. */
 #include "geom/ccd.h"
 
 enum { BLOCK = 512 };

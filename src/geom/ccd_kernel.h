@@ -70,7 +70,7 @@ CCD_INLINE void NAME(ccd_pair_cubic)(const NAME(ccd_pair) * pair, double min_sep
         REAL normal = real_sqrt(squared) + CCD_NORMAL_ERROR * size12 + CCD_TINY_NORMAL;
         band = band + (3.0 * CCD_ROUND_UP * min_separation) * normal;
     }
-    /* NaN when anything above was NaN or overflowed: then nothing is proved */
+    /* NaN if any number above is NaN or overflowed: then nothing is proved */
     cubic->band = band + 0.0 * ((b0 + b1) + (b2 + b3));
     cubic->coefficient[0] = b0;
     cubic->coefficient[1] = b1;
@@ -97,7 +97,7 @@ CCD_INLINE REAL NAME(ccd_pair_error)(const NAME(ccd_pair) * pair)
     return CCD_CORNER_ERROR * size + 0.0 * sum;
 }
 
-/* the same pair between two times of its step; errors stay those of the step */
+/* the same pair between two times of its step; error bounds of the whole step */
 CCD_INLINE void NAME(ccd_pair_part)(const NAME(ccd_pair) * pair, REAL begin, REAL end, NAME(ccd_pair) * part)
 {
     const REAL times[2] = {begin, end};
@@ -125,7 +125,7 @@ CCD_INLINE int NAME(ccd_pair_corners)(const NAME(ccd_pair) * pair, bool edge_edg
     return edge_edge ? 8 : 6;
 }
 
-/* what the products of a direction with all corners must exceed to prove freedom */
+/* bound that the products of a direction with all corners must exceed to prove freedom */
 CCD_INLINE REAL NAME(ccd_axis_threshold)(const REAL direction[3], REAL error, double min_separation)
 {
     REAL sum = real_abs(direction[0]) + (real_abs(direction[1]) + real_abs(direction[2]));

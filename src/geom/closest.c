@@ -185,7 +185,7 @@ double pel_closest_segment_segment(const double a[3], const double b[3], const d
     return inside2;
 }
 
-/* point where the segment goes through the triangle; weights (5) */
+/* point where the segment pierces the triangle; weights (5) */
 static bool crossing(const double a[3], const double b[3], const double *const corners[3], double weights[5],
                      double *distance2)
 {

@@ -1,8 +1,8 @@
 /* Do two triangles have a point in common? Decided by signs of exact determinants only, for all finite input: triangles
    that touch or overlap in a plane, and triangles that are segments or points, included.
 
-   Two sets of which neither is reduced to a point meet exactly when an edge of the one meets the other, so everything
-   comes down to a closed segment against a closed triangle, and a closed segment against a closed segment. */
+   Two sets that are not single points meet exactly when an edge of one meets the other, so everything reduces to a
+   closed segment against a closed triangle, and a closed segment against a closed segment. */
 #include <math.h>
 #include <string.h>
 
@@ -39,7 +39,7 @@ static bool is_between(const double *p, const double *a, const double *b)
     return true;
 }
 
-/* four points on one plane, of which nothing falls together without `axis` */
+/* four points on one plane that stay distinct without the coordinate `axis` */
 static bool plane_segments_meet(int axis, const double *a, const double *b, const double *c, const double *d)
 {
     int abc = orient_dropping(axis, a, b, c), abd = orient_dropping(axis, a, b, d);

@@ -136,7 +136,7 @@ static void box_constraints(const double half[3], const double a[3], const doubl
     constraints[8] = (constraint){1, 1, 0, 1};
 }
 
-/* the point where three constraints hold with equality; false when there is none */
+/* the point where three constraints hold with equality; false if there is none */
 static int solve_triple(const constraint *p, const constraint *q, const constraint *r, double solution[3])
 {
     const double row[3][3] = {{p->u, p->v, p->s}, {q->u, q->v, q->s}, {r->u, r->v, r->s}};
@@ -165,7 +165,7 @@ static int is_feasible(const constraint constraints[9], const double x[3], doubl
     return 1;
 }
 
-/* the axis along which they are farthest apart so far */
+/* the best axis found: they are farthest apart along it */
 typedef struct separation {
     const double *half; /* of the box */
     const double (*triangle)[3];

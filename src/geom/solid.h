@@ -19,16 +19,16 @@ typedef struct pel_solid {
 /* Signed distance of p, negative inside. normal (3) is the unit direction out of the solid through the nearest face. */
 double pel_solid_distance(const pel_solid *solid, const double p[3], double normal[3]);
 
-/* How deep the triangle goes into the solid: the depth (positive) along `normal` (3), the way out, of its deepest
-   point, whose weights (3) are written; 0 or less when it stays out (weights and normal are not written then). Exact:
-   closest points for sphere and capsule; of a box the deepest point by a small linear program and the way out by
-   pel_box_separation. */
+/* Depth of the triangle in the solid: positive at its deepest point, whose weights (3) are written, along `normal` (3),
+   the direction out; 0 or less if it stays out (weights and normal are not written then). Exact: closest points for
+   sphere and capsule; for a box the deepest point by a small linear program and the direction by pel_box_separation. */
 double pel_solid_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                        double weights[3], double normal[3]);
 
 /* The axis (3), out of a box, along which it and a triangle are farthest apart or overlap least: a normal of a face,
-   that of the triangle, or one across an edge of each. Where an edge of the box presses into the triangle no face tells
-   the way out. Returns the support of the box: the triangle's point p stands at axis . p minus that. */
+   that of the triangle, or one across an edge of each. Where an edge of the box presses into the triangle, no face
+   gives the direction out. Returns the support of the box: the signed distance of the triangle's point p is axis . p
+   minus it. */
 double pel_box_separation(const double half[3], const double triangle[3][3], double axis[3]);
 
 /* Half sizes of the box about the solid in its own frame. */

@@ -98,7 +98,7 @@ WIDE4_INLINE wide2 wide2_load(const double *values)
     return pair;
 }
 
-/* the points (3) at four addresses, one a lane; reads nothing behind them */
+/* the points (3) at four addresses, one a lane; reads nothing after them */
 WIDE4_INLINE void wide4_load_points(const double *const points[4], wide4 xyz[3])
 {
     wide2 p0 = wide2_load(points[0]), p1 = wide2_load(points[1]);

@@ -20,7 +20,7 @@ static inline void pel_exchange_create(pel_exchange *exchange)
     exchange->reader = 2;
 }
 
-/* The record in slot `writer` is whole: hands it over. The next one goes to the new slot `writer`. */
+/* Publishes the complete record in slot `writer`. The next one is written to the new slot `writer`. */
 static inline void pel_exchange_give(pel_exchange *exchange)
 {
     unsigned old =

@@ -1,8 +1,8 @@
-/* Planes of two kinds stand in a local model. Those that are touched carry the force of the last step: forces on the
-   touched vertices are grouped by direction, and each group gives a plane along its sum N, whose offset
-   normal . x + |N| / k makes it push with N at the tool's position x. Near triangles, which the tool has not touched
-   yet, give planes through the tool's position minus the gap; they count where the surface is concave there, since the
-   half spaces of a convex surface exclude more than the surface does. */
+/* A local model has two kinds of planes. Touched planes carry the force of the last step: forces on the touched
+   vertices are grouped by direction, and each group gives a plane along its sum N, whose offset normal . x + |N| / k
+   makes it push with N at the tool's position x. Near triangles, which the tool has not touched yet, give planes
+   through the tool's position minus the gap; they count where the surface is concave there, since the half spaces of a
+   convex surface exclude more than the surface does. */
 #include "haptic/local_model.h"
 
 #include "math/vec3.h"
@@ -12,7 +12,7 @@
 #define SAME_DIRECTION 0.5
 /* within 45 degrees: of triangles whose direction is known about */
 #define SURELY_SAME 0.7
-/* of the sum of the sizes of all forces: groups below this are no plane of their own */
+/* share of the sum of the magnitudes of all forces: smaller groups get no plane */
 #define LEAST_GROUP 0.02
 /* of the reach: moves below this tell nothing about stiffness, and moves of this much tell half of it */
 #define LEAST_MOVE 2e-3
@@ -185,7 +185,7 @@ static double deepest_corner(const pel_solid *grown, double local[3][3], double 
     return depth;
 }
 
-/* the plane of a triangle within the reach of a tool; false when there is none that is nearer than those found */
+/* the plane of a triangle within the reach of a tool; false if none is nearer than those found */
 static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, double reach, const candidates *found,
                        candidate *near)
 {
@@ -214,7 +214,7 @@ static bool near_plane(const pel_sim *sim, const pel_tool *tool, int32_t t, doub
     return true;
 }
 
-/* whether the surface at `near` rises above the planes found so far, in another direction */
+/* whether the surface at `near` rises above the planes found, in another direction */
 static bool is_concave(const candidates *found, const candidate *near)
 {
     for (int32_t i = 0; i < found->count; i++) {
@@ -251,8 +251,8 @@ static void add_near(pel_sim *sim, const pel_tool *tool, double reach, candidate
 
 /* ---- stiffness ---- */
 
-/* Adds what the step from the last model to this one tells. Where both were touched, forces and positions change along
-   the planes; at a first touch the force has grown from 0 over the depth behind the planes that were near. */
+/* Adds the measurement of the step from the last model to this one. If both were touched, forces and positions change
+   along the planes; at a first touch the force has grown from 0 over the depth behind the planes that were near. */
 static void learn(const pel_local_model *last, const pel_local_model *now, pel_surface_estimate *estimate)
 {
     double move[3], change[3], force_change = 0, depth_change = 0, least = LEAST_MOVE * now->reach;
@@ -310,8 +310,8 @@ static void set_planes(const candidates *found, const double end[3], pel_local_m
     }
 }
 
-/* where the force of the last step belongs: where velocities exist it is a mean over the step, in which the tool moved
-   evenly, else that of its end */
+/* the position at which the force of the last step acts: with velocities it is a mean over the step, in which the tool
+   moved evenly, otherwise the force at its end */
 static void tool_place(const pel_sim *sim, const pel_tool *tool, double place[3])
 {
     pel_vec3_copy(tool->pose.position, place);

@@ -9,7 +9,7 @@
 typedef struct pel_surface_estimate {
     double stiffness;    /* N/m, at present */
     double least, most;  /* N/m, bounds */
-    double force_change; /* N m, sum of change of force times that of depth */
+    double force_change; /* N m, sum of changes of force times changes of depth */
     double depth_change; /* m2, sum of squares */
 } pel_surface_estimate;
 

@@ -63,7 +63,7 @@ static void *run(void *argument)
         loop->function(loop->context, latency);
         int64_t end = clock_now(), missed = (end - due) / loop->period;
         latency->most_update = fmax(latency->most_update, (double)(end - begin) / SECOND);
-        /* updates that are over already are left out, so that the loop does not hurry after them */
+        /* skip missed updates, so that the loop does not rush to catch up */
         latency->missed_count += missed;
         due += (missed + 1) * loop->period;
     }

@@ -6,7 +6,7 @@
 
 typedef struct pel_loop pel_loop;
 
-/* One update; latency is that of all updates before. Called in the loop's thread. */
+/* One update; latency describes all earlier updates. Called in the loop's thread. */
 typedef void pel_loop_function(void *context, const pel_haptic_latency *latency);
 
 /* rate: Hz. PEL_OUT_OF_MEMORY when the thread cannot be had. */

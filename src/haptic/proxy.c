@@ -6,15 +6,16 @@
 enum { ROUND_LIMIT = 30, HALVING_LIMIT = 20 };
 /* of the search for how far planes are withdrawn: to a millionth of their depth */
 enum { BISECTIONS = 20 };
-/* of the device's damping beyond what holding the force needs: may pay for changes of the local model */
+/* share of the device's damping beyond the need of holding the force that may pay for changes of the local model */
 #define RESERVE 0.5
 /* planes below this share of the largest stiffness are dropped when a new model comes */
 #define FADED 0.01
 /* s, blending takes at most so long */
 #define BLEND_LIMIT 0.1
 
-/* J/m2: energy over the square of a displacement in a period that is counted as taken by the device's damping. What
-   holding the force over a period gives, K/2 + B/T, and a share of what damping has left; the rest brings to rest. */
+/* J/m2: energy over the square of a displacement in a period that is counted as taken by the device's damping. Holding
+   the force over a period generates K/2 + B/T; a share of the remaining damping is counted as well, the rest
+   dissipates. */
 static double taken_energy(const pel_haptic_def *def)
 {
     double held = 0.5 * def->coupling_stiffness + def->coupling_damping * def->rate;
@@ -185,12 +186,12 @@ static void observe(pel_proxy *proxy, const double move[3], bool touches)
         return;
     proxy->energy += pel_vec3_dot(proxy->force, move) - proxy->taken * pel_vec3_squared_length(move);
     proxy->most_energy = fmax(proxy->most_energy, proxy->energy);
-    /* what a contact took is no credit for the next one */
+    /* energy taken by a contact is no credit for the next one */
     if (is_free)
         proxy->energy = fmax(proxy->energy, 0);
 }
 
-/* planes that are nearer to the point x by a distance, as far as x is behind them */
+/* planes moved towards the point x by a distance, at most until x is on them */
 static void ease(const pel_haptic_plane *planes, int32_t count, const double x[3], double distance,
                  pel_haptic_plane *eased)
 {
@@ -202,8 +203,8 @@ static void ease(const pel_haptic_plane *planes, int32_t count, const double x[3
     }
 }
 
-/* Withdraws the planes as little as it takes that the energy stored in them is at most `most`: where a new model would
-   put in more energy than the device has given, the surface begins deeper, and comes back as the device retreats. */
+/* Withdraws the planes until the energy stored in them is at most `most`: if a new model would add more energy than the
+   device has given, the surface starts deeper, and returns as the device retreats. */
 static void withdraw(pel_proxy *proxy, const pel_haptic_plane *planes, int32_t count, const double x[3], double most,
                      double p[3])
 {

@@ -4,21 +4,21 @@
 
        U(x) = min_p  K/2 |p - x|^2 + sum_i k_i/2 max(0, offset_i - normal_i . p)^2,       F = -grad U = K (p - x).
 
-   U is the Moreau envelope of a convex function: its gradient has the Lipschitz constant K whatever the planes are.
-   Held over a period T, the force does the work F . d <= U(x) - U(x + d) + K/2 |d|^2 on the device over a displacement
-   d, and the device's damping b takes b |d|^2 / T at least. With K T / 2 <= b (Colgate and Schenkel's condition) the
-   observed energy E, work less a part of what damping takes, K/2 |d|^2 or more, keeps E + U <= 0 while the planes stay.
-   A new local model may store more in U than the device has given; then the planes are withdrawn until E + U is within
-   the budget again. So E never exceeds the budget, whatever the simulation and the hand do. */
+   U is the Moreau envelope of a convex function: its gradient has the Lipschitz constant K for any planes. Held over a
+   period T, the force does the work F . d <= U(x) - U(x + d) + K/2 |d|^2 on the device over a displacement d, and the
+   device's damping b dissipates at least b |d|^2 / T. With K T / 2 <= b (Colgate and Schenkel's condition) the observed
+   energy E, work less a part of the dissipation, K/2 |d|^2 or more, keeps E + U <= 0 while the planes are fixed. A new
+   local model may store more in U than the device has given; then the planes are withdrawn until E + U is within the
+   budget again. So E never exceeds the budget, for any motion of simulation and hand. */
 #ifndef PEL_HAPTIC_PROXY_H
 #define PEL_HAPTIC_PROXY_H
 
 #include "pellicle/haptic.h"
 
-/* planes that are blended out at most, while those of a new model are blended in */
+/* most planes that fade out while those of a new model fade in */
 enum { PEL_PROXY_OLD = 8, PEL_PROXY_PLANES = PEL_PROXY_OLD + PEL_HAPTIC_PLANES };
 
-/* What the loop knows of the surface. */
+/* The loop's knowledge of the surface. */
 typedef struct pel_local_model {
     pel_haptic_plane planes[PEL_HAPTIC_PLANES];
     int32_t plane_count;
@@ -26,7 +26,7 @@ typedef struct pel_local_model {
     double tool_position[3]; /* m, where the force of the last step belongs */
     double force[3];         /* N, on the tool in the last step */
     double stiffness;        /* N/m, as learned */
-    double reach;            /* m: the model holds so far about the tool */
+    double reach;            /* m: range of validity about the tool */
 } pel_local_model;
 
 typedef struct pel_proxy {
@@ -47,7 +47,7 @@ typedef struct pel_proxy {
 
     /* last update */
     int64_t update_count;
-    bool has_last; /* device, proxy and force are those of the update before */
+    bool has_last; /* device, proxy and force of the previous update */
     bool touches;
     double device[3], proxy[3], force[3];
 
@@ -59,7 +59,7 @@ typedef struct pel_proxy {
 /* def: checked, with all automatic numbers resolved */
 void pel_proxy_create(pel_proxy *proxy, const pel_haptic_def *def);
 
-/* A new local model: blended in over as many updates as there were between the last two models. */
+/* A new local model: blended in over the number of updates between the last two models. */
 void pel_proxy_set_model(pel_proxy *proxy, const pel_local_model *model);
 
 /* One update: the device is at position. */

@@ -1,4 +1,4 @@
-/* Integers and floats of either byte order in memory, whatever the order of this machine. */
+/* Integers and floats of either byte order in memory, on machines of either order. */
 #ifndef PEL_IO_BYTES_H
 #define PEL_IO_BYTES_H
 
@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* value, with its bytes turned around when they stand in the other order than this machine's */
+/* value, with its bytes reversed if their order differs from this machine's */
 static inline uint64_t pel_vertex_order_bytes(uint64_t value, size_t size, bool big_endian)
 {
     const bool same = big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);

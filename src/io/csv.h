@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Copies the next cell of the line at *at, which ends with a line break or zero, without its quotes; what is longer
-   than size - 1 bytes is cut. *at goes to the next cell, null after the last one. False when *at is null. */
+/* Copies the next cell of the line at *at, which ends with a line break or zero, without its quotes, cut to size - 1
+   bytes. *at moves to the next cell, null after the last one. False if *at is null. */
 bool pel_csv_next(const char **at, char *cell, size_t size);
 
 #endif

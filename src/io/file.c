@@ -54,7 +54,7 @@ static pel_status read_all(int descriptor, const char *path, size_t guess, size_
     return PEL_OK;
 }
 
-/* refuses what is no regular file: a pipe may never end and a device may wait for ever */
+/* refuses other files than regular ones: a pipe may never end and a device may block forever */
 static int fail_kind(const char *path, mode_t mode, pel_error *error)
 {
     const char *kind = S_ISFIFO(mode) || S_ISSOCK(mode) ? "a pipe" : "a device";
@@ -98,7 +98,7 @@ pel_status pel_file_check(const char *path, pel_error *error)
 
 pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error *error)
 {
-    /* files of /proc tell no size: stop before memory is gone */
+    /* files of /proc have no size: stop before memory runs out */
     const size_t limit_without_size = (size_t)1 << 30;
     *bytes = NULL;
     *size = 0;
@@ -116,7 +116,7 @@ pel_status pel_file_read(const char *path, char **bytes, size_t *size, pel_error
 pel_status pel_file_check_inside(const char *folder, const char *path, pel_error *error)
 {
     char *outer = realpath(folder, NULL), *inner = realpath(path, NULL);
-    /* the reader says it of what is not there */
+    /* the reader reports a missing file */
     bool inside = outer == NULL || inner == NULL;
     size_t length = outer != NULL ? strlen(outer) : 0;
     if (!inside && strcmp(outer, "/") != 0)
@@ -147,8 +147,8 @@ static void name_temporary(pel_file_writer *writer, int attempt)
              (long)getpid(), attempt);
 }
 
-/* A new file beside the target, or -1 with errno. It has no name until it is whole, where the file system can do that:
-   a program that is killed leaves nothing. */
+/* A new file in the folder of the target, or -1 with errno. It has no name until it is complete, if the file system
+   supports that: a program that is killed leaves nothing. */
 static int open_temporary(pel_file_writer *writer)
 {
     writer->temporary = pel_allocate((size_t)folder_length(writer) + TEMPORARY_ROOM, 1);
@@ -158,7 +158,7 @@ static int open_temporary(pel_file_writer *writer)
     }
     snprintf(writer->temporary, (size_t)folder_length(writer) + TEMPORARY_ROOM, "%.*s.", folder_length(writer),
              writer->target);
-    /* the way to a name later */
+    /* a path to name it later */
     int descriptor = -1;
     if (access("/proc/self/fd", X_OK) == 0)
         descriptor = open(writer->temporary, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);

@@ -1,4 +1,4 @@
-/* Whole files: reading one into memory, and writing one so that what stands under its name is always whole. */
+/* Whole files: reading one into memory, and writing one so that its name always refers to a complete file. */
 #ifndef PEL_IO_FILE_H
 #define PEL_IO_FILE_H
 
@@ -30,14 +30,14 @@ pel_status pel_file_check_inside(const char *folder, const char *path, pel_error
    A failed write is remembered and reported by commit, so the calls between need no checks. */
 typedef struct pel_file_writer {
     FILE *stream;
-    char *path;      /* what the user named, for messages */
+    char *path;      /* path given by the user, for messages */
     char *target;    /* the same with links resolved */
     char *temporary; /* null when written directly */
     bool nameless;   /* the temporary file has no name yet */
     int failure;     /* errno of the first failure, 0 = none */
 } pel_file_writer;
 
-/* On failure (PEL_BAD_FILE, PEL_OUT_OF_MEMORY) nothing is left to close. */
+/* On failure (PEL_BAD_FILE, PEL_OUT_OF_MEMORY) there is nothing to close. */
 pel_status pel_file_writer_open(pel_file_writer *writer, const char *path, pel_error *error);
 void pel_file_writer_write(pel_file_writer *writer, const void *bytes, size_t size);
 /* for text and integers; floating-point numbers follow the locale here: see pel_number_print for those */
@@ -45,9 +45,9 @@ void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...) PE
 /* Flushes, closes and renames. On failure (disk full, ...) the temporary file is removed and an older file under the
    path stays as it was. Closes the writer either way. */
 pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error);
-/* What to do about a write that failed with this errno. Lives forever. */
+/* Remedy for a write that failed with this errno. Lives forever. */
 const char *pel_file_write_remedy(int number);
-/* Closes and removes what was written; fine on a closed writer. */
+/* Closes and removes the file; allowed on a closed writer. */
 void pel_file_writer_abandon(pel_file_writer *writer);
 
 #endif

@@ -1,9 +1,7 @@
 #include "io/json.h"
 
 #include "base/memory.h"
-#include "base/number.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -58,11 +56,9 @@ void pel_json_string(pel_json *json, const char *text)
 
 void pel_json_number(pel_json *json, double number)
 {
-    char text[PEL_NUMBER_SIZE];
-    if (isfinite(number))
-        append(json, text, pel_number_print(text, number));
-    else
-        append(json, "null", 4);
+    char text[32];
+    pel_json_digits(number, text);
+    append(json, text, strlen(text));
 }
 
 void pel_json_numbers(pel_json *json, const double *numbers, int32_t count)

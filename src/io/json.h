@@ -16,7 +16,7 @@ typedef struct pel_json {
 
 /* as printf; floating-point numbers follow the locale here: see pel_json_number for those */
 void pel_json_print(pel_json *json, const char *format, ...) PEL_PRINTF(2, 3);
-/* In quotes, as valid UTF-8 whatever the text holds; '<' is escaped, so that the text may stand inside HTML. */
+/* In quotes, always as valid UTF-8; '<' is escaped, so that the text is safe inside HTML. */
 void pel_json_string(pel_json *json, const char *text);
 /* shortest digits that read back to the same bits; null for NaN and infinity */
 void pel_json_number(pel_json *json, double number);

@@ -14,7 +14,7 @@ typedef struct obj_reader {
     size_t unknown_count;   /* statements that are not of OBJ */
 } obj_reader;
 
-/* white space within a statement, which goes on after a backslash at the end of a line */
+/* white space within a statement; a backslash at the end of a line continues it */
 static inline void skip_blanks(pel_text_cursor *scan)
 {
     while (scan->at < scan->end) {

@@ -8,11 +8,11 @@
 typedef enum off_kind {
     OFF_NONE,  /* not an OFF file */
     OFF_PLAIN, /* positions only */
-    OFF_EXTRA, /* normals, colours or texture coordinates behind the positions */
+    OFF_EXTRA, /* normals, colours or texture coordinates after the positions */
     OFF_OTHER  /* positions of four or n coordinates */
 } off_kind;
 
-/* goes behind the header word */
+/* skips the header word */
 static off_kind accept_header(pel_text_cursor *scan)
 {
     static const char *const plain[] = {"OFF", "off", NULL};

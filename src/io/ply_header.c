@@ -157,7 +157,8 @@ static pel_status read_line(pel_text_cursor *scan, pel_ply_header *header, bool 
     return status;
 }
 
-/* Behind the line end of "end_header". Data may begin with \n, so the first line tells whether a \r stands alone. */
+/* Skips the line end of "end_header". Data may begin with \n, so the first line decides whether lines end with \r
+   alone. */
 static pel_status skip_last_line_end(pel_text_cursor *scan, bool pairs, pel_error *error)
 {
     pel_text_cursor_skip_blanks(scan);

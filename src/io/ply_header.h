@@ -40,7 +40,7 @@ typedef struct pel_ply_header {
     pel_ply_property properties[PEL_PLY_PROPERTY_LIMIT]; /* of all elements, one after the other */
 } pel_ply_header;
 
-/* Reads the header and goes to the first byte behind it. */
+/* Reads the header and moves to the first byte after it. */
 pel_status pel_ply_read_header(pel_text_cursor *scan, pel_ply_header *header, pel_error *error);
 /* the element or property of that name, or null */
 const pel_ply_element *pel_ply_find_element(const pel_ply_header *header, const char *name);

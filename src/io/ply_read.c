@@ -47,7 +47,7 @@ static double load_binary(const char *bytes, pel_ply_type type, bool big)
     }
 }
 
-/* the next value of either encoding; false when there is none */
+/* the next value of either encoding; false if there is none */
 static inline bool read_value(ply_reader *reader, pel_ply_type type, double *value)
 {
     pel_text_cursor *scan = reader->scan;
@@ -106,7 +106,7 @@ static pel_status skip_values(ply_reader *reader, const pel_ply_property *proper
     return PEL_OK;
 }
 
-/* goes behind one value or list */
+/* skips one value or list */
 static pel_status skip_property(ply_reader *reader, const pel_ply_property *property, pel_error *error)
 {
     size_t count = 1;
@@ -179,7 +179,7 @@ static int32_t add_field(ply_reader *reader, const pel_ply_element *element, int
     return component_count;
 }
 
-/* the axis that a property name stands for, -1 = none */
+/* the axis of a property name, -1 = none */
 static int axis_of(const char *name)
 {
     return name[0] >= 'x' && name[0] <= 'z' && name[1] == '\0' ? name[0] - 'x' : -1;
@@ -213,7 +213,7 @@ static pel_status prepare_vertices(ply_reader *reader, const pel_ply_element *el
     return PEL_OK;
 }
 
-/* the field that is written through this sink is of no use, from its first value that is none */
+/* discards the field of this sink, from its first invalid value */
 static void note_bad(ply_reader *reader, const double *base, int64_t v)
 {
     for (int32_t f = 0; f < reader->field_count; f++) {
@@ -346,7 +346,7 @@ static pel_status skip_element(ply_reader *reader, const pel_ply_element *elemen
     return status;
 }
 
-/* the elements in the order of the file; what follows vertices and faces is not looked at */
+/* the elements in the order of the file; elements after vertices and faces are not read */
 static pel_status read_body(ply_reader *reader, pel_error *error)
 {
     const pel_ply_header *header = &reader->header;

@@ -42,7 +42,7 @@ static bool column_exists(const ply_writer *writer, const char *name)
     return false;
 }
 
-/* a name that the header can hold and that does not stand there yet */
+/* a valid name that is not yet in the header */
 static bool name_is_free(const ply_writer *writer, const pel_field *field)
 {
     char name[PEL_NAME_SIZE + 16];

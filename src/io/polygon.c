@@ -70,7 +70,7 @@ static bool is_ear(const outline *polygon, const int32_t *corners, int32_t count
     return true;
 }
 
-/* cuts ears off; what is left when there is none (a polygon that crosses itself) is fanned */
+/* cuts ears off; a remainder without ears (of a polygon that crosses itself) becomes a fan */
 static void cut_ears(const outline *polygon, const int32_t *corners, int32_t count, int32_t (*triangles)[3])
 {
     int32_t left[EAR_LIMIT];

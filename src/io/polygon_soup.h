@@ -15,13 +15,13 @@ typedef struct pel_polygon_soup {
     size_t polygon_count, polygon_capacity;
     size_t ignored_count;      /* polygons with fewer than three corners */
     size_t dropped_count;      /* loose triangles with two corners at the same place */
-    int32_t index_base;        /* what the file calls the first vertex: 0 or 1 */
-    int64_t largest_corner;    /* largest vertex index so far, from 0; -1 = none */
+    int32_t index_base;        /* number of the first vertex in the file: 0 or 1 */
+    int64_t largest_corner;    /* largest vertex index read, from 0; -1 = none */
     const char *largest_place; /* where in the file it stands */
 } pel_polygon_soup;
 
 void pel_polygon_soup_init(pel_polygon_soup *builder, int32_t index_base);
-/* frees what was not taken over by a mesh */
+/* frees memory that no mesh has taken over */
 void pel_polygon_soup_free(pel_polygon_soup *builder);
 
 /* Each returns false when out of memory. */
@@ -34,8 +34,8 @@ bool pel_polygon_soup_end_polygon(pel_polygon_soup *builder, size_t corner_count
 /* a whole polygon of three corners */
 bool pel_polygon_soup_add_triangle(pel_polygon_soup *builder, const int32_t vertices[3], const char *place);
 
-/* Formats without shared vertices: a corner gets a vertex of its own, to be welded at the end; a triangle with two
-   corners at the same place is dropped, with its vertices. */
+/* Formats without shared vertices: each corner gets its own vertex, welded at the end; a triangle with two corners at
+   the same place is dropped, with its vertices. */
 bool pel_polygon_soup_add_loose_corner(pel_polygon_soup *builder, const double position[3], const char *place);
 bool pel_polygon_soup_end_loose_polygon(pel_polygon_soup *builder, size_t corner_count);
 

@@ -24,7 +24,7 @@ pel_status pel_report_pack_open(pel_report_pack *pack, size_t limit, pel_error *
     return PEL_OK;
 }
 
-/* packs what the stream has been given */
+/* packs the pending input of the stream */
 static pel_status pump(pel_report_pack *pack, int flush, pel_error *error)
 {
     z_stream *stream = pack->stream;

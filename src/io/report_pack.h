@@ -9,7 +9,7 @@ typedef struct pel_report_pack {
     void *bytes;
     size_t size, capacity;
     size_t limit;
-    bool full; /* the limit was passed: what comes is dropped */
+    bool full; /* the limit was passed: further data are dropped */
 } pel_report_pack;
 
 pel_status pel_report_pack_open(pel_report_pack *pack, size_t limit, pel_error *error);

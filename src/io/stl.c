@@ -111,7 +111,7 @@ static pel_status read_corner(pel_text_cursor *scan, double position[3], pel_err
     return PEL_OK;
 }
 
-/* from behind the word "facet" to behind "endfacet"; the normal may be anything */
+/* from after the word "facet" to after "endfacet"; any normal is accepted */
 static pel_status read_facet(stl_reader *reader, pel_error *error)
 {
     pel_text_cursor *scan = reader->scan;

@@ -60,18 +60,18 @@ static inline void pel_text_cursor_skip_line(pel_text_cursor *scan)
 
 /* white space, line ends and comments from # to the end of the line */
 void pel_text_cursor_skip_comments(pel_text_cursor *scan);
-/* the word here, with its length (0 at the end of the line or file); goes behind it */
+/* the word here, with its length (0 at the end of the line or file); moves after it */
 const char *pel_text_cursor_word(pel_text_cursor *scan, size_t *length);
-/* true, and behind it, when the next characters are `word` in any case and then a break */
+/* whether the next characters are `word` in any case and then a break; if so moves after it */
 bool pel_text_cursor_accept(pel_text_cursor *scan, const char *word);
 /* whether a word of this length is among the words, which end with null */
 bool pel_word_is_one_of(const char *word, size_t length, const char *const *words);
-/* A number up to a break: goes behind it. False when there is none (stays there). */
+/* A number up to a break: moves after it. False if there is none (does not move). */
 bool pel_text_cursor_any_number(pel_text_cursor *scan, double *value);
 /* the same; false (and stays there) for nan and infinity too */
 bool pel_text_cursor_number(pel_text_cursor *scan, double *value);
-/* Decimal digits with a sign, any break or character behind: goes behind them. False when there are none or too many
-   for 64 bits (stays there). */
+/* Decimal digits with a sign, followed by any character: moves after them. False if there are none or too many for 64
+   bits (does not move). */
 bool pel_text_cursor_integer(pel_text_cursor *scan, int64_t *value);
 
 /* PEL_BAD_FORMAT at the character `at`: its line and column, or its byte offset in a binary file */

@@ -56,7 +56,7 @@ pel_status pel_vtk_blocks_pack(const void *bytes, size_t size, unsigned char *pa
         stream.avail_in = (uInt)length;
         stream.next_out = out;
         stream.avail_out = (uInt)room;
-        /* cannot fail: the room is what zlib itself asks for */
+        /* cannot fail: the size is zlib's own bound */
         deflate(&stream, Z_FINISH);
         out += stream.total_out;
         store_word(packed + (HEAD_WORDS + i) * sizeof(uint64_t), stream.total_out);

@@ -3,10 +3,10 @@
        <VTKFile> <PolyData> <FieldData/> <Piece> <PointData/> <CellData/> <Points/> <Polys/> </Piece> </PolyData>
        <AppendedData encoding="raw"> _ array array ... </AppendedData> </VTKFile>
 
-   A raw array is a word of 8 bytes with its size, then its bytes; a packed one is what vtk_blocks.h describes. The
-   arrays are laid out in memory first, because the head of the file names their offsets, and then written in one go.
-   The triangles come last, in a block of their own that serves the next file too when they are the same. Format:
-   Kitware, "VTK XML file formats". */
+   A raw array is a word of 8 bytes with its size, then its bytes; vtk_blocks.h describes packed ones. The arrays are
+   laid out in memory first, because the head of the file has their offsets, and then written at once. The triangles
+   come last, in a separate block that is reused for the next file if they are the same. Format: Kitware, "VTK XML file
+   formats". */
 #include "pellicle/results.h"
 
 #include "base/memory.h"
@@ -41,7 +41,7 @@ struct pel_vtp_writer {
     vtp_section numbers; /* up to the points */
     vtp_section surface; /* connectivity and ends */
     vtp_section scratch; /* an array before it is packed */
-    /* what the surface section holds */
+    /* content of the surface section */
     int32_t *triangles; /* (triangle_count x 3); null = nothing */
     int32_t triangle_count;
     bool packed;
@@ -50,7 +50,7 @@ struct pel_vtp_writer {
 
 enum { TIME, FIELDS };
 
-/* fields of vertices, then those of triangles */
+/* fields of vertices, then of triangles */
 static const pel_vtp_field *field_at(const pel_vtp *vtp, int32_t f)
 {
     return f < vtp->field_count ? &vtp->fields[f] : &vtp->cell_fields[f - vtp->field_count];
@@ -123,7 +123,7 @@ static bool grow(vtp_section *section, size_t size)
     return pel_reserve(&section->bytes, &section->room, size, 1);
 }
 
-/* the array's bytes as they stand in the file, or before packing */
+/* the array's bytes as in the file, or before packing */
 static void encode(const vtp_array *array, unsigned char *out)
 {
     size_t count = array->tuple_count * array->component_count;
@@ -176,7 +176,7 @@ static bool has_surface(const pel_vtp_writer *writer, const pel_vtp *vtp)
            memcmp(writer->triangles, vtp->triangles, 3 * (size_t)vtp->triangle_count * sizeof *vtp->triangles) == 0;
 }
 
-/* fills the surface section, and remembers what is in it only once it is there */
+/* fills the surface section, and records its content only once it is complete */
 static pel_status append_surface(pel_vtp_writer *writer, const pel_vtp *vtp, pel_error *error)
 {
     vtp_array *connectivity = arrays_of(writer) + writer->array_count - 2, *ends = connectivity + 1;

@@ -60,7 +60,7 @@ typedef struct vtp_array {
     vtp_form form;
     int32_t component_count;
     size_t offset;          /* in the appended section */
-    const char *text, *end; /* what stands in the tag otherwise */
+    const char *text, *end; /* otherwise the value in the tag */
     char name[PEL_NAME_SIZE];
 } vtp_array;
 
@@ -215,7 +215,7 @@ static vtp_section section_after(const pel_xml_tag *tag, vtp_section present)
     return present;
 }
 
-/* arrays that only describe the file are left alone */
+/* skip arrays that only describe the file */
 static bool is_wanted(const pel_xml_tag *tag, vtp_section section)
 {
     char name[PEL_NAME_SIZE];
@@ -355,7 +355,7 @@ static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, size_t 
     size_t got, extent, word = reader->word_size;
     *bytes = NULL;
     pel_status status = find_extent(reader, array, size, &extent);
-    /* four characters of base64 stand for three bytes */
+    /* four characters of base64 encode three bytes */
     size_t taken = array->form != FORM_APPENDED ? 0 : reader->data_is_base64 ? extent + extent / 3 : extent;
     if (status == PEL_OK && (extent == 0 || taken > reader->unused))
         return fail_at(reader, place_of(reader, array), "an array has not the size that its head tells");
@@ -453,7 +453,7 @@ static pel_status read_binary(vtp_reader *reader, const vtp_array *array, double
     return status;
 }
 
-/* whether the file holds so many numbers at all, before memory is asked for */
+/* whether the file can hold that many numbers, before allocation */
 static bool can_hold(const vtp_reader *reader, const vtp_array *array, int64_t tuple_count)
 {
     size_t width = (size_t)array->component_count, room = reader->numbers_left;
@@ -532,7 +532,7 @@ static pel_status take_faces(vtp_reader *reader, vtp_section section, int64_t fa
     return status == PEL_OK ? take_reals(reader, corners, faces->corner_count, &faces->corners) : status;
 }
 
-/* the index of a vertex, or one past the last for what is none */
+/* the index of a vertex, or one past the last if invalid */
 static int32_t vertex_at(const vtp_reader *reader, const vtp_faces *faces, int64_t i)
 {
     double v = faces->corners[i];

@@ -66,7 +66,7 @@ bool pel_xml_is(const pel_xml_tag *tag, const char *name)
     return available == length || is_space(tag->start[length]) || tag->start[length] == '/';
 }
 
-/* the value of the next `name="value"` at or behind `at`; returns where it ends, null when there is none */
+/* the value of the next `name="value"` at or after `at`; returns its end, null if there is none */
 static const char *next_attribute(const char *at, const char *end, pel_xml_tag *name, pel_xml_tag *value)
 {
     while (at < end && is_space(*at))

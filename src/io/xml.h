@@ -10,12 +10,12 @@
 /* writes text with the five special characters escaped and control characters as question marks */
 void pel_xml_write_escaped(pel_file_writer *writer, const char *text);
 
-/* What stands between < and >, such as `Piece NumberOfPoints="3"` or `/Piece`. */
+/* The text between < and >, such as `Piece NumberOfPoints="3"` or `/Piece`. */
 typedef struct pel_xml_tag {
     const char *start, *end;
 } pel_xml_tag;
 
-/* The first tag that begins in at..end; moves *at behind it. False when no whole tag is left. */
+/* The first tag that begins in at..end; moves *at after it. False if no complete tag is left. */
 bool pel_xml_next(const char **at, const char *end, pel_xml_tag *tag);
 
 /* the tag's name, slash of an end tag included, is `name` */

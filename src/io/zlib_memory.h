@@ -1,4 +1,4 @@
-/* Memory of zlib's streams: all heap use goes through base/memory.h. */
+/* Memory of zlib's streams: all allocations use base/memory.h. */
 #ifndef PEL_IO_ZLIB_MEMORY_H
 #define PEL_IO_ZLIB_MEMORY_H
 

@@ -1,6 +1,6 @@
 /* Fung-type tissue (Fung 1967, isotropic): psi = E h / b (exp Q - 1) with Q = b w / (E h), w the energy of stvk.h, and
    the stiffening b: young and poisson at small strain, a stiffness that grows as exp(b e^2 / 2) with the strain e of a
-   pull. Above Q = 20, at 5e8 times the stiffness of rest, the energy goes on linearly in Q, so that it stays finite.
+   pull. Above Q = 20, at 5e8 times the stiffness of rest, the energy continues linearly in Q, so that it stays finite.
    Numbers: lambda / mu, and b mu / (E h) = b / (2 (1 + nu)). */
 #ifndef PEL_LAW_FUNG_H
 #define PEL_LAW_FUNG_H

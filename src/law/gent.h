@@ -1,5 +1,5 @@
-/* Gent 1996, incompressible: psi = -mu Jm/2 ln(1 - (I1 - 3) / Jm) with I1 = tr C + 1 / J^2: rubber whose chains end
-   at I1 - 3 = Jm, neo-Hookean for Jm -> infinity. Beyond 99 % of the limit the energy goes on as its parabola there,
+/* Gent 1996, incompressible: psi = -mu Jm/2 ln(1 - (I1 - 3) / Jm) with I1 = tr C + 1 / J^2: rubber whose chains end at
+   I1 - 3 = Jm, neo-Hookean for Jm -> infinity. Beyond 99 % of the limit the energy continues as its parabola there,
    beyond twice the limit as its tangent, so that any shape has a finite energy and stiffness. Numbers: Jm. */
 #ifndef PEL_LAW_GENT_H
 #define PEL_LAW_GENT_H
@@ -13,7 +13,7 @@ PEL_INLINE void pel_law_gent(const pel_lane *numbers, const pel_strain *s, pel_r
     const pel_lane one = pel_lane_splat(1), half = PEL_CONSTANT(0.5), limit = numbers[0];
     pel_area area = pel_area_of(s);
     pel_incompressible v = pel_incompressible_of(&area);
-    /* share of the limit, and what of it is beyond the last point of the logarithm */
+    /* share of the limit, and the rest of it beyond the last point of the logarithm */
     pel_lane share = v.i1 / limit, at = pel_lane_min(share, PEL_CONSTANT(0.99));
     pel_lane beyond = pel_lane_min(share, pel_lane_splat(2)) - at, far = share - at - beyond;
     pel_lane slope = one / (one - at), curvature = slope * slope, end = slope + beyond * curvature;

@@ -1,11 +1,12 @@
-/* A membrane material as a law and its numbers. The laws stand in files of their own (law/NAME.h); each defines
+/* A membrane material as a law and its numbers. Each law has its own file (law/NAME.h), which defines
 
        pel_law_NAME          energy, stress and tangent of a strain, in units of the shear modulus (law/strain.h)
        pel_law_NAME_of       shear modulus and numbers of a material
-       pel_law_NAME_refuse   a number of the material that the law cannot take
-       pel_law_NAME_traits   what the generic code has to know
+       pel_law_NAME_refuse   names a number of the material that is out of the law's range
+       pel_law_NAME_traits   properties for the generic code
 
-   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h) and an include in law/laws.h. Nothing else knows a law. */
+   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h) and an include in law/laws.h. No other code depends on a
+   law. */
 #ifndef PEL_LAW_MEMBRANE_H
 #define PEL_LAW_MEMBRANE_H
 
@@ -24,10 +25,10 @@ typedef enum pel_law_trait {
     PEL_LAW_OF_STRAIN = 0,        /* any function of the strain: P = F t */
     PEL_LAW_BY_AREA = 1,          /* a function of tr C and J: P = 2 psi_t F + psi_J dJ/dF, finite at J = 0 */
     PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
-    PEL_LAW_CONSTANT_TANGENT = 4, /* D is that of plane stress at any strain: it has a compliance */
+    PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
 } pel_law_trait;
 
-/* a number out of range; member is null when there is none */
+/* a number out of range; member is null if there is none */
 typedef struct pel_law_refusal {
     const char *member, *range;
     double value;

@@ -12,8 +12,8 @@
        psi / mu = (tr C - 2) / 2 + (c - 1) / 2 - (1 + (c - 1) / 2) ln J3,    psi_J / mu = -c / J
 
    the second by the envelope theorem. The start below is an upper bound of the root, off by a factor of 3.6 at most for
-   0.01 < J < 1000; two steps of fourth order (Fritsch, Shafer, Crowley 1973, for the Wright omega function) leave what
-   rounding does. Numbers: nu. */
+   0.01 < J < 1000; two steps of fourth order (Fritsch, Shafer, Crowley 1973, for the Wright omega function) reach
+   rounding. Numbers: nu. */
 #ifndef PEL_LAW_NEO_HOOKEAN_H
 #define PEL_LAW_NEO_HOOKEAN_H
 

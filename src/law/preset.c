@@ -6,8 +6,8 @@
 #define MOONEY PEL_MEMBRANE_MOONEY_RIVLIN
 #define NEO_HOOKEAN PEL_MEMBRANE_NEO_HOOKEAN
 
-/* What a source does not give is called illustrative. "Order of magnitude": the work is named for the kind of material,
-   the number was not found in it word for word. */
+/* Values without a source are called illustrative. "Order of magnitude": the work treats this kind of material but does
+   not state the number itself. */
 static const pel_material_preset presets[] = {
     {"lens-capsule",
      {STVK, 1.5e6, 0.47, 15e-6, 0, 0, 0},

@@ -1,6 +1,6 @@
-/* What a membrane law takes and gives. A law is a function of the strain of a triangle alone: energy density psi,
-   stress t = d psi / ds and tangent D = d2 psi / ds2 for the strain vector s = (e11, e22, 2 e12), in units of its shear
-   modulus. It is written once over pel_lane (base/lane.h), without branches.
+/* Input and output of a membrane law, a function of the strain of a triangle alone: energy density psi, stress t = d
+   psi / ds and tangent D = d2 psi / ds2 for the strain vector s = (e11, e22, 2 e12), in units of its shear modulus. It
+   is written once over pel_lane (base/lane.h), without branches.
 
    An isotropic law needs no more than psi(tr C, J) and its derivatives by these two invariants. With C^-1 = adj C / J^2
 
@@ -30,7 +30,7 @@ typedef struct pel_symmetric3 {
 } pel_symmetric3;
 
 typedef struct pel_strain {
-    pel_symmetric2 strain; /* s: the Green strain (C - I) / 2, or that of the triangle factor of F */
+    pel_symmetric2 strain; /* s: the Green strain (C - I) / 2, or the strain of the triangle factor of F */
     pel_symmetric2 cauchy; /* C = F^T F */
     pel_lane area_ratio;   /* J = sqrt det C, from the area itself: exact for needles */
 } pel_strain;

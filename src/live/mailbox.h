@@ -1,5 +1,5 @@
-/* What the thread of the simulation and that of the server exchange: messages to the pages, each kind with its newest
-   one, and lines from the pages. */
+/* Exchange between the thread of the simulation and the thread of the server: messages to the pages (the newest of each
+   kind) and lines from the pages. */
 #ifndef PEL_LIVE_MAILBOX_H
 #define PEL_LIVE_MAILBOX_H
 
@@ -12,7 +12,7 @@
 
 /* kinds of messages, in the order in which a page needs them */
 typedef enum pel_post_kind {
-    PEL_POST_HELLO,      /* text: what does not change */
+    PEL_POST_HELLO,      /* text: constant information */
     PEL_POST_PARAMETERS, /* text */
     PEL_POST_SURFACE,    /* binary: triangles and pins */
     PEL_POST_NOTICE,     /* text */
@@ -30,7 +30,7 @@ enum {
 typedef struct pel_post {
     unsigned char *bytes;
     size_t size;
-    uint32_t revision; /* 0 = there is none */
+    uint32_t revision; /* 0 = none */
 } pel_post;
 
 typedef struct pel_mailbox {
@@ -49,7 +49,7 @@ typedef struct pel_mailbox {
 void pel_mailbox_create(pel_mailbox *box);
 void pel_mailbox_destroy(pel_mailbox *box);
 
-/* What one page has received. */
+/* Messages that one page has received. */
 typedef struct pel_mail_reader {
     uint32_t known[PEL_POST_COUNT]; /* revisions */
     uint32_t sent, received;        /* frames */

@@ -42,7 +42,7 @@ static void put_numbers(pel_json *json, const char *key, const double *numbers, 
     pel_json_numbers(json, numbers, count);
 }
 
-/* begins an element of a list: with a comma behind another one */
+/* begins an element of a list, with a comma unless it is the first */
 static void next_element(pel_json *json, bool first)
 {
     pel_json_print(json, first ? "{" : ",{");
@@ -103,7 +103,7 @@ static void put_word(void *json, const char *word)
     pel_json_string(json, word);
 }
 
-/* what a hand can press with beside sphere, capsule and box, where there is contact */
+/* additional shapes of a pressing hand if there is contact */
 static void put_presses(pel_json *json, const pel_scene *scene)
 {
     put_flag(json, "contact", scene->sim.contact.enabled);

@@ -16,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* the number is that of the format of web/src/live/play.js */
+/* the number is the format version of web/src/live/play.js */
 static const char mark[] = "<!--pellicle scene, format 1-->";
 static const char mark_start[] = "<!--pellicle scene";
 enum { NAME_SIZE = 512, PATH_SIZE = 4096 };
@@ -66,7 +66,7 @@ static void name_mesh(page *p, int32_t m)
     snprintf(p->names[m], NAME_SIZE, "meshes/%s%.400s%s", prefix, name, end);
 }
 
-/* the bytes of a mesh that the module cannot read, as PLY: written beside the page and taken away again */
+/* the bytes of a mesh that the module cannot read, as PLY: written next to the page and removed again */
 static pel_status convert(const char *path, const char *beside, char **bytes, size_t *size, pel_error *error)
 {
     char passing[PATH_SIZE];
@@ -128,7 +128,7 @@ static void free_page(page *p)
 
 /* ---- the page ---- */
 
-/* what cannot be simulated is refused here, not in the browser */
+/* refuse invalid scenes here, not in the browser */
 static pel_status try_scene(const pel_scene *scene, pel_error *error)
 {
     pel_model *model = NULL;

@@ -1,4 +1,4 @@
-/* Beside the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
+/* In addition to the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
    open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
    next frame). */
 #include "live/player.h"
@@ -41,7 +41,7 @@ struct pel_player {
     bool touched;          /* a command came after the last step */
     bool answers;          /* the last step saw a command, and no picture shows it */
     bool has_new_parameters, has_new_surface;
-    int64_t shown_revision;     /* sum of those of the surfaces */
+    int64_t shown_revision;     /* sum over the surfaces */
     const pel_mesh *shown_tool; /* the mesh under the hand */
     uint32_t echo;
     double step_seconds; /* of the clock for a step */
@@ -133,7 +133,7 @@ static double picture_due(const pel_player *player)
     return player->pictured_at + (player->answers ? ANSWER_SECONDS : PICTURE_SECONDS);
 }
 
-/* what pages have to know now; a picture only when one waits for it */
+/* posts pending messages to pages; a picture only if a page waits for it */
 static void post_all(pel_player *player)
 {
     double start = clock_now();
@@ -360,7 +360,7 @@ static void go_back(pel_player *player, bool whole)
         play(player, false);
 }
 
-/* commands that change parameters or pins, and so what pages show beside the picture */
+/* commands that change parameters or pins, which pages show next to the picture */
 static void apply(pel_player *player, const char *line)
 {
     pel_error error;

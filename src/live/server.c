@@ -30,7 +30,7 @@ typedef struct server {
 /* a page */
 typedef struct page {
     pel_mail_reader reader;
-    char *line; /* a message as it comes in */
+    char *line; /* a message being received */
     size_t length, room;
 } page;
 

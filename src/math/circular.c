@@ -1,7 +1,7 @@
 /* Sine and cosine: x = q pi/2 + r with |r| <= pi/4, exact in the product of x with the bits of 2/pi that matter (Payne
-   and Hanek 1983), whatever the size of x; then Taylor series of r.
-   Angles: with c = k/8 nearest to y/x <= 1, atan(y/x) = atan(c) + atan((y - c x) / (x + c y)), the second at most 1/16
-   and by its series. Sums of two doubles keep what cancels. */
+   and Hanek 1983), for any size of x; then Taylor series of r. Angles: with c = k/8 nearest to y/x <= 1, atan(y/x) =
+   atan(c) + atan((y - c x) / (x + c y)), the second at most 1/16 and by its series. Sums of two doubles avoid
+   cancellation. */
 #include "math/functions.h"
 
 #include "math/pair.h"
@@ -17,7 +17,7 @@ static const pel_pair HALF_TURN = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 /* words of 32 bits: of an integer below 4, a fraction, and one that rounds */
 enum { FRACTION_WORDS = 5, WORDS = FRACTION_WORDS + 2 };
 
-/* the last digits of |x| 2/pi before its point, and those behind it */
+/* the last digits of |x| 2/pi before its binary point, and the digits after it */
 static void multiply_by_inverse(double x, uint32_t words[WORDS])
 {
     static const uint32_t inverse[] = {

@@ -1,6 +1,6 @@
-/* Functions that the C library may round as it likes, with the same bits on every platform: sums, products, quotients
-   and square roots of doubles alone. Within 1 ulp of the exact value; NaN gives NaN. sqrt, floor, rint, fmod,
-   remainder, frexp and ldexp are exact everywhere and stay those of the C library. */
+/* Functions whose rounding C libraries may choose, with the same bits on every platform: sums, products, quotients and
+   square roots of doubles alone. Within 1 ulp of the exact value; NaN gives NaN. sqrt, floor, rint, fmod, remainder,
+   frexp and ldexp are exact everywhere and stay those of the C library. */
 #ifndef PEL_MATH_FUNCTIONS_H
 #define PEL_MATH_FUNCTIONS_H
 

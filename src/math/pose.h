@@ -74,7 +74,7 @@ static inline void pel_rotation_turn(const double q[4], const double vector[3], 
 typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
-    double spin[3];     /* rotation vectors [rad] along the way to here, summed: tells whole turns from none */
+    double spin[3];     /* sum of the rotation vectors [rad] up to this pose: distinguishes whole turns from none */
 } pel_pose;
 
 static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
@@ -113,7 +113,7 @@ static inline void pel_pose_between(const pel_pose *a, const pel_pose *b, double
     }
 }
 
-/* m: length of the way of the position, and of what is at a distance `radius` from it by the rotation */
+/* m: displacement of the position, plus the displacement by rotation of a point at a distance `radius` from it */
 static inline double pel_pose_way(const pel_pose *a, const pel_pose *b, double radius)
 {
     double turn[3];

@@ -1,5 +1,4 @@
-/* Vectors of three doubles, whatever pel_real is. A result may be the same array as an argument, but for the cross
-   product. */
+/* Vectors of three doubles, for any pel_real. A result may alias an argument, except for the cross product. */
 #ifndef PEL_MATH_VEC3_H
 #define PEL_MATH_VEC3_H
 
@@ -92,7 +91,7 @@ static inline double pel_vec3_triangle_area(const double a[3], const double b[3]
     return pel_vec3_length(normal) / 2;
 }
 
-/* volume of the tetrahedron from a point to a triangle, positive when the point is behind it */
+/* volume of the tetrahedron of a point and a triangle, positive if the point is behind the triangle */
 static inline double pel_vec3_cone_volume(const double origin[3], const double a[3], const double b[3],
                                           const double c[3])
 {

@@ -83,7 +83,7 @@ double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_be
     return form == PEL_BENDING_REST_SUBTRACTED ? energy - stencil->rest_energy : energy;
 }
 
-/* angle less that of this cosine and sine, the short way round */
+/* angle minus the angle of this cosine and sine, along the shorter arc */
 static double turned_angle(const double x[4][3], double cosine, double sine, double gradient[4][3])
 {
     pel_particle p[4];

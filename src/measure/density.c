@@ -1,4 +1,4 @@
-/* Energy densities in double. The strains and laws are those of the kernels. */
+/* Energy densities in double, with the strains and laws of the kernels. */
 #define PEL_LANE_DOUBLE
 #include "law/fibre.h"
 #include "measure/element.h"

@@ -5,11 +5,11 @@
 #include "law/membrane.h"
 #include "pellicle/element.h"
 
-/* what pel_membrane_density gives; first_piola may be null */
+/* the result of pel_membrane_density; first_piola may be null */
 double pel_membrane_law_density(const pel_membrane_law *law, const double deformation_gradient[6],
                                 double first_piola[6]);
 
-/* what pel_membrane_energy gives; gradient may be null */
+/* the result of pel_membrane_energy; gradient may be null */
 double pel_membrane_law_energy(const pel_rest_triangle *triangle, const pel_membrane_law *law, const double x[3][3],
                                double gradient[3][3]);
 
@@ -25,7 +25,7 @@ double pel_membrane_law_stiffness(const pel_membrane_law *law);
 /* The same of fibres over their stiffness, along the fibre. */
 double pel_fibre_law_stiffness(pel_fibre_kind kind);
 
-/* The direction of the rest frame in which the triangle is stretched most; the first axis where there is none. */
+/* The direction of the rest frame in which the triangle is stretched most; the first axis if there is none. */
 void pel_principal_direction(const pel_rest_triangle *triangle, const double x[3][3], double direction[2]);
 
 #endif

@@ -6,8 +6,8 @@
        d2 gamma_ij     = v_ij m^T + m v_ji^T,   v_ij = (a_i a_j / h^2 + b_i b_j / (2 L^2)) u + (a_i b_j / (h L)) e
 
    from d m = -sum_i (m . d_i) grad lambda_i with grad lambda_i = b_i / L e + a_i / h u. The antisymmetric part of the
-   derivative of d gamma, the turning of the frame, is left out: that of the triangle across the edge is opposite. So
-   the dihedral angle has the gradient and Hessian of the sum over both triangles. */
+   derivative of d gamma, the rotation of the frame, is omitted: it cancels with the triangle across the edge. So the
+   dihedral angle has the gradient and Hessian of the sum over both triangles. */
 #ifndef PEL_MEASURE_FACE_TURN_H
 #define PEL_MEASURE_FACE_TURN_H
 
@@ -15,7 +15,7 @@
 
 typedef struct pel_face_turn {
     double normal[3], inward[3], along[3]; /* m, u, e */
-    double inverse_height, inverse_length; /* 0 where there is none */
+    double inverse_height, inverse_length; /* 0 if there is none */
     double a[3], b[3];
 } pel_face_turn;
 

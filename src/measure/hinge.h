@@ -16,10 +16,9 @@ typedef struct pel_hinge_lanes {
     pel_lane t2, t3;         /* feet of the tips on the edge */
 } pel_hinge_lanes;
 
-/* An angle turned back by that at rest, the short way round, is the difference of both unless that is beyond half a
-   turn: then a fold would have gone from one side to the other where it is closed. Only a rest shape whose fold is
-   sharper than a quarter turn is taken to do so: scans have such folds, whose sides overlap. `sine` has the sign of the
-   angle. */
+/* The difference of an angle and the rest angle along the shorter arc is their plain difference unless that exceeds
+   half a turn: then a fold would have passed through its closed state. This is allowed only for rest folds sharper than
+   a quarter turn: scans have such folds, whose sides overlap. `sine` has the sign of the angle. */
 PEL_INLINE pel_lane pel_hinge_difference(pel_lane turned, pel_lane sine, pel_lane rest_cosine)
 {
     const pel_lane zero = pel_lane_splat(0), full = PEL_CONSTANT(6.283185307179586);
@@ -61,7 +60,8 @@ PEL_INLINE pel_hinge_lanes pel_hinge_of(const pel_particle p[4], pel_lane rest_c
     return h;
 }
 
-/* scale times the gradients over -length: those of forces with scale = moment length, of the angle with -length */
+/* scale times the gradients over -length: forces with scale = moment length, gradients of the angle with scale =
+   -length */
 PEL_INLINE void pel_hinge_gradients(const pel_hinge_lanes *h, pel_lane scale, pel_lane3 gradient[4])
 {
     const pel_lane one = pel_lane_splat(1);
@@ -71,7 +71,7 @@ PEL_INLINE void pel_hinge_gradients(const pel_hinge_lanes *h, pel_lane scale, pe
     gradient[1] = pel_lane3_combine(-h->t2, gradient[2], -h->t3, gradient[3]);
 }
 
-/* the weights of K x: those of x1, x2, x3 are given, all add up to zero */
+/* the weights of K x, from those of x1, x2, x3; all sum to zero */
 PEL_INLINE void pel_isometric_weights(pel_lane weight[4])
 {
     weight[0] = -(weight[1] + weight[2] + weight[3]);

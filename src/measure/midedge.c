@@ -10,8 +10,8 @@
 
 /* ---- hinge ---- */
 
-/* adds scale times the Hessian of gamma of a triangle with the corners a, b, c of the element, of which the last is
-   left out where it is 3 */
+/* adds scale times the Hessian of gamma of a triangle with the corners a, b, c of the element, the last of which is
+   skipped if it is 3 */
 PEL_ELEMENT_INLINE void add_turn_hessian(const pel_face_turn *turn, int a, int b, int c, double scale,
                                          pel_lead_matrix *lead)
 {
@@ -105,7 +105,7 @@ void pel_midedge_moments(const pel_midedge *element, const double alpha[3], doub
     moment[2] = k[2] * alpha[0] + k[4] * alpha[1] + k[5] * alpha[2];
 }
 
-/* sum over the edges of moment times the Hessian of gamma; the normal is that of all */
+/* sum over the edges of moment times the Hessian of gamma; all share one normal */
 static void add_turns(const pel_face_turn turn[3], const double moment[3], pel_lead_matrix *lead)
 {
     double v[2][2][3];

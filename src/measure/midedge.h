@@ -3,7 +3,7 @@
    plate's bending with its Poisson's ratio on every mesh.
 
    Strains. Edge i of a triangle runs from corner i to corner i + 1. alpha_i is the angle by which the normal of the
-   triangle is turned about it from the normal of the edge, towards the tip, less that at rest. Between two triangles
+   triangle is turned about it from the normal of the edge, towards the tip, minus the rest angle. Between two triangles
    with the dihedral angle theta and the edge's unknown xi
 
        alpha = (theta - theta_rest) / 2 + xi in the first triangle, (theta - theta_rest) / 2 - xi in the second
@@ -20,7 +20,7 @@
        d theta = d gamma_first + d gamma_second,     d xi = d psi + (d gamma_first - d gamma_second) / 2
 
    (d xi = d gamma + d psi on the boundary), so that the element of a triangle has 12 unknowns, its own vertices and
-   edges, and no others. psi is not a function of the state (turning frames do not come back to themselves): it starts
+   edges, and no others. psi is not a function of the state (transported frames do not return to themselves): it starts
    at 0 in each iteration, and pel_midedge_turn gives the finite gamma of a step, from which xi follows. The Hessian is
    the exact second derivative along these finite steps.
 
@@ -51,7 +51,7 @@ double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], co
                            const pel_tangent_request *request, const pel_tangent_sum *sum);
 
 /* gamma of a finite step: the angle by which the normal of the triangle (tail, head, tip) turns about its edge from
-   tail to head, towards the tip, in the frame that goes with the edge. */
+   tail to head, towards the tip, in the frame transported with the edge. */
 double pel_midedge_turn(const double before[3][3], const double after[3][3]);
 
 /* The angle about that edge from a triangle's normal to a given direction, the alpha of a boundary edge with this

@@ -1,5 +1,5 @@
-/* An element at a point: what a law gives for strains and their derivatives, and what follows from them for every
-   element alike. */
+/* An element at a point: the results of a law for strains and their derivatives, and the terms common to all
+   elements. */
 #ifndef PEL_MEASURE_STRAIN_POINT_H
 #define PEL_MEASURE_STRAIN_POINT_H
 
@@ -83,7 +83,7 @@ PEL_ELEMENT_INLINE void pel_lead_add(const pel_lead_matrix *lead, int corners, c
             sum->hessian[(m + c) * sum->stride + m + d] += corner[c][d];
 }
 
-/* adds the columns of unknowns behind those of the corners: strain i has one of them, with this derivative */
+/* adds the columns of unknowns after those of the corners: strain i has one of them, with this derivative */
 PEL_ELEMENT_INLINE void pel_strain_add_edges(double stiff[][PEL_TANGENT_UNKNOWNS], const double *derivative, int edges,
                                              int corners, const pel_strain_point *point, const pel_tangent_sum *sum)
 {

@@ -135,7 +135,8 @@ static jet6 jet_of_product(const double f1[3], const double f2[3])
     return jet;
 }
 
-/* |f1 x f2|: its Hessian is that of n . (f1 x f2) at fixed n, and the projection of d(f1 x f2) off n over the length */
+/* |f1 x f2|: its Hessian is the Hessian of n . (f1 x f2) at fixed n plus the projection of d(f1 x f2) off n over the
+   length */
 static jet6 jet_of_area(const pel_factor *r, const double f1[3], const double f2[3], const double t[2][3],
                         const double n[3])
 {
@@ -244,7 +245,7 @@ pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double s
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness)
 {
     const double *w = stencil->weight;
-    /* D / 3 stands for a plate */
+    /* D / 3 represents a plate */
     return (pel_line){PEL_LINE_VECTOR, 4, {w[0], w[1], w[2], w[3]}, stiffness / 3 * stencil->factor, 0};
 }
 

@@ -19,13 +19,13 @@
 typedef enum pel_tangent_kind {
     PEL_TANGENT_EXACT,   /* the second derivative; MIP with given stresses */
     PEL_TANGENT_POSITIVE /* positive semi-definite: membranes with D+ and the tensile part of the stress, bending
-                            without its geometric part (Gauss-Newton), pressure left out */
+                            without its geometric part (Gauss-Newton), no pressure */
 } pel_tangent_kind;
 
-/* What to compute; all zero: the exact Hessian. */
+/* Parts to compute; all zero: the exact Hessian. */
 typedef struct pel_tangent_request {
     pel_tangent_kind kind;
-    const double *stress; /* (strains) stresses of the geometric part [J]; null = those of x */
+    const double *stress; /* (strains) stresses of the geometric part [J]; null = stresses at x */
     /* extrapolates: writes t + D B step to `extrapolated` (strains); both null = not asked for */
     const double *step; /* (unknowns) */
     double *extrapolated;
@@ -82,7 +82,7 @@ double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double 
 
 /* Pressure on the back of a triangle (positive inflates), x (9): gradient minus pel_triangle_pressure_force on each
    corner. The Hessian is the symmetric part of its derivative, which is the exact one summed over a closed surface or
-   one whose border is fixed. The energy is that of the volume and not in the sum: returns the volume times -pressure
+   one whose border is fixed. The energy belongs to the volume and is not in the sum: returns -pressure times the volume
    between the triangle and the origin. */
 double pel_pressure_tangent(double pressure, const double *x, const pel_tangent_request *request,
                             const pel_tangent_sum *sum);

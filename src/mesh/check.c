@@ -18,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-/* what the passes share */
+/* data shared by the passes */
 typedef struct inspection {
     const pel_mesh *mesh;
     const int32_t (*triangles)[3];

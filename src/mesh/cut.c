@@ -1,7 +1,7 @@
-/* The corners of triangles that stay together across an edge are joined; what is joined at a vertex is a fan, and each
-   fan is a vertex. Across an edge with two triangles both ends are joined. Around an edge with more of them neighbours
-   in space are joined two by two where their windings fit, either through the inside of the body or through the
-   outside; the others get a rim:
+/* The corners of triangles that stay together across an edge are joined; the joined corners at a vertex are a fan, and
+   each fan becomes a vertex. Across an edge with two triangles both ends are joined. Around an edge with more
+   triangles, neighbours in space are joined in pairs if their windings fit, either through the inside of the body or
+   through the outside; the others get a boundary:
 
            \ 2 | 1 /        looking along the edge: triangles 1 and 2 face each other through the inside of one body,
             \  |  /         3 and 4 through that of another. Joined (1 2) (3 4) the bodies come apart; joined (2 3)
@@ -9,7 +9,7 @@
             /     \         be the same two vertices.
            / 3   4 \
 
-   Which of the two separates depends on the mesh, so the ways are tried in turn until no edge is left. */
+   Which of the two separates depends on the mesh, so both are tried until no edge is left. */
 #include "mesh/cut.h"
 
 #include "base/memory.h"
@@ -67,7 +67,7 @@ static int by_angle(const void *a, const void *b)
     return (p->half_edge > q->half_edge) - (p->half_edge < q->half_edge);
 }
 
-/* the part of the way from the edge's lower vertex to the third corner that is across the edge */
+/* the component across the edge of the vector from its lower vertex to the third corner */
 static void arm_of(const work *w, int32_t h, const double axis[3], const double origin[3], double arm[3])
 {
     pel_vec3_subtract(w->positions[vertex_at(w, end_of(end_of(h)))], origin, arm);

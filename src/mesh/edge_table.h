@@ -12,9 +12,9 @@ typedef struct pel_edge_table {
     int32_t *next_in_edge;      /* (3 triangle_count) the next higher half-edge on the same edge, -1 after the last */
 } pel_edge_table;
 
-/* triangles (triangle_count x 3) with indices in 0 .. vertex_count - 1, those of skipped triangles aside;
-   skip (triangle_count) nullable, non-zero = leave this triangle out; 3 triangle_count fits int32_t.
-   Returns PEL_OK or PEL_OUT_OF_MEMORY, with the table empty then. Free with pel_edge_table_clear. */
+/* triangles (triangle_count x 3) with indices in 0 .. vertex_count - 1, except skipped triangles; skip (triangle_count)
+   nullable, non-zero = skip this triangle; 3 triangle_count fits int32_t. Returns PEL_OK or PEL_OUT_OF_MEMORY, with the
+   table empty then. Free with pel_edge_table_clear. */
 pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_count, int32_t vertex_count,
                                 const uint8_t *skip, pel_edge_table *table);
 void pel_edge_table_clear(pel_edge_table *table);

@@ -60,8 +60,8 @@ static void fill_triangle_figures(const pel_mesh *mesh, const uint8_t *not_finit
     }
 }
 
-/* the number of that rank (0 = smallest) among non-negative ones: their bits sort as they do, so the answer is built
-   from the top by counting, 16 bits at a time */
+/* the number of that rank (0 = smallest) among non-negative ones: their bits have the same order, so the answer is
+   built from the top by counting, 16 bits at a time */
 static double select_rank(const double *values, int32_t count, int32_t rank, uint32_t *tally)
 {
     uint64_t prefix = 0;

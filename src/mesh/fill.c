@@ -1,7 +1,7 @@
 /* Closing holes. The loop of edges around a hole is cut into triangles without new vertices, by dynamic programming
-   over its sub-loops: of all ways the one whose largest angle between neighbours is least and, among these, whose area
-   is least (Liepa 2003, "Filling holes in meshes", section 3). Its cost grows with the cube of the loop, so that a
-   longer loop is first divided along short chords.
+   over its sub-loops: the triangulation with the least largest angle between neighbours and, among these, the least
+   area (Liepa 2003, "Filling holes in meshes", section 3). Its cost grows with the cube of the loop, so that a longer
+   loop is first divided along short chords.
 
        loop 0 .. n - 1; best[i][k] cuts the part from i to k, closed by the edge k - i:
        the triangle (i, m, k) beside that edge, best[i][m] and best[m][k] */
@@ -17,8 +17,8 @@
 #include <math.h>
 #include <string.h>
 
-/* loops up to this are cut at once; a longer one is divided at one of so many starts of chords, and keeps a part of
-   this share on either side */
+/* longest loop that is triangulated directly; longer ones are divided: number of starts of chords tried, and least
+   share of the loop on either side */
 enum { WHOLE_LOOP = 160, CHORD_STARTS = 64, CHORD_SHARE = 4 };
 
 typedef struct fill_weight {
@@ -32,7 +32,7 @@ typedef struct fill_work {
     uint64_t *edges; /* (edge_room) open addressing; pairs of rim vertices with an edge, plus 1; 0 = free */
     size_t edge_room;
     uint8_t *seen;   /* (3 triangle_count) half-edges of loops that were walked */
-    int32_t *loop;   /* (loop_count) vertices, in the winding of what fills it */
+    int32_t *loop;   /* (loop_count) vertices, in the winding of the filling */
     int32_t *beyond; /* (loop_count) corner across the edge from vertex i - 1 to i; -1 = a chord */
     size_t loop_room, beyond_room;
     int32_t loop_count;
@@ -125,7 +125,7 @@ static int32_t previous_on_rim(const pel_topology *topology, int32_t h)
     return at;
 }
 
-/* Walks the rim backwards, which is the winding of what fills the hole. */
+/* Traverses the boundary backwards, which is the winding of the filling. */
 static pel_status walk_loop(fill_work *w, int32_t first)
 {
     const pel_topology *topology = w->topology;
@@ -155,7 +155,7 @@ static void area_vector(const fill_work *w, int32_t a, int32_t b, int32_t c, dou
     pel_vec3_triangle_normal(position(w, a), position(w, b), position(w, c), normal);
 }
 
-/* angle between two triangles that share an edge; infinite beside one without area */
+/* angle between two triangles that share an edge; infinite if one has no area */
 static double angle_between(const double a[3], const double b[3])
 {
     double scale = pel_vec3_length(a) * pel_vec3_length(b);
@@ -263,7 +263,7 @@ static pel_status cut_loop(fill_work *w, const int32_t *loop, const int32_t *bey
     return !*filled || add_part(w, loop, 0, count - 1) ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
-/* the chord that is shortest for what it divides; false when all that are looked at are edges already */
+/* the shortest chord relative to the parts it divides; false if all candidates are edges already */
 static bool find_chord(const fill_work *w, const int32_t *loop, int32_t count, int32_t *from, int32_t *to)
 {
     double least = HUGE_VAL;
@@ -282,7 +282,7 @@ static bool find_chord(const fill_work *w, const int32_t *loop, int32_t count, i
 
 static pel_status fill_loop(fill_work *w, const int32_t *loop, const int32_t *beyond, int32_t count, bool *filled);
 
-/* the parts of a loop on both sides of a chord, in a block of their own */
+/* the parts of a loop on both sides of a chord, in a separate block */
 static pel_status fill_parts(fill_work *w, const int32_t *loop, const int32_t *beyond, int32_t count, int32_t from,
                              int32_t to, bool *filled)
 {

@@ -20,7 +20,7 @@ void pel_implicit_project(const pel_implicit *surface, double point[3], double n
 /* ---- marching tetrahedra ---- */
 
 /* A point of the lattice owns the edges to the 7 points that lie 0 or 1 further along each axis: direction d has bit i
-   set where it goes along axis i. A vertex of the mesh lies on each edge whose ends differ in sign. */
+   set if it has a component along axis i. A vertex of the mesh lies on each edge whose ends differ in sign. */
 enum { DIRECTIONS = 8 };
 
 typedef struct lattice {
@@ -154,7 +154,7 @@ static void march_tetrahedron(lattice *grid, const int32_t cell[3], const int co
 
 static void march_cells(lattice *grid)
 {
-    /* the six ways from corner 0 to corner 7, one axis at a time */
+    /* the six paths from corner 0 to corner 7, one axis at a time */
     static const int tetrahedra[6][4] = {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7},
                                          {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}};
     int32_t cell[3];

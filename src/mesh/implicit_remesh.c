@@ -1,9 +1,8 @@
 /* Isotropic remeshing of a closed mesh on an implicit surface (Botsch and Kobbelt 2004, "A remeshing approach to
-   multiresolution modeling"): split what is longer than 4/3 of the edge, collapse what is shorter than 4/5 of it, flip
-   towards six triangles at each vertex, move vertices to the middle of their neighbours along the surface.
-
-   Each pass works on the topology at its begin and takes edges that have nothing in common, so that none sees what
-   another has changed; the passes repeat. Only sums, products and roots are used: same bits everywhere. */
+   multiresolution modeling"): split edges longer than 4/3 of the target, collapse edges shorter than 4/5 of it, flip
+   towards six triangles at each vertex, move vertices to the middle of their neighbours along the surface. Each pass
+   works on the topology at its start and changes disjoint edges, so that changes do not interfere; the passes repeat.
+   Only sums, products and roots are used: same bits everywhere. */
 #include "base/memory.h"
 #include "base/sort.h"
 #include "base/status.h"
@@ -367,7 +366,7 @@ static pel_status smooth(pass *work, pel_error *error)
 
 typedef pel_status pass_kind(pass *work, pel_error *error);
 
-/* repeats a pass until it changes next to nothing, or so many times */
+/* repeats a pass until it changes almost nothing, up to a limit */
 static pel_status repeat(const pel_implicit *surface, double edge, pass_kind *kind, int most, pel_mesh **mesh,
                          pel_error *error)
 {

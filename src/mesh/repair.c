@@ -1,7 +1,7 @@
-/* Repair in passes over a list of marks: which place each vertex goes to, which triangles stay, which are turned
-   around. The repaired mesh is written once, at the end. Welding keeps the position of the first vertex of each place,
-   and places are linked by steps of at most the tolerance, so no two places of the result are within the tolerance:
-   repairing again welds no two places. */
+/* Repair in passes over marks: the place of each vertex, triangles that are kept, triangles that are reversed. The
+   repaired mesh is written once, at the end. Welding keeps the position of the first vertex of each place, and places
+   are linked by steps of at most the tolerance, so no two places of the result are within the tolerance: repairing
+   again welds no two places. */
 #include "pellicle/mesh_check.h"
 
 #include "base/memory.h"
@@ -18,17 +18,17 @@
 #include <math.h>
 #include <string.h>
 
-/* what the passes share */
+/* data shared by the passes */
 typedef struct work {
     const pel_mesh *mesh;
     pel_repair_options options;
     pel_repair_summary summary;
     int32_t (*triangles)[3];              /* (triangle_count x 3) with welded vertices, turned as needed */
     uint8_t *dropped;                     /* (triangle_count) */
-    uint8_t *turned;                      /* (triangle_count) wound the other way than before */
+    uint8_t *turned;                      /* (triangle_count) winding is reversed */
     uint8_t *flipped;                     /* (triangle_count) has other corners, so that a slit is closed */
-    int32_t *first_of;                    /* (vertex_count) the vertex that each goes into */
-    pel_cut cut;                          /* copies of vertices that fans have of their own */
+    int32_t *first_of;                    /* (vertex_count) the vertex that each is merged into */
+    pel_cut cut;                          /* copies of vertices made for fans */
     int32_t *new_number;                  /* (vertex_count + copy_count) in the repaired mesh, -1 = dropped */
     int32_t vertex_count, triangle_count; /* of the repaired mesh */
 } work;
@@ -117,7 +117,7 @@ static bool is_flat(const work *w, int32_t t)
     return pel_triangle_is_flat(positions[v[0]], positions[v[1]], positions[v[2]]);
 }
 
-/* those of which `is_bad` says so; returns how many */
+/* drops the triangles for which `is_bad` is true; returns their number */
 static int32_t drop_triangles(work *w, bool (*is_bad)(const work *w, int32_t t))
 {
     int32_t count = 0;
@@ -173,7 +173,7 @@ static const double *position_of(const work *w, int32_t v)
     return w->mesh->positions[copy >= 0 ? w->cut.source_of[copy] : v];
 }
 
-/* what is known of a patch */
+/* properties of a patch */
 typedef struct patch {
     int32_t triangle_count, flipped_count, first_triangle;
     bool open, inward;
@@ -284,7 +284,7 @@ static pel_status orient(work *w, bool outward)
     return status;
 }
 
-/* triangles without area: those that leave a slit go into their neighbours, the others are dropped */
+/* triangles without area: merged into their neighbours if they would leave a slit, otherwise dropped */
 static pel_status drop_flat_triangles(work *w)
 {
     pel_status status = PEL_OK;

@@ -151,7 +151,7 @@ static void fit(pel_mesh *mesh, double size)
 
 pel_status pel_shape_blend(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
 {
-    /* finer edges are reached by splitting; a coarser lattice would join what is apart */
+    /* finer edges are reached by splitting; a coarser lattice would join separate parts */
     const double finest_lattice = 0.02, coarsest_lattice = 0.03, finest = 5e-4;
     const blend_body *body = &bodies[def->body];
     double edge = def->edge / def->size;

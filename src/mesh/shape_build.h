@@ -1,4 +1,4 @@
-/* Builders behind pel_shape_create. Each takes a def whose parameters were checked and gives a new mesh. */
+/* Builders behind pel_shape_create. Each takes a checked def and returns a new mesh. */
 #ifndef PEL_MESH_SHAPE_BUILD_H
 #define PEL_MESH_SHAPE_BUILD_H
 

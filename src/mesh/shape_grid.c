@@ -44,7 +44,7 @@ static void fill_square_cells(const pel_shape_def *def, int32_t (*triangles)[3])
     }
 }
 
-/* rows of nx + 1 and nx + 2 points in turn: a zigzag that begins and ends in the longer one */
+/* alternating rows of nx + 1 and nx + 2 points: a zigzag that begins and ends in the longer one */
 static void fill_shifted_rows(const pel_shape_def *def, int32_t (*triangles)[3])
 {
     int32_t first = 0;

@@ -1,8 +1,8 @@
 /* Geodesic sphere, class I: each face of an icosahedron is cut into frequency^2 triangles, whose corners are pushed out
-   to the sphere. The icosahedron lies on an edge, as three golden rectangles in the coordinate planes (the usual way,
-   so that a point such as "nearest to (0, 0, 1)" is the same vertex as elsewhere), or stands on a vertex for shapes
-   that have a pole. Vertices are numbered corners first, then the inner points of the 30 sides, then those of the 20
-   faces. Only sqrt is used, so the positions are the same bits everywhere. */
+   to the sphere. The icosahedron lies on an edge, as three golden rectangles in the coordinate planes (the usual
+   orientation, so that "nearest to (0, 0, 1)" selects the same vertex as in other programs), or has a vertex on top for
+   shapes with a pole. Vertices are numbered corners first, then the inner points of the 30 sides, then of the 20 faces.
+   Only sqrt is used, so the positions are the same bits everywhere. */
 #include "mesh/shape_build.h"
 
 #include "base/status.h"

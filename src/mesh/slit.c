@@ -88,7 +88,7 @@ static bool flip(work *w, int32_t t)
     return true;
 }
 
-/* flat triangles beside the two may be done now */
+/* flat triangles next to the two may become removable */
 static bool push_neighbours(work *w, int32_t t)
 {
     for (int32_t h = 3 * t; h < 3 * t + 3; h++)

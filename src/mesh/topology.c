@@ -240,7 +240,7 @@ static bool is_sound(const pel_topology *topology, const int32_t *corner_count, 
     return true;
 }
 
-/* builds the table of a sound mesh; *sound is false, with arrays to be filled otherwise, when it is none */
+/* builds the table of a valid mesh; otherwise sets *sound to false and leaves the arrays to the slow path */
 static pel_status fill_sound(pel_topology *topology, int32_t *corner_count, bool *sound)
 {
     size_t half_edge_count = 3 * (size_t)topology->triangle_count;
@@ -263,7 +263,7 @@ static pel_status fill_sound(pel_topology *topology, int32_t *corner_count, bool
     return room ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
-/* ---- others: all half-edges of an edge together, to say what is wrong ---- */
+/* ---- other meshes: collect all half-edges of an edge, to name the defect ---- */
 
 static pel_status fill_any(pel_topology *topology, int32_t *corner_count, pel_error *error)
 {

@@ -1,5 +1,5 @@
-/* What holds vertices during a step: grasped ones have no mobility and lie on their path. The simulation fills it for
-   the end of each substep, methods read it. */
+/* Held vertices during a step: they have no mobility and follow their path. The simulation sets it for the end of each
+   substep, methods read it. */
 #ifndef PEL_MODEL_BOUNDARY_H
 #define PEL_MODEL_BOUNDARY_H
 

@@ -37,7 +37,7 @@ void pel_copies_free(pel_copies *copies)
     }
 }
 
-/* bytes behind a pointer of a def; meshes are not copied */
+/* bytes of the array at a pointer of a def; meshes are not copied */
 static size_t size_behind(const pel_member *member, const char *def, const char *pointer, const pel_mesh *mesh)
 {
     int32_t count = 0;

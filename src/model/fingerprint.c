@@ -186,7 +186,7 @@ static const pel_member load[] = {
     PLAIN(pel_load_def, follower, SAME),
     LIST(pel_load_def, vertices, SAME, vertex_count),
     OTHER(pel_load_def, vertex_count),
-    OTHER(pel_load_def, weights), /* as many as vertices, which may be left out: loads.c adds them */
+    OTHER(pel_load_def, weights), /* one per vertex, and optional: loads.c adds them */
     PLAIN(pel_load_def, from, SAME),
     PLAIN(pel_load_def, until, SAME),
     LIST(pel_load_def, keys, SAME, key_count),
@@ -295,7 +295,7 @@ static void add_mesh(pel_fingerprint *fingerprint, pel_part part, const pel_mesh
 
 static void add_members(pel_fingerprint *fingerprint, const pel_member *members, const char *def, place outer);
 
-/* what a pointer of a def points to */
+/* the target of a pointer of a def */
 static void add_behind(pel_fingerprint *fingerprint, const pel_member *member, const char *def, place at)
 {
     const char *pointer;

@@ -1,12 +1,12 @@
-/* Fingerprint of what decides the result of a simulation: hashes of all members of the defs that a model and a sim are
-   made from, part by part, so that a snapshot made with others is refused with the name of what differs. Names, numbers
-   of threads and limits of memory that only refuse are left out. */
+/* Fingerprint of all input that determines the result of a simulation: hashes of the members of the defs of a model and
+   a sim, part by part, so that a snapshot made with other input is refused with the name of the part that differs.
+   Names, numbers of threads and memory limits are excluded. */
 #ifndef PEL_MODEL_FINGERPRINT_H
 #define PEL_MODEL_FINGERPRINT_H
 
 #include "pellicle/sim.h"
 
-/* what users call the parts */
+/* names of the parts for users */
 #define PEL_PARTS(ROW)                                                                                                 \
     ROW(MESH, "mesh")                                                                                                  \
     ROW(MASS, "mass")                                                                                                  \
@@ -32,7 +32,7 @@ typedef enum pel_part {
     PEL_PARTS(PEL_PART_ENUMERATOR)
 #undef PEL_PART_ENUMERATOR
         PEL_PART_COUNT,
-    PEL_PART_SAME /* of a member: that of the def which it is in */
+    PEL_PART_SAME /* part of the def that contains the member */
 } pel_part;
 
 typedef struct pel_fingerprint {
@@ -42,8 +42,8 @@ typedef struct pel_fingerprint {
 typedef enum pel_member_form {
     PEL_MEMBER_END,   /* of a table */
     PEL_MEMBER_PLAIN, /* `size` bytes without padding */
-    PEL_MEMBER_DEF,   /* a def within, with a table of its own */
-    PEL_MEMBER_LIST,  /* nullable pointer to as many elements of `size` bytes as the count says, plain or defs */
+    PEL_MEMBER_DEF,   /* a nested def, with its own table */
+    PEL_MEMBER_LIST,  /* nullable pointer to `count` elements of `size` bytes, plain or defs */
     PEL_MEMBER_FIELD, /* nullable pointer to a double for each vertex of the body's mesh */
     PEL_MEMBER_MESH,  /* nullable pointer to a mesh: positions and triangles */
     PEL_MEMBER_TEXT,  /* nullable name; decides nothing */

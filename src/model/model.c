@@ -392,7 +392,7 @@ static void build_end(build *scratch)
     *scratch = (struct build){0};
 }
 
-/* the mesh of a body, with what is inside out turned over, and its topology */
+/* the mesh of a body, with inside-out parts turned, and its topology */
 static pel_status begin_surface(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
 {
     pel_status status = copy_mesh(given->mesh, &body->mesh, error);
@@ -477,7 +477,7 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
     return PEL_OK;
 }
 
-/* says of which body an error is: as its element, or before the text where that names a vertex or triangle */
+/* adds the body to an error: as its element, or before the text if that names a vertex or triangle */
 static pel_status name_body(pel_status status, const char *name, int32_t body, pel_error *error)
 {
     char what[sizeof error->what];
@@ -549,7 +549,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
     return PEL_OK;
 }
 
-/* what the model was made from, for those who make one with other numbers */
+/* keeps the def of the model, to create one with other numbers */
 static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
 {
     model->def = *def;

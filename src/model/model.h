@@ -1,10 +1,9 @@
-/* Inside of the model: immutable arrays laid out for the force loops.
-
-   Vertices of all bodies stand in one order: body after body, within a body by breadth-first order over the edges (so
-   that neighbours are close in memory), padded to whole slices of PEL_WIDTH. Springs stand in "sliced ELLPACK" form:
-   slot s of a slice holds one spring of each of its vertices; shorter vertices are filled up with springs to
-   themselves, which give no force. Each spring is stored at both ends: a vertex gathers its whole force alone, nothing
-   is scattered, and the sum has the same order for any number of threads. */
+/* Internals of the model: immutable arrays laid out for the force loops. Vertices of all bodies are in one order: body
+   after body, within a body by breadth-first order over the edges (so that neighbours are close in memory), padded to
+   whole slices of PEL_WIDTH. Springs are in "sliced ELLPACK" form: slot s of a slice holds one spring of each of its
+   vertices; vertices with fewer springs are padded with springs to themselves, which give no force. Each spring is
+   stored at both ends: a vertex gathers its whole force alone, nothing is scattered, and the sum has the same order for
+   any number of threads. */
 #ifndef PEL_MODEL_MODEL_H
 #define PEL_MODEL_MODEL_H
 
@@ -28,7 +27,7 @@ typedef struct pel_curve {
     int32_t key_count;
 } pel_curve;
 
-/* numbers of a vertex that go with area */
+/* numbers of a vertex that are proportional to area */
 typedef struct pel_nodal {
     double mass, damping, volumetric_stiffness, volumetric_damping;
 } pel_nodal;
@@ -42,7 +41,7 @@ typedef struct pel_body_levels {
     double *vertex_areas; /* (base vertices) of the triangles around */
     pel_nodal *densities; /* (vertices of the finest level) over the area of the triangles around */
     double *stiffnesses;  /* (base edges) as given */
-    double *moduli;  /* (base edges) stiffness = sum of modulus x area / squared length over the triangles beside */
+    double *moduli; /* (base edges) stiffness = sum of modulus x area / squared length over the triangles at the edge */
     uint8_t *pinned; /* (vertices of the finest level) 1 = never moves */
 } pel_body_levels;
 
@@ -54,15 +53,15 @@ typedef struct pel_body {
     int32_t slice_begin, slice_end; /* its slices; vertices are PEL_WIDTH times that */
     int32_t *model_index;           /* (mesh vertex_count) place of a mesh vertex in the model's order */
     bool has_volumetric;
-    bool is_foundation; /* its volumetric springs are those of a material: by area over depth */
+    bool is_foundation; /* its volumetric springs follow from a material: by area over depth */
     bool closed;
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;
     double diameter;                         /* diagonal of the rest bounding box */
     double velocity[3], angular_velocity[3]; /* m/s, rad/s: at the start */
-    double friction;                         /* Coulomb's coefficient; below 0: that of contact */
+    double friction;                         /* Coulomb's coefficient; below 0: the value of contact */
     double restitution;                      /* below 0: that of contact */
-    double contact_thickness;                /* m; below 0: that of contact */
+    double contact_thickness;                /* m; below 0: the value of contact */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     double plain_spring;   /* the same in slices that are plain */
     pel_curve curves[PEL_PARAMETER_COUNT];
@@ -86,7 +85,7 @@ struct pel_model {
     double gravity[3];
     pel_fingerprint fingerprint; /* of the def */
     pel_model_def def;           /* a copy with the bodies' own meshes; empty in an active model */
-    pel_copies copies;           /* what it points to */
+    pel_copies copies;           /* their arrays */
 
     int32_t vertex_count; /* padded, all bodies */
     int32_t slice_count;
@@ -103,8 +102,8 @@ struct pel_model {
     int32_t *mesh_vertex;         /* (vertex_count) number in the body's mesh, -1 = padding */
 
     /* by slot */
-    int32_t *slot_begin;              /* (slice_count + 1) */
-    int32_t *slot_end;                /* (slice_count) at least one slot in each; an active model has room behind it */
+    int32_t *slot_begin; /* (slice_count + 1) */
+    int32_t *slot_end;   /* (slice_count) at least one slot in each; an active model has spare slots after it */
     int32_t (*neighbours)[PEL_WIDTH]; /* (slot_count) */
     pel_wide *rest_lengths;           /* (slot_count) null where no body has springs: pel_model_rest_length */
     pel_wide *stiffnesses;            /* (slot_count), null when every body has a uniform one */
@@ -118,7 +117,7 @@ struct pel_model {
     int32_t *fans;      /* (3 triangle_count) */
 };
 
-/* behind the last place of a body, those included that are not in use while it is coarse */
+/* past the last place of a body, including places unused while it is coarse */
 static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
 {
     int32_t end = model->bodies[body].slice_end;
@@ -127,10 +126,10 @@ static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
     return end * PEL_WIDTH;
 }
 
-/* The arrays by vertex, slice and triangle, for the counts that the model has; false when out of memory. What was made
-   is freed by pel_model_free_arrays. */
+/* The arrays by vertex, slice and triangle, for the counts of the model; false if out of memory. Free with
+   pel_model_free_arrays, also on failure. */
 bool pel_model_allocate(pel_model *model);
-/* What is known of the springs of a model. */
+/* Properties of the springs of a model. */
 typedef enum pel_spring_room {
     PEL_SPRINGS_OFF,     /* which vertices are neighbours */
     PEL_SPRINGS_UNIFORM, /* rest lengths too */
@@ -164,8 +163,8 @@ static inline pel_real pel_model_rest_length(const pel_model *model, int32_t slo
                                        : pel_model_distance_at_rest(model, i, model->neighbours[slot][i % PEL_WIDTH]);
 }
 
-/* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it fills the slot up. The
-   rest length comes from the very operations of the force loop, and the stiffness, in its last bit, from the product:
+/* Writes the spring from place i to j into a slot of i; from i to itself, with stiffness 0, it pads the slot. The rest
+   length is computed by the same operations as in the force loop, and the stiffness, in its last bit, by the product:
    so the rest shape is free of force to the last bit. */
 static inline void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
 {

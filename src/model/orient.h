@@ -5,8 +5,8 @@
 #include "pellicle/topology.h"
 
 /* Turns each closed part of a mesh whose signed volume is below 0 and that no other part encloses, together with the
-   closed parts that it encloses: cavities stay cavities. The last two corners of a turned triangle change places, so
-   the topology is to be made anew when turned_count is not 0. PEL_OUT_OF_MEMORY. */
+   closed parts that it encloses: cavities stay cavities. The last two corners of a turned triangle are swapped, so
+   create the topology again if turned_count is not 0. PEL_OUT_OF_MEMORY. */
 pel_status pel_orient_outward(pel_mesh *mesh, const pel_topology *topology, int32_t *turned_count, pel_error *error);
 
 #endif

@@ -7,8 +7,8 @@
 /* PEL_BAD_ARGUMENT with body, name, value and remedy. */
 pel_status pel_body_refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy);
 
-/* Refuses (PEL_BAD_ARGUMENT with body, name and value) what is not finite or below 0, a field together with keys, keys
-   where they are not allowed or whose times do not increase. */
+/* Refuses (PEL_BAD_ARGUMENT with body, name and value) values that are not finite or below 0, a field together with
+   keys, and keys that are not allowed or whose times do not increase. */
 pel_status pel_quantity_check(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
                               bool keys_allowed, pel_error *error);
 /* the same for numbers that may be below 0 */

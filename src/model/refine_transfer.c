@@ -1,21 +1,21 @@
 /* Positions and velocities over an event.
 
-   A new vertex goes to the middle of its edge plus the mean over the two triangles beside it of (rotation of the
+   A new vertex is placed at the middle of its edge plus the mean over the edge's two triangles of (rotation of the
    triangle) x (offset of the vertex from the middle at rest). This leaves a rigidly moved shape free of force.
 
-   Momentum is carried over triangle by triangle. A triangle gives the mass s r_i to its corner i, s being its area and
-   r the density. Where a triangle is refined, a new vertex between the corners i and j takes its mass from both in
-   proportion to their densities, and its velocity is their mean with these weights; where it is coarsened, its mass
-   and momentum go back to them in the same proportion, half each where densities are equal. So mass and linear momentum
-   stay, a rigid translation stays one, and the kinetic energy never grows, being that of means (Jensen). An event takes
-   every triangle that changed back to its coarsest common ancestor and from there to its new children, so that a
-   bisected triangle that turns red is treated as exactly. With velocities u_i at the corners of a triangle,
+   Momentum is transferred triangle by triangle. A triangle gives the mass s r_i to its corner i, s being its area and r
+   the density. When a triangle is refined, a new vertex between the corners i and j takes its mass from both in
+   proportion to their densities, and its velocity is their mean with these weights; when it is coarsened, mass and
+   momentum return in the same proportion, half each for equal densities. So mass, linear momentum and rigid
+   translations are conserved, and the kinetic energy never grows, because velocities become means (Jensen). An event
+   coarsens every changed triangle to the common ancestor and refines that to the new children, so that a bisected
+   triangle that turns red is treated exactly too. With velocities u_i at the corners of a triangle,
 
        whole:      u_i is the vertex's velocity
        bisected:   u of both ends of the split edge is the mean of theirs and the middle's
        refined:    u_0 = 1/4 [u_0 of child 0 + 1/2 (those of the middles beside it in their three children each)]
 
-   do not depend on densities. The quasi-static method keeps x - x_before in the place of velocities. */
+   do not depend on densities. The quasi-static method stores x - x_before instead of velocities. */
 #include "math/matrix2.h"
 #include "math/vec3.h"
 #include "model/refined_model.h"
@@ -217,7 +217,7 @@ void pel_refine_transfer_gather(pel_refined_model *active, int32_t body, const p
     transfer run = {active, &active->bodies[body], active->model.bodies[body].detail, state};
     for (int32_t c = 0; c < front->change_count; c++) {
         const pel_front_change *change = &front->changes[c];
-        /* what came or went lies within an ancestor that is in the list */
+        /* new and removed triangles lie within an ancestor in the list */
         if (change->before == PEL_FRONT_ABSENT || change->after == PEL_FRONT_ABSENT)
             continue;
         int32_t level = pel_front_level(front, change->node), t = change->node - front->node_begin[level];

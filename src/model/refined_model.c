@@ -16,7 +16,7 @@ typedef struct pel_row_spring {
     double stiffness;
 } row_spring;
 
-/* what the row of a vertex needs of one triangle around it */
+/* contribution of one triangle to the row of a vertex */
 typedef struct pel_row_triangle {
     int32_t level, t;
     int split;    /* its split edge, -1 = whole */
@@ -46,7 +46,7 @@ static int32_t fine_capacity(const pel_body_levels *detail)
     const pel_topology *base = detail->forest->levels[0];
     int32_t all = fine_vertex_count(detail) - base->vertex_count;
     int32_t budget = detail->def.budget, extra = budget - base->triangle_count;
-    /* twice: in an event new ones come before old ones go */
+    /* twice: in an event new ones are added before old ones are removed */
     int32_t asked = budget > 0 && extra < all / 2 ? 2 * extra : all;
     return (asked + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
 }
@@ -64,7 +64,7 @@ static pel_status check_budget(const pel_model *model, int32_t body, pel_error *
     return PEL_BAD_ARGUMENT;
 }
 
-/* where the bodies stand in the active model, and its counts */
+/* places of the bodies in the active model, and its counts */
 static pel_status lay_out(pel_refined_model *active, pel_error *error)
 {
     pel_model *model = &active->model;
@@ -285,7 +285,7 @@ static double edge_value(const pel_body_levels *detail, const pel_front *front, 
     return values[pel_levels_base_edge(detail, level, t, triangle->split)];
 }
 
-/* stiffness of an edge from the one or two triangles beside it (null = none) */
+/* stiffness of an edge from its one or two triangles (null = none) */
 static double edge_stiffness(const pel_body_levels *detail, const pel_front *front, int32_t v, int32_t other,
                              int32_t edge, const row_triangle *sides[2])
 {
@@ -503,7 +503,7 @@ static void note_dirty(pel_refined_model *active, const pel_refined_body *own, i
     active->dirty[active->dirty_count++] = v;
 }
 
-/* the energy of what the event takes away, while its rows still stand */
+/* the energy of the elements that the event removes, before their rows change */
 static void note_energy(pel_refined_model *active, int32_t body, const pel_state *state)
 {
     const pel_refined_body *own = &active->bodies[body];

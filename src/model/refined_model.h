@@ -1,21 +1,21 @@
 /* The active model: a copy of the model whose arrays follow the fronts of the bodies that refine.
 
-   The loops over springs run over the same arrays whether a body refines or not. A model without refinement is used as
-   it is: nothing here touches its speed or its bits. Otherwise a simulation works on a copy that has room to grow:
+   The loops over springs run over the same arrays whether a body refines or not. A model without refinement is used
+   directly: this file affects neither its speed nor its bits. Otherwise a simulation works on a copy with room to grow:
 
-   - The vertices of a body's mesh keep their slices and their order. Behind them stand slices for the finer vertices; a
-     new vertex takes the lowest free place, a vertex that goes leaves a hole without mass or springs, like padding. So
-     a place never moves while its vertex lives (tools may hold it), and the loops run to the last place in use.
-   - The springs of a slice have room for the most that any front can ask for: a vertex has at most one bisector in each
-     triangle around it, that is twice its own number of neighbours, and twelve for a new vertex. Only the slots between
-     slot_begin and slot_end are read.
-   - An event rewrites the rows of the vertices whose triangles changed, from the front and the rest positions alone:
-     a row does not depend on how the front came about. Springs stand in a row by their edge's number, which on the base
-     is their order in the plain model: a body that has not refined yet gives the bits of the plain body.
+   - The vertices of a body's mesh keep their slices and their order. Slices for the finer vertices follow; a new vertex
+     takes the lowest free place, a removed vertex leaves a hole without mass or springs, like padding. So a vertex
+     never moves to another place (tools may hold it), and the loops run to the last place in use.
+   - The springs of a slice have room for any front: a vertex has at most one bisector in each triangle around it, that
+     is twice its own number of neighbours, and twelve for a new vertex. Only the slots between slot_begin and slot_end
+     are read.
+   - An event rewrites the rows of the vertices whose triangles changed, from the front and the rest positions alone: a
+     row does not depend on the history of the front. Springs of a row are ordered by edge number, which on the base is
+     their order in the plain model: a body that has not refined yet gives the bits of the plain body.
    - Triangles have fixed numbers (pel_surface_number), so that tools can name them over events.
 
-   An event costs what changes, and allocates nothing. Tried first and given up: moving the last vertex into a hole
-   keeps the slices dense, but every list of places that a tool or a load holds would have to follow. */
+   An event costs what changes, and allocates nothing. Tried and rejected: moving the last vertex into a hole keeps the
+   slices dense, but every list of places that a tool or a load holds would have to follow. */
 #ifndef PEL_MODEL_REFINED_MODEL_H
 #define PEL_MODEL_REFINED_MODEL_H
 

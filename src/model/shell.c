@@ -85,7 +85,7 @@ static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
                                    .stiffening = def->stiffening};
 }
 
-/* refuses the value of an enum that is none of the first `count` */
+/* refuses the value of an enum outside the first `count` */
 static pel_status check_choice(int value, int count, int32_t body, const char *name, pel_error *error)
 {
     if (!PEL_IS_NO_CHOICE(value, count))
@@ -320,7 +320,7 @@ static pel_status create_parts(const pel_body_def *def, const pel_body *body, pe
     return PEL_OK;
 }
 
-/* D of a hinge: given, or that of the two triangles beside it */
+/* D of a hinge: given, or from its two triangles */
 static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, const int32_t sides[2],
                               const int32_t ends[2])
 {

@@ -1,9 +1,7 @@
-/* What a body has as a shell, beside the springs: triangles and hinges, fibres and pressure, with vertices by their
-   places in the model's order: the reference from which solvers lay out what they need (colour batches, lists by
-   vertex).
-
-   Only what differs from element to element is stored. Rest shapes follow from the mesh and are computed where they are
-   asked for; a body that refines keeps those of its present surface. Stored, all of it took 156 bytes a triangle. */
+/* The shell of a body, in addition to springs: triangles and hinges, fibres and pressure, with vertices by their places
+   in the model's order: the reference from which solvers lay out their own data (colour batches, lists by vertex). Only
+   values that differ from element to element are stored. Rest shapes follow from the mesh and are computed on demand; a
+   body that refines keeps those of its present surface. Storing everything took 156 bytes a triangle. */
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
@@ -37,7 +35,7 @@ typedef struct pel_shell_region {
     int32_t fibre_count, fibre_limit; /* 0 for PEL_FIBRE_CURL */
     int32_t *triangles;               /* (fibre_count) with fibres, rising; null = all */
     double *weights;                  /* (fibre_count) null = 1 */
-    double (*directions)[2];          /* (fibre_count) null = those of the rest shape */
+    double (*directions)[2];          /* (fibre_count) null = as in the rest shape */
 } pel_shell_region;
 
 /* Young's modulus [Pa] and thickness [m] of a triangle: means of its corners. */
@@ -47,7 +45,7 @@ typedef struct pel_shell_sheet {
 
 struct pel_shell {
     bool has_membrane;
-    pel_membrane_material material; /* young and thickness: those of the first triangle */
+    pel_membrane_material material; /* young and thickness: of the first triangle */
     const pel_mesh *mesh;           /* of the body: the rest shape, but where `rests` has it */
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
@@ -65,7 +63,7 @@ struct pel_shell {
                                   number of the topology; none without bending */
     double hinge_stiffness;    /* D of every hinge, unless they differ: */
     double *hinge_stiffnesses; /* (hinge_count) else null */
-    double *rest_angles;       /* (hinge_count) rad, with curls applied; null = those of the rest shape */
+    double *rest_angles;       /* (hinge_count) rad, with curls applied; null = as in the rest shape */
 
     int32_t region_count;
     pel_shell_region *regions;
@@ -76,7 +74,7 @@ struct pel_shell {
     double mean_edge;          /* m, at rest */
 };
 
-/* hinges that have an energy: those of mid-edge bending only tell rest angles */
+/* hinges with an energy: in mid-edge bending hinges only give rest angles */
 static inline int32_t pel_shell_elastic_hinges(const pel_shell *shell)
 {
     return shell->bending == PEL_BENDING_MIDEDGE ? 0 : shell->hinge_count;
@@ -143,7 +141,7 @@ pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *err
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error);
 void pel_shell_destroy(pel_shell *shell);
-/* whether it has what only position-based methods know: a strain limit, a region that caves in; null: no */
+/* name of a feature that only position-based methods support (a strain limit, a region that caves in); null: none */
 bool pel_shell_needs_projection(const pel_shell *shell);
 
 /* Direction of a region's fibres in the frame of a rest triangle. */

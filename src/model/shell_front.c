@@ -261,7 +261,7 @@ static void put_hinge(pel_shell *shell, int32_t h, int32_t twin, double rest_ang
         shell->hinge_stiffnesses[i] = stiffness;
 }
 
-/* adds a hinge of the base as it was given; false when there is none there */
+/* adds a hinge of the base as given; false if there is none */
 static bool copy_hinge(pel_shell_front *own, int32_t h, int32_t twin)
 {
     int32_t i = own->hinge_of_half_edge[3 * own->base_of_triangle[h / 3] + h % 3];

@@ -1,12 +1,11 @@
-/* The shell of a body in an active model: its places are those of that model. Where the body refines its triangles and
-   hinges are those of the present surface; else all but the places is the given shell's.
+/* The shell of a body in an active model, with the places of that model. If the body refines, its triangles and hinges
+   follow the present surface; otherwise everything but the places is that of the given shell.
 
    Rest data of finer triangles come from the subdivided rest surface, the material, fibres and pressure from the base
-   triangle that they are a part of, so that an event changes the shape of the rest surface by what subdivision adds and
-   nothing else. Hinges stand on all edges between two triangles of the surface, bisected ones included. What is as on
-   the base is copied from there: without refinement the shell is that of the plain model, bit by bit.
-
-   An event makes all of it anew; nothing is allocated. */
+   triangle that they are a part of, so that an event changes the rest surface only by the subdivision. Hinges stand on
+   all edges between two triangles of the surface, bisected ones included. Unrefined parts are copied from the base:
+   without refinement the shell is that of the plain model, bit by bit. An event rebuilds all of it, without
+   allocation. */
 #ifndef PEL_MODEL_SHELL_FRONT_H
 #define PEL_MODEL_SHELL_FRONT_H
 
@@ -27,9 +26,8 @@ typedef struct pel_shell_front {
     int32_t first_place, place_count;
 } pel_shell_front;
 
-/* For a body of an active model, of which model_index and front are known. corners: its triangles in that model, if it
-   does not refine. place_limit: past the last place that it can have. triangle_limit: of any surface. Errors:
-   PEL_OUT_OF_MEMORY. */
+/* For a body of an active model whose model_index and front are set. corners: its triangles in that model, if it does
+   not refine. place_limit: past its last possible place. triangle_limit: of any surface. Errors: PEL_OUT_OF_MEMORY. */
 pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, const int32_t (*corners)[3],
                                   int32_t place_limit, int32_t triangle_limit, pel_shell_front **made,
                                   pel_error *error);

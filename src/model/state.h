@@ -1,11 +1,11 @@
-/* The state: what changes while simulating. Plain arrays in the model's vertex order. */
+/* The state of a simulation: plain arrays in the model's vertex order. */
 #ifndef PEL_MODEL_STATE_H
 #define PEL_MODEL_STATE_H
 
 #include "math/record.h"
 #include "model/model.h"
 
-/* What the automatic weight of a body's bending knows (sim/bending_weight.c). */
+/* State of the automatic bending weight of a body (sim/bending_weight.c). */
 typedef struct pel_bending_control {
     double weight;       /* k_B at present; of bodies with a given weight that one */
     double volume_ratio; /* one step ago */
@@ -34,9 +34,9 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
 void pel_state_start(const pel_model *model, pel_state *state);
 /* After pel_model_refill, at the start of a simulation: masses, and velocities where `with_velocity`. */
 void pel_state_refill(const pel_model *model, bool with_velocity, pel_state *state);
-/* makes room for what second order methods remember; nothing is known yet */
+/* allocates the history of second order methods, empty */
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error);
-/* brings what is remembered of a step of length `before` to one of length `step`: x(t - h) and v(t - h) of the motion
+/* converts the history of a step of length `before` to a step of length `step`: x(t - h) and v(t - h) of the motion
    with the mean acceleration of that step */
 void pel_state_move_history(const pel_model *model, pel_state *state, double before, double step);
 void pel_state_destroy(pel_state *state);

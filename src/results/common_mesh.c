@@ -2,10 +2,9 @@
    middle, whose corner i lies on the edge across from corner i. A frame is made of nodes of these trees and of halves
    of nodes, cut from a corner to the middle of the edge across: a median. The common mesh is the overlay of all frames:
 
-       a node is split when any frame has something finer in it, and carries the medians of all frames;
-       the median from corner i of a node that is split is a median of its child i and of its middle child,
-       both from their corner i;
-       what is left at the end are nodes with 0 to 3 medians, which meet in the node's centre.
+       a node is split if any frame is finer there, and has the medians of all frames; the median from corner i of a
+       node that is split is a median of its child i and of its middle child, both from their corner i; finally there
+       are nodes with 0 to 3 medians, which meet in the node's centre.
 
            c              The children of a node with the median from a:
           / \             the median of child a and that of the middle child make it up.
@@ -47,7 +46,7 @@ typedef struct node {
     uint8_t medians;  /* bit i: from corner i */
 } node;
 
-/* what a frame has of a node, when stamp is that of the frame */
+/* a frame's part of a node, valid if stamp is that of the frame */
 typedef struct frame_node {
     int32_t stamp;
     int32_t rows[3]; /* vertices of the frame at the corners */
@@ -123,7 +122,7 @@ static bool grow_slots(key_table *table)
     return true;
 }
 
-/* the key's number, a new one when it has none; -1 when out of memory */
+/* the key's number, new if necessary; -1 if out of memory */
 static int32_t number_key(key_table *table, const key *k)
 {
     if (2 * (table->count + 1) > table->slot_count && !grow_slots(table))
@@ -146,7 +145,7 @@ static void free_table(key_table *table)
     pel_free(table->slots);
 }
 
-/* vertices without a share go away, the others are sorted */
+/* removes vertices without a share and sorts the others */
 static key normal_key(const int32_t vertices[3], const int32_t shares[3])
 {
     key k = {{-1, -1, -1}, {0, 0, 0}};
@@ -278,7 +277,7 @@ static int64_t determinant(const int32_t m[3][3])
 }
 
 /* the root that a triangle lies in, its corners oriented like the triangle and the least first, and the triangle's
-   points in it; false when there is none */
+   points in it; false if there is none */
 static bool find_root(const key keys[3], key *root, int32_t points[3][3])
 {
     int32_t vertices[3];
@@ -347,7 +346,7 @@ static bool fit_node(const int32_t points[3][3], const int32_t rows[3], frame_no
             fit->apex = (int8_t)(name - 3);
         }
     }
-    /* the middle of an edge goes with the corner across from it */
+    /* the middle of an edge is numbered as the corner opposite to it */
     return fit->middle < 0 || fit->rows[fit->apex] >= 0;
 }
 
@@ -372,8 +371,8 @@ static bool split_node(pel_common_mesh *common, int32_t n)
     return children != NO_NODE;
 }
 
-/* the node that a triangle is all or half of, and how; with `make` nodes are split on the way. PEL_BAD_FORMAT when
-   there is none. */
+/* the node that a triangle equals or halves, and how; with `make` nodes are split as needed. PEL_BAD_FORMAT if there is
+   none. */
 static pel_status find_node(pel_common_mesh *common, int32_t n, bool make, int32_t points[3][3], const int32_t rows[3],
                             int32_t *found, frame_node *fit)
 {
@@ -399,7 +398,7 @@ static pel_status find_node(pel_common_mesh *common, int32_t n, bool make, int32
 
 /* ---- the overlay ---- */
 
-/* the node of a root, a new one when it has none; NO_NODE when out of memory */
+/* the node of a root, new if necessary; NO_NODE if out of memory */
 static int32_t root_node(pel_common_mesh *common, const key *root)
 {
     void *nodes = common->root_nodes;

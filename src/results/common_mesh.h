@@ -11,11 +11,12 @@ typedef struct pel_common_mesh pel_common_mesh;
 /* true for the two fields */
 bool pel_common_mesh_is_place(const char *field_name);
 
-/* Whether the frame says where its vertices lie; PEL_BAD_FORMAT when not. Errors: those of pel_frames_read too. */
+/* Checks that the frame has the places of its vertices; PEL_BAD_FORMAT if not. Errors: also those of
+   pel_frames_read. */
 pel_status pel_common_mesh_check(const pel_frames *frames, int32_t frame, pel_error *error);
 
-/* Reads all frames. Errors: those of pel_frames_read; PEL_BAD_FORMAT with the frame when it lacks the fields or its
-   triangles are none of a refined mesh; PEL_OUT_OF_MEMORY. On failure *common is null. */
+/* Reads all frames. Errors: those of pel_frames_read; PEL_BAD_FORMAT with the frame if it lacks the fields or its
+   triangles are not of a refined mesh; PEL_OUT_OF_MEMORY. On failure *common is null. */
 pel_status pel_common_mesh_create(const pel_frames *frames, pel_common_mesh **common, pel_error *error);
 /* null is fine */
 void pel_common_mesh_destroy(pel_common_mesh *common);

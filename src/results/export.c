@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* what more would be is not a number of a body */
+/* larger values are not numbers of bodies */
 #define MOST_PARTS 65536.0
 
 /* ---- parts ---- */
@@ -143,7 +143,7 @@ pel_status pel_export_read_tool(const pel_export_source *source, int32_t frame, 
     return status;
 }
 
-/* the surfaces of all tools behind the bodies, each in its pose of the frame */
+/* the surfaces of all tools after the bodies, each at its pose in the frame */
 static pel_status add_tools(const pel_export_source *source, int32_t frame, const pel_mesh *bodies, pel_mesh *mesh,
                             pel_error *error)
 {

@@ -1,4 +1,4 @@
-/* What the exports share: the frames on one set of triangles, bodies first, then tools. */
+/* Common part of the exports: the frames on one set of triangles, bodies first, then tools. */
 #ifndef PEL_RESULTS_EXPORT_H
 #define PEL_RESULTS_EXPORT_H
 
@@ -38,7 +38,7 @@ int32_t pel_export_part_count(const pel_mesh *mesh);
 /* The name of a tool; of a body null. */
 const char *pel_export_tool_name(const pel_export_source *source, int32_t part);
 
-/* refuses a frame whose triangles are not those of frame 0 */
+/* refuses a frame whose triangles differ from frame 0 */
 pel_status pel_export_fail_changed(const pel_frames *frames, int32_t frame, pel_error *error);
 
 /* refuses a frame with coordinates that no float holds */

@@ -149,7 +149,7 @@ void pel_run_folder_unlock(const char *folder, int lock)
     close(lock);
 }
 
-/* the number between two texts, such as f00012.vtp; -1 when the name is not of that kind */
+/* the number between two texts, such as f00012.vtp; -1 if the name does not match */
 static int64_t number_in_name(const char *name, const char *before, const char *after)
 {
     int64_t number = 0;
@@ -162,7 +162,7 @@ static int64_t number_in_name(const char *name, const char *before, const char *
     return at > digits && strcmp(at, after) == 0 ? number : -1;
 }
 
-/* the frame in the name of the file of a tool, such as t00012-0.vtp; -1 when the name is not of that kind */
+/* the frame in the name of the file of a tool, such as t00012-0.vtp; -1 if the name does not match */
 static int64_t tool_frame_in_name(const char *name)
 {
     char before[32];
@@ -173,7 +173,7 @@ static int64_t tool_frame_in_name(const char *name)
     return number_in_name(before, "t", "");
 }
 
-/* what pel_file_writer leaves behind when the program is killed */
+/* temporary files of pel_file_writer, left by a killed program */
 static bool is_temporary(const char *name)
 {
     size_t length = strlen(name);

@@ -1,4 +1,4 @@
-/* The output folder of a run: its names, making it, and clearing what an older run left. */
+/* The output folder of a run: names, creation, and removal of an older run. */
 #ifndef PEL_RESULTS_FOLDER_H
 #define PEL_RESULTS_FOLDER_H
 
@@ -17,17 +17,16 @@ const char *pel_run_tool_path(char path[PEL_RUN_FILE_SIZE], const char *folder, 
 /* folder/checkpoint-120.pel */
 const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step);
 
-/* Makes the folder with its parents and `frames` in it. PEL_BAD_FILE when that fails or nothing may be written there.
- */
+/* Makes the folder with its parents and `frames` in it. PEL_BAD_FILE if that fails or the folder is not writable. */
 pel_status pel_run_folder_open(const char *folder, pel_error *error);
 
-/* Keeps other runs out of the folder until it is unlocked or the program ends, however it ends. *lock receives what
-   unlocking takes, -1 where the file system has no locks. PEL_BAD_FILE, with who it is, when another run holds it. */
+/* Keeps other runs out of the folder until it is unlocked or the program ends in any way. *lock receives the argument
+   of unlocking, -1 if the file system has no locks. PEL_BAD_FILE, with the owner, if another run holds it. */
 pel_status pel_run_folder_lock(const char *folder, int *lock, pel_error *error);
 void pel_run_folder_unlock(const char *folder, int lock);
 
-/* Removes the files of an older run: frames from first_frame on, what is left of interrupted writing, and the other
-   files of a run; of these only summary.json and final.ply with `resume`. *removed tells whether there were any. */
+/* Removes the files of an older run: frames from first_frame on, partial files, and the other files of a run; of these
+   only summary.json and final.ply with `resume`. *removed tells whether there were any. */
 pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error);
 
 /* Whether such a run writes over a file that is there, or removes it. */

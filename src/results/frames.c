@@ -27,7 +27,7 @@ static char *join_path(const char *folder, const char *name)
 
 /* ---- version ---- */
 
-/* the version behind `mark` in a text; false when there is none */
+/* the version after `mark` in a text; false if there is none */
 static bool find_version(const char *text, const char *mark, int version[3])
 {
     const char *at = strstr(text, mark);

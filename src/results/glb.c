@@ -2,10 +2,10 @@
 
        "glTF" 2 length | length "JSON" text | length "BIN" indices, frame 0, frame 1, ..., times, weights
 
-   Each body and each tool is a node with a mesh of its own: a part. Indices are those of part 0, then of part 1, ...; a
+   Each body and each tool is a node with its own mesh: a part. Indices are those of part 0, then of part 1, ...; a
    frame is the positions and then the normals (vertices x 3 floats each) of part 0, then of part 1, ..., frame 0 as
-   they are, the others as differences from frame 0: morph targets. Weight t of the animation's key k is 1 for t = k - 1
-   and else 0, so that linear interpolation goes from frame to frame. */
+   positions, the others as differences from frame 0: morph targets. Weight t of the animation's key k is 1 for t = k -
+   1 and else 0, so that linear interpolation goes from frame to frame. */
 #include "results/export.h"
 
 #include "base/memory.h"

@@ -115,7 +115,7 @@ static pel_status write_mesh(const char *path, const pel_export_source *source, 
     return status;
 }
 
-/* a mesh for the bodies, and a mesh and a cache of its own for each tool */
+/* a mesh for the bodies, and a mesh and a cache for each tool */
 static pel_status write_parts(const char *path, const pel_export_source *source, pel_error *error)
 {
     char file[PEL_EXPORT_PATH_SIZE];

@@ -8,10 +8,10 @@
 
 enum { REPORT_COOKIE = 0x7265706f };
 
-/* where the runs go into the page; the number is that of the format of web/src/data.js */
+/* mark of the runs in the page; the number is the format version of web/src/data.js */
 static const char mark[] = "<!--pellicle runs, format 1-->";
 static const char mark_start[] = "<!--pellicle runs";
-/* what stands before, between and after the two parts of a run */
+/* text before, between and after the two parts of a run */
 static const char run_start[] = "\n<script type=\"application/json\" class=\"run\">";
 static const char frames_start[] = "</script>\n<script type=\"text/plain\" class=\"run-frames\">";
 static const char run_end[] = "</script>\n";
@@ -59,7 +59,7 @@ static pel_status read_page(const char *path, char **page, size_t *size, const c
     return PEL_BAD_FORMAT;
 }
 
-/* what may be packed of each run, so that base64 and the texts stay within the limit */
+/* packed size per run, so that base64 and the texts stay within the limit */
 static size_t pack_limit(const pel_report_def *def, size_t page_size, pel_report_run *runs, pel_error *error)
 {
     double left = (double)def->size_limit - (double)page_size;

@@ -1,4 +1,4 @@
-/* What a report says of a run beside its frames, as JSON: see web/src/data.js. */
+/* Description of a run in a report, apart from its frames, as JSON: see web/src/data.js. */
 #include "pellicle/observe.h"
 #include "results/report_run.h"
 

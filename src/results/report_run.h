@@ -63,7 +63,7 @@ pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_
    pel_frames_read_tool. */
 pel_status pel_report_run_put_tools(pel_report_run *run, pel_error *error);
 
-/* bytes of the files that pel_report_run_describe takes along, at most */
+/* largest size of the files that pel_report_run_describe includes */
 enum { PEL_REPORT_TEXT_LIMIT = 1 << 21 };
 
 void pel_report_run_free(pel_report_run *run);

@@ -1,4 +1,4 @@
-/* The first reading of a run for a report: what there is, and in which ranges. */
+/* The first pass over a run for a report: its fields and their ranges. */
 #include "results/report_run.h"
 
 #include "base/hash.h"

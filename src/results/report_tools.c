@@ -89,7 +89,7 @@ static void put_surface(pel_json *json, const char *name, const pel_mesh *mesh)
     pel_json_print(json, "],\"poses\":[");
 }
 
-/* the first kept frame with the tool, and its surface there; null when there is none */
+/* the first kept frame with the tool, and its surface there; null if there is none */
 static pel_status find_first(const pel_report_run *run, int32_t tool, pel_mesh **base, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -100,7 +100,7 @@ static pel_status find_first(const pel_report_run *run, int32_t tool, pel_mesh *
     return status;
 }
 
-/* a tool that no kept frame has is left out; frames without it have no pose */
+/* skip tools that are in no kept frame; frames without a tool have no pose */
 static pel_status put_tool(pel_report_run *run, int32_t tool, pel_error *error)
 {
     pel_json *json = &run->json;

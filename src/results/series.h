@@ -28,8 +28,8 @@ typedef struct pel_run_row {
 /* Begins a new file with the header row; path null: makes the rows only, for `line`. Close also on failure. */
 pel_status pel_run_series_create(pel_run_series *series, const char *path, const pel_sim *sim, pel_error *error);
 
-/* Goes on with the file after its first row_count rows; the rest is cut off. PEL_BAD_FORMAT when it does not have them
-   or has other columns; the file is not changed then. */
+/* Continues the file after its first row_count rows and removes the others. PEL_BAD_FORMAT if it has fewer rows or
+   other columns; the file is not changed then. */
 pel_status pel_run_series_resume(pel_run_series *series, const char *path, const pel_sim *sim, int64_t row_count,
                                  pel_error *error);
 

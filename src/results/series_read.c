@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* bytes of a cell; a name or a number that is longer is none of ours */
+/* bytes of a cell; Pellicle writes no longer name or number */
 enum { CELL_SIZE = 512 };
 
 /* which of the names stands over each column, -1 for none, is written to columns (column_count) */

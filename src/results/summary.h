@@ -4,7 +4,7 @@
 
 #include "pellicle/run.h"
 
-/* What the file is made from. */
+/* Input of the file. */
 typedef struct pel_run_ending {
     const char *folder, *scene_path;
     const char *method_name; /* the word of the method in scenes */
@@ -13,7 +13,7 @@ typedef struct pel_run_ending {
     const pel_sim *sim;       /* at the end */
     int32_t tool_count;       /* of the scene: a session may have added some */
     const double *tool_force; /* (tool_count) N, largest over the run */
-    const pel_error *cause;   /* what ended the run; null when it is done */
+    const pel_error *cause;   /* error that ended the run; null if it is done */
 } pel_run_ending;
 
 /* PEL_BAD_FILE, PEL_OUT_OF_MEMORY */

@@ -39,7 +39,7 @@ static pel_status refuse_field(const char *name, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
-/* where the rows of a body lie in its mesh: the triangles behind the scratch, the weights in it */
+/* where the rows of a body lie in its mesh: the triangles after the scratch, the weights in it */
 static const int32_t *read_places(const pel_run_surface *surface, const pel_sim *sim, int32_t body)
 {
     pel_sim_get_mesh_places(sim, body, surface->row_numbers, surface->scratch);

@@ -5,7 +5,7 @@
 #include "pellicle/results.h"
 #include "pellicle/scene.h"
 
-/* All buffers are made once, so that writing a frame takes no memory of its own but the file's; they are made anew
+/* All buffers are allocated once, so that writing a frame needs only the memory of the file; they are allocated again
    when a body has refined or coarsened. */
 typedef struct pel_run_surface {
     int32_t vertex_count, triangle_count, body_count, field_count;
@@ -15,10 +15,11 @@ typedef struct pel_run_surface {
     double *positions;     /* (vertex_count x 3) */
     double *scratch;       /* (vertex_count x 3) */
     int32_t *row_numbers;  /* (vertex_count) scratch */
-    pel_vtp_field *fields; /* (field_count), with values of their own */
-    int *sources;          /* (field_count) of pellicle/observe.h, or more for what changes with the surface alone */
+    pel_vtp_field *fields; /* (field_count), with their own values */
+    int *sources; /* (field_count) of pellicle/observe.h, or larger numbers for fields that change with the surface only
+                   */
     int32_t cell_field_count;
-    pel_vtp_field *cell_fields; /* (cell_field_count) on triangles, with values of their own */
+    pel_vtp_field *cell_fields; /* (cell_field_count) on triangles, with their own values */
     int *cell_sources;          /* (cell_field_count) */
     pel_vtp_writer *writer;
     double time;      /* s, of the last reading */
@@ -27,8 +28,8 @@ typedef struct pel_run_surface {
 
 /* Fields: those of pellicle/observe.h, those of the meshes, with several bodies always `body` (its number), and with
    bodies that refine `level` (the finest of the triangles at the vertex) and the place of a vertex in the body's mesh:
-   the `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown one. Destroy also on
-   failure. */
+   the `mesh_vertices` of a triangle, whose `mesh_weights` give it. PEL_BAD_SCENE names an unknown field. Destroy also
+   on failure. */
 pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *output, pel_run_surface *surface,
                                   pel_error *error);
 void pel_run_surface_destroy(pel_run_surface *surface);

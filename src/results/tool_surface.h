@@ -1,5 +1,5 @@
-/* The tools of a run as surfaces of their own beside its frames: a file for each tool and frame, which frames.pvd names
-   as a further part of the frame. */
+/* The tools of a run as separate surfaces: a file for each tool and frame, which frames.pvd lists as a further part of
+   the frame. */
 #ifndef PEL_RESULTS_TOOL_SURFACE_H
 #define PEL_RESULTS_TOOL_SURFACE_H
 
@@ -16,7 +16,7 @@ typedef struct pel_tool_surfaces {
     double time; /* s, of the last reading */
 } pel_tool_surfaces;
 
-/* Destroy what was zero or filled. */
+/* Destroys a zero or filled surface. */
 void pel_tool_surfaces_destroy(pel_tool_surfaces *surfaces);
 
 /* Puts a tool of an earlier part of the run into the list. PEL_OUT_OF_MEMORY. */

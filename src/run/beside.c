@@ -1,4 +1,4 @@
-/* Runs beside a run: simulations that take its steps with it, and rows of their series at its frames. */
+/* Runs beside a run: simulations that are stepped with it, and rows of their series at its frames. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "run/state.h"

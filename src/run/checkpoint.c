@@ -100,8 +100,7 @@ static pel_status refuse_version(const char *path, pel_error *error)
                   "run from the beginning, or use that version", error);
 }
 
-/* says what is different in the scene: the parts of the simulation, which its snapshot names, or what stands around it
- */
+/* names the difference of the scene: parts of the simulation, from its snapshot, or settings of the run */
 static pel_status refuse_scene(const pel_run_state *run, const char *path, const char *bytes, size_t size, size_t at,
                                pel_error *error)
 {

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* what follows a word: the number of numbers, and whether a name or the rest of the line stands in front of them */
+/* arguments of a word: the number of numbers, and whether a name or the rest of the line precedes them */
 typedef struct grammar {
     const char *word, *values;
     int number_count;
@@ -33,8 +33,8 @@ static const struct {
     pel_tool_shape shape;
 } shapes[] = {{"sphere", PEL_TOOL_SPHERE}, {"capsule", PEL_TOOL_CAPSULE}, {"box", PEL_TOOL_BOX}};
 
-/* Copies the line with single spaces between its words. Printable ASCII alone, without quotes and backslashes: it
-   stands in quotes in scenes. */
+/* Copies the line with single spaces between its words. Printable ASCII only, without quotes and backslashes: scenes
+   quote it. */
 static pel_status tidy(const char *line, char *out, pel_error *error)
 {
     size_t length = 0;

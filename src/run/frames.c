@@ -12,8 +12,8 @@
 #include <time.h>
 #include <unistd.h>
 
-/* frames.pvd is written again when the frames have grown by this share, or after so many seconds: its cost stays a
-   small part of that of the frames */
+/* rewrite frames.pvd when the number of frames has grown by this share, or after this many seconds: its cost stays
+   small compared to the frames */
 #define LIST_GROWTH 0.125
 #define LIST_SECONDS 2.0
 
@@ -189,7 +189,7 @@ void pel_run_frames_destroy(pel_run_frames *frames)
     pel_run_surface_destroy(&frames->surface);
 }
 
-/* numbers of tools stay those of the frames that are there */
+/* tools keep their numbers of the existing frames */
 static pel_status know_tools(pel_run_frames *frames, pel_error *error)
 {
     pel_frames *there = NULL;
@@ -223,7 +223,7 @@ pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int6
     return status == PEL_OK ? pel_run_frames_list(frames, error) : status;
 }
 
-/* what a failure to write it takes the run back to */
+/* state that the run returns to if it cannot be written */
 static void keep_state(pel_run_frames *frames, const pel_sim *sim, const pel_run_totals *totals,
                        const double *tool_force)
 {

@@ -1,6 +1,6 @@
-/* Frames of a run: the file, the row of the series and the list. What a frame says is read from the simulation at once;
-   with more than one thread a thread of its own writes it while the simulation goes on. A frame that cannot be written
-   brings the run back to the state that it shows. */
+/* Frames of a run: the file, the row of the series and the list. The content of a frame is copied from the simulation
+   immediately; with more than one thread a separate thread writes it while the simulation continues. If a frame cannot
+   be written, the run returns to the state of that frame. */
 #ifndef PEL_RUN_FRAMES_H
 #define PEL_RUN_FRAMES_H
 
@@ -16,7 +16,7 @@
 /* numbers that are kept of each tool */
 enum { PEL_TOOL_NUMBERS = 3 };
 
-/* What is summed up on the way; goes into checkpoints as it stands. */
+/* Totals over the run; stored in checkpoints unchanged. */
 typedef struct pel_run_totals {
     int64_t frame_count;       /* frames written */
     int64_t frame_step;        /* step of the last one */
@@ -26,7 +26,7 @@ typedef struct pel_run_totals {
     double max_displacement;   /* m, over the frames */
     double unbalanced_force;   /* N, largest over the frames */
     double volume_ratio;       /* of the last frame */
-    int64_t rise_count;        /* frames whose volume is more than that of the frame before */
+    int64_t rise_count;        /* frames whose volume exceeds that of the previous frame */
     double rise_sum, rise_max; /* of the volume ratio in these */
     pel_warning_tallies warnings;
     int64_t lost_count;             /* vertices that grasps have lost */
@@ -82,24 +82,23 @@ void pel_run_frames_destroy(pel_run_frames *frames);
 pel_status pel_run_frames_begin(pel_run_frames *frames, const pel_sim *sim, int64_t frame_count, bool resume,
                                 pel_error *error);
 
-/* Writes the present state as the frame totals->frame_count, or hands it over, and begins what is summed up from frame
-   to frame anew. Errors: as pel_run_frames_settle, also because of an earlier frame. */
+/* Writes the present state as the frame totals->frame_count, or queues it, and resets the totals per frame. Errors: as
+   pel_run_frames_settle, also because of an earlier frame. */
 pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
                               pel_error *error);
 
 /* true when a frame that was handed over could not be written: time to settle */
 bool pel_run_frames_failed(const pel_run_frames *frames);
 
-/* Waits until all frames are written and brings totals->max_displacement up to date. When one could not be written,
-   sim, totals and tool_force go back to what they were when it was added, and its error is returned. error is not null.
- */
+/* Waits until all frames are written and brings totals->max_displacement up to date. If one could not be written, sim,
+   totals and tool_force return to their state when it was added, and its error is returned. error is not null. */
 pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_totals *totals, double *tool_force,
                                  pel_error *error);
 
 /* Brings frames.pvd up to date; only after pel_run_frames_settle. */
 pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error);
 
-/* The present state but for what is skipped (kept.h), which is 0. */
+/* The present state without the skipped parts (kept.h), which are 0. */
 void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger);
 
 /* s, from some fixed moment */

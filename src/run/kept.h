@@ -1,11 +1,11 @@
-/* Runs of one scene with other numbers, one after the other, that share what these numbers do not change. */
+/* Consecutive runs of one scene with different numbers that share the parts which do not depend on them. */
 #ifndef PEL_RUN_KEPT_H
 #define PEL_RUN_KEPT_H
 
 #include "pellicle/run.h"
 #include "sim/parameter_table.h"
 
-/* What a run finds at its frames and its end. */
+/* Results of a run at its frames and its end. */
 enum {
     PEL_RUN_SURFACES = 1, /* areas, volumes, numbers of vertices and triangles */
     PEL_RUN_ENERGIES = 2, /* forces, energies, the ledger */
@@ -19,11 +19,11 @@ typedef struct pel_run_kept {
     pel_sim *sim;     /* null = likewise */
     void *start;      /* its snapshot before the first step */
     bool is_at_start; /* the simulation is */
-    unsigned skips;   /* what nobody reads: the summary leaves it at 0 */
+    unsigned skips;   /* parts that nobody reads: the summary has 0 for them */
 } pel_run_kept;
 
-/* pel_run with what is kept, which has to be that of this scene. Without a folder or a session; the summary
-   has no times of steps. kept null: as pel_run. */
+/* pel_run with kept parts, which must belong to this scene. Without a folder or a session; the summary has no times of
+   steps. kept null: as pel_run. */
 pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_kept *kept, pel_run_summary *summary,
                         pel_error *error);
 /* Takes the simulation back to its start, with the numbers of loads and grasps that it was made with

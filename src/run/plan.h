@@ -1,4 +1,4 @@
-/* When a run does what: which step gives a frame or a checkpoint, and where it ends. */
+/* Schedule of a run: the steps of frames and checkpoints, and the end. */
 #ifndef PEL_RUN_PLAN_H
 #define PEL_RUN_PLAN_H
 

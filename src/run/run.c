@@ -1,5 +1,5 @@
-/* The run driver: prepare (nothing on disk) -> open the folder -> simulate -> finish. Whatever happens while
-   simulating, finish leaves the folder whole. */
+/* The run driver: prepare (nothing on disk) -> open the folder -> simulate -> finish. After any failure while
+   simulating, finish leaves a complete folder. */
 #define _XOPEN_SOURCE 700
 #include "pellicle/run.h"
 
@@ -139,7 +139,7 @@ static pel_status take_kept(pel_run_state *run, const pel_sim_def *def, pel_erro
     return status;
 }
 
-/* model, simulation, and what writes its frames */
+/* model, simulation, and writer of its frames */
 static pel_status create_sim(pel_run_state *run, pel_error *error)
 {
     pel_run_kept *kept = run->kept;
@@ -160,7 +160,7 @@ static pel_status create_sim(pel_run_state *run, pel_error *error)
         run->tool_count = run->frames.tool_count = pel_sim_tool_count(run->sim);
     if (status == PEL_OK && run->scene->session_count > 0) {
         status = pel_session_create(run->scene, run->sim, &run->session, error);
-        /* what a session changes is not in the states that frames are taken back to */
+        /* changes by a session are not in the states that failed frames return to */
         def.thread_count = 1;
     }
     return status == PEL_OK ? pel_run_frames_create(&run->frames, &def, run->sim, error) : status;
@@ -180,7 +180,7 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
     return PEL_BAD_SCENE;
 }
 
-/* what helps a run that xpbd makes too soft */
+/* remedy for a run that xpbd makes too soft */
 static void print_remedy(const pel_run_state *run, char *text, size_t size)
 {
     const pel_solver_def *solver = &run->scene->sim.solver;
@@ -190,7 +190,7 @@ static void print_remedy(const pel_run_state *run, char *text, size_t size)
              solver->substeps > 0 ? "substeps" : "max_substeps", (int)reading.needed_substeps);
 }
 
-/* A run that is far too soft is tried for a step: one that fails at once is refused, as nothing is written yet. */
+/* A run that is far too soft is tried for one step: if it fails, the run is refused before anything is written. */
 static pel_status try_step(const pel_run_state *run, pel_error *error)
 {
     char remedy[200];
@@ -215,7 +215,7 @@ static pel_status try_step(const pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* a session changes what a checkpoint is compared with */
+/* a session changes the scene that a checkpoint is compared with */
 static pel_status refuse_resume(const pel_run_state *run, pel_error *error)
 {
     if (run->scene->session_count == 0 || run->def->resume == NULL)
@@ -296,7 +296,7 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     char series[PEL_RUN_FILE_SIZE];
     if (status == PEL_OK && resume)
         status = pel_file_check_inside(folder, pel_run_path(series, folder, PEL_RUN_SERIES), error);
-    /* the list first: it must not name frames that are gone */
+    /* the list first: it must not name removed frames */
     if (status == PEL_OK && resume)
         status = pel_run_frames_begin(&run->frames, run->sim, run->totals.frame_count, true, error);
     if (status == PEL_OK)
@@ -353,7 +353,7 @@ static bool report(const pel_run_state *run)
     return def->progress(def->user, &progress);
 }
 
-/* nothing moves before the first step, whatever is about to push */
+/* before the first step nothing moves, even under load */
 static bool is_settled(const pel_run_state *run)
 {
     double speed = run->scene->rest_speed;
@@ -473,7 +473,7 @@ static pel_status step(pel_run_state *run, pel_error *error)
     return status == PEL_OK ? pel_session_step(run->session, error) : status;
 }
 
-/* one step and what belongs to it */
+/* one step with its output */
 static pel_status advance(pel_run_state *run, pel_error *error)
 {
     /* the clock takes a thirtieth of the steps of a small body, and no row of a study has times */
@@ -577,8 +577,8 @@ static void measure_end(pel_run_state *run)
     pel_run_measure(run->sim, run->frames.skips, &run->measures, &run->ledger);
 }
 
-/* error holds what ended the run when status is a failure; a later failure does not replace an earlier one, and that of
-   a frame is the earliest */
+/* if status is a failure, error holds its cause; a later failure does not replace an earlier one, and a failed frame
+   counts as the earliest */
 static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary *summary, pel_error *error)
 {
     pel_status later = settle_frames(run, error);

@@ -1,6 +1,5 @@
-/* Sessions. What is done between two steps is recorded as lines of words, and repeating is doing the lines again at the
-   same steps: so a record has the bits of the session by construction. Undo cuts the record where the state goes back
-   to. */
+/* Sessions. Commands between two steps are recorded as lines of words, and a replay executes the same lines at the same
+   steps: so it has the bits of the session by construction. Undo truncates the record at the restored state. */
 #include "pellicle/session.h"
 
 #include "base/memory.h"
@@ -25,7 +24,7 @@ typedef struct event {
     char *line;
 } event;
 
-/* what inflates and pins a body */
+/* the pressure and pins of a body */
 typedef struct body_grip {
     int32_t vertex_count, triangle_count; /* of its mesh */
     int32_t (*triangles)[3];
@@ -34,7 +33,7 @@ typedef struct body_grip {
     double side;         /* 1 where normals point outward, else -1 */
 } body_grip;
 
-/* a place to go back to */
+/* a state that undo returns to */
 typedef struct mark {
     pel_snapshot *snapshot;
     size_t event_count;
@@ -375,7 +374,7 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
     return PEL_OK;
 }
 
-/* The tool goes to its target no faster than TOOL_SPEED: a pointer jumps, and a tool that jumps into a body would. */
+/* The tool moves to its target no faster than TOOL_SPEED: pointers jump, and the tool must not jump into a body. */
 static pel_status move_tool(pel_session *session, pel_error *error)
 {
     double dt = session->scene->sim.solver.dt, way[3], length = 0;
@@ -653,7 +652,7 @@ static void add_event(pel_session *session, const pel_command *command, char *li
     session->events[session->event_count++] = (event){step, is_move, line};
 }
 
-/* *done false: nothing was changed, and nothing is recorded */
+/* *done false: nothing changed, so nothing is recorded */
 static pel_status do_command(pel_session *session, pel_command *command, bool *done, pel_error *error)
 {
     *done = true;

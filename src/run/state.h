@@ -1,4 +1,4 @@
-/* Inside of a run: what its parts share. */
+/* Internals of a run, shared by its parts. */
 #ifndef PEL_RUN_STATE_H
 #define PEL_RUN_STATE_H
 
@@ -14,7 +14,7 @@ typedef struct pel_run_state {
     pel_model *model;
     pel_sim *sim;
     int32_t tool_count;   /* of the scene: a session adds some and takes them away */
-    pel_session *session; /* null when the scene has none */
+    pel_session *session; /* null if the scene has none */
     int32_t thread_count;
     uint64_t fingerprint; /* of the scene with its meshes and of the program version */
     pel_run_plan plan;
@@ -46,7 +46,8 @@ typedef struct pel_run_state {
 
 /* ---- beside.c ---- */
 
-/* Makes the simulations beside that of the run. Errors of their creation; PEL_BAD_ARGUMENT for runs that have none. */
+/* Creates the simulations beside that of the run. Errors of their creation; PEL_BAD_ARGUMENT for runs that do not
+   support them. */
 pel_status pel_run_beside_create(pel_run_state *run, pel_error *error);
 void pel_run_beside_destroy(pel_run_state *run);
 /* Gives their rows of the frame that the run is to add. */
@@ -55,17 +56,17 @@ void pel_run_beside_end(pel_run_state *run);
 
 /* ---- checkpoint.c ---- */
 
-/* Makes the buffer, so that a checkpoint can be written when memory is gone. */
+/* Allocates the buffer, so that a checkpoint can be written when memory is exhausted. */
 pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error);
 /* Writes the present state to `checkpoint`, and to checkpoint-STEP.pel too when numbered. */
 pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error *error);
-/* Goes back to the state in a file. PEL_BAD_FORMAT when it is damaged or does not belong to this scene. */
+/* Restores the state in a file. PEL_BAD_FORMAT if it is damaged or does not belong to this scene. */
 pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_error *error);
 
 /* ---- summary.c ---- */
 
 void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_summary *summary);
-/* error is what ended the run, null when it is done */
+/* error: cause of the end of the run, null if it is done */
 pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
                                  pel_error *error);
 

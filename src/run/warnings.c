@@ -28,12 +28,12 @@ enum { JAM_STEPS = 10 };
 #define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
-/* of the elastic energy of shells: bending that takes part beside stretching; of the energy supplied: less is rounding
- */
+/* shares of the elastic energy of shells above which bending matters, and of the supplied energy below which is
+   rounding */
 #define LAYER_SHARE 0.1
 #define LEAST_ENERGY 1e-6
 
-/* vertices that a tool has to touch, or its force depends on the mesh: a disc with a radius of three edges has 33.
+/* a tool that touches fewer vertices has a force that depends on the mesh: a disc with a radius of three edges has 33.
    Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
    (docs/scenes.md) */
 enum { LEAST_CONTACTS = 30 };
@@ -150,9 +150,9 @@ static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, doub
     pel_warn(&run->totals.warnings, kind, 0, value);
 }
 
-/* Edges against sqrt(R h), the width of the layer in which a load bends a shell beside its stretching (Calladine 1983,
-   Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter ones where they are needed. Loads
-   that stretch only need no such edges: frames tell whether it bends (bends_locally). */
+/* Edges against sqrt(R h), the width of the layer in which a load bends a shell as well as stretching it (Calladine
+   1983, Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter edges where needed. Loads
+   that only stretch need no such edges: frames show whether it bends (bends_locally). */
 static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
@@ -268,9 +268,9 @@ void pel_warnings_check_step(pel_run_state *run)
     check_tools(run, frame);
 }
 
-/* In that layer bending and stretching hold energies of the same size (Pogorelov 1988, Bendings of Surfaces and
-   Stability of Shells, chapter 1). A state of membrane forces bends by h / R of that; one that bends without stretching
-   does so over the length of the body. */
+/* In that layer bending and stretching have energies of the same size (Pogorelov 1988, Bendings of Surfaces and
+   Stability of Shells, chapter 1). In a membrane state the share of bending is h / R; inextensional bending extends
+   over the length of the body. */
 static bool bends_locally(const pel_sim_measures *measures, const pel_sim_ledger *ledger)
 {
     double bending = measures->bending_energy, both = bending + measures->membrane_energy;
@@ -307,7 +307,7 @@ static double largest_force(const pel_run_state *run)
     return largest;
 }
 
-/* forces of contact between surfaces are not among those of the measures */
+/* the measures do not include forces of contact between surfaces */
 static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;
@@ -398,7 +398,7 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
-/* implicit steps are divided before they fail; those of static have more iterations than they can use */
+/* implicit steps are divided before they fail; static steps have more iterations than they can use */
 static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
 {
     if (solver->budget > 0)
@@ -644,7 +644,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_UNSETTLED] = tell_unsettled,
 };
 
-/* energy that appears is measured against all that the run supplied in the end */
+/* created energy is compared with all energy supplied until the end of the run */
 static bool holds(const pel_run_state *run, pel_warning_kind kind)
 {
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];

@@ -1,4 +1,4 @@
-/* Warnings of a run: what makes its numbers doubtful. Each kind is counted as the run goes and told once. */
+/* Warnings of a run: reasons to doubt its numbers. Each kind is counted during the run and reported once. */
 #ifndef PEL_RUN_WARNINGS_H
 #define PEL_RUN_WARNINGS_H
 
@@ -24,7 +24,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_COUNT
 } pel_warning_kind;
 
-/* How often a kind was seen. Goes into checkpoints as it stands. */
+/* Number of occurrences of a kind. Stored in checkpoints unchanged. */
 typedef struct pel_warning_tally {
     int64_t first_frame, count;
     double worst; /* largest value that came with it */
@@ -55,7 +55,7 @@ void pel_warnings_check_step(struct pel_run_state *run);
 void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
                               const pel_sim_ledger *ledger);
 
-/* When a run has come to its end, with its measures: contacts and forces that are left. */
+/* At the end of a run, with its measures: remaining contacts and forces. */
 void pel_warnings_check_end(struct pel_run_state *run);
 
 /* Writes the warnings that hold at present to `warnings` (PEL_RUN_WARNING_LIMIT); returns their number. */

@@ -1,4 +1,4 @@
-/* Memory that is taken in pieces and freed at once: everything that belongs to one scene. */
+/* Memory that is allocated in pieces and freed together: all data of one scene. */
 #ifndef PEL_SCENE_ARENA_H
 #define PEL_SCENE_ARENA_H
 

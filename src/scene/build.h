@@ -10,8 +10,8 @@
    mesh_count of them also when this fails. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
-/* Loads, tools, contact, solver, output, duration, stop; names of bodies that were left out are put into the tree. The
-   meshes of tools are added to those of the bodies. */
+/* Loads, tools, contact, solver, output, duration, stop; default names of bodies are added to the tree. The meshes of
+   tools are added to those of the bodies. */
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
 /* Supports of single components of all bodies (build_support.c). */
@@ -24,7 +24,7 @@ pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_val
 /* The tree of a scene, as long as that lives (scene.c). */
 const pel_scene_value *pel_scene_root(const pel_scene *scene);
 
-/* what one body is built from */
+/* input of one body */
 typedef struct pel_scene_body_source {
     pel_scene_reader *reader;
     const pel_scene_value *value;
@@ -35,7 +35,7 @@ typedef struct pel_scene_body_source {
 pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
                                     const char *row_path, pel_quantity *quantity);
 
-/* The vertices of a region, listed also when it is all of them; a null value is none. */
+/* The vertices of a region, listed even if it is all of them; a null value means none. */
 pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
                                    const int32_t **vertices, int32_t *count);
 

@@ -172,7 +172,7 @@ static pel_status read_anisotropies(const pel_scene_body_source *source, pel_she
 
 /* ---- pressure ---- */
 
-/* an inside pressure is an outside one below 0; the arrays are those of the arena */
+/* an inside pressure is a negative outside one; the arrays belong to the arena */
 static pel_status negate(const pel_scene_body_source *source, pel_quantity *quantity)
 {
     size_t vertex_count = quantity->field != NULL ? (size_t)source->mesh->vertex_count : 0;
@@ -193,7 +193,7 @@ static pel_status negate(const pel_scene_body_source *source, pel_quantity *quan
     return PEL_OK;
 }
 
-/* beside a gas or a target volume */
+/* in addition to a gas or a target volume */
 static pel_status read_outside(const pel_scene_body_source *source, const pel_scene_value *value, const char *prefix,
                                pel_pressure_def *pressure)
 {

@@ -30,7 +30,7 @@ static pel_status find_body(pel_scene_reader *reader, const pel_scene_value *nam
     return pel_scene_fail_name(reader, &name->place, "body", name->text, names, count);
 }
 
-/* a load without body means the only one, whose name goes into the tree */
+/* a load without body acts on the only one, whose name is added to the tree */
 static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model)
 {
     if (pel_scene_value_entry(load, "body") != NULL)
@@ -196,7 +196,7 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), origin, tool) : status;
 }
 
-/* pinned vertices that move; the motion is that of the center, from where it is at rest */
+/* pinned vertices that move; the motion is that of the center, from its rest position */
 static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
                                int32_t number, pel_tool_def *tool)
 {
@@ -264,7 +264,7 @@ static pel_choice choice(const pel_scene_value *value)
     return value->number > 0 ? PEL_YES : PEL_NO;
 }
 
-/* in the order of pel_method, which is that of the words in the table */
+/* in the order of pel_method and of the words in the table */
 static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
                                            "xpbd",         "descent",  "static", "implicit"};
 
@@ -294,7 +294,7 @@ static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
     sim->thread_count = pel_scene_value_integer(value, "threads");
 }
 
-/* what a body has beside its edges means nothing to pbd-distance but its mass and the energies that are reported */
+/* pbd-distance uses only the edges and masses of a body; other properties affect only reported energies */
 static void note_ignored(pel_scene_reader *reader, const pel_scene_value *body)
 {
     static const char *const keys[] = {"membrane", "bending", "anisotropy"};

@@ -1,5 +1,5 @@
-/* Masses and springs of a body, with sizes of the mesh where the scene gives none: so a mesh that someone brings has
-   the response of its tissue, whatever its size and fineness. */
+/* Masses and springs of a body, with default sizes from the mesh: so any mesh has the response of its tissue,
+   independent of size and fineness. */
 #include "scene/build.h"
 #include "scene/table.h"
 
@@ -69,8 +69,7 @@ static pel_status build_mass(const pel_scene_body_source *source, const body_siz
     return PEL_OK;
 }
 
-/* `length` is the thickness of springs and the depth of volumetric ones: 0 where numbers are those of each edge and
-   vertex */
+/* `length` is the thickness of springs and the depth of volumetric ones: 0 if numbers are per edge and vertex */
 static pel_status build_springs(const pel_scene_body_source *source, const char *group, const char *length_key,
                                 double automatic, pel_quantity *stiffness, pel_quantity *damping, double *length)
 {

@@ -7,14 +7,14 @@
 #include <math.h>
 #include <string.h>
 
-/* what a preset says when it gives no density, and a membrane that has none at all [kg/m3] */
+/* density of presets without one, and of membranes without a preset [kg/m3] */
 #define TISSUE_DENSITY "1000"
 /* dt of the table */
 #define DEFAULT_DT 0.01
 
 enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
-/* the entry of a map; one without value counts as left out */
+/* the entry of a map; one without value counts as missing */
 static pel_scene_value *find(pel_scene_value *map, const char *key)
 {
     pel_scene_value *entry = map != NULL && map->kind == PEL_SCENE_MAP ? pel_scene_value_entry(map, key) : NULL;
@@ -80,7 +80,7 @@ static bool is_word(pel_scene_value *map, const char *key, const char *word)
     return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
 }
 
-/* the number of an entry, 0 when it is none above 0 */
+/* the number of an entry, 0 unless it is a number above 0 */
 static double positive(pel_scene_value *map, const char *key)
 {
     const pel_scene_value *value = find(map, key);
@@ -216,8 +216,8 @@ static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
     return set_copy(reader, volumetric, "young", young);
 }
 
-/* A sheet resists bending, unless pbd gives it a weight of its own. method.c may choose another model once the method
-   is known. */
+/* A sheet resists bending, unless pbd gives it its own weight. method.c may choose another model once the method is
+   known. */
 static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
 {
     pel_scene_value *solver = find_map(root, "solver"), *bending = find(body, "bending");
@@ -228,7 +228,7 @@ static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root,
     return bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
 }
 
-/* `has_material`: its response is that of a material, not that of numbers for each edge */
+/* `has_material`: its response follows from a material, not from numbers per edge */
 static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
 {
     pel_scene_value *membrane = find_map(body, "membrane");
@@ -263,7 +263,7 @@ static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
     return has_modes || is_word(solver, "path", "arc-length") ? set_text(reader, solver, "method", "static") : PEL_OK;
 }
 
-/* the greatest time of which two times are multiples, and where keys of `least` are as good as any */
+/* the greatest common divisor of two times, at least `least` */
 static double common_time(double a, double b, double least)
 {
     while (b > least) {
@@ -303,8 +303,8 @@ static void take_times(const pel_scene_value *value, key_times *times)
     }
 }
 
-/* A step, and a frame, for each time that all keys are multiples of; with `steps`, so many to the last one; for each
-   mode; for each step of a path; one where nothing is keyed. */
+/* A step, and a frame, for each multiple of the common divisor of all keys; with `steps`, that number to the last key;
+   for each mode; for each step of a path; one step if nothing is keyed. */
 static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *solver = find_map(root, "solver"), *output = find(root, "output");

@@ -10,11 +10,11 @@
    tree. Free with pel_mesh_destroy; null on failure. */
 pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh);
 
-/* The scalar field of that name; PEL_BAD_SCENE at `name` with the nearest one when there is none. */
+/* The scalar field of that name; PEL_BAD_SCENE at `name`, with the nearest name, if there is none. */
 pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,
                            const double **values);
 
-/* The rotation { axis, angle } as a quaternion x, y, z, w; null is none. */
+/* The rotation { axis, angle } as a quaternion x, y, z, w; null means none. */
 pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4]);
 /* The same as a rotation vector [rad], with whole turns kept. */
 pel_status pel_scene_rotation_vector(pel_scene_reader *reader, const pel_scene_value *value, double vector[3]);

@@ -1,6 +1,6 @@
-/* What a step costs is estimated from counts, so that a scene has one method on all machines: processor time of one
-   core per triangle, measured on balls and sheets of 320 to 20,480 triangles (docs/solvers.md, cost of a step). A step
-   of implicit grows faster than the triangles, with the fill of its factor. */
+/* The cost of a step is estimated from counts, so that a scene has the same method on all machines: processor time of
+   one core per triangle, measured on balls and sheets of 320 to 20,480 triangles (docs/solvers.md, cost of a step). A
+   step of implicit grows faster than the triangles, with the fill of its factor. */
 #include "scene/method.h"
 
 #include "model/model.h"
@@ -40,7 +40,7 @@ static step_cost cost_of(const pel_scene *scene, const pel_model *model)
     return (step_cost){substep[kind] * triangles, implicit[kind] * triangles * sqrt(sqrt(triangles / 1000))};
 }
 
-/* implicit is as exact as so many substeps in less time */
+/* with more substeps than this, implicit is as exact in less time */
 static bool is_cheaper(const step_cost *cost, int32_t substeps)
 {
     return cost->implicit < cost->substep * substeps;
@@ -67,7 +67,7 @@ static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root,
     set_method(root, scene, PEL_METHOD_IMPLICIT);
 }
 
-/* what only methods with rotations of edges have, in words; null = nothing of that */
+/* feature that only methods with rotations of edges support, in words; null = none */
 static const char *find_edge_feature(const pel_scene *scene)
 {
     if (scene->sim.support_count > 0)
@@ -102,7 +102,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
     const step_cost cost = cost_of(scene, model);
-    /* a limit that is written asks for xpbd up to it; what refinement costs is not known */
+    /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
     bool is_better = needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed));
     bool takes = status == PEL_OK && is_better && !needs_projection(model);

@@ -34,7 +34,7 @@ static bool next_segment(override_walk *walk, char segment[SEGMENT_SIZE])
     return dot == NULL || dot + 1 < walk->end;
 }
 
-/* the number that a segment is, -1 when it is none */
+/* the number of a segment, -1 if it is no number */
 static int64_t segment_index(const char *segment)
 {
     size_t digits = strspn(segment, "0123456789");
@@ -73,7 +73,7 @@ static pel_status fail_element(override_walk *walk, const char *segment)
     return PEL_BAD_SCENE;
 }
 
-/* goes to an element of the list, or adds one at its end */
+/* moves to an element of the list, or appends one */
 static pel_status enter_element(override_walk *walk, const char *segment)
 {
     int64_t index = segment_index(segment);
@@ -94,7 +94,7 @@ static pel_status enter_element(override_walk *walk, const char *segment)
     return PEL_OK;
 }
 
-/* takes the other alternatives and what needs them out of a map */
+/* removes the other alternatives, and keys that need them, from a map */
 static void remove_alternatives(pel_scene_reader *reader, const char *prefix, pel_scene_value *map, const char *kept)
 {
     const pel_scene_row *row = NULL;
@@ -119,7 +119,7 @@ static pel_status fail_key(override_walk *walk, const char *prefix, const char *
     return pel_scene_fail_name(walk->reader, &walk->place, "key", segment, names, count);
 }
 
-/* goes to an entry of the map, which is made when it is missing */
+/* moves to an entry of the map, which is added if missing */
 static pel_status enter_entry(override_walk *walk, const char *segment)
 {
     pel_scene_reader *reader = walk->reader;

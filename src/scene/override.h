@@ -4,9 +4,9 @@
 
 #include "scene/value.h"
 
-/* Puts the value (YAML after the =) at the path; list elements by number or name; the number after the last adds an
-   element. An alternative replaces the ones beside it: mesh.file=x takes mesh.shape and its parameters out. Messages
-   have "--set a.b=c" as their place. */
+/* Sets the value (YAML after the =) at the path; list elements by number or name; the number after the last adds an
+   element. An alternative replaces the others: mesh.file=x removes mesh.shape and its parameters. Messages have "--set
+   a.b=c" as their place. */
 pel_status pel_scene_override(pel_scene_reader *reader, pel_scene_value *root, const char *text);
 
 #endif

@@ -5,9 +5,8 @@
 #include "pellicle/scene.h"
 #include "sim/parameter_table.h"
 
-/* The place of a number that stands in the scene or in an override and may be written over. False where the scene has
-   to be read anew for another value: it is no number of the model or the simulation, or others that the scene leaves
-   out may follow from it. */
+/* The place of a number in the scene or an override that may be overwritten. False if the scene has to be read again
+   for another value: it is not a number of the model or the simulation, or defaults of the scene may depend on it. */
 bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_parameter_place *place);
 /* Writes it; the text of the scene stays. False where the text is no plain value of this number. */
 bool pel_scene_patch(pel_scene *scene, pel_parameter_place place, const char *text);

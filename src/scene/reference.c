@@ -77,7 +77,7 @@ static void write_row(FILE *file, const pel_scene_table *table, const pel_scene_
     fprintf(file, " | %s |\n", row->doc);
 }
 
-/* the table of the rows below a prefix that stand beside a word (null: beside any) */
+/* the table of the rows below a prefix that go with a word (null: with any) */
 static void write_rows(FILE *file, const pel_scene_table *table, const char *prefix, const char *word)
 {
     bool started = false;
@@ -141,7 +141,7 @@ void pel_scene_put_reference(FILE *file, const pel_scene_table *table)
     write_fields(file);
 }
 
-/* path: that of the parent as --set takes it, with the number 0 for list elements */
+/* path: of the parent as in --set, with the number 0 for list elements */
 static void write_paths(FILE *file, const pel_scene_table *table, const char *prefix, const char *path)
 {
     for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(table, prefix, row)) != NULL;) {

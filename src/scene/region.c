@@ -55,7 +55,7 @@ static pel_status read_region(pel_scene_reader *reader, const pel_scene_value *v
     return vertices != NULL ? read_vertices(reader, vertices, mesh, region) : PEL_OK;
 }
 
-/* copies a selection into the arena; weights that are all 1 are left out */
+/* copies a selection into the arena, without weights if all are 1 */
 static pel_status keep(pel_scene_reader *reader, const pel_selection *selection, bool weighted,
                        pel_scene_region *region)
 {

@@ -13,7 +13,7 @@ typedef struct pel_scene_region {
     double *weights;   /* (count) 0 to 1; null = 1 */
 } pel_scene_region;
 
-/* Finds the vertices that a checked region holds; PEL_BAD_SCENE at its place when there is none. */
+/* Finds the vertices of a checked region; PEL_BAD_SCENE at its place if there are none. */
 pel_status pel_scene_region_find(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
                                  pel_scene_region *region);
 

@@ -102,7 +102,7 @@ static uint32_t read_code(scalar_decoder *in, int digits)
     return code <= 0x10ffff && (code < 0xd800 || code > 0xdfff) ? code : 0xfffd;
 }
 
-/* what follows a backslash in double quotes */
+/* escapes in double quotes */
 static void decode_escape(scalar_decoder *decoder)
 {
     static const char letters[] = "0abt\tnvfre \"/\\N_LP";

@@ -5,8 +5,8 @@
 
 #include "scene/arena.h"
 
-/* The text that `size` bytes of source stand for; quote is ' or " or 0 for plain text. *length does not count the
-   terminating zero. Null when out of memory. Escapes must be valid; unknown ones stand for nothing. */
+/* The text of a scalar of `size` bytes; quote is ' or " or 0 for plain text. *length does not count the terminating
+   zero. Null if out of memory. Escapes must be valid; unknown ones are dropped. */
 char *pel_scene_decode_scalar(pel_arena *arena, const char *source, size_t size, char quote, size_t *length);
 
 #endif

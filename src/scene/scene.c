@@ -24,7 +24,7 @@ typedef struct scene_storage {
     const char *text; /* resolved */
 } scene_storage;
 
-/* what a scene is read from */
+/* source of a scene */
 typedef struct scene_source {
     const char *path, *text;
     size_t size;
@@ -57,7 +57,7 @@ static pel_scene *create_scene(void)
     return NULL;
 }
 
-/* the folder of a path, "." when it has none; null when out of memory */
+/* the folder of a path, "." if it has none; null if out of memory */
 static const char *folder_of(pel_arena *arena, const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -118,7 +118,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = pel_scene_choose_method(reader, root, scene);
     if (status == PEL_OK)
         pel_scene_choose_bending(root, scene);
-    /* names that were left out are in the tree now: put them into order */
+    /* default names have been added to the tree: sort it */
     if (status == PEL_OK)
         status = pel_scene_check(reader, root);
     if (status != PEL_OK)
@@ -233,7 +233,7 @@ static const pel_scene_value *find_support(const pel_scene_value *root, int64_t 
     return NULL;
 }
 
-/* the value that an error of the model or the simulation is about; the whole scene when there is none nearer */
+/* the value that an error of the model or the simulation refers to; otherwise the whole scene */
 static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error *error)
 {
     static const char *const kinds[][2] = {{"body", "bodies"}, {"load", "loads"}, {"tool", "tools"}};

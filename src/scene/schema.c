@@ -1,5 +1,5 @@
 /* The table as JSON Schema (draft 7) for editors. Every map becomes one object per alternative, and per word of an
-   alternative that brings keys of its own, so that an editor offers exactly the keys that go together. */
+   alternative that has its own keys, so that an editor offers exactly the keys that go together. */
 #include "scene/schema_api.h"
 
 #include "scene/value.h"
@@ -14,9 +14,9 @@ typedef struct schema_writer {
 
 /* one of the objects that a map can be */
 typedef struct schema_variant {
-    const pel_scene_row *chosen; /* alternative, null when there is none */
+    const pel_scene_row *chosen; /* alternative, null if there is none */
     const char *word;            /* its value, null when any */
-    bool implied;                /* it may be left out: the default */
+    bool implied;                /* optional: the default */
 } schema_variant;
 
 static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word);
@@ -108,7 +108,7 @@ static bool belongs(const schema_writer *out, const pel_scene_row *row, const ch
     return row->needs_word == NULL || (variant->word != NULL && strcmp(row->needs_word, variant->word) == 0);
 }
 
-/* "key": one of those that it needs has to stand beside it */
+/* "key": requires one of the keys that it depends on */
 static void write_dependency(schema_writer *out, const char *prefix, const pel_scene_row *row)
 {
     const char *comma = "";
@@ -187,7 +187,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     write(out, "}");
 }
 
-/* whether some key stands only beside this word */
+/* whether some key is allowed only with this word */
 static bool brings_keys(schema_writer *out, const char *prefix, const char *word)
 {
     const pel_scene_row *row = NULL;

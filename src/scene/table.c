@@ -515,8 +515,8 @@ static const char *name_below(const char *path, size_t length)
     return *name != '<' ? name : NULL;
 }
 
-/* Rows with the same parent as a chain, so that the rows below a prefix are found without a look at all others. Those
-   behind a row stand in buckets, the nearest first. */
+/* Rows with the same parent as a chain, so that the rows below a prefix are found without a search over all rows. Later
+   rows are in buckets, the nearest first. */
 static void link_siblings(const pel_scene_row *all, size_t count, const size_t *parents, const char **names,
                           size_t *siblings, size_t *later)
 {

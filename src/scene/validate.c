@@ -28,7 +28,7 @@ bool pel_scene_value_is_null(const pel_scene_value *value)
 
 /* ---- messages ---- */
 
-/* "a list", "'soft'": what a value is, for a message */
+/* "a list", "'soft'": description of a value for a message */
 static const char *describe(const pel_scene_value *value, char *text, size_t size)
 {
     if (value->kind == PEL_SCENE_SCALAR && !pel_scene_value_is_null(value))
@@ -41,7 +41,7 @@ static const char *describe(const pel_scene_value *value, char *text, size_t siz
     return text;
 }
 
-/* appends ", name" as long as there is room, and dots once there is none */
+/* appends ", name" while there is room, then dots */
 static void add_name(char *text, size_t size, const char *name)
 {
     size_t length = strlen(text);
@@ -60,7 +60,7 @@ static bool has_unit(const char *text)
     return end != NULL && isfinite(number) && *end == ' ';
 }
 
-/* what would be right where a value has the wrong form */
+/* the expected form, for a value of the wrong form */
 static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
 {
     const char *prefix = pel_scene_row_prefix(row);
@@ -241,7 +241,7 @@ static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *ro
         return fail_form(reader, row, value);
     if ((row->forms & PEL_FORM_WORD) != 0)
         return check_word(reader, row, value);
-    /* the range of a text is that of its length */
+    /* the range of a text applies to its length */
     if (value->text[0] == '\0' || !pel_scene_range_has(row->range, (double)strlen(value->text)))
         return fail_range(reader, row, value);
     return accept(value, PEL_FORM_TEXT, 0);
@@ -342,7 +342,7 @@ static pel_status check_names(pel_scene_reader *reader, const char *prefix, cons
     return PEL_OK;
 }
 
-/* a key without value counts as left out */
+/* a key without value counts as missing */
 static void remove_nulls(pel_scene_value *map)
 {
     for (pel_scene_value *entry = map->first, *next; entry != NULL; entry = next) {
@@ -357,7 +357,7 @@ static pel_status refuse_alternatives(pel_scene_reader *reader, const char *pref
 {
     pel_scene_fail(reader, &second->key_place, "'%s' and '%s' exclude each other", first->key, second->key);
     pel_fail_remedy(reader->error, "remove one of them");
-    /* one of them may stand in the other */
+    /* one of them may contain the other */
     for (int i = 0; i < 2; i++) {
         const pel_scene_value *outer = i == 0 ? first : second, *inner = i == 0 ? second : first;
         const pel_scene_row *row = row_of_entry(reader, prefix, outer);
@@ -367,7 +367,7 @@ static pel_status refuse_alternatives(pel_scene_reader *reader, const char *pref
     return PEL_BAD_SCENE;
 }
 
-/* At most one alternative is given and it is right. It comes first because other keys may depend on it. */
+/* Checks that at most one alternative is given, and its value. It comes first because other keys may depend on it. */
 static pel_status check_alternatives(pel_scene_reader *reader, const char *prefix, const pel_scene_row *limits,
                                      pel_scene_value *map)
 {
@@ -386,7 +386,7 @@ static pel_status check_alternatives(pel_scene_reader *reader, const char *prefi
     return PEL_OK;
 }
 
-/* every key goes with the others */
+/* checks that the keys are allowed together */
 static pel_status check_conditions(pel_scene_reader *reader, const char *prefix, const pel_scene_value *map)
 {
     for (const pel_scene_value *entry = map->first; entry != NULL; entry = entry->next)
@@ -437,7 +437,7 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
     return PEL_OK;
 }
 
-/* when no alternative is given: the one with a default, or, when one is needed, an error when there is none */
+/* if no alternative is given: fills in the default one, or fails if one is required and has no default */
 static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix, bool needed, pel_scene_value *map)
 {
     const pel_scene_row *last = NULL, *chosen = NULL;
@@ -497,7 +497,7 @@ static pel_status check_map(pel_scene_reader *reader, const pel_scene_row *row, 
         return status;
     remove_nulls(map);
     status = check_alternatives(reader, prefix, limits, map);
-    /* the default first: keys may go with it */
+    /* the default first: keys may depend on it */
     if (status == PEL_OK)
         status = fill_alternative(reader, prefix, false, map);
     if (status == PEL_OK)

@@ -7,7 +7,7 @@
 
 /* Refuses unknown keys, keys given twice, wrong forms, numbers out of range, missing keys and two of several
    alternatives (PEL_BAD_SCENE at the place of the first one found). Then every value has its form and number, defaults
-   are filled in, keys without value are gone and entries stand in the order of the table. */
+   are filled in, keys without value are removed and entries are in the order of the table. */
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
 
 /* A plain scalar that YAML reads as no value. */

@@ -43,11 +43,11 @@ void pel_scene_value_append(pel_scene_value *parent, const char *key, pel_scene_
 /* takes a child out of its parent */
 void pel_scene_value_remove(pel_scene_value *child);
 
-/* the entry of a map, null when there is none or value is no map */
+/* the entry of a map, null if there is none or value is no map */
 pel_scene_value *pel_scene_value_entry(const pel_scene_value *value, const char *key);
-/* the value below a dotted path of keys, "springs.stiffness"; null when there is none */
+/* the value below a dotted path of keys, "springs.stiffness"; null if there is none */
 pel_scene_value *pel_scene_value_at(const pel_scene_value *value, const char *path);
-/* what a checked value below a path holds; it must be there: see the table for defaults and required keys */
+/* content of a checked value below a path; it must exist: see the table for defaults and required keys */
 double pel_scene_value_number(const pel_scene_value *value, const char *path);
 /* the same of a key that may be missing, and the map with it: then the number stays */
 void pel_scene_value_read(const pel_scene_value *map, const char *key, double *number);
@@ -55,7 +55,7 @@ int32_t pel_scene_value_integer(const pel_scene_value *value, const char *path);
 bool pel_scene_value_boolean(const pel_scene_value *value, const char *path);
 /* the numbers of a list of them */
 void pel_scene_value_numbers(const pel_scene_value *list, double *numbers);
-/* the element of a list, null when there is none */
+/* the element of a list, null if there is none */
 pel_scene_value *pel_scene_value_element(const pel_scene_value *value, int64_t index);
 /* number of elements or entries */
 int32_t pel_scene_value_count(const pel_scene_value *value);

@@ -21,7 +21,7 @@ enum { CLOSED_COUNT = sizeof closed_shapes / sizeof *closed_shapes };
 
 /* ---- words and paths ---- */
 
-/* %20 for spaces; false where it does not fit, or the path has what no command may hold */
+/* %20 for spaces; false if it does not fit, or the path has characters that commands cannot contain */
 static bool encode(const char *path, char *word, size_t size)
 {
     size_t length = 0;
@@ -64,7 +64,7 @@ bool pel_word_mesh_is_one(const char *word)
     return is_shape(word) || pel_mesh_format_of_path(word) != PEL_FORMAT_AUTO;
 }
 
-/* the folder of the scene, "." when its path has none */
+/* the folder of the scene, "." if its path has none */
 static void take_folder(const pel_scene *scene, char folder[PATH_MAX])
 {
     const char *slash = strrchr(scene->path, '/');

@@ -59,7 +59,7 @@ static pel_scene_value *fail(yaml_parser *parser, const char *what, const char *
     return NULL;
 }
 
-/* keeps the place of an event; the marks of quoted scalars and of aliases point behind the quote and the star */
+/* keeps the place of an event; the marks of quoted scalars and of aliases point after the quote and the star */
 static void set_place(yaml_parser *parser, struct fy_event *event)
 {
     const struct fy_mark *mark = fy_event_start_mark(event);
@@ -215,7 +215,7 @@ static bool read_map(yaml_parser *parser, pel_scene_value *map)
     }
 }
 
-/* what an event other than an alias can bear */
+/* attributes of events other than aliases */
 static void decorations(const struct fy_event *event, struct fy_token **anchor_token, struct fy_token **tag)
 {
     *anchor_token = *tag = NULL;

@@ -1,8 +1,8 @@
 /* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (solve/newton.h).
 
-   With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by
-   -m . dg/dp. Vertices that are held where they were at rest go along with their rest positions. In a step of the
-   method implicit x_1 = e y + (1 - e) x_0 with the unknowns y of the step, whose matrix has the inertia in it. */
+   With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by -m
+   . dg/dp. Vertices held at their rest positions move with them. In a step of the method implicit x_1 = e y + (1 - e)
+   x_0 with the unknowns y of the step, whose matrix includes the inertia. */
 #include "sim/adjoint.h"
 
 #include "base/memory.h"
@@ -168,7 +168,7 @@ static void give_loads(const pel_adjoint_work *a)
             a->def->gravity[k] += sim->state->load_factor * (double)sim->model->mass[v] * a->multipliers[3 * v + k];
 }
 
-/* bending that goes with young and thickness, as left out in the def */
+/* bending that follows young and thickness, because the def does not set it */
 static bool bending_follows(const pel_shell *shell)
 {
     pel_membrane_material material = shell->material;

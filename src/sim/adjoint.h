@@ -1,4 +1,4 @@
-/* One adjoint solution at the end of a step: what pel_sim_adjoint and pel_sim_adjoint_steps share. */
+/* One adjoint solution at the end of a step, shared by pel_sim_adjoint and pel_sim_adjoint_steps. */
 #ifndef PEL_SIM_ADJOINT_H
 #define PEL_SIM_ADJOINT_H
 
@@ -14,7 +14,7 @@ typedef struct pel_adjoint_work {
 } pel_adjoint_work;
 
 /* The problem of the last step, x_1 = end y + (1 - end) x_0, at its solution, which becomes the unknowns of the method;
-   terms left out. */
+   without terms. */
 void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *problem);
 /* PEL_BAD_ARGUMENT if the last step has not converged. */
 pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error);

@@ -8,11 +8,10 @@
 
      df/dp = m' dF/dp,   df/danchor = s m' - e rate / dt b,   df/dcarried = m rate / dt m',
 
-   with s the stiffness of the springs that inertia and drag are. Anchor and carried are of the state where the step
-   begins, under BDF2 of the one before as well.
-
-   States are kept at every n-th of n^2 steps, those in between are found anew n at a time (Griewank 1992): three steps
-   and one linear system a step, and 2 n states. The steps end at rounding: derivatives are of what they solve. */
+   with s the stiffness of the springs that represent inertia and drag. Anchor and carried depend on the state at the
+   start of the step, under BDF2 on the previous one as well. States are kept at every n-th of n^2 steps, those in
+   between are recomputed n at a time (Griewank 1992): three steps and one linear system a step, and 2 n states. The
+   steps are solved to rounding, so that derivatives are those of their solution. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/adjoint.h"
@@ -31,7 +30,7 @@ typedef struct path {
     double *positions, *velocities;          /* (row_count x 3) */
     double *by_positions, *by_velocities;    /* (row_count x 3) */
     double *position, *velocity;             /* (3 vertex_count) derivatives by the state after a step */
-    double *older_position, *older_velocity; /* (3 vertex_count) and for the state before it, as far as known */
+    double *older_position, *older_velocity; /* (3 vertex_count) and for the state before it, if known */
 } path;
 
 static pel_status refuse(pel_error *error, const char *what, const char *remedy)

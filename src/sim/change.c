@@ -17,7 +17,7 @@ void pel_change_end(pel_change *change)
     pel_copies_free(&change->copies);
 }
 
-/* The meshes of a model are turned outward already: what was counted and hashed is of those that were given. */
+/* The meshes of a model are already turned outward: counts and hashes refer to the given meshes. */
 static pel_status make_model(const pel_model *old, const pel_model_def *def, pel_model **model, pel_error *error)
 {
     pel_status status = pel_model_create(def, model, error);

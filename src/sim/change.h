@@ -1,6 +1,5 @@
-/* A change of what a simulation is made from, while it runs: defs are changed, the simulation is made anew from them,
-   and the state is carried over. So whatever follows from the defs is right, and what is refused at creation is refused
-   here. */
+/* A change of the defs of a running simulation: the defs are changed, the simulation is created from them again, and
+   the state is transferred. So everything derived from the defs is right, and errors of creation are reported here. */
 #ifndef PEL_SIM_CHANGE_H
 #define PEL_SIM_CHANGE_H
 

@@ -91,8 +91,8 @@ static pel_status refuse_thickness(const pel_sim *sim, double thickness, const e
     return PEL_BAD_ARGUMENT;
 }
 
-/* the thickness of all groups that have none of their own: what was given is taken or refused, the relative one gives
-   way to short edges */
+/* the thickness of all groups without their own: a given one is accepted or refused, the relative one is reduced for
+   short edges */
 static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortest, double *thickness, pel_error *error)
 {
     const pel_contact_def *def = &sim->contact.def;
@@ -116,7 +116,7 @@ static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thi
                                .friction = friction >= 0 ? friction : sim->contact.def.friction};
 }
 
-/* of bodies, none of which may be thicker than its edges are long, and tools */
+/* thickness of bodies, at most the length of their edges, and of tools */
 static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
 {
     edge_place shortest = {.length = HUGE_VAL};
@@ -186,7 +186,7 @@ static pel_status create_from_tools(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* what tools press with reaches as far as their largest distance from a body */
+/* the pressing range of tools is their largest distance from a body */
 static void grow_tools(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++)
@@ -394,8 +394,8 @@ pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
 
 /* ---- correction ---- */
 
-/* Forces of what was corrected after the solver, by the change of velocities. Without velocities a correction undoes
-   the step of the forces that press, alpha F dt^2 / m (paper A, eq. A-5), and tools are read from these forces. */
+/* Forces of corrections after the solver, from the change of velocities. Without velocities a correction reverts the
+   step of the pressing forces, alpha F dt^2 / m (paper A, eq. A-5), and forces on tools are computed from these. */
 static void take_corrections(pel_sim *sim)
 {
     const pel_contact_set *contacts = sim->contacts;
@@ -453,8 +453,8 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 /* Corrections may add this share of the energy that was supplied, over a whole step. */
 #define APPEARS_SHARE 0.02
 
-/* Whether the part is to be done anew in two: the guard would have to step bodies back, or corrections have put in more
-   energy than they may. */
+/* Whether to repeat the part in two halves: the guard would have to step bodies back, or corrections have added too
+   much energy. */
 static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))
@@ -541,7 +541,7 @@ void pel_contacts_tally(pel_sim *sim, double rate)
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    /* statistics of a body that does not move are those of one that was loaded from a snapshot */
+    /* statistics of a body that does not move equal those of one loaded from a snapshot */
     contacts->way_is_searched = false;
     if (is_present(sim) && contacts->tangles.is_known)
         return PEL_OK;

@@ -1,5 +1,4 @@
-/* Contact in a simulation: what stands between its state, tools and steppers and the set of contacts (contact/set.h).
- */
+/* Contact in a simulation: the link between its state, tools and steppers and the set of contacts (contact/set.h). */
 #ifndef PEL_SIM_CONTACT_H
 #define PEL_SIM_CONTACT_H
 
@@ -16,8 +15,8 @@ void pel_contacts_place(pel_sim *sim);
 void pel_contacts_place_start(pel_sim *sim);
 /* After refinement or a snapshot: the set takes the present surface, with the points at the start. */
 pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
-/* Before the solver of a method with contacts in its loop: what may touch in this step; what is as near as `least` [m]
-   in any case, but for tools. */
+/* Before the solver of a method with contacts in its loop: finds pairs that may touch in this step, and all pairs
+   nearer than `least` [m], except with tools. */
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
 /* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
@@ -28,11 +27,11 @@ void pel_contacts_tally(pel_sim *sim, double rate);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
-/* Before the step: brings the surface after refinement, and what is known of tangled pairs after a snapshot. */
+/* Before the step: updates the surface after refinement, and the tangled pairs after a snapshot. */
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 
 /* ---- contact_tangle.c ---- */
-/* Refuses what intersects at the start, as it was found, and tools inside of bodies. PEL_BAD_ARGUMENT. */
+/* Refuses intersections found at the start, and tools inside of bodies. PEL_BAD_ARGUMENT. */
 pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error);
 
 #endif

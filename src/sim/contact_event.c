@@ -1,8 +1,8 @@
 /* Contact over an event of refinement: the surface changes without a step, and must not cut itself afterwards.
 
-   New vertices stand a little off the middle of their edge (refine_transfer.c), and what is coarsened loses its bulges,
-   so the new surface is tested exactly. When it cuts itself, new vertices go to the middles, which leaves a refined
-   surface where it was; when that does not help, the event is taken back by a snapshot from before it. */
+   New vertices lie a little off the middle of their edge (refine_transfer.c), and coarsened regions lose their bulges,
+   so the new surface is tested exactly. If it cuts itself, new vertices move to the middles, which does not move a
+   refined surface; if that does not help, the event is reverted by a snapshot from before it. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"

@@ -9,7 +9,7 @@ void pel_contact_act(pel_sim *sim, const pel_contact_action *action)
     pel_contact_forces_add(&sim->contact_forces, &way, action);
 }
 
-/* marks what a tool touches by a contact; the reaction is on the tool */
+/* marks the vertices that a tool touches by a contact; the reaction acts on the tool */
 static void touch(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double free, double side,
                   const double force[3])
 {

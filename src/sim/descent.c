@@ -4,8 +4,8 @@
    value from the start of the step: equilibrium is reached over several steps.
 
    With tools or contact the energy is minimised under their constraints (descent.h), in rounds: minimise, update the
-   multipliers, search for new contacts. After a collision on the way, the next round starts at its place. Multipliers
-   are not part of the state: a step computes its initial ones from the balance of forces at its start. */
+   multipliers, search for new contacts. After a collision during a step, the next round starts there. Multipliers are
+   not part of the state: a step computes its initial ones from the balance of forces at its start. */
 #include "sim/descent.h"
 
 #include "base/lane.h"
@@ -37,23 +37,24 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 /* of the size of the bodies: who would go no farther than this is there; forces of stiff bodies round to more */
 #define SHORT_SHARE 1e-9
 
-/* what a round leaves of the gradient that it begins with; the first one, and one after something went back */
+/* share of its initial gradient at which a round ends; for the first round, and after vertices were moved back */
 #define FIRST_REDUCTION 1e-3
 #define REDUCTION 0.1
-/* and no more than this share of the tolerance: loads that come from places far from rest are worth nothing */
+/* and at most this multiple of the tolerance: loads from positions far from equilibrium are useless */
 #define ROUGH_SHARE 1e3
-/* The stiffness of constraints, of the bound of that of the bodies and their inertia. Stiffer where a round closes gaps
-   by less than CLOSING, or leaves them open by more than FAR tolerances. */
+/* Stiffness of constraints relative to the bound of bodies and inertia. It grows when a round closes gaps by less than
+   CLOSING, or leaves them open by more than FAR tolerances. */
 #define PENALTY 0.1
 #define MOST_PENALTY 100
 #define STIFFENING 4.0
 #define CLOSING 0.3
 #define FAR 20
-/* Where surfaces press from all sides some gaps do not close, however large the loads: under constraints so stiff they
-   may stay open by so many tolerances, 0.3 of the thickness. What is certified is less than half of what is left. */
+/* Where surfaces press from all sides, some gaps do not close under any load: under constraints this stiff they may
+   stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than half of the rest. */
 #define JAM_PENALTY 6
 #define JAM_GAP 8
-/* of half the thickness of a tool, that it goes in one part of a step; of the way up to an impact, that is gone */
+/* displacement of a tool in one part of a step, relative to half its thickness; share of the path to an impact that is
+   taken */
 #define PART_SHARE 0.5
 #define SAFE_SHARE 0.9
 /* shares of the mean edge (on the finest level): pairs closer than this are constraints from the start; vertices that
@@ -113,7 +114,7 @@ static double precise_energy(const pel_descent_context *at, const double *positi
 static double energy_of(void *context, const double *position, double *force)
 {
     pel_descent_context *at = context;
-    const pel_sim *sim = at->sim;
+    pel_sim *sim = at->sim;
     const pel_sim_descent *descent = sim->descent;
     double energy = descent->tangent != NULL ? precise_energy(at, position, force) : batch_energy(at, position, force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
@@ -125,7 +126,7 @@ static double energy_of(void *context, const double *position, double *force)
     return at->is_constrained ? energy + pel_descent_contacts_evaluate(sim, position, force) : energy;
 }
 
-/* N, what rounding of the volume makes of the forces of an enclosed gas or a target volume */
+/* N, error of the forces of an enclosed gas or a target volume by rounding of the volume */
 static double pressure_noise(const pel_sim *sim)
 {
     double sum = 0;
@@ -140,8 +141,8 @@ static double pressure_noise(const pel_sim *sim)
     return ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * sum;
 }
 
-/* N, root of the sum of squares of all that is not elastic at some positions, the forces that stay included; less than
-   its rounding is none */
+/* N, root of the sum of squares of all forces that are not elastic at some positions, including constant ones; 0 below
+   rounding */
 static double measure_external(pel_sim *sim, double time, const pel_record *position)
 {
     double square = 0;
@@ -153,7 +154,7 @@ static double measure_external(pel_sim *sim, double time, const pel_record *posi
     return sqrt(square) > pressure_noise(sim) ? sqrt(square) : 0;
 }
 
-/* the forces that stay; returns what measure_external does at the present state */
+/* the constant forces; returns measure_external at the present state */
 static double find_external(pel_sim *sim, double time)
 {
     pel_record *external = sim->descent->external;
@@ -224,14 +225,17 @@ static bool go_back_to(pel_sim *sim, int32_t v, double share)
     double beyond = (1 - share) * pel_vec3_distance(start, end);
     if (beyond < BEYOND_SHARE * sim->descent->mean_edge || (sim->held != NULL && sim->held[v]))
         return false;
+    /* Newton's method comes back by itself, and keeps the shape of the bodies */
+    if (sim->descent->minimiser == NULL)
+        return true;
     for (int k = 0; k < 3; k++)
         sim->state->position_next[v][k] = (pel_real)(start[k] + share * (end[k] - start[k]));
     copy_position(sim->state->position_next, v, sim->descent->position);
     return true;
 }
 
-/* what went far through something begins again shortly before that; false when nothing has. Of round tools the gaps
-   say more */
+/* moves vertices that passed far through a surface back to shortly before it; false if there are none. For round tools
+   the gaps are used instead */
 static bool go_back(pel_sim *sim)
 {
     const pel_contact_set *contacts = sim->contacts;
@@ -254,8 +258,8 @@ static bool go_back(pel_sim *sim)
     return any;
 }
 
-/* what touches at position_next, surfaces that met on the way included when `looks`; *again is set where that begins
-   anew */
+/* finds contacts at position_next, and with `looks` surfaces that met during the motion; *again is set if they restart
+   the round */
 static pel_status find_constraints(pel_sim *sim, bool looks, bool *again, pel_error *error)
 {
     bool sees = pel_sim_has_loop_contacts(sim);
@@ -299,8 +303,8 @@ static double rounding_force(const pel_sim *sim)
     return ROUNDING_ERRORS * DBL_EPSILON * sim->descent->stiff_force;
 }
 
-/* Relative to the forces that act. Where none acts at present, a body comes back from those that did; where none ever
-   did, it is at rest, to the rounding of its forces. */
+/* Relative to the acting forces. If none acts now, a body recovers from earlier ones; if none ever did, it is at rest,
+   to the rounding of its forces. */
 static double tolerance_of(const pel_sim *sim, double loads)
 {
     const pel_sim_descent *descent = sim->descent;
@@ -333,7 +337,7 @@ static double dynamic_tolerance(const pel_sim *sim, double loads)
     return acting > 0 ? DYNAMIC_SHARE * acting : rounding_force(sim);
 }
 
-/* the largest force that has acted by now; of a body that starts deformed or under stress of its own that stress */
+/* the largest force that has acted; for a body that starts deformed or prestressed, its stress */
 static void remember_acting(pel_sim *sim, double loads, double first_residual)
 {
     pel_sim_descent *descent = sim->descent;
@@ -342,7 +346,7 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
     descent->step_acted = fmax(descent->step_acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
-/* not by a share of the forces that the round began with: those of gaps that close are far larger than all others */
+/* not relative to the initial forces of the round: forces of closing gaps are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
     double tolerance = pel_sim_has_velocity(sim)
@@ -415,7 +419,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
     return status;
 }
 
-/* the energy without that of the constraints, and the forces of the bodies */
+/* the energy without constraints, and the forces of the bodies */
 static double plain_energy(pel_descent_context *context)
 {
     const pel_sim_descent *descent = context->sim->descent;
@@ -496,8 +500,7 @@ static pel_status minimise_under_constraints(pel_descent_context *context, doubl
 
 /* ---- a step ---- */
 
-/* The pressure of a volume that is driven is far larger where a step begins than where it ends: the forces that act are
-   those of the end. */
+/* The pressure of a driven volume is far larger at the start of a step than at its end: use the forces at the end. */
 static pel_status minimise_alone(pel_descent_context *context, double loads, pel_error *error)
 {
     pel_sim *sim = context->sim;
@@ -639,7 +642,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
     pel_status status = pel_sim_descent_create(sim, run_minimiser, error);
     if (status == PEL_OK)
         status = pel_descent_create(sim->model->vertex_count, &sim->descent->minimiser, error);
-    /* the pattern of a matrix goes with a surface */
+    /* a matrix pattern is valid for one surface */
     if (status == PEL_OK && sim->active == NULL && !sim->solver.gradient_only)
         status = pel_sim_newton_create(sim, false, error);
     if (status == PEL_OK && sizeof(pel_real) < sizeof(double))

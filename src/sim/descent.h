@@ -1,4 +1,4 @@
-/* Inside of the method `descent`: contacts of a minimisation.
+/* Internals of the method `descent`: contacts of a minimisation.
 
    A step seeks positions x of least energy E(x) with every gap c_k(x) >= 0: of triangles to round tools, of points to
    planes of other tools, of vertices and edges to surfaces. The minimiser sees the augmented Lagrangian (Powell 1969;
@@ -6,17 +6,18 @@
 
        L(x) = E(x) + sum_k max(0, load_k - stiffness_k c_k(x))^2 / (2 stiffness_k),
 
-   whose gradient is that of the Lagrangian with the loads that come next, load_k = max(0, load_k - stiffness_k c_k): a
-   minimum of L is at rest under forces that press and never pull, and round by round the gaps close as well. A tool
-   feels the sum of its loads.
+   whose gradient is that of the Lagrangian with the next loads, load_k = max(0, load_k - stiffness_k c_k): a minimum of
+   L is at rest under forces that press and never pull, and round by round the gaps close as well. A tool feels the sum
+   of its loads.
 
-   Friction holds the way u of a point across the normal since the step began, in the same way: with t = drag -
-   stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and grows in proportion
-   to |t| beyond. The load is that of the last round, so that this is a potential. */
+   Friction resists the tangential displacement u of a point since the start of the step, in the same way: with t = drag
+   - stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and proportional to
+     |t| beyond. The load of the last round is used, so that this is a potential. */
 #ifndef PEL_SIM_DESCENT_H
 #define PEL_SIM_DESCENT_H
 
 #include "sim/sim.h"
+#include "solve/newton.h"
 
 /* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
 typedef struct pel_descent_contact {
@@ -30,13 +31,13 @@ typedef struct pel_descent_contact {
     double drift[3];              /* m, way of the tool there since the step began */
     double friction;
     int32_t tool;   /* -1 = none */
-    int32_t points; /* vertices of a feature whose gap to a round tool is looked up wherever it goes; 0 = a plane */
+    int32_t points; /* vertices of a feature whose gap to a round tool is recomputed as it moves; 0 = a plane */
     int32_t end;    /* of the capsule that a triangle has its gap to: -1, 1; 0 = middle of a sphere */
     int32_t number; /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
 } pel_descent_contact;
 
-/* Gaps between surfaces keep so much of the thickness more than it, to within the tolerance of a little less: nothing
-   has to be corrected after a step, and what starts at the thickness is lifted by no more than that. */
+/* Gaps between surfaces exceed the thickness by this share of it, with a slightly smaller tolerance: nothing has to be
+   corrected after a step, and surfaces that start at the thickness are lifted by at most that. */
 #define PEL_SLACK_SHARE 0.05
 
 typedef struct pel_descent_context pel_descent_context;
@@ -62,9 +63,9 @@ struct pel_sim_descent {
     double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
     double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
                                     it. The first is in snapshots */
-    double stiffness;            /* 1/s2, bound of that of the bodies over mass */
+    double stiffness;            /* 1/s2, bound of the stiffness of the bodies over mass */
     const double *inertia;       /* (vertex_count) N/m, springs that inertia is; null = none */
-    double penalty;              /* stiffness of constraints over that of bodies and inertia */
+    double penalty;              /* stiffness of constraints relative to bodies and inertia */
     double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
     int32_t stray_body;          /* has got away by the last step (pel_descent_find_stray); -1 = none */
     double stray_way;            /* m */
@@ -73,10 +74,11 @@ struct pel_sim_descent {
     pel_descent_result result;   /* of the step at work */
     pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
 
-    /* those of tools, then those of surfaces; the others are known from the last search */
+    /* constraints of tools, then of surfaces; the others are known from the last search */
     pel_descent_contact *constraints, *others;
     size_t capacity, other_capacity;
     int32_t count, tool_count;
+    const pel_newton_kink *kinks;  /* (count) say which constraints act; null = their gaps do */
     int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
     double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
 };
@@ -95,8 +97,9 @@ typedef struct pel_gap_sample {
     double weights[4], normal[3];
 } pel_gap_sample;
 
-/* Second derivatives of a constraint's part, N/m: along and across its normal, of the weighted sum of the vertices.
-   About a round tool the place where a triangle touches goes along when that turns: the sum of the squares of rows. */
+/* Second derivatives of a constraint's term, N/m: along and across its normal, for the weighted sum of the vertices. On
+   a round tool the contact point of a triangle moves when the triangle turns: this adds the sum of the squares of
+   rows. */
 typedef struct pel_contact_stiffness {
     double weights[4], along[3][3], across[3][3]; /* across: of the sum with the constraint's own weights */
     int row_count;
@@ -104,22 +107,22 @@ typedef struct pel_contact_stiffness {
 } pel_contact_stiffness;
 
 /* ---- descent.c ---- */
-/* What all methods need that minimise. PEL_OUT_OF_MEMORY. */
+/* Allocates the data of all methods that minimise. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_descent_create(pel_sim *sim, pel_descent_minimise *minimise, pel_error *error);
 /* Where a step begins: sim->descent->position and position_next from the state. */
 void pel_descent_begin_at_state(pel_sim *sim);
 /* One step. */
 pel_status pel_sim_descent_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
-/* Ends of a minimisation without constraints: N, by the loads at a time (N, and the share of what is held), or m.
-   Clears sim->force and the external forces. */
+/* Tolerances of a minimisation without constraints: N, by the loads at a time (N, and the share of holding forces), or
+   m. Clears sim->force and the external forces. */
 double pel_descent_tolerance(pel_sim *sim, double time);
 double pel_descent_held_share(void);
 double pel_descent_short_move(const pel_sim *sim);
 
-/* What tools feel: loads of constraints, and what holds grasped vertices. */
+/* Forces on tools: loads of constraints, and holding forces of grasped vertices. */
 void pel_sim_descent_read_tools(pel_sim *sim);
-/* After a step that is accepted, or a part of one: what is told of the step is the sum, the worst of residuals. */
+/* After an accepted step or part of one: readings of a step are sums over the parts, and the worst of residuals. */
 void pel_sim_descent_accept(pel_sim *sim);
 /* the get_solver of the steppers that minimise */
 void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading);
@@ -127,32 +130,34 @@ void pel_sim_descent_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 /* ---- descent_free.c ---- */
 /* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */
 pel_status pel_descent_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error);
-/* The same for the loads of the first step, and at the times of those that come later. Clears sim->force. */
+/* The same for the loads of the first step, and at the times of later ones. Clears sim->force. */
 pel_status pel_descent_check_start(pel_sim *sim, pel_error *error);
 /* Finds a body that only contact holds and that has got away by the end of the step of a static method. */
 void pel_descent_find_stray(pel_sim *sim);
 
 /* ---- descent_contact.c: positions and forces are (3 vertex_count) ---- */
-/* the weighted sum of its points: where it is, against a surface the way between both sides */
+/* the weighted sum of its points: their position, or against a surface the vector between both sides */
 void pel_descent_contact_point(const pel_descent_contact *constraint, const double *position, double point[3]);
 void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                               pel_gap_sample *meeting);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */
-double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force);
+double pel_descent_contacts_evaluate(pel_sim *sim, const double *position, double *force);
 /* Second derivatives of a constraint's part. False where it does not act. */
 bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact *constraint, const double *position,
                                    pel_contact_stiffness *stiffness);
+/* Constraints as kinks (count) at positions; until pel_descent_contacts_evaluate stiffnesses are of those that act. */
+void pel_descent_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks);
 /* Loads and drags after a minimisation. Returns the largest error of a gap over its
    tolerance. */
 double pel_descent_contacts_update(pel_sim *sim);
-/* Loads that balance `force`, that of the bodies at the end of the step, best. Writes over it. stiffness
-   (vertex_count): N/m of the springs that inertia is, whose forces are in `force`; null = none. */
+/* Loads that best balance `force`, the forces of the bodies at the end of the step, which is overwritten. stiffness
+   (vertex_count): N/m of the springs of inertia, whose forces are in `force`; null = none. */
 void pel_descent_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness);
-/* N, root of the sum of squares of what constraints do to vertices */
+/* N, root of the sum of squares of the constraint forces on vertices */
 double pel_descent_contacts_force(const pel_sim *sim);
-/* Constraints of surfaces from the list of contacts, after those of tools, with the loads that its keys have. */
+/* Constraints of surfaces from the list of contacts, after those of tools, with the loads stored by their keys. */
 pel_status pel_descent_contacts_add_surfaces(pel_sim *sim, pel_error *error);
 /* Writes these loads into the keys. */
 void pel_descent_contacts_keep_loads(pel_sim *sim);
@@ -163,7 +168,7 @@ void pel_descent_contacts_mark(const pel_sim *sim);
 /* Constraints against all tools at the end of the step and the present poses, in place of all that were known; those
    that were known keep their loads. */
 pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error);
-/* What tools touch, and their reactions. */
+/* Vertices that tools touch, and reactions. */
 void pel_descent_contacts_read(pel_sim *sim);
 
 #endif

@@ -41,9 +41,9 @@ static void find_start(const pel_sim *sim, const pel_descent_contact *constraint
 }
 
 /* Nearest points of a feature (in the tool's frame) and the axis of a round tool: weights of the feature's vertices and
-   the way from the axis to it. A vertex and an edge have all of the axis, a triangle one end of it: each of these
-   points goes smoothly with the feature. The nearest point of a triangle to a whole axis does not: it jumps from edge
-   to edge where the triangle lies along the capsule. */
+   the vector from the axis to it. A vertex and an edge are measured to the whole axis, a triangle to one end of it:
+   each of these points depends smoothly on the feature. The nearest point of a triangle to the whole axis does not: it
+   jumps from edge to edge if the triangle lies along the capsule. */
 static double find_nearest(const pel_solid *solid, const pel_descent_contact *constraint, double x[3][3],
                            double weights[4], double way[3])
 {
@@ -101,7 +101,7 @@ void pel_descent_contact_meet(const pel_sim *sim, const pel_descent_contact *con
     meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
 }
 
-/* the drag without limit that friction answers the way since the step began with; false without friction */
+/* the friction force, without limit, for the displacement since the start of the step; false without friction */
 static bool find_drag(const pel_sim *sim, const pel_descent_contact *constraint, const double *position, double drag[3])
 {
     if (!(constraint->friction > 0) || !(constraint->load > 0))
@@ -167,12 +167,12 @@ static void drag_stiffness(const pel_descent_contact *constraint, const double d
 }
 
 /* The gap to a round tool is d - radius with the distance d of its middle from the nearest feature. To second order in
-   the ways y of the vertices, with weights w and the unit vectors t in the feature (none of a vertex),
+   the displacements y of the vertices, with weights w and the unit vectors t in the feature (none of a vertex),
 
      d = n . sum w_i y_i - d/2 sum_t (sum_i grad w_i . t (n . y_i) + w_i t . y_i / d)^2 + |across|^2 / (2 d);
 
-   the last term would make the matrix indefinite and is left out. An edge along a capsule counts as one at the sphere
-   that is nearest. */
+   the last term would make the matrix indefinite and is omitted. An edge along a capsule counts as one at the nearest
+   sphere. */
 static void add_row(const pel_gap_sample *meeting, double load, double distance, const double gradients[3][3],
                     const double t[3], pel_contact_stiffness *stiffness)
 {
@@ -185,7 +185,7 @@ static void add_row(const pel_gap_sample *meeting, double load, double distance,
     pel_vec3_set(row[3], 0, 0, 0);
 }
 
-/* gradients of the weights of a triangle's corners, in its plane; its first side and what is across that */
+/* gradients of the weights of a triangle's corners, in its plane, in the frame of its first side */
 static bool find_gradients(double x[3][3], double gradients[3][3], double t[2][3])
 {
     double v[3], normal[3];
@@ -244,23 +244,43 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
     double drag[3];
     pel_descent_contact_meet(sim, constraint, position, &meeting);
     double load = constraint->load - constraint->stiffness * meeting.gap;
-    bool drags = find_drag(sim, constraint, position, drag);
+    bool drags = find_drag(sim, constraint, position, drag), acts = load > 0;
+    if (sim->descent->kinks != NULL)
+        acts = sim->descent->kinks[constraint - sim->descent->constraints].acts;
     *stiffness = (pel_contact_stiffness){0};
     memcpy(stiffness->weights, meeting.weights, sizeof meeting.weights);
     for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3 && load > 0; b++)
+        for (int b = 0; b < 3 && acts; b++)
             stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
     if (drags)
         drag_stiffness(constraint, drag, stiffness->across);
     if (load > 0 && constraint->points > 0)
         add_turning(sim, constraint, position, &meeting, load, stiffness);
-    return load > 0 || drags;
+    return acts || drags;
 }
 
-double pel_descent_contacts_evaluate(const pel_sim *sim, const double *position, double *force)
+void pel_descent_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks)
 {
     const pel_sim_descent *descent = sim->descent;
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        pel_newton_kink *kink = &kinks[c];
+        pel_gap_sample meeting;
+        pel_descent_contact_meet(sim, constraint, position, &meeting);
+        *kink = (pel_newton_kink){.gap = meeting.gap, .load = constraint->load, .stiffness = constraint->stiffness};
+        memcpy(kink->vertices, constraint->vertices, sizeof kink->vertices);
+        memcpy(kink->weights, meeting.weights, sizeof kink->weights);
+        pel_vec3_copy(meeting.normal, kink->normal);
+        kink->acts = kink->load - kink->stiffness * kink->gap > 0;
+    }
+    sim->descent->kinks = kinks;
+}
+
+double pel_descent_contacts_evaluate(pel_sim *sim, const double *position, double *force)
+{
+    pel_sim_descent *descent = sim->descent;
     double energy = 0;
+    descent->kinks = NULL;
     for (int32_t c = 0; c < descent->count; c++)
         energy += evaluate(sim, &descent->constraints[c], position, force);
     return energy;
@@ -319,9 +339,9 @@ double pel_descent_contacts_update(pel_sim *sim)
     return largest;
 }
 
-/* What is left to balance at a constraint, N: without inertia the force that takes away most of those on its vertices.
-   With inertia the one under which its point, as far as springs of `stiffness` let the forces move it, keeps the gap
-   and stays with the tool. False where it has none. */
+/* Unbalanced force of a constraint, N: without inertia the force that best cancels those on its vertices. With inertia
+   the force under which its point, moved by the forces against springs of `stiffness`, keeps the gap and follows the
+   tool. False if it has none. */
 static bool find_left(const pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting,
                       const double *stiffness, const double *force, double left[3])
 {

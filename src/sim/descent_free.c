@@ -12,10 +12,10 @@
 
 #include <math.h>
 
-/* net force over the sum of the forces' sizes: rounding of records, and what the vertex-normal form is wrong by */
+/* net force over the sum of the forces' magnitudes: rounding of records, and the error of the vertex-normal form */
 #define LOAD_RATIO 1e-4
 #define FOLLOWER_RATIO 0.05
-/* of its size: a body that goes so much farther than the tools has got away */
+/* relative to its size: a body that moves this much farther than the tools has escaped */
 #define STRAY_SHARE 0.5
 
 /* by pins, volumetric springs or supports */
@@ -135,7 +135,7 @@ void pel_descent_find_stray(pel_sim *sim)
     pel_sim_descent *descent = sim->descent;
     descent->stray_body = -1;
     descent->stray_way = 0;
-    /* supports that move carry what lies on them */
+    /* moving supports carry bodies that lie on them */
     for (int32_t b = 0; b < sim->model->body_count && !pel_holds_move(sim); b++) {
         const pel_body *body = &sim->model->bodies[b];
         double way = !is_fastened(sim, b) ? way_across(sim, b) : 0;

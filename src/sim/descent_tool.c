@@ -1,7 +1,7 @@
-/* What the minimiser knows of tools: spheres by the nearest point of each triangle about them, wherever that goes;
-   capsules by those of vertices and edges to their axis, and of triangles to its ends; boxes, where contact does not
-   take them as surfaces, by planes at vertices and at the deepest points of triangles, along separating axes, which are
-   found anew in each round. */
+/* Tools in a minimisation: spheres by the nearest point of each triangle near them, recomputed as it moves; capsules by
+   the nearest points of vertices and edges to their axis, and of triangles to its ends; boxes, if contact does not
+   treat them as surfaces, by planes at vertices and at the deepest points of triangles, along separating axes that are
+   recomputed in each round. */
 #include "sim/descent.h"
 #include "sim/tool.h"
 
@@ -11,9 +11,9 @@
 
 #include <string.h>
 
-/* of the longest edge: triangles this near to a tool take part */
+/* relative to the longest edge: triangles this near to a tool get constraints */
 #define REACH_SHARE 0.5
-/* of the depth that pressing leaves: gaps keep so much more, to within the tolerance */
+/* relative to the tolerance of pressing: additional gap, to within the tolerance */
 #define SLACK_SHARE 2.0
 #define GAP_TOLERANCE 1.5
 /* weights of a point inside an edge; tangent of the angle below which an edge is parallel to an axis */
@@ -129,8 +129,8 @@ static bool is_along_axis(const tool_search *search, const pel_descent_contact *
     return pel_hypot(way[0], way[1]) < ALONG_AXIS * fabs(way[2]);
 }
 
-/* A side of a triangle that crosses the axis; beyond its ends their spheres hold the triangle, and vertices have
-   constraints of their own. */
+/* A side of a triangle that crosses the axis; beyond the ends their spheres hold the triangle, and vertices have
+   separate constraints. */
 static pel_status add_side(const tool_search *search, int32_t t, int side, pel_error *error)
 {
     pel_sim *sim = search->sim;
@@ -324,8 +324,8 @@ pel_status pel_descent_contacts_find_tools(pel_sim *sim, pel_error *error)
 
 /* ---- readings ---- */
 
-/* load and drag as forces of the step; both act at the same point but for what a round tool has slid in the last round
- */
+/* load and drag as forces of the step; both act at the same point except for the slip on a round tool in the last
+   round */
 static void add_action(pel_sim *sim, const pel_descent_contact *constraint, const pel_gap_sample *meeting)
 {
     pel_contact_action action = {.vertices = constraint->vertices, .obstacle = constraint->tool};

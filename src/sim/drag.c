@@ -1,16 +1,16 @@
 /* Dragging a piece of surface by a spring.
 
-   The piece is held by a grasp, which every method treats as a boundary, and the grasp goes to where the spring and the
-   surface balance: k (target - p) + F(p) = 0 with the force F of the surface on the hand. Between two steps F is known
-   at p only. K is the stiffness that the surface has shown: a secant of F.
+   The piece is held by a grasp, which every method treats as a boundary, and the grasp moves to the balance of spring
+   and surface: k (target - p) + F(p) = 0 with the force F of the surface on the hand. Between two steps F is known at p
+   only. K is the measured stiffness of the surface: a secant of F.
 
    Methods without velocities: a secant step, p' = p + (k (target - p) + F) / (k + K).
 
    Methods with velocities: F holds the inertia of the piece, -m (p_n - 2 p_(n-1) + p_(n-2)) / dt^2, and a hand without
    mass would answer one step late: with a = c m / (dt^2 (k + K)) its steps obey l^2 + a l - a = 0, unstable from a =
-   1/2 on, and slow below. So the hand has a mass M, a multiple of m and at least 2 K dt^2, and the damping that is
-   critical for k and M; then a = c m / M, where c, 1 to 4, is of the integrator. The spring is taken at the end of the
-   step, so it may be as stiff as one likes. */
+   1/2 on, and slow below. So the hand has a mass M, a multiple of m and at least 2 K dt^2, and critical damping for k
+   and M; then a = c m / M, where c, 1 to 4, depends on the integrator. The spring is evaluated at the end of the step,
+   so any stiffness is stable. */
 #include "pellicle/live.h"
 
 #include "base/memory.h"
@@ -20,13 +20,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* of a new secant in the stiffness that is known, where it falls; with velocities it rises at once */
+/* share of a new, smaller secant in the stiffness; with velocities a larger one is adopted immediately */
 #define SECANT_SHARE 0.3
 #define SLOW_SHARE 0.02
 /* mass of the hand relative to the held mass, and its stiffness times dt^2 relative to the surface */
 #define MASS_RATIO 8
 #define STIFF_RATIO 2
-/* of the nearest vertex: what holds it for sure */
+/* mass factor of the nearest vertex that certainly holds it */
 #define REACH_MARGIN 1.001
 
 struct pel_drag {

@@ -101,7 +101,7 @@ static void find_principal(const double tensor[6], const double normal[3], doubl
         direction[i] = pel_cos(angle) * axis[0][i] + pel_sin(angle) * axis[1][i];
 }
 
-/* membrane stress, plus that of bending on one side */
+/* membrane stress, plus bending stress on one side */
 static void find_stress(const pel_triangle_mechanics *numbers, double side, double stress[6])
 {
     double h = numbers->thickness;

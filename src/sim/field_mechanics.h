@@ -5,7 +5,7 @@
 #include "pellicle/sim.h"
 #include "sim/field.h"
 
-/* A triangle or the mean of those around a vertex, with unit normals at rest and at present. */
+/* A triangle or the mean of the triangles around a vertex, with unit normals at rest and at present. */
 typedef struct pel_field_mechanics {
     pel_triangle_mechanics numbers;
     double rest_normal[3], normal[3];

@@ -1,6 +1,6 @@
 /* A follower load F = L R R0^T f on a boundary edge: f per length L at rest, R the frame (t, m, n) of the present edge,
-   R0 that at rest. t goes along the edge with the triangle to its left, n is the normal of the triangle, m = t x n
-   points outward in its plane. Each end takes one half.
+   R0 the frame at rest. t points along the edge with the triangle to its left, n is the normal of the triangle, m = t x
+   n points outward in its plane. Each end takes one half.
 
    A displacement turns the frame by w = t x (u_b - u_a) / l + t n . (u_c - (1 - s) u_a - s u_b) / h, with the length l
    of the edge a b, the height h of the tip c over it and the foot a + s (b - a) of that height. So dF = w x F. The

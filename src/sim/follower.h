@@ -6,7 +6,7 @@
 #include "linear/matrix.h"
 #include "sim/sim.h"
 
-/* After the loads, of which it takes over those that follow. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+/* After the loads, taking over those that follow. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 pel_status pel_followers_create(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 void pel_followers_destroy(pel_sim *sim);
 
@@ -22,7 +22,7 @@ void pel_followers_add_skew(const pel_sim *sim, const double *x, double *y);
    positions of ends and tip. */
 void pel_follower_slopes(const pel_sim *sim, int32_t i, double slopes[3][3][3]);
 
-/* PEL_BAD_ARGUMENT where there are any: `what` is without them. */
+/* PEL_BAD_ARGUMENT if there are any: `what` does not support them. */
 pel_status pel_followers_refuse(const pel_sim *sim, const char *what, pel_error *error);
 
 #endif

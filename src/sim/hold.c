@@ -589,7 +589,7 @@ static void add_reading(pel_sim *sim, pel_hold *hold, int32_t v, double size, co
     hold->part.vertex_count++;
 }
 
-/* the force of a vertex on what holds it, shared out over the directions of its supports */
+/* the force of a vertex on its supports, distributed over their directions */
 static void read_held(pel_sim *sim, int32_t h)
 {
     pel_sim_holds *holds = sim->holds;

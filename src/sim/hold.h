@@ -64,8 +64,8 @@ void pel_holds_add_matrix(const pel_sim *sim, pel_matrix *matrix);
 
 /* Readings from the gradient after a step, with positions at its end. */
 void pel_holds_read(pel_sim *sim, double time);
-/* Work [J] of all supports on the bodies in a step that ends at a time, with readings and positions at its end. What
-   elastic supports store is what the bodies have given them. */
+/* Work [J] of all supports on the bodies in a step that ends at a time, with readings and positions at its end. The
+   energy stored in elastic supports is work of the bodies. */
 double pel_holds_work(pel_sim *sim, double time);
 /* adds the readings of a body's supports */
 void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_reading *sum);

@@ -1,6 +1,6 @@
 /* The energy ledger. Work of a step from x0 (time t0) to x1 (t1):
 
-     gravity   sum m g . (x1 - x0), exact; over several steps at once where masses stay
+     gravity   sum m g . (x1 - x0), exact; over several steps together while masses are constant
      loads     mean force times displacement, sum (f(t0) + f(t1)) / 2 . (x1 - x0)
      pressure  with a potential U(V, t): the mean of U(V0, t) - U(V1, t) at t0 and t1; else the mean of the forces at
                both ends times the displacement
@@ -10,7 +10,7 @@
                step takes it; of substeps (T0 + T1) tanh(rate dt), which is exact for an exponential decay
 
    For the leapfrog with velocities brought to the time of the positions (v + dt/2 a) these sums are the discrete energy
-   balance but for a term dt^2 m (a1^2 - a0^2) / 8 (Hairer, Lubich, Wanner 2003, section 1), which stays bounded. */
+   balance up to a term dt^2 m (a1^2 - a0^2) / 8 (Hairer, Lubich, Wanner 2003, section 1), which stays bounded. */
 #include "sim/ledger.h"
 
 #include "base/lane.h"
@@ -165,7 +165,7 @@ static void add_dissipation(pel_sim *sim)
     double drag = sim->solver.drag * sim->step.dt;
     if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger.has_damping || sim->ledger.has_radial_damping))
         return;
-    /* half of the drag acts before the velocity in the middle of the step, half behind it */
+    /* half of the drag acts before the velocity in the middle of the step, half after it */
     double gain = pel_sim_is_explicit(sim) ? pel_exp(drag) - pel_exp(-drag) : pel_tanh(drag);
     vertex_sums sums = {.sim = sim, .drag_gain = gain, .damps = true};
     sim->ledger.sums.dissipated_drag += sum_vertices(sim, &sums).damping;

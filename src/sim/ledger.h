@@ -16,7 +16,7 @@ typedef struct pel_ledger {
     double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
     uint8_t is_started;                     /* the energies at the start are known */
     bool is_unread;                         /* nobody reads it: the energies at the start stay 0 */
-    bool has_damping, has_radial_damping;   /* any vertex has one of its own, along its volumetric spring */
+    bool has_damping, has_radial_damping;   /* any vertex has its own damping, along its volumetric spring */
     double rounding;                        /* J, energy that rounding of positions alone can show */
     pel_tool_reading *tools;                /* (tool_count) at the start of the step */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */

@@ -86,7 +86,7 @@ static pel_status find_lengths(const pel_mesh *mesh, const pel_load_def *def, do
     return PEL_OK;
 }
 
-/* weights become those of the edges */
+/* weights of vertices become weights of edges */
 static pel_status weigh_by_length(const pel_mesh *mesh, const pel_load_def *def, int32_t index, pel_load *load,
                                   pel_error *error)
 {
@@ -110,7 +110,7 @@ static size_t place_count(const pel_sim *sim, int32_t body)
     return (size_t)(sim->active->bodies[body].fine_limit - sim->model->bodies[body].slice_begin * PEL_WIDTH);
 }
 
-/* the weight of a place, 0 = none; true when it is another one than before */
+/* sets the weight of a place, 0 = none; true if it has changed */
 static bool set_weight(pel_load *load, int32_t at, double weight)
 {
     bool differs = load->weight_of_place[at] != weight;

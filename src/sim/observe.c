@@ -197,8 +197,8 @@ double pel_sim_volume_ratio(const pel_sim *sim)
     return measures.volume_ratio;
 }
 
-/* Velocity at the time of the positions. That of the leapfrog belongs to the middle of the last step: half a kick of
-   the present forces is missing, but where a tool or contact takes it, or where the first step is still to come. */
+/* Velocity at the time of the positions. The leapfrog's belongs to the middle of the last step: half a kick of the
+   present forces is missing, except where a tool or contact takes it, or before the first step. */
 static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
 {
     const pel_state *state = sim->state;
@@ -270,7 +270,7 @@ static void measure_displacements(const pel_sim *sim, pel_sim_measures *measures
     measures->max_displacement = sqrt(largest);
 }
 
-/* the largest one, and the sum of those on free vertices */
+/* the largest one, and the sum over free vertices */
 static void measure_forces(const pel_sim *sim, pel_sim_measures *measures)
 {
     const pel_model *model = sim->model;

@@ -1,5 +1,5 @@
-/* Fields of the present state by number. What several fields share (positions, measures of the surface, mechanics of
-   its triangles) is kept for the state that it is of. */
+/* Fields of the present state by number. Intermediate results of several fields (positions, measures of the surface,
+   mechanics of its triangles) are kept for their state. */
 #include "sim/observe_field.h"
 
 #include "base/memory.h"
@@ -90,9 +90,9 @@ static pel_status look(pel_sim *sim, int32_t field, int32_t body, view **made, p
     return PEL_OK;
 }
 
-/* ---- what fields share ---- */
+/* ---- intermediate results of fields ---- */
 
-/* an array of so many elements of a size, when it is not there yet */
+/* allocates an array if necessary */
 static bool has_room(void *array, int32_t count, size_t size)
 {
     void *present;

@@ -1,4 +1,4 @@
-/* What is known of the surfaces of a simulation for those who look at its fields; made when somebody looks. */
+/* Cache for the fields of a simulation, created on the first access. */
 #ifndef PEL_SIM_OBSERVE_FIELD_H
 #define PEL_SIM_OBSERVE_FIELD_H
 

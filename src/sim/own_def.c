@@ -1,4 +1,4 @@
-/* The def that a simulation keeps of its own: a deep copy, and the fingerprint of it. */
+/* The def of a simulation: a deep copy, and its fingerprint. */
 #include "base/status.h"
 #include "sim/sim.h"
 

@@ -1,5 +1,5 @@
-/* Parameters by their paths: list, look, change. A path is made from the row of the table and the names of what it is
-   in; a search makes the path of one after the other, which takes some 10 us. */
+/* Parameters by path: list, read, change. A path is made from the row of the table and the names of its owners; a
+   search builds one path after the other, which takes some 10 us. */
 #include "base/number.h"
 #include "base/status.h"
 #include "sim/change.h"
@@ -91,7 +91,7 @@ static const pel_parameter_place before_first = {0, -1};
 
 /* ---- paths ---- */
 
-/* names of what stands for the first and second [] of a path; null = its number */
+/* names for the first and second [] of a path; null = use the number */
 typedef struct path_names {
     const char *names[2];
     int32_t numbers[2];
@@ -180,7 +180,7 @@ static double factor_of(const pel_parameter_row *row)
     return row->factor != 0 ? row->factor : 1;
 }
 
-/* the value of a parameter for that of a def */
+/* the value of a parameter from the value in a def */
 static double value_of(const pel_parameter_row *row, double raw)
 {
     return row->may_be_auto && raw == row->automatic ? (double)NAN : factor_of(row) * raw;
@@ -259,7 +259,7 @@ static void write_values(const pel_parameter_row *row, void *def, const double *
 
 /* ---- questions ---- */
 
-/* what a new def of the owner has */
+/* the value in a default def of the owner */
 static void read_preset(const pel_parameter_row *row, double values[3])
 {
     const pel_body_def body = pel_body_def_default();

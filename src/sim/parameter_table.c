@@ -39,7 +39,7 @@
 static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
 #undef LAW_NAME
 
-/* ---- what a def has ---- */
+/* ---- members of defs ---- */
 
 static bool is_per_vertex(const void *def)
 {

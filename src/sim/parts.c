@@ -15,7 +15,7 @@ void pel_parts_create(pel_sim *sim)
     parts->step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
     parts->substeps = sim->solver.substeps;
-    /* a collision with a restitution of its own is told by steps, and who bounds the work of a step wants one */
+    /* restitution detects collisions by whole steps, and a budget of work applies to a whole step */
     bool is_bounded = sim->solver.budget > 0 || (!pel_sim_is_projected(sim) && sim->solver.iterations > 0);
     bool divides = pel_sim_is_projected(sim) ? sim->contacts != NULL : sim->stepper->divides;
     parts->divides = divides && sim->collisions == NULL;

@@ -1,5 +1,4 @@
-/* The step of position-based methods: loads and pressure at the start of each substep, then what solve/project.h does.
- */
+/* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
 #include "base/status.h"
 #include "contact/sweep.h"
 #include "sim/contact.h"
@@ -16,9 +15,10 @@ enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.02
 /* how far a sweep brings a pair together, in the largest depth that it met */
 #define CORRECTION_REACH 4.0
-/* depth that a pair had before a substep and that is taken back in it, of the thickness: all at once would turn depth
-   into speed */
+/* shares of the thickness by which an earlier depth is corrected within a step, of pairs and at spheres, capsules and
+   boxes: correcting it all at once would turn depth into velocity */
 #define RECOVERY_SHARE 0.05
+#define SOLID_RECOVERY_SHARE 0.5
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -34,7 +34,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* adds loads and pressure at a time to sim->force, which is 0: what a substep takes it leaves so */
+/* adds loads and pressure at a time to sim->force, which is 0: a substep clears it after use */
 static void find_forces(pel_sim *sim, double time, const pel_record *positions)
 {
     pel_loads_add(sim, time, positions, sim->force);
@@ -47,8 +47,8 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
-/* Sweeps over the pairs until none is deep. After the first one only what the corrections can have brought together is
-   looked at: most pairs of a wad are farther apart. */
+/* Sweeps over the pairs until none is deep. After the first sweep only pairs that corrections can have brought together
+   are checked: most pairs of a crumpled sheet are farther apart. */
 static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -60,6 +60,17 @@ static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record 
             break;
         reach = contacts->largest + CORRECTION_REACH * deepest;
     }
+}
+
+static void set_recovery(pel_sim *sim)
+{
+    double share = sim->projector->substep / sim->projector->whole_dt, thickness = 0;
+    if (sim->contacts != NULL) {
+        thickness = sim->contacts->def.thickness;
+        sim->contacts->list.recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * share * thickness;
+    }
+    if (sim->solids != NULL)
+        sim->solids->list.recovery = thickness > 0 ? SOLID_RECOVERY_SHARE * share * thickness : HUGE_VAL;
 }
 
 /* one sweep over the elements, then over contacts */
@@ -74,7 +85,6 @@ static void sweep(pel_sim *sim, const pel_record *start)
         pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
     if (sim->solids != NULL) {
-        sim->solids->list.recovery = HUGE_VAL;
         pel_solids_refresh(sim, start);
         pel_contacts_project(&sim->solids->list, positions, start);
     }
@@ -95,9 +105,9 @@ static void run_substep(pel_sim *sim, int32_t number)
                 number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
+    set_recovery(sim);
     if (pairs != NULL) {
         pel_contacts_begin_substep(sim);
-        pairs->recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * sim->contacts->def.thickness;
         pel_contacts_begin(pairs);
         pel_contacts_begin(&sim->contacts->heights.list);
     }

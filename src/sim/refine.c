@@ -9,9 +9,9 @@
    of the list, so that the strongest of a round come first, in portions: an event changes a limited number of
    triangles, and the rest waits for the next step. This bounds the time of a step for any tool.
 
-   With a budget a candidate that would make too many triangles takes the place of hot vertices that are less than half
-   as strong, the weakest first; if that does not make enough room they keep it, and the candidate is passed over until
-   the next round. The factor keeps two equal places from taking it from each other. */
+   With a budget a candidate that would make too many triangles replaces hot vertices that are less than half as strong,
+   the weakest first; if that does not make enough room they stay, and the candidate is skipped until the next round.
+   The factor keeps two equal places from replacing each other repeatedly. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
@@ -247,7 +247,7 @@ static int32_t take_candidate(pel_refine_body *refine, bool strongest)
     for (int32_t i = at - 1; strongest && i >= 0; i--)
         at = is_stronger(refine, list[i], list[at]) ? i : at;
     int32_t v = list[at];
-    /* waiting ones stand first, those found in this round behind them */
+    /* waiting ones first, followed by those found in this round */
     list[at] = list[--refine->waiting_count];
     list[refine->waiting_count] = list[--refine->candidate_count];
     refine->requests[v] = PEL_REQUEST_NONE;
@@ -267,14 +267,14 @@ static int32_t weakest_hot(const pel_refine_body *refine, double below)
     return weakest;
 }
 
-/* what a candidate took the place of */
+/* vertices that a candidate replaced */
 typedef struct displacement {
     int32_t vertices[DISPLACED_LIMIT];
     int64_t warm_steps[DISPLACED_LIMIT];
     int count;
 } displacement;
 
-/* cools up to `most` vertices that are weaker than the strength; false when there is none */
+/* cools up to `most` vertices that are weaker than the strength; false if there are none */
 static bool displace(pel_sim *sim, int32_t body, double below, int most, displacement *gone)
 {
     pel_refine_body *refine = &sim->refine[body];
@@ -374,7 +374,7 @@ static void step_body(pel_sim *sim, int32_t body)
     if (b->detail == NULL || !pel_refine_criterion_is_used(&b->detail->def))
         return;
     pel_refine_criterion_begin(sim, body);
-    /* every interval-th slice: what lies near a tool stands together */
+    /* every interval-th slice: vertices near a tool are in nearby slices */
     for (int32_t slice = b->slice_begin + refine->part; slice < b->slice_end; slice += b->detail->def.interval) {
         pel_verdict verdicts[PEL_WIDTH];
         pel_body_force numbers = pel_slice_force_of(sim->model, sim->state, slice);

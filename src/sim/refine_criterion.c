@@ -1,11 +1,10 @@
 /* Criteria of refinement: measures at a vertex relative to their thresholds.
 
    Force (paper A, section 3.2): the elastic force, springs, volumetric spring and shell, over the vertex's share of the
-   area. At rest it balances what acts on the vertex from outside, tools and loads, per area; it is nothing where
-   nothing acts.
+   area. At rest it balances the external forces on the vertex, tools and loads, per area; it is zero where none acts.
 
    Curvature: |H - H of the rest shape|, with H = (sum of |e| 2 tan(angle / 2) over the edges e at the vertex) / (4 A),
-   the angles those between the triangles beside e, A a third of the area around. On a sphere H is 1 / radius. The angle
+   with the angle between the triangles at e, and A a third of the area around. On a sphere H is 1 / radius. The angle
    alone would halve with each level and so end its own refinement; H stays, and grows where the surface folds, until
    the finest level is there. 2 tan(angle / 2) (Grinspun et al. 2003) takes no arc tangent and grows without bound
    towards a complete fold.
@@ -15,7 +14,7 @@
    A measure over area or length does not change with the level, the deformation being smooth. */
 #include "sim/tool.h"
 
-/* a tool is left behind at this many times the distance at which it is met */
+/* a tool is left at this multiple of the distance at which it is met */
 #define LEAVING_RATIO 1.25
 
 static void note(pel_verdict *verdict, double measure, double above, double below)
@@ -98,7 +97,7 @@ static pel_solid grown(const pel_solid *solid, double width)
     return large;
 }
 
-/* how deep the triangles of a fan go into the solid at the tool's place */
+/* depth of the triangles of a fan in the solid at the tool's pose */
 static double fan_depth(const pel_sim *sim, const pel_refined_body *own, const pel_tool *tool, const pel_solid *solid,
                         int32_t place, const pel_front_corner *fan, int32_t count)
 {
@@ -178,8 +177,8 @@ static double elastic_force(const pel_sim *sim, int32_t body, int32_t place, con
     return pel_vec3_length(force);
 }
 
-/* whether a vertex of the slice may have triangles within the distance at which a tool is left behind; a box along the
-   axes of the world tells for most of them that it has not */
+/* whether a vertex of the slice may have triangles within the distance at which a tool is left; an axis-aligned box
+   excludes most of them */
 static bool is_near_tool(const pel_sim *sim, int32_t body, const pel_wide3 *x, pel_wide longest)
 {
     const pel_wide reach = longest * pel_wide_splat((pel_real)1.001);

@@ -8,10 +8,10 @@
 enum { TRIAL_LIMIT = 24 };
 /* permitted change, relative to the energy of the changed elements */
 #define TOLERANCE 1e-3
-/* of the energy of the whole body: what is left alone, so that a surface that comes back is as it was. What is lost
-   comes back up to that only: to move vertices against their forces makes new ones */
+/* share of the energy of the whole body that is ignored, so that a recovered surface is unchanged. Lost energy is
+   restored only up to it: moving vertices against their forces creates new ones */
 #define ALLOWANCE 5e-3
-/* moves of so many roundings of a position are no moves, and those of this share of an edge are too far */
+/* displacements below this many roundings of a position are ignored, those beyond this share of an edge are refused */
 #define ROUNDINGS 16
 #define MOST_MOVE 0.2
 
@@ -19,7 +19,7 @@ typedef struct keeper {
     pel_sim *sim;
     int32_t body;
     bool only_new;      /* new vertices move, else all of the event */
-    double least, most; /* m: what a vertex moves by at once */
+    double least, most; /* m: largest displacement of a vertex per iteration */
     double force_square;
     /* of active->event_direction: its largest part, and the forces along it */
     double largest, slope;
@@ -34,7 +34,7 @@ double pel_refine_energy_before(pel_sim *sim, int32_t body)
     return energy.membrane + energy.bending + energy.fibres;
 }
 
-/* the vertices of the event, and those of them that move */
+/* the vertices of the event, and the moving ones */
 static int32_t place_count(const keeper *k, bool moving)
 {
     return moving && k->only_new ? k->sim->model->bodies[k->body].front->added_count : k->sim->active->dirty_count;
@@ -174,7 +174,7 @@ static void approach(keeper *k, double target, double *energy)
         before = k->force_square;
         set_direction(k, share);
         bool better = improve(k, target, energy);
-        /* once more along the forces alone */
+        /* again along the forces alone */
         if (!better && share == 0)
             return;
         share = better && *energy > target && before > 0 ? k->force_square / before : 0;

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* share of the limit of stability up to which vertices off the base move as those of the base */
+/* share of the stability limit up to which finer vertices move as those of the base */
 #define PLAIN_SHARE 0.9
 
 pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error)

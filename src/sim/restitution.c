@@ -10,128 +10,39 @@
    bodies, and tools, keep their prescribed motion.
 
    A collision begins with the first step in which the pair presses, and ends with the first one in which it does not
-   and parts. Its approach and its parting are counted at the place of the contact: u^2 +- 2 a s with the relative
-   acceleration a of gravity over the way s within the step. When a body has lost its velocity without giving it back it
-   rests in the contact; then it is sent off at once. An impulse adds no more energy than the run has lost by then
-   (ledger.h) where a method has the material's energy, so e <= 1 makes none appear. What approaches more slowly than 2
-   g dt does not bounce, so that what rests stays at rest (Mueller et al. 2020, section 3.6). */
+   and parts. Its approach and separation velocities are taken at the contact: u^2 +- 2 a s with the relative
+   acceleration a of gravity over the displacement s within the step. If a body has lost its velocity without rebound it
+   rests in the contact; then the impulse is applied immediately. An impulse adds no more energy than the run has lost
+   until then (ledger.h) if the method has the material's energy, so e <= 1 creates none. Bodies that approach more
+   slowly than 2 g dt do not bounce, so that resting bodies stay at rest (Mueller et al. 2020, section 3.6). */
 #include "base/memory.h"
 #include "base/status.h"
 #include "sim/contact.h"
+#include "sim/rigid_motion.h"
 #include "sim/tool.h"
 
 #include <string.h>
 
-/* of the approach: what approaches more slowly than that has come to rest in the contact */
+/* share of the approach velocity: a pair that is slower has come to rest in the contact */
 #define REST_SHARE 0.05
 /* in steps of gravity: the least approach that bounces */
 #define LEAST_STEPS 2
-/* of the mean edge: a pair that approaches by so much without a push is no collision any more */
+/* share of the mean edge: a pair that approaches by this much without a push has ended its collision */
 #define IDLE_SHARE 1.0
-/* of the cube of the trace of the inertia: below it the body is a line */
-#define LEAST_INERTIA 1e-12
-
-/* rigid part of the motion of a group */
-typedef struct rigid_motion {
-    bool is_free;
-    double inverse_mass, center[3], velocity[3], spin[3];
-    double inverse_inertia[3][3];
-} rigid_motion;
-
 /* a pair of groups in a collision, now and when the step began */
 typedef struct encounter {
     pel_sim *sim;
     pel_collision_state *state;
     int32_t groups[2];
-    rigid_motion before[2], now[2];
+    pel_rigid_motion before[2], now[2];
     double restitution;
 } encounter;
 
 /* ---- rigid motions ---- */
 
-static void invert(const double m[3][3], double inverse[3][3])
+static pel_rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, bool now)
 {
-    double trace = m[0][0] + m[1][1] + m[2][2], determinant = 0;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
-            inverse[k][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-        }
-    for (int k = 0; k < 3; k++)
-        determinant += m[0][k] * inverse[k][0];
-    double scale = determinant > LEAST_INERTIA * trace * trace * trace ? 1 / determinant : 0;
-    for (int i = 0; i < 3; i++)
-        pel_vec3_scale(inverse[i], scale, inverse[i]);
-}
-
-static void apply(const double m[3][3], const double x[3], double y[3])
-{
-    pel_vec3_set(y, pel_vec3_dot(m[0], x), pel_vec3_dot(m[1], x), pel_vec3_dot(m[2], x));
-}
-
-static bool is_free(const pel_sim *sim, int32_t body)
-{
-    const pel_model *model = sim->model;
-    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(model, body); v++)
-        if (model->mesh_vertex[v] >= 0 && (!(model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v])))
-            return false;
-    return true;
-}
-
-/* center, velocity and mass */
-static double sum_momentum(const pel_sim *sim, int32_t body, const pel_record *position, const pel_record *velocity,
-                           rigid_motion *motion)
-{
-    const pel_model *model = sim->model;
-    double sum = 0, x[3], v[3];
-    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
-        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
-        if (!(mass > 0))
-            continue;
-        pel_vertex_position(position, i, x);
-        pel_vertex_position(velocity, i, v);
-        pel_vec3_along(motion->center, mass, x, motion->center);
-        pel_vec3_along(motion->velocity, mass, v, motion->velocity);
-        sum += mass;
-    }
-    pel_vec3_scale(motion->center, 1 / sum, motion->center);
-    pel_vec3_scale(motion->velocity, 1 / sum, motion->velocity);
-    return sum;
-}
-
-static rigid_motion motion_of_body(const pel_sim *sim, int32_t body, const pel_record *position,
-                                   const pel_record *velocity)
-{
-    const pel_model *model = sim->model;
-    rigid_motion motion = {.is_free = is_free(sim, body)};
-    double inertia[3][3] = {{0}}, momentum[3] = {0, 0, 0}, x[3], v[3], turn[3];
-    double sum = sum_momentum(sim, body, position, velocity, &motion);
-    if (!motion.is_free) {
-        pel_vec3_set(motion.velocity, 0, 0, 0);
-        return motion;
-    }
-    motion.inverse_mass = 1 / sum;
-    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
-        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
-        if (!(mass > 0))
-            continue;
-        pel_vertex_position(position, i, x);
-        pel_vertex_position(velocity, i, v);
-        pel_vec3_subtract(x, motion.center, x);
-        pel_vec3_cross(x, v, turn);
-        pel_vec3_along(momentum, mass, turn, momentum);
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
-                inertia[a][b] += mass * ((a == b ? pel_vec3_squared_length(x) : 0) - x[a] * x[b]);
-    }
-    invert((const double(*)[3])inertia, motion.inverse_inertia);
-    apply((const double(*)[3])motion.inverse_inertia, momentum, motion.spin);
-    return motion;
-}
-
-static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, bool now)
-{
-    rigid_motion motion = {0};
+    pel_rigid_motion motion = {0};
     double turn[3];
     pel_vec3_copy(now ? tool->pose.position : tool->pose_before.position, motion.center);
     pel_vec3_subtract(tool->pose.position, tool->pose_before.position, motion.velocity);
@@ -142,16 +53,16 @@ static rigid_motion motion_of_tool(const pel_sim *sim, const pel_tool *tool, boo
 }
 
 /* the step is accepted: its start is in the swapped arrays */
-static rigid_motion motion_of(const pel_sim *sim, int32_t group, bool now)
+static pel_rigid_motion motion_of(const pel_sim *sim, int32_t group, bool now)
 {
     const pel_state *state = sim->state;
     if (group >= sim->model->body_count)
         return motion_of_tool(sim, &sim->tools[group - sim->model->body_count], now);
-    return now ? motion_of_body(sim, group, state->position, state->velocity)
-               : motion_of_body(sim, group, state->position_before, state->velocity_next);
+    return now ? pel_rigid_motion_of(sim, group, state->position, state->velocity)
+               : pel_rigid_motion_of(sim, group, state->position_before, state->velocity_next);
 }
 
-static void velocity_at(const rigid_motion *motion, const double point[3], double velocity[3])
+static void velocity_at(const pel_rigid_motion *motion, const double point[3], double velocity[3])
 {
     double arm[3];
     pel_vec3_subtract(point, motion->center, arm);
@@ -162,7 +73,7 @@ static void velocity_at(const rigid_motion *motion, const double point[3], doubl
 /* ---- one pair ---- */
 
 /* relative velocity along the normal, above 0 = the groups part */
-static double parting(const rigid_motion motions[2], const double point[3], const double normal[3])
+static double parting(const pel_rigid_motion motions[2], const double point[3], const double normal[3])
 {
     double a[3], b[3];
     velocity_at(&motions[0], point, a);
@@ -171,7 +82,7 @@ static double parting(const rigid_motion motions[2], const double point[3], cons
     return pel_vec3_dot(a, normal);
 }
 
-static double distance_along(const rigid_motion motions[2], const double normal[3])
+static double distance_along(const pel_rigid_motion motions[2], const double normal[3])
 {
     double way[3];
     pel_vec3_subtract(motions[0].center, motions[1].center, way);
@@ -193,7 +104,7 @@ static double mobility(const encounter *e)
         double arm[3], turn[3], change[3];
         pel_vec3_subtract(e->state->point, e->now[i].center, arm);
         pel_vec3_cross(arm, e->state->normal, turn);
-        apply((const double(*)[3])e->now[i].inverse_inertia, turn, change);
+        pel_rigid_apply((const double(*)[3])e->now[i].inverse_inertia, turn, change);
         sum += e->now[i].inverse_mass + pel_vec3_dot(turn, change);
     }
     return sum;
@@ -204,12 +115,12 @@ static void push_body(const encounter *e, int i, double impulse)
 {
     pel_sim *sim = e->sim;
     const pel_model *model = sim->model;
-    const rigid_motion *motion = &e->now[i];
+    const pel_rigid_motion *motion = &e->now[i];
     double arm[3], turn[3], spin[3], change[3], x[3], dt = sim->step.dt;
     pel_vec3_subtract(e->state->point, motion->center, arm);
     pel_vec3_cross(arm, e->state->normal, turn);
     pel_vec3_scale(turn, impulse, turn);
-    apply((const double(*)[3])motion->inverse_inertia, turn, spin);
+    pel_rigid_apply((const double(*)[3])motion->inverse_inertia, turn, spin);
     for (int32_t v = model->bodies[e->groups[i]].slice_begin * PEL_WIDTH;
          motion->is_free && v < pel_body_place_end(model, e->groups[i]); v++) {
         if (model->mesh_vertex[v] < 0)
@@ -253,7 +164,8 @@ static void push(const encounter *e, double impulse)
     sim->force_is_present = false;
 }
 
-/* Energy that the run has lost by now [J]. That of pbd is not the material's: there the approach alone bounds it. */
+/* Energy that the run has lost until now [J]. The energy of pbd is not the material's: there only the approach bounds
+   it. */
 static double lost_energy(pel_sim *sim)
 {
     pel_sim_ledger ledger;
@@ -263,8 +175,8 @@ static double lost_energy(pel_sim *sim)
     return ledger.dissipated_solver - ledger.energy_error;
 }
 
-/* Brings the parting velocity to that of Newton's law. A pair that still presses waits until that takes no more energy
-   than was lost. */
+/* Sets the separation velocity by Newton's law. A pair that still presses waits until that takes no more energy than
+   was lost. */
 static void part(encounter *e, double speed, bool presses)
 {
     double wanted = e->restitution * e->state->approach, risen = 2 * fall(e) * e->state->risen;

@@ -19,7 +19,7 @@ struct pel_snapshot {
     void *bytes;
 };
 
-/* meshes of bodies live as long as the simulation, those of tools as long as the tools */
+/* meshes of bodies live as long as the simulation, meshes of tools as long as the tools */
 static pel_status copy_meshes(pel_snapshot *snapshot, pel_error *error)
 {
     pel_tool_def *tools = (pel_tool_def *)(uintptr_t)snapshot->def.tools;

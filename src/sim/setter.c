@@ -47,7 +47,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
             /* a displaced body starts at rest */
             sim->state->position_before[i][c] = sim->state->position[i][c];
         }
-    /* what intersects now is left alone until it is apart */
+    /* present intersections are ignored until they separate */
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
     pel_ledger_book_change(sim, energy_before);

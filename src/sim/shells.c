@@ -1,5 +1,4 @@
-/* Shells under the methods that go by forces, and what all methods have to look at: the volume of bodies under
-   pressure. */
+/* Shells under the methods that use forces, and for all methods the volume of bodies under pressure. */
 #include "base/status.h"
 #include "force/mechanics.h"
 #include "force/pressure.h"
@@ -166,8 +165,8 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 }
 
 /* Constraints are as stiff as the finest vertices: with the bound of the base, which is 4 times lower per level, rounds
-   close gaps slowly. Only shells in motion keep that of the base: there stiffer constraints take 1.3 to 1.7 times the
-   time. */
+   close gaps slowly. Only shells in motion keep the bound of the base: there stiffer constraints take 1.3 to 1.7 times
+   the time. */
 static void update_constraint_stiffness(pel_sim *sim)
 {
     pel_stability stability;

@@ -26,7 +26,7 @@ typedef struct pel_load {
     int32_t *vertices; /* (vertex_count) in model order */
     double *weights;   /* (vertex_count) */
     int32_t vertex_count;
-    /* on a body that refines: a load goes with area, like mass (levels.h) */
+    /* on a body that refines: a load is proportional to area, like mass (levels.h) */
     double *base_weights;    /* (mesh vertices) */
     double *densities;       /* (vertices of the finest level) */
     double *weight_of_place; /* (places of the body) 0 = none */
@@ -54,7 +54,7 @@ typedef struct pel_follower {
 
 typedef enum pel_grasp_phase { PEL_GRASP_WAITING, PEL_GRASP_HOLDING, PEL_GRASP_DONE } pel_grasp_phase;
 
-/* What one tool did to one vertex during a step. */
+/* Action of one tool on one vertex during a step. */
 typedef struct pel_contact_vertex {
     int32_t vertex;
     double push[3]; /* sum of the displacements, for the direction of the contact */
@@ -72,7 +72,7 @@ typedef struct pel_contact_plane {
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
 
-/* What happened to a tool since the start. */
+/* History of a tool since the start. */
 typedef struct pel_tool_tally {
     int64_t held_back_count, lost_count; /* steps; vertices */
     double held_back_time, lost_time;    /* s, of the first one; 0 = none yet */
@@ -83,7 +83,7 @@ typedef struct pel_tool {
     pel_solid solid;                         /* of a mesh: the sphere about it */
     double press_margin;                     /* m, the largest distance from a body that it keeps */
     pel_real look_box[2][3];                 /* low, high: box of the criterion of tools in this step */
-    double friction, restitution, thickness; /* its own; below 0: that of contact */
+    double friction, restitution, thickness; /* its own; below 0: the value of contact */
     pel_mesh *mesh;                          /* null = the solid */
     struct pel_mesh_query *query;            /* of a mesh that grasps: finds vertices inside or near; else null */
     pel_pose_key *keys;
@@ -100,7 +100,7 @@ typedef struct pel_tool {
     pel_pose pose_substep;      /* at the start of the substep */
     bool blocked;               /* it was held back, and has not caught up with its keys yet */
     bool is_held_back;          /* the last step held it back */
-    pel_tool_tally tally;       /* what happened to it so far; in snapshots */
+    pel_tool_tally tally;       /* its history; in snapshots */
     bool driven;                /* the caller sets the pose, keys are not used any more */
     pel_pose driven_pose;
     pel_grasp_phase phase;
@@ -112,9 +112,9 @@ typedef struct pel_tool {
     int32_t *held;          /* (held_count) vertices held */
     double (*anchors)[3];   /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
-    double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts so far */
+    double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts done */
     bool was_held_back, hold_is_counted;
-    bool is_on_its_way, blocked_before; /* in a step, which may fail: what there was before it */
+    bool is_on_its_way, blocked_before; /* during a step, which may fail: the values before it */
     double force_before[3], torque_before[3];
     int32_t contact_count;
 
@@ -130,11 +130,11 @@ typedef struct pel_tool {
 typedef enum pel_request {
     PEL_REQUEST_NONE,
     PEL_REQUEST_MADE,   /* it requests the triangles around it */
-    PEL_REQUEST_ENDING, /* still asks, and stands in the list of those that stop */
-    PEL_REQUEST_WAITING /* stands in the list of candidates */
+    PEL_REQUEST_ENDING, /* still requests, and is in the list of those that stop */
+    PEL_REQUEST_WAITING /* is in the list of candidates */
 } pel_request;
 
-/* What refinement knows of one body (refine.c). Lists are of vertices, numbered as in the forest. */
+/* State of the refinement of one body (refine.c). Lists are of vertices, numbered as in the forest. */
 typedef struct pel_refine_body {
     int32_t *mark_counts; /* (nodes that can be red) how many vertices ask for it */
     uint8_t *requests;    /* (vertices of the finest level) pel_request */
@@ -143,10 +143,10 @@ typedef struct pel_refine_body {
     uint8_t *asked_level; /* (mesh vertices) by pel_sim_refine */
     int32_t *visited;     /* (vertices of the finest level) scratch of a walk over rings: number of the walk */
     int32_t *queue;       /* (same) scratch */
-    int32_t *candidates;  /* (same) those of past rounds that wait, then those found in this round */
+    int32_t *candidates;  /* (same) waiting ones of past rounds, then those found in this round */
     int32_t *leaving;     /* (same) those that stop to ask */
     int32_t *hot;         /* (same) those that ask, leaving ones included */
-    int32_t *hot_place;   /* (same) where they stand in that list */
+    int32_t *hot_place;   /* (same) their places in that list */
     int32_t walk, candidate_count, waiting_count, leaving_count, hot_count;
     int32_t part; /* of the round that comes next, 0 .. interval - 1 */
     int64_t revision;
@@ -161,7 +161,7 @@ typedef struct pel_refine_body {
 
 typedef struct pel_contact_set pel_contact_set;
 
-/* What the simulation keeps of contact beside the set. */
+/* State of contact in addition to the set. */
 typedef struct pel_sim_contact {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
@@ -173,10 +173,10 @@ typedef struct pel_sim_contact {
 
 typedef struct pel_sim_solids pel_sim_solids;
 
-/* Substeps of xpbd at present and so far; in snapshots. */
+/* Substeps of xpbd: present number and history; in snapshots. */
 typedef struct pel_substeps_now {
     int32_t count, least, most;
-    int32_t needed;     /* the most so far, without max_substeps */
+    int32_t needed;     /* maximum over the run, without max_substeps */
     int32_t is_stale;   /* the surface or the state has changed: update before the next step */
     int32_t interval;   /* steps from the last look to the next one */
     int64_t next;       /* the step before which the next look is due */
@@ -193,14 +193,14 @@ typedef struct pel_sim_substeps {
 
 /* Parts of a step (parts.c). Sizes are in units of a step over PEL_PART_LIMIT. */
 enum { PEL_PART_LIMIT = 64 };
-/* parts of one size that have to go well before the next is twice as long; after one that failed, twice as many */
+/* successful parts of one size before the next is twice as long; doubled after a failure */
 enum { PEL_LEAST_PATIENCE = 4, PEL_MOST_PATIENCE = 256 };
 
 /* in snapshots */
 typedef struct pel_parts_now {
     int32_t size;     /* of the next part */
     int32_t calm;     /* parts of this size that went well */
-    int32_t patience; /* so many have to, before the next part is longer */
+    int32_t patience; /* number required before the next part is longer */
 } pel_parts_now;
 
 typedef struct pel_sim_parts {
@@ -209,7 +209,7 @@ typedef struct pel_sim_parts {
     int32_t step_size; /* of the present part */
     int32_t substeps;  /* of a whole step */
     bool is_refused;   /* repeat the present part with a shorter step */
-    bool divides;      /* the method and what meets would let steps go in parts; then sizes are in snapshots */
+    bool divides;      /* method and contacts allow steps in parts; then their sizes are in snapshots */
     bool can_halve;    /* false = all steps are whole */
     bool is_kept;      /* `before` is the state before the present step: it may be stopped on its way */
     void *before;      /* (before_size) snapshot before a step in parts or a long one; null until there is one */
@@ -231,7 +231,7 @@ typedef struct pel_sim_holds pel_sim_holds;
 typedef struct pel_collision_state {
     uint8_t is_on;
     int32_t idle_steps;      /* since the pair pressed last */
-    double approach;         /* m/s, largest so far, at the contact */
+    double approach;         /* m/s, maximum over the collision, at the contact */
     double normal[3];        /* unit, from the higher group to the lower one */
     double point[3];         /* m */
     double contact_distance; /* m, of the centers along the normal while they touched */
@@ -243,14 +243,14 @@ struct pel_sim {
     const pel_model *given;
     pel_model *own_model;      /* the given one, where a change has made it; else null */
     pel_sim_def def;           /* the def with all changes since creation */
-    pel_copies copies;         /* what that points to */
+    pel_copies copies;         /* its arrays */
     bool goes_on;              /* continues from a state: skip the checks of a start at rest */
     pel_refined_model *active; /* null = no body refines */
     pel_refine_body *refine;   /* (body_count) null as well */
     pel_state *state;
     pel_solver_def solver;
     const pel_stepper *stepper; /* of its method */
-    double (*clock)(void);      /* s, from any begin; for solver.budget. Tests put one of their own */
+    double (*clock)(void);      /* s, from any origin; for solver.budget. Tests replace it */
     double deadline;            /* s by that clock, of the step at work; HUGE_VAL = none */
     pel_step step;
     pel_pool *pool;        /* null = one thread */
@@ -269,7 +269,7 @@ struct pel_sim {
     pel_fingerprint fingerprint;   /* of the model and the def, in snapshots */
     pel_load *loads;
     int32_t load_count;
-    pel_record *external;      /* (vertex_count) N, forces of the caller; null = none so far */
+    pel_record *external;      /* (vertex_count) N, forces of the caller; null = none yet */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
     double edge_load_work;   /* J, in the step */
@@ -294,11 +294,11 @@ struct pel_sim {
     int64_t push_count;           /* of all steps */
     int64_t press_count;          /* likewise */
     uint8_t *held;                /* (vertex_count) 1 = a tool holds it */
-    pel_boundary boundary;        /* what tools hold; its arrays: */
+    pel_boundary boundary;        /* vertices held by tools; its arrays: */
     int32_t *held_vertices;       /* (vertex_count) null when no tool grasps */
     double (*held_targets)[3];    /* (vertex_count) likewise */
     double (*grip_forces)[3];     /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
-    bool held_is_listed;          /* the boundary is that of the tools */
+    bool held_is_listed;          /* the boundary belongs to the tools */
     pel_sim_solids *solids;       /* (tool_solid.h) methods with substeps; null = no tool presses */
     double (*reactions)[3]; /* (vertex_count) N, of supports on vertices in the last step (support.c); null = none */
     pel_sim_holds *holds;   /* (hold.h) supports of single components; null = none */
@@ -386,7 +386,7 @@ void pel_parts_create(pel_sim *sim);
 void pel_parts_destroy(pel_sim *sim);
 /* At the start of a step: chooses substeps and the size of the first part. PEL_OUT_OF_MEMORY. */
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error);
-/* Before anything of a step: where the caller may stop it on its way, keeps the state to go back to. */
+/* At the start of a step: if the caller may stop it midway, keeps the state to return to. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error);
 /* Whether the present part may be refused and repeated in two halves. */
 static inline bool pel_parts_can_halve(const pel_sim *sim)
@@ -425,7 +425,7 @@ double pel_sim_part_time(const pel_sim *sim, double share);
 pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error);
 /* Contact only: saves the data to revert an event of refinement; call before the event. */
 void pel_contacts_before_event(pel_sim *sim);
-/* True when the new surface does not cut itself; else everything is as before. */
+/* True if the new surface does not cut itself; otherwise nothing changes. */
 bool pel_contacts_accept_event(pel_sim *sim, int32_t body);
 
 /* ---- loads.c ---- */
@@ -481,7 +481,7 @@ void pel_sim_descent_destroy(pel_sim *sim);
 /* ---- relax.c ---- */
 /* On the base, before anything is refined: sets the relaxation of the active model. */
 pel_status pel_sim_relax_create(pel_sim *sim, pel_error *error);
-/* New positions of fine vertices, after those of all others. False when a vertex leaves the bound. */
+/* New positions of fine vertices, after those of all others. False if a vertex leaves the bound. */
 bool pel_sim_relax(pel_sim *sim);
 
 /* ---- bending_weight.c ---- */
@@ -506,28 +506,28 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error);
 /* ---- snapshot.c ---- */
 /* pel_sim_save without the checksum, for pel_snapshot_rewind alone. */
 void pel_snapshot_keep(const pel_sim *sim, void *bytes);
-/* Makes the checksum of a snapshot that of its bytes, for tests of damage. */
+/* Recomputes the checksum of a snapshot, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
-/* Takes a simulation back to a snapshot that it made itself, unless its defs have changed but for numbers that it reads
-   in each step: those of loads and grasps, which have to be set again. Neither fingerprint nor checksum is looked at.
-   Errors of pel_sim_load. */
+/* Restores a snapshot of the same simulation. Its defs must not have changed, except numbers that it reads in each
+   step: those of loads and grasps, which have to be set again. Fingerprint and checksum are not checked. Errors of
+   pel_sim_load. */
 pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error);
-/* Takes the state of a simulation over to one of the same surfaces that was just made with other numbers. Tools are the
-   same that have the same name; others stand at their keys. PEL_OUT_OF_MEMORY. */
+/* Transfers the state of a simulation to one of the same surfaces that was just created with other numbers. Tools are
+   matched by name; others start at their keys. PEL_OUT_OF_MEMORY. */
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error);
 
 /* ---- forces.c: forces of the caller ---- */
-/* Makes room for them, or takes them away. PEL_OUT_OF_MEMORY: nothing is changed. */
+/* Allocates or frees them. PEL_OUT_OF_MEMORY: nothing changes. */
 pel_status pel_sim_make_forces(pel_sim *sim, bool has_forces, pel_error *error);
 
 /* ---- own_def.c ---- */
-/* Makes what a def points to copies of their own, but for meshes. PEL_OUT_OF_MEMORY. */
+/* Copies the arrays of a def, except meshes. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_def_copy(pel_copies *copies, pel_sim_def *def, pel_error *error);
 /* The fingerprint of the present defs. */
 void pel_sim_take_fingerprint(pel_sim *sim);
 
 /* ---- sim_create.c ---- */
-/* What a def asks for, in a sim that is empty but for goes_on; to be released also on failure. */
+/* Sets up a simulation by its def, in a sim that is empty except goes_on; release it also on failure. */
 pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 /* Recomputes all constants of a simulation at its start after numbers of the solver in sim->def have changed and, with
    the model, after pel_model_refill. The result has the same bits as that of pel_sim_create. False if it must be
@@ -546,7 +546,7 @@ pel_status pel_refine_create(pel_sim *sim, pel_error *error);
 void pel_refine_destroy(pel_sim *sim);
 /* looks at a part of the vertices, refines and coarsens */
 void pel_refine_step(pel_sim *sim);
-/* all of a body on its finest level, or only what else is asked for; for stability checks */
+/* the whole body on its finest level, or only the requested refinement; for stability checks */
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere);
 /* Initial refinement. PEL_BAD_ARGUMENT if a budget is too small for it. */
 pel_status pel_refine_start(pel_sim *sim, pel_error *error);
@@ -576,7 +576,7 @@ int32_t pel_output_count(const pel_sim *sim, int32_t body);
 int32_t pel_output_model_index(const pel_sim *sim, int32_t body, int32_t row);
 /* row of each vertex of the forest that is active; null = rows are the vertices of the mesh */
 const int32_t *pel_output_numbers(const pel_sim *sim, int32_t body);
-/* the triangles of the surface in an order that depends on the surface alone, for sums; null = those of the mesh in
+/* the triangles of the surface in an order that depends on the surface alone, for sums; null = triangles of the mesh in
    their order */
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
 
@@ -586,11 +586,11 @@ void pel_tools_destroy(pel_sim *sim);
 /* Takes the numbers of the grasp of a def that differs in no other member, if they are right. PEL_BAD_ARGUMENT. */
 pel_status pel_tool_regrasp(pel_sim *sim, int32_t tool, const pel_tool_def *def, pel_error *error);
 
-/* its number, -1 = there is none of that name */
+/* its number, -1 = no such name */
 int32_t pel_sim_find_tool(const pel_sim *sim, const char *name);
 
 /* ---- tools.c ---- */
-/* Begins a step: poses wanted at `time`, what tools grasp and release. The tools stand at their wanted poses. */
+/* Begins a step: sets the wanted poses at `time` and updates grasps. The tools are moved to their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
 /* Before repeating the substeps of a step. */
 void pel_tools_forget_step(pel_sim *sim);
@@ -605,9 +605,9 @@ void pel_tools_return(pel_sim *sim);
 void pel_tools_press(pel_sim *sim, double longest, bool only_round);
 
 /* ---- tool_grip.c ---- */
-/* What they hold goes to where they are. */
+/* Moves held vertices with them. */
 void pel_tools_carry(pel_sim *sim);
-/* After a step that is accepted, to `time`: grasps lose what exceeds their force, tools that were held back are
+/* After an accepted step to `time`: grasps lose vertices that exceed their force, tools that were held back are
    counted. */
 void pel_tools_end_step(pel_sim *sim, double time);
 
@@ -616,7 +616,7 @@ void pel_tools_end_step(pel_sim *sim, double time);
 void pel_tools_read(pel_sim *sim, double time);
 
 /* ---- tool_refine.c ---- */
-/* Forgets what tools knew of triangles and places that the last event took away. */
+/* Removes references of tools to triangles and places that the last event removed. */
 void pel_tools_update(pel_sim *sim, int32_t body);
 
 /* ---- tool_start.c ---- */
@@ -630,7 +630,7 @@ bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t bod
 void pel_sim_measure_parts(pel_sim *sim, bool has_surfaces, bool has_energies, pel_sim_measures *measures);
 
 /* ---- step_beside.c ---- */
-/* What pel_sim_step_beside refuses: PEL_BAD_ARGUMENT. */
+/* Features that pel_sim_step_beside refuses: PEL_BAD_ARGUMENT. */
 pel_status pel_sim_check_beside(const pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
 
 /* whether there is such a body, for public functions that are given any number */

@@ -148,7 +148,7 @@ static double read_clock(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* a copy of the def, for changes; meshes of tools are those of the sim */
+/* a copy of the def, for changes; meshes of tools belong to the sim */
 static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
     sim->def = *def;

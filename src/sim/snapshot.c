@@ -109,7 +109,7 @@ static bool is_list(const int32_t *list, int32_t count, size_t limit)
     return true;
 }
 
-/* what transfer_refinement read has its numbers in range */
+/* checks the ranges of the numbers read by transfer_refinement */
 static bool is_whole(const pel_sim *sim, int32_t body)
 {
     const pel_lod_forest *forest = sim->active->bodies[body].front->forest;
@@ -127,7 +127,7 @@ static bool is_flag(const bool *flag)
     return byte <= 1;
 }
 
-/* what transfer_tool read has its numbers in range */
+/* checks the ranges of the numbers read by transfer_tool */
 static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
     const pel_model *model = sim->model;
@@ -167,7 +167,7 @@ static bool restore_parts(pel_sim *sim)
     return false;
 }
 
-/* the front, places and loads of what transfer_refinement read */
+/* rebuilds front, places and loads after transfer_refinement */
 static bool restore_refinement(pel_sim *sim, int32_t body)
 {
     pel_refined_body *own = &sim->active->bodies[body];
@@ -576,7 +576,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
         sim->contacts->tangles.is_known = false;
         sim->contact.is_loaded = true;
     }
-    /* first, so that readings of tools are whole whatever else is damaged */
+    /* first, so that readings of tools are complete even if other data are damaged */
     bool has_tools = restore_tools(sim);
     pel_ledger_follow(sim);
     if (!has_tools)
@@ -656,7 +656,7 @@ static pel_status carry_surfaces(carrier *c, pel_error *error)
     return PEL_OK;
 }
 
-/* inverse masses are those of the new model; pinned vertices keep their positions */
+/* inverse masses come from the new model; pinned vertices keep their positions */
 static void take_mobility(const pel_sim *from, pel_sim *sim)
 {
     pel_state *state = sim->state;
@@ -673,7 +673,7 @@ static void take_mobility(const pel_sim *from, pel_sim *sim)
     }
 }
 
-/* what no pin holds any more has no reaction */
+/* vertices that are no longer pinned have no reaction */
 static void release_pins(const pel_sim *from, const pel_sim *sim)
 {
     for (int32_t v = 0; sim->reactions != NULL && v < sim->model->vertex_count; v++)
@@ -681,7 +681,7 @@ static void release_pins(const pel_sim *from, const pel_sim *sim)
             memset(sim->reactions[v], 0, sizeof *sim->reactions);
 }
 
-/* A tool that waits for its first step stands where its keys are, which may be others. What it holds stays held. */
+/* A tool that waits for its first step is at its keys, which may have changed. Held vertices stay held. */
 static void carry_tool(carrier *c, int32_t from, int32_t to)
 {
     pel_tool *tool = &c->to->tools[to];
@@ -703,7 +703,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
     pel_status status = carry_surfaces(&c, error);
     if (status == PEL_OK) {
         carry(&c, transfer_motion, 0, 0);
-        /* whether there is one goes with tools and contact */
+        /* its presence depends on tools and contact */
         carry(&c, transfer_history, 0, 0);
         take_mobility(from, to);
         for (int32_t t = 0; t < to->tool_count; t++) {

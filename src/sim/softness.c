@@ -1,5 +1,5 @@
-/* Substeps of xpbd: as many as keep it from being softer than the material (solve/softness.h), chosen at the start and
-   anew every 8 to 32 steps and after refinement. */
+/* Substeps of xpbd: the number at which it is not softer than the material (solve/softness.h), chosen at the start,
+   every 8 to 32 steps, and after refinement. */
 #include "base/status.h"
 #include "sim/sim.h"
 

@@ -9,12 +9,12 @@
      BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
 
-   Forces that change in time are taken at the time of y: in the middle of the step under the midpoint rule, else at its
-   end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a stiff body turns
-   or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such steps. BDF2 damps
-   unresolved motion and keeps sliding and resting contact at second order. Euler takes the first
-   step and those of a collision, where velocities jump. Damping along volumetric springs is c (u . e) e, with e from
-   the start of the step. */
+   Forces that change in time are evaluated at the time of y: in the middle of the step under the midpoint rule,
+   otherwise at its end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a
+   stiff body turns or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such
+   steps. BDF2 damps unresolved motion and keeps sliding and resting contact at second order. Euler takes the first step
+   and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h). Damping
+   along volumetric springs is c (u . e) e, with e from the start of the step. */
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -22,6 +22,7 @@
 #include "sim/contact.h"
 #include "sim/hold.h"
 #include "sim/step_newton.h"
+#include "sim/step_turn.h"
 
 #include <float.h>
 #include <string.h>
@@ -152,7 +153,7 @@ static bool has_potential(const pel_sim *sim)
 static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
-    /* beside another simulation the scheme of its step, which is there already */
+    /* beside another simulation the scheme of its step, which is known */
     if (sim->descent->newton->lead != NULL)
         return sim->descent->newton->scheme;
     if (sim->tool_count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
@@ -167,18 +168,6 @@ static double drag_of(const pel_sim *sim, int32_t v)
     const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
     return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] +
            sim->solver.drag * (double)sim->model->mass[v];
-}
-
-static double anchor_of(const pel_state *state, const pel_implicit_scheme *s, int32_t v, int k)
-{
-    double older = s->position[1] != 0 ? s->position[1] * (double)state->older_position[v][k] : 0;
-    return s->position[0] * (double)state->position[v][k] + older;
-}
-
-static double carried_of(const pel_state *state, const pel_implicit_scheme *s, int32_t v, int k)
-{
-    double older = s->velocity[1] != 0 ? s->velocity[1] * (double)state->older_velocity[v][k] : 0;
-    return s->velocity[0] * (double)state->velocity[v][k] + older;
 }
 
 /* damping along volumetric springs, in their direction at the start of the step */
@@ -196,9 +185,9 @@ static void set_radial(pel_sim *sim, const pel_implicit_scheme *s)
         double length = pel_vec3_length(along);
         bool acts = damping > 0 && length > 0 && sim->model->inverse_mass[v] > 0;
         pel_vec3_scale(along, acts ? sqrt(damping * rate) / length : 0, along);
-        along[3] = 0;
-        for (int k = 0; k < 3; k++)
-            along[3] += along[k] * anchor_of(sim->state, s, v, k);
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        along[3] = pel_vec3_dot(along, anchor);
     }
 }
 
@@ -210,10 +199,10 @@ static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
         double inertia = (double)sim->model->mass[v] * rate, drag = drag_of(sim, v), sum = inertia + drag;
         newton->point_stiffness[v] = sim->model->inverse_mass[v] > 0 ? sum * rate : 0;
-        for (int k = 0; k < 3; k++) {
-            double anchor = anchor_of(sim->state, s, v, k), carried = carried_of(sim->state, s, v, k);
-            newton->points[v][k] = sum > 0 ? anchor + inertia * carried / (sum * rate) : anchor;
-        }
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        for (int k = 0; k < 3; k++)
+            newton->points[v][k] = sum > 0 ? anchor[k] + inertia * carried[k] / (sum * rate) : anchor[k];
     }
 }
 
@@ -223,9 +212,11 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
     const pel_sim_newton *newton = sim->descent->newton;
     pel_state *state = sim->state;
     double rate = s->rate / sim->step.dt;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
         for (int k = 0; k < 3; k++) {
-            double y = newton->unknowns[3 * v + k], u = rate * (y - anchor_of(state, s, v, k));
+            double y = newton->unknowns[3 * v + k], u = rate * (y - anchor[k]);
             bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
             double velocity = s->end * u + (1 - s->end) * (double)state->velocity[v][k];
             state->velocity_next[v][k] = moves ? (pel_real)velocity : 0;
@@ -235,6 +226,7 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
                 state->position_next[v][k] = (pel_real)end;
             }
         }
+    }
 }
 
 /* m/s: mean velocity of the step */
@@ -347,6 +339,7 @@ static bool changes_energy(pel_sim *sim, double potential_before)
 static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     const pel_implicit_scheme *s = sim->descent->newton->scheme = choose_scheme(sim);
+    pel_sim_turns_set(sim, s != &midpoint);
     set_points(sim, s);
     sim->descent->force_time = 1 / s->end;
     set_radial(sim, s);

@@ -8,7 +8,7 @@
 struct pel_sim_modes {
     pel_modes *modes;
     pel_record *base;    /* (vertex_count) the state that modes are about */
-    pel_record *present; /* (vertex_count) that of the step, while modes are found */
+    pel_record *present; /* (vertex_count) of the step, while modes are computed */
     bool is_solved;      /* modes are there; not so at first after a snapshot was loaded */
     double *values;      /* (mode_count) in snapshots, and */
     int32_t count;       /* of them, 0 before the first step */

@@ -1,4 +1,4 @@
-#include "sim/step_newton.h"
+#include "sim/step_turn.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -12,7 +12,7 @@
 
 /* steps that derivatives are taken of end at this share of the forces that they start with */
 #define EXACT_REDUCTION 1e-10
-/* of the diagonal of a preconditioner: what rounding in float may take */
+/* share of the diagonal of a preconditioner that rounding in float may remove */
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
@@ -50,8 +50,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         sim->descent->inertia = newton->point_stiffness;
         newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
         newton->collided = pel_allocate((size_t)sim->model->body_count, sizeof *newton->collided);
+        newton->turns = pel_allocate((size_t)sim->model->body_count, sizeof *newton->turns);
         room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL &&
-                newton->collided != NULL;
+                newton->collided != NULL && newton->turns != NULL;
     }
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -61,15 +62,15 @@ void pel_sim_newton_destroy(pel_sim_newton *newton)
     if (newton == NULL)
         return;
     pel_newton_destroy(newton->newton);
-    void *arrays[] = {newton->unknowns,        newton->target, newton->loads,     newton->fixed,
-                      newton->force,           newton->points, newton->couplings, newton->radial,
-                      newton->point_stiffness, newton->groups, newton->collided};
+    void *arrays[] = {newton->unknowns, newton->target,    newton->loads,  newton->fixed,           newton->force,
+                      newton->points,   newton->couplings, newton->radial, newton->point_stiffness, newton->groups,
+                      newton->collided, newton->kinks,     newton->turns};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
 }
 
-/* ---- what goes in ---- */
+/* ---- input ---- */
 
 void pel_sim_newton_begin(pel_sim *sim)
 {
@@ -86,7 +87,7 @@ void pel_sim_newton_follow_surface(pel_sim *sim)
     pel_newton_rebuild(sim->descent->newton->newton);
 }
 
-/* edges as they bend least, clamps apart; from zero: the same bits whatever was solved before */
+/* edges at least bending energy, except clamps; from zero: the same bits for any history */
 static void settle_edges(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -141,7 +142,7 @@ static bool is_held(const pel_sim *sim, int32_t v)
     return !(sim->model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v]);
 }
 
-static bool is_free(const pel_sim *sim, int32_t body)
+bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
 {
     const pel_body *own = &sim->model->bodies[body];
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
@@ -191,9 +192,9 @@ static void fix(pel_sim_newton *newton, int32_t v, int k)
     newton->target[3 * v + k] = newton->unknowns[3 * v + k];
 }
 
-/* A body that nothing holds, under loads in balance: six components of three vertices take its rigid motions away and
-   feel no force. All of one vertex; of a second one those across the way to it; of a third one that across their plane.
- */
+/* An unsupported body under balanced loads: six components of three vertices remove its rigid motions and carry no
+   force: all of one vertex; for a second one those across the line to it; for a third one the component across their
+   plane. */
 static void support_free_body(pel_sim *sim, int32_t body)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -214,7 +215,7 @@ static void support_free_body(pel_sim *sim, int32_t body)
     fix(newton, third, largest_component(normal));
 }
 
-/* beside another simulation: the components that it has supported, where it has them */
+/* beside another simulation: the components that it has supported, if any */
 static void support_as_lead(const pel_sim *sim, int32_t body)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -238,7 +239,7 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
     newton->frames = pel_holds_fix(sim, time, newton->fixed, newton->target);
     find_loads(sim, time);
     for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
-        if (!is_free(sim, b))
+        if (!pel_sim_newton_is_free(sim, b))
             continue;
         if (newton->lead != NULL)
             support_as_lead(sim, b);
@@ -250,8 +251,8 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
 
 /* ---- constraints ---- */
 
-/* Damping along volumetric springs: the part of a vertex's velocity along the way that it is from its place at rest,
-   where the step begins. */
+/* Damping along volumetric springs: the component of a vertex's velocity along its displacement from rest at the start
+   of the step. */
 static double evaluate_radial(const pel_sim_newton *newton, int32_t count, const double *unknowns, double *gradient)
 {
     double energy = 0;
@@ -340,6 +341,15 @@ static void add_constraints(void *context, pel_matrix *matrix)
     }
 }
 
+static pel_newton_kink *list_kinks(void *context, int32_t *count)
+{
+    const pel_descent_context *at = context;
+    pel_sim_newton *newton = at->sim->descent->newton;
+    *count = at->sim->descent->count;
+    pel_descent_contacts_list_kinks(at->sim, newton->unknowns, newton->kinks);
+    return newton->kinks;
+}
+
 static void add_skew(void *context, const double *x, double *y)
 {
     const pel_descent_context *at = context;
@@ -353,7 +363,7 @@ static bool has_tied_corners(const pel_sim *sim, int32_t v)
     return body->shell != NULL || body->plain_spring != 0;
 }
 
-/* the vertices that take part; the first of these for the others */
+/* the moving vertices; the first of these for the others */
 static void copy_vertices(const pel_descent_contact *constraint, int32_t vertices[4])
 {
     int first = 0;
@@ -446,13 +456,13 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
     const pel_sim_descent *descent = sim->descent;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         descent->newton->groups[b] =
-            (newton_group){.leader = b, .is_held = !is_free(sim, b) || descent->newton->radial != NULL};
+            (newton_group){.leader = b, .is_held = !pel_sim_newton_is_free(sim, b) || descent->newton->radial != NULL};
     for (int32_t c = 0; is_constrained && c < descent->count; c++)
         join(sim, &descent->constraints[c]);
 }
 
-/* Systems are solved roughly, and forces on a body as a whole may be left: a translation of all that moves together
-   balances them, which nothing but inertia and drag feels. So momentum stays what the loads make of it. */
+/* Systems are solved approximately, which may leave a net force on a body: a translation of everything that moves
+   together balances it, against inertia and drag only. So momentum follows the loads. */
 static void balance_groups(const pel_sim *sim, bool is_constrained)
 {
     pel_sim_newton *newton = sim->descent->newton;
@@ -479,6 +489,7 @@ pel_newton_terms pel_sim_newton_terms(pel_descent_context *context)
         .add_matrix = add_constraints,
         .list_couplings = list_couplings,
         .add_skew = context->sim->follower_count > 0 ? add_skew : NULL,
+        .list_kinks = context->is_constrained ? list_kinks : NULL,
         .has_kinks = context->is_constrained,
     };
 }
@@ -501,7 +512,9 @@ pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_desce
     bool is_exact = newton->is_exact;
     const pel_newton_terms terms = pel_sim_newton_terms(context);
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->descent->count,
-                     sizeof *newton->couplings))
+                     sizeof *newton->couplings) ||
+        !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, (size_t)sim->descent->count,
+                     sizeof *newton->kinks))
         return pel_fail_memory(error);
     const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
     double moments = pel_newton_moment_force(newton->newton, newton->loads);
@@ -565,7 +578,7 @@ bool pel_sim_newton_approximate(pel_descent_context *context)
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->descent->newton;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (is_free(sim, b))
+        if (pel_sim_newton_is_free(sim, b))
             return false;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {

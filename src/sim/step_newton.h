@@ -23,9 +23,12 @@ struct pel_sim_newton {
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */
     size_t coupling_capacity;
-    bool has_stepped; /* since the state was loaded: the springs of inertia are those of a step that led to it */
+    pel_newton_kink *kinks; /* scratch: constraints */
+    size_t kink_capacity;
+    bool has_stepped; /* since the state was loaded: the springs of inertia belong to a step that led to it */
     bool is_damped;   /* drag, or damping of springs */
     const struct pel_implicit_scheme *scheme; /* of the last step in time */
+    struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
     bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
     bool goes_on;                             /* the unknowns belong to the step in progress */
@@ -45,15 +48,17 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool suppo
    tool, pins or supports hold it. */
 int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body);
 bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group);
+/* whether pins, supports, tools or volumetric springs hold a body; contact may touch it */
+bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
-/* What pel_descent_run does, by Newton's method. PEL_OUT_OF_MEMORY. */
+/* pel_descent_run by Newton's method. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_newton_minimise(pel_descent_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error);
-/* Prepares the preconditioner of a minimisation without constraints from position_next; false where there is none: with
-   a body that nothing holds, rounding of forces would feed its rigid motions. */
+/* Prepares the preconditioner of a minimisation without constraints from position_next; false if there is none: for an
+   unsupported body, rounding of forces would drive its rigid motions. */
 bool pel_sim_newton_approximate(pel_descent_context *context);
-/* a pel_descent_precondition; the context is that of the minimisation */
+/* a pel_descent_precondition; the context belongs to the minimisation */
 void pel_sim_newton_precondition(void *context, double *vector);
 /* the follow_surface of a stepper */
 void pel_sim_newton_follow_surface(pel_sim *sim);
@@ -61,8 +66,8 @@ void pel_sim_newton_follow_surface(pel_sim *sim);
 pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns);
 /* Edges as they bend least, where the vertices are that the unknowns have. */
 void pel_sim_newton_settle_at(const pel_sim *sim);
-/* Elastic supports, follower loads, damping along volumetric springs, and constraints: what is added to the energy of
-   the model. The context has to outlive it. */
+/* Elastic supports, follower loads, damping along volumetric springs, and constraints: terms added to the energy of the
+   model. The context has to outlive it. */
 pel_newton_terms pel_sim_newton_terms(pel_descent_context *context);
 /* whether there is any without constraints */
 bool pel_sim_newton_has_terms(const pel_sim *sim);

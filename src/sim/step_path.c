@@ -43,7 +43,7 @@ void pel_sim_path_destroy(pel_sim *sim)
     pel_free(sim->path);
 }
 
-/* ---- what a path is not for ---- */
+/* ---- refused features ---- */
 
 static bool is_keyed(const pel_sim *sim)
 {
@@ -88,7 +88,7 @@ static pel_newton_problem make_problem(pel_sim *sim)
     pel_sim_newton *newton = sim->descent->newton;
     pel_newton_problem problem = {.time = pel_sim_next_time(sim), .state = sim->state, .force = newton->loads};
     double factor = sim->state->load_factor;
-    /* loads and the tolerance are those of factor 1 */
+    /* loads and tolerance at factor 1 */
     set_factor(sim, 1);
     problem.tolerance = pel_descent_tolerance(sim, problem.time);
     problem.frames = pel_sim_newton_gather(sim, problem.time, true);
@@ -181,14 +181,14 @@ static void adapt_length(pel_sim *sim)
     path->length = fmin(path->length, MOST_SHARE * sim->descent->size);
 }
 
-/* a balance without loads to begin with: bodies may be under stress of their own, or supports displaced */
+/* start from equilibrium without loads: bodies may be prestressed, or supports displaced */
 static pel_status begin(pel_sim *sim, const pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
 {
     pel_sim_newton *newton = sim->descent->newton;
     return pel_newton_run(newton->newton, problem, newton->unknowns, result, error);
 }
 
-/* the balance beside that of the lead, which has gone its step along the path */
+/* the equilibrium beside the leading simulation, which has taken its step along the path */
 static pel_status step_beside(pel_sim *sim, const pel_newton_problem *problem, pel_error *error)
 {
     pel_newton_result result;

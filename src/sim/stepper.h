@@ -1,6 +1,6 @@
-/* Methods as steppers: one table row each, one file for each family. The step (sim.c) is the same for all of them; what
-   it, loads, contact and the ledger have to know of a method are the traits of its row. Nothing outside the files of
-   the methods asks which method runs. */
+/* Methods as steppers: one table row each, one file for each family. The step (sim.c) is the same for all of them; the
+   step, loads, contact and the ledger use the traits of a method's row. No code outside the files of the methods checks
+   which method runs. */
 #ifndef PEL_SIM_STEPPER_H
 #define PEL_SIM_STEPPER_H
 
@@ -12,7 +12,7 @@ typedef struct pel_stepper {
     /* traits */
     bool has_velocity;  /* velocities are a part of the state */
     bool is_explicit;   /* forces at the start of the step kick the velocities */
-    bool has_substeps;  /* constraints are projected in substeps, in which contacts, solids and grasps take part */
+    bool has_substeps;  /* constraints are projected in substeps, together with contacts, solids and grasps */
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
     bool limits_strain; /* of these: a bound of stretch is a constraint */
@@ -41,19 +41,19 @@ typedef struct pel_stepper {
     void (*follow_surface)(pel_sim *sim);
     /* after the velocities of a body have changed between steps; nullable */
     void (*restart)(pel_sim *sim, int32_t body);
-    /* where parts of a step of another length begin: of sim->step.dt, after those of `before` [s]; nullable */
+    /* called when the length of parts of a step changes: to sim->step.dt, from `before` [s]; nullable */
     void (*set_time)(pel_sim *sim, double before);
-    /* what supports hold: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
+    /* load of supports: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
     void (*get_held_force)(const pel_sim *sim, int32_t v, double force[3]);
-    /* Makes room for these forces and those of read_grips; nullable. PEL_OUT_OF_MEMORY. */
+    /* Allocates these forces and those of read_grips; nullable. PEL_OUT_OF_MEMORY. */
     pel_status (*record_held)(pel_sim *sim, pel_error *error);
     /* after the vertices that tools hold have changed; nullable */
     void (*follow_held)(pel_sim *sim);
-    /* the forces of what tools hold, after contacts were passed on to them; nullable */
+    /* the forces of held vertices on tools, after contacts were transferred to them; nullable */
     void (*read_grips)(pel_sim *sim);
     /* Sets the substeps of later steps, and restarts if the state was loaded; nullable. */
     void (*set_substeps)(pel_sim *sim, int32_t count, bool is_loaded);
-    /* how the last accepted step was solved; null = nothing is solved */
+    /* solver reading of the last accepted step; null = nothing is solved */
     void (*get_solver)(const pel_sim *sim, pel_solver_reading *reading);
     /* after a step that is accepted; nullable */
     void (*accept)(pel_sim *sim);

@@ -1,5 +1,5 @@
-/* The surface of a body for its users: rows of vertices, triangles, levels. After an event the rows are made anew when
-   somebody asks. */
+/* The surface of a body for its users: rows of vertices, triangles, levels. After an event the rows are rebuilt on the
+   next access. */
 #include "base/sort.h"
 #include "sim/sim.h"
 

@@ -1,4 +1,4 @@
-/* Small helpers that the files of the tools share: frames, and the list of what a tool touched. */
+/* Helpers shared by the files of the tools: frames, and the list of touched vertices. */
 #ifndef PEL_SIM_TOOL_H
 #define PEL_SIM_TOOL_H
 
@@ -13,7 +13,7 @@ bool pel_tool_is_key(const pel_pose_key *key);
 void pel_tool_sum_spins(pel_tool *tool);
 /* a keyed pose at a time */
 pel_pose pel_tool_pose_at(const pel_tool *tool, double time);
-/* the pose that a tool goes to in the step to `time` */
+/* the pose that a tool moves to in the step to `time` */
 pel_pose pel_tool_next_pose(const pel_sim *sim, const pel_tool *tool, double time);
 
 /* velocity of the point of the tool that is now at `point`: v + w x r with the mean v and w of the last step */
@@ -62,7 +62,7 @@ static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
     return tool->body < 0 || tool->body == body;
 }
 
-/* inverse mass, 0 for what a tool holds */
+/* inverse mass, 0 if a tool holds the vertex */
 static inline double pel_tool_mobility(const pel_sim *sim, int32_t v)
 {
     return sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
@@ -90,8 +90,9 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
 /* ---- contact_force.c ---- */
 /* Adds it to the forces of the step. */
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action);
-/* Adds what changed the sum of a contact by `change`, times rate over its mobility: with displacements in m the rate is
-   in 1/s2, with velocities in 1/s. tool: its other side, which takes the reaction and what it touches; -1 = none. */
+/* Adds the force that changed the sum of a contact by `change`: `change` times rate over its mobility; with
+   displacements in m the rate is in 1/s2, with velocities in 1/s. tool: its other side, which receives the reaction and
+   the touch; -1 = none. */
 void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
 /* the same for the push and friction of a substep */
 void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate);
@@ -110,23 +111,23 @@ static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, co
 /* ---- tool_grip.c ---- */
 /* Holds a vertex where it is at rest in the frame of a support. */
 void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v);
-/* Begins or ends the grasp; true when other vertices are held than before. */
+/* Begins or ends the grasp; true if the held vertices change. */
 bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time);
-/* who holds what, for the methods that ask in every substep */
+/* lists holders and held vertices, for methods that need them in every substep */
 void pel_tools_list_held(pel_sim *sim);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
 
 /* ---- tool_reading.c ---- */
-/* Where the mean force of a step on a held vertex acts: by the mean of its arms at both ends of the step. By the last
-   one alone, what pulls a turning rim inward would turn it on. */
+/* Point of action of the mean force of a step on a held vertex: the mean of its arms at both ends of the step. With the
+   last arm alone, an inward pull on a turning rim would drive the rotation. */
 void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3]);
 
 /* ---- tool_sagitta.c ---- */
 /* Whether triangles at a vertex may cut into a tool: a sphere or capsule on a body with a filling by Young's modulus,
    without contact between surfaces. */
 bool pel_tool_cuts(const pel_sim *sim, const pel_tool *tool, int32_t v);
-/* the solid that whole triangles are kept out of: pel_tool_press_solid less the sagitta where they may cut in */
+/* the solid that keeps whole triangles out: pel_tool_press_solid less the sagitta where they may cut in */
 pel_solid pel_tool_triangle_solid(const pel_sim *sim, const pel_tool *tool, int32_t t);
 
 /* ---- tool_start.c ---- */

@@ -118,7 +118,7 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
                            mesh->triangle_count, &tool->mesh, error);
 }
 
-/* A keyed support grasps its vertices for ever. It starts at rest; where its first key is elsewhere it goes there in
+/* A keyed support grasps its vertices permanently. It starts at rest; if its first key is elsewhere it moves there in
    the first step. Its size, for rotations, is that of the body. */
 static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
@@ -206,7 +206,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     return PEL_OK;
 }
 
-/* room for what tools hold */
+/* allocates the lists of held vertices */
 static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
     size_t count = (size_t)sim->model->vertex_count;

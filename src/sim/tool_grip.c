@@ -1,4 +1,4 @@
-/* Grasps: what tools hold, and carry with them; those that exceed their force lose vertices.
+/* Grasps: vertices that tools hold and carry; a grasp that exceeds its force loses vertices.
 
    The grip force of a tool is the sum of the magnitudes of the forces on its held vertices, like the load that a clamp
    carries by friction: it bounds the net force, and a twist whose net force is zero counts as well. Where it exceeds
@@ -71,7 +71,7 @@ static void release(pel_sim *sim, pel_tool *tool)
     tool->held_count = 0;
 }
 
-/* true when other vertices are held than before */
+/* true if the held vertices change */
 bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
 {
     bool changed = false;
@@ -94,7 +94,7 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
     return changed;
 }
 
-/* who holds what, for the methods that ask in every substep */
+/* lists holders and held vertices, for methods that need them in every substep */
 void pel_tools_list_held(pel_sim *sim)
 {
     int32_t count = 0;

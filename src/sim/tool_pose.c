@@ -1,4 +1,4 @@
-/* Poses of tools: between their keys, between two poses, and the way back to the keys of one that was held back. */
+/* Poses of tools: between their keys, between two poses, and the return to the keys after a tool was held back. */
 #include "sim/tool.h"
 
 #include <string.h>
@@ -111,8 +111,8 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
 
 /* ---- the step ---- */
 
-/* a tool that was held back catches up at twice its keyed speed, or by an eighth of the lag per step if that is more;
-   a lag below CAUGHT_UP of its size is closed at once */
+/* a tool that was held back catches up at twice its keyed speed, or by an eighth of the lag per step if that is more; a
+   lag below CAUGHT_UP of its size is closed in one step */
 static pel_pose catch_up(const pel_tool *tool, double time, double dt)
 {
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;

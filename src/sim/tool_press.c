@@ -4,11 +4,12 @@
    first, which settles most of it.
 
    A quasi-static step may spring back farther than a small tool is thick, and the triangle would come out on the other
-   side. So the half space of each contact is kept for one step: what has gone deep behind it is brought back.
+   side. So the half space of each contact is kept for one step: triangles deep behind it are brought back.
 
-   Friction, with contact: each push by a distance d takes back up to friction times d of the way that the point has
-   gone across the normal since the start of the step, against the tool's own motion; velocities likewise, by the
-   impulse. The sums obey Coulomb's law as each of them does. */
+   Friction, with contact: each push by a distance d reverts up to friction times d of the point's tangential
+   displacement since the start of the step, relative to the tool; velocities likewise, by the impulse. The sums obey
+   Coulomb's law because each push does. */
+#include "base/lane.h"
 #include "sim/contact.h"
 #include "sim/tool.h"
 
@@ -18,7 +19,7 @@
 enum { SWEEP_LIMIT = 100 };
 /* depth that counts as touching, relative to the tool's size */
 #define DEPTH_TOLERANCE 1e-5
-/* triangles this near to the tool's box may come into it by the pushes of a step, relative to the longest edge */
+/* triangles this near to the tool's box, relative to the longest edge, may be pushed into it during a step */
 #define NEAR_MARGIN 0.25
 
 pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
@@ -40,8 +41,8 @@ pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
     return box;
 }
 
-/* in rising order: the sweeps depend on the order, which must not change when a triangle that does not touch comes near
-   or goes */
+/* in rising order: the sweeps depend on the order, which must not change when a triangle without contact enters or
+   leaves the list */
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
 {
     pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
@@ -87,7 +88,7 @@ double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
                                 sim->model->body_count + (int32_t)(tool - sim->tools));
 }
 
-/* the part of a vector across the unit normal, turned round and at most `limit` long; false when it is nothing */
+/* the component of a vector across the unit normal, reversed and at most `limit` long; false if it is zero */
 static bool oppose_across(const double vector[3], const double normal[3], double limit, double back[3])
 {
     pel_vec3_along(vector, -pel_vec3_dot(vector, normal), normal, back);
@@ -106,7 +107,7 @@ static void change_velocity(pel_sim *sim, const surface_point *at, double impuls
     }
 }
 
-/* explicit method: takes away the velocity with which the point runs into the tool, and counts the impulse */
+/* explicit method: removes the velocity of the point into the tool, and records the impulse */
 static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
 {
     double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
@@ -137,7 +138,7 @@ static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, co
     pel_tool_add_reaction(tool, point, force);
 }
 
-/* takes back what a push by `depth` can hold of the way of the point across the tool in this step */
+/* reverts the point's displacement along the tool in this step, as far as friction of a push by `depth` allows */
 static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *at, double depth, const double normal[3],
                       double inertia)
 {
@@ -256,29 +257,56 @@ static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
     return done;
 }
 
-/* whether a box keeps clear of a sphere about the tool's place, surely so; of no other tool */
-static bool is_clear_of_sphere(const pel_tool *tool, const pel_search_box *box)
+/* What a triangle that touches a tool reaches into, surely so: the tool's box, or a sphere where it is one. */
+typedef struct press_bounds {
+    pel_search_box box;
+    pel_record center;
+    pel_real square; /* of the radius */
+    bool is_sphere;
+} press_bounds;
+
+static press_bounds bounds_of(const pel_tool *tool, double longest)
 {
-    if (tool->solid.kind != PEL_SOLID_SPHERE)
-        return false;
-    double reach = 1.000001 * (tool->solid.radius + tool->press_margin), square = 0;
-    for (int i = 0; i < 3; i++) {
-        double below = (double)box->low[i] - tool->pose.position[i],
-               above = tool->pose.position[i] - (double)box->high[i];
-        double way = below > above ? below : above;
-        square += way > 0 ? way * way : 0;
-    }
-    return square > reach * reach;
+    const double *x = tool->pose.position;
+    double radius = 1.000001 * (tool->solid.radius + tool->press_margin);
+    radius += 16 * (double)PEL_REAL_EPSILON * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + radius + longest);
+    return (press_bounds){.box = pel_tool_box(tool, tool->press_margin, 0),
+                          .center = {(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0},
+                          .square = (pel_real)(radius * radius),
+                          .is_sphere = tool->solid.kind == PEL_SOLID_SPHERE};
 }
 
-static void press_corners(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t t, double tolerance,
+/* of the three components of the vectors */
+static inline pel_real dot(pel_record a, pel_record b)
+{
+    pel_record product = a * b;
+    return product[0] + product[1] + product[2];
+}
+
+/* Whether a triangle, or a vertex three times, stays out of the bounds: of a sphere by a plane across the direction of
+   its middle. */
+static inline bool is_clear(const press_bounds *bounds, const pel_record *positions, const int32_t corners[3])
+{
+    if (!bounds->is_sphere) {
+        const pel_search_box around = pel_search_triangle(positions, corners);
+        return pel_search_apart(&around, &bounds->box);
+    }
+    const pel_record a = positions[corners[0]] - bounds->center, b = positions[corners[1]] - bounds->center,
+                     c = positions[corners[2]] - bounds->center, way = a + b + c;
+    pel_real least = dot(way, a), second = dot(way, b), third = dot(way, c);
+    pel_real square = least + second + third;
+    least = second < least ? second : least;
+    least = third < least ? third : least;
+    return least > 0 && least * least > bounds->square * square;
+}
+
+static void press_corners(pel_sim *sim, pel_tool *tool, const press_bounds *bounds, int32_t t, double tolerance,
                           bool *moved)
 {
     const int32_t *corners = sim->model->triangles[t];
     for (int c = 0; c < 3; c++) {
-        const pel_record x = sim->state->position_next[corners[c]];
-        const pel_search_box at = {x, x};
-        if (!is_done(sim, tool, corners[c]) && !pel_search_apart(&at, box) && !is_clear_of_sphere(tool, &at))
+        const int32_t vertex[3] = {corners[c], corners[c], corners[c]};
+        if (!is_done(sim, tool, corners[c]) && !is_clear(bounds, sim->state->position_next, vertex))
             *moved |= press_corner(sim, tool, t, c, tolerance);
     }
 }
@@ -291,7 +319,7 @@ static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double toler
     return depth > tolerance && push_triangle(sim, tool, t, weights, depth, normal);
 }
 
-/* with contact the solid is grown by the thickness, most of which is to be kept */
+/* with contact the solid is grown by the thickness, most of which must be kept */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 {
     double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
@@ -300,7 +328,7 @@ double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
    (by vertex) and looked_at (by place in the list) count the pushes of this step. */
-static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32_t near_count, double tolerance)
+static bool sweep(pel_sim *sim, pel_tool *tool, const press_bounds *bounds, int32_t near_count, double tolerance)
 {
     bool moved = false;
     for (int32_t i = 0; i < near_count; i++) {
@@ -310,37 +338,38 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const pel_search_box *box, int32
         if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
             continue;
         sim->looked_at[i] = sim->push_count;
-        pel_search_box around = pel_search_triangle(sim->state->position_next, v);
-        if (pel_search_apart(&around, box) || is_clear_of_sphere(tool, &around))
-            continue;
-        moved |= press_triangle(sim, tool, t, tolerance);
+        moved |= !is_clear(bounds, sim->state->position_next, v) && press_triangle(sim, tool, t, tolerance);
     }
     return moved;
 }
 
 /* corners first, then whole triangles until none is deep */
-static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count)
+static bool press_out(pel_sim *sim, pel_tool *tool, int32_t near_count, double longest)
 {
     double tolerance = pel_tool_press_tolerance(sim, tool);
-    pel_search_box box = pel_tool_box(tool, tool->press_margin, 0);
+    const press_bounds bounds = bounds_of(tool, longest);
     bool moved = false, again = true;
     sim->press_count++;
     for (int32_t i = 0; i < near_count; i++) {
-        /* what rests has to be pushed in every step, or it would creep where friction holds it */
-        int32_t v = sim->model->triangles[sim->near_triangles[i]][0];
-        double corner_tolerance = pel_sim_friction(sim, tool, v) > 0 ? 0 : tolerance;
-        press_corners(sim, tool, &box, sim->near_triangles[i], corner_tolerance, &moved);
+        int32_t t = sim->near_triangles[i];
+        const int32_t *v = sim->model->triangles[t];
+        sim->looked_at[i] = sim->push_count;
+        if (is_clear(&bounds, sim->state->position_next, v))
+            continue;
+        /* resting points have to be pushed in every step, or they would creep against friction */
+        double corner_tolerance = pel_sim_friction(sim, tool, v[0]) > 0 ? 0 : tolerance;
+        press_corners(sim, tool, &bounds, t, corner_tolerance, &moved);
         sim->looked_at[i] = -1;
     }
     for (int round = 0; again && round < SWEEP_LIMIT; round++) {
-        again = sweep(sim, tool, &box, near_count, tolerance);
+        again = sweep(sim, tool, &bounds, near_count, tolerance);
         moved |= again;
     }
     return moved;
 }
 
-/* brings back what has gone through the tool since the last step: a point that lies behind its plane by more than half
-   the thickness of the tool was pushed out on the wrong side */
+/* brings back points that passed through the tool since the last step: a point that lies behind its plane by more than
+   half the thickness of the tool was pushed out on the wrong side */
 static bool bring_back(pel_sim *sim, pel_tool *tool)
 {
     double half[3];
@@ -367,9 +396,9 @@ bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
     int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
-    bool moved = press_out(sim, tool, near_count);
+    bool moved = press_out(sim, tool, near_count, longest);
     if (bring_back(sim, tool))
-        moved |= press_out(sim, tool, near_count);
+        moved |= press_out(sim, tool, near_count, longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = 0;
     return moved;

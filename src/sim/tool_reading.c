@@ -1,9 +1,7 @@
-/* What tools feel.
-
-   The force on a tool is what the surface does to it. Quasi-static method: the force F_i of eq. A-2 on each touched
-   vertex, as far as it presses against the tool (held vertices: all of it); at rest this balances the push exactly, and
-   friction carries what is across it, as far as it can. Explicit method: the momentum taken from the vertices over dt.
-   Minimisation: the sum of the loads of its contacts (descent.h), and all of F_i where it holds. */
+/* Forces of the surface on tools. Quasi-static method: the part of the force F_i of eq. A-2 on each touched vertex that
+   presses against the tool (held vertices: all of it); at rest this balances the push exactly, and friction carries the
+   tangential part up to its limit. Explicit method: the momentum taken from the vertices over dt. Minimisation: the sum
+   of the loads of its contacts (descent.h), and all of F_i on held vertices. */
 #include "sim/tool.h"
 
 /* ---- forces of the methods without velocities ---- */

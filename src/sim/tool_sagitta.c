@@ -2,10 +2,10 @@
    triangle with its corners on the tool does, by the sagitta R - sqrt(R^2 - r^2). r is the circumradius of the
    equilateral triangle with the same sum of squared edges; that of a right-angled triangle is larger.
 
-   The filling is an elastic foundation, lumped at the vertices. Vertices that stand at the depth of the tool sample its
-   pressure, and the force of a pressed tool has no error of first order in their spacing. A triangle that is kept out
-   as a whole carries vertices along that lie beside the tool: with edges of two thirds of the radius the force was 1.7
-   times too high. Only a tool between vertices, deeper in a triangle than the sagitta, is held by that. */
+   The filling is an elastic foundation, lumped at the vertices. Vertices at the depth of the tool sample its pressure,
+   so that its force has no error of first order in their spacing. Keeping whole triangles out would also displace
+   vertices beside the tool: with edges of two thirds of the radius the force was 1.7 times too high. A triangle stops
+   the tool only beyond the sagitta, where the tool passes between vertices. */
 #include "sim/tool.h"
 
 /* r^2 over that at rest: edges stretch between pressed vertices */

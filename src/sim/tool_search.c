@@ -6,8 +6,11 @@
 
 #include <string.h>
 
-/* vertices of a block: with 8 there are twice as many boxes, with 32 twice as many triangles in those near a tool */
+/* vertices of a block: 8 give twice as many boxes, 32 twice as many triangles in the boxes near a tool */
 enum { BLOCK = 16 };
+/* vertices of a body up to which blocks are rings, in the model's breadth-first order: on a ball of 252 vertices a tool
+   is near 5 of 16, else 10 */
+enum { SMALL = 1024 };
 /* blocks that a list names at most; where triangles reach to more, the box is made from them */
 enum { BESIDE_LIMIT = 16 };
 
@@ -18,13 +21,7 @@ static int32_t block_count_of(int32_t vertex_count)
 
 /* ---- lists ---- */
 
-static int32_t block_of(const pel_search_body *own, int32_t place)
-{
-    return place < own->fine_place ? own->block_begin + (place - own->first_place) / BLOCK
-                                   : own->block_fine + (place - own->fine_place) / BLOCK;
-}
-
-static void link_triangle(pel_tool_search *search, int32_t body, int32_t t)
+static void link_triangle(pel_tool_search *search, int32_t t)
 {
     const int32_t *v = search->model->triangles[t];
     int32_t owner = v[0] > v[1] ? v[0] : v[1];
@@ -32,7 +29,7 @@ static void link_triangle(pel_tool_search *search, int32_t body, int32_t t)
     search->owner[t] = owner;
     search->next[t] = search->first[owner];
     search->first[owner] = t;
-    search->is_stale[block_of(&search->bodies[body], owner)] = 1;
+    search->is_stale[search->block[owner]] = 1;
 }
 
 static void unlink_triangle(pel_tool_search *search, int32_t t)
@@ -55,7 +52,7 @@ void pel_tool_search_update(pel_tool_search *search, int32_t body)
             if (search->owner[t] >= 0)
                 unlink_triangle(search, t);
             if (front->place_of_node[node][half] >= 0)
-                link_triangle(search, body, t);
+                link_triangle(search, t);
         }
     search->is_fitted = false;
 }
@@ -71,8 +68,23 @@ void pel_tool_search_rebuild(pel_tool_search *search, int32_t body)
     for (int32_t v = first; v < end; v++)
         search->first[v] = -1;
     for (int32_t i = 0; i < pel_surface_count(model, body); i++)
-        link_triangle(search, body, pel_surface_triangle(model, body, i));
+        link_triangle(search, pel_surface_triangle(model, body, i));
     search->is_fitted = false;
+}
+
+/* ---- boxes ---- */
+
+static pel_search_box empty_box(void)
+{
+    const pel_real far = (pel_real)HUGE_VAL;
+    const pel_record none = {far, far, far, far};
+    return (pel_search_box){none, -none};
+}
+
+static void add_point(pel_search_box *box, pel_record x)
+{
+    box->low = pel_record_min(x, box->low);
+    box->high = pel_record_max(x, box->high);
 }
 
 /* ---- creation ---- */
@@ -94,17 +106,99 @@ static void lay_out(pel_tool_search *search)
     search->block_count = count;
 }
 
+/* puts the `rank` least of the keys, which differ, before the others */
+static void divide_keys(uint64_t *keys, int32_t count, int32_t rank)
+{
+    int32_t low = 0, high = count - 1;
+    while (low < high) {
+        uint64_t pivot = keys[low + (high - low) / 2];
+        int32_t i = low, k = high;
+        while (i <= k) {
+            while (keys[i] < pivot)
+                i++;
+            while (keys[k] > pivot)
+                k--;
+            if (i <= k) {
+                uint64_t swap = keys[i];
+                keys[i++] = keys[k];
+                keys[k--] = swap;
+            }
+        }
+        if (rank <= k)
+            high = k;
+        else if (rank >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+/* Orders vertices, the low halves of the keys, so that each block of them is compact: halves them across the longest
+   side of their box until a block is left. */
+static void order_by_place(const pel_record *x, uint64_t *keys, int32_t count)
+{
+    while (count > BLOCK) {
+        pel_search_box box = empty_box();
+        for (int32_t i = 0; i < count; i++)
+            add_point(&box, x[keys[i] & UINT32_MAX]);
+        pel_record size = box.high - box.low;
+        int axis = size[0] > size[1] ? 0 : 1;
+        axis = size[2] > size[axis] ? 2 : axis;
+        const double scale = size[axis] > 0 ? INT32_MAX / (double)size[axis] : 0;
+        for (int32_t i = 0; i < count; i++) {
+            uint64_t v = keys[i] & UINT32_MAX;
+            keys[i] = (uint64_t)(scale * (double)(x[v][axis] - box.low[axis])) << 32 | v;
+        }
+        int32_t half = block_count_of(count) / 2 * BLOCK;
+        divide_keys(keys, count, half);
+        order_by_place(x, keys + half, count - half);
+        count = half;
+    }
+}
+
+/* base vertices in compact blocks, finer ones as they stand in the model */
+static void share_out(pel_tool_search *search, uint64_t *keys)
+{
+    const pel_model *model = search->model;
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        search->member[v] = v;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_search_body *own = &search->bodies[b];
+        int32_t count = model->bodies[b].mesh->vertex_count, end = pel_body_place_end(model, b);
+        for (int32_t i = 0; i < count; i++)
+            keys[i] = (uint64_t)(own->first_place + i);
+        if (count > SMALL)
+            order_by_place(model->rest, keys, count);
+        for (int32_t i = 0; i < count; i++) {
+            int32_t v = (int32_t)(keys[i] & UINT32_MAX);
+            search->member[own->first_place + i] = v;
+            search->block[v] = own->block_begin + i / BLOCK;
+        }
+        for (int32_t v = own->fine_place; v < end; v++)
+            search->block[v] = own->block_fine + (v - own->fine_place) / BLOCK;
+    }
+}
+
 static bool allocate(pel_tool_search *search)
 {
     const pel_model *model = search->model;
     size_t triangles = (size_t)model->triangle_begin[model->body_count], vertices = (size_t)model->vertex_count;
+    uint64_t *keys = pel_allocate(vertices, sizeof *keys);
+    search->member = pel_allocate(vertices, sizeof *search->member);
+    search->block = pel_allocate(vertices, sizeof *search->block);
     search->owner = pel_allocate(triangles, sizeof *search->owner);
     search->next = pel_allocate(triangles, sizeof *search->next);
     search->first = pel_allocate(vertices, sizeof *search->first);
     search->bodies = pel_allocate((size_t)model->body_count, sizeof *search->bodies);
-    if (search->owner == NULL || search->next == NULL || search->first == NULL || search->bodies == NULL)
+    bool is_short = search->owner == NULL || search->next == NULL || search->first == NULL || search->bodies == NULL ||
+                    search->member == NULL || search->block == NULL || keys == NULL;
+    if (!is_short) {
+        lay_out(search);
+        share_out(search, keys);
+    }
+    pel_free(keys);
+    if (is_short)
         return false;
-    lay_out(search);
     size_t blocks = (size_t)search->block_count;
     search->own = pel_allocate_aligned(blocks, sizeof *search->own);
     search->boxes = pel_allocate_aligned(blocks, sizeof *search->boxes);
@@ -141,44 +235,15 @@ void pel_tool_search_destroy(pel_tool_search *search)
 {
     if (search == NULL)
         return;
-    void *arrays[] = {search->owner,    search->next,   search->first,  search->bodies,
-                      search->own,      search->boxes,  search->beside, search->beside_count,
+    void *arrays[] = {search->member,   search->block,  search->owner, search->next,   search->first,
+                      search->bodies,   search->own,    search->boxes, search->beside, search->beside_count,
                       search->is_stale, search->sorted, search->set};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(search);
 }
 
-/* ---- boxes ---- */
-
-static pel_search_box empty_box(void)
-{
-    const pel_real far = (pel_real)HUGE_VAL;
-    const pel_record none = {far, far, far, far};
-    return (pel_search_box){none, -none};
-}
-
-static void add_point(pel_search_box *box, pel_record x)
-{
-    box->low = pel_record_min(x, box->low);
-    box->high = pel_record_max(x, box->high);
-}
-
-static pel_search_box box_of_points(const pel_record *x, int32_t count)
-{
-    pel_search_box box = empty_box();
-    int32_t i = 0;
-    /* four at a time, so that they do not wait for each other */
-    for (; i + 4 <= count; i += 4) {
-        box.high = pel_record_max(pel_record_max(pel_record_max(x[i], x[i + 1]), pel_record_max(x[i + 2], x[i + 3])),
-                                  box.high);
-        box.low =
-            pel_record_min(pel_record_min(pel_record_min(x[i], x[i + 1]), pel_record_min(x[i + 2], x[i + 3])), box.low);
-    }
-    for (; i < count; i++)
-        add_point(&box, x[i]);
-    return box;
-}
+/* ---- boxes of blocks ---- */
 
 static void add_box(pel_search_box *box, const pel_search_box *other)
 {
@@ -186,7 +251,7 @@ static void add_box(pel_search_box *box, const pel_search_box *other)
     box->high = pel_record_max(other->high, box->high);
 }
 
-/* vertices of a block: places from begin to end - 1 */
+/* vertices of a block: members from begin to end - 1 */
 typedef struct span {
     int32_t begin, end;
 } span;
@@ -202,7 +267,7 @@ static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
     return (span){begin, begin + BLOCK < limit ? begin + BLOCK : limit};
 }
 
-/* behind the last block in use */
+/* past the last block in use */
 static int32_t block_end(const pel_tool_search *search, int32_t body)
 {
     const pel_search_body *own = &search->bodies[body];
@@ -214,10 +279,10 @@ static void list_beside(pel_tool_search *search, int32_t body, int32_t block)
 {
     int32_t *list = search->beside + (size_t)block * BESIDE_LIMIT, count = 0;
     span own = span_of(search, body, block);
-    for (int32_t v = own.begin; v < own.end; v++)
-        for (int32_t t = search->first[v]; t >= 0; t = search->next[t])
+    for (int32_t k = own.begin; k < own.end; k++)
+        for (int32_t t = search->first[search->member[k]]; t >= 0; t = search->next[t])
             for (int c = 0; c < 3 && count <= BESIDE_LIMIT; c++) {
-                int32_t other = block_of(&search->bodies[body], search->model->triangles[t][c]), i = 0;
+                int32_t other = search->block[search->model->triangles[t][c]], i = 0;
                 while (i < count && list[i] != other)
                     i++;
                 if (i < count || other == block)
@@ -230,11 +295,26 @@ static void list_beside(pel_tool_search *search, int32_t body, int32_t block)
     search->is_stale[block] = 0;
 }
 
+static pel_search_box box_of_members(const int32_t *member, int32_t count, const pel_record *x)
+{
+    pel_search_box box = empty_box();
+    int32_t i = 0;
+    /* four at a time, so that they do not wait for each other */
+    for (; i + 4 <= count; i += 4) {
+        pel_record a = x[member[i]], b = x[member[i + 1]], c = x[member[i + 2]], d = x[member[i + 3]];
+        box.high = pel_record_max(pel_record_max(pel_record_max(a, b), pel_record_max(c, d)), box.high);
+        box.low = pel_record_min(pel_record_min(pel_record_min(a, b), pel_record_min(c, d)), box.low);
+    }
+    for (; i < count; i++)
+        add_point(&box, x[member[i]]);
+    return box;
+}
+
 static pel_search_box box_of_triangles(const pel_tool_search *search, span own, const pel_record *positions)
 {
     pel_search_box box = empty_box();
-    for (int32_t v = own.begin; v < own.end; v++)
-        for (int32_t t = search->first[v]; t >= 0; t = search->next[t])
+    for (int32_t i = own.begin; i < own.end; i++)
+        for (int32_t t = search->first[search->member[i]]; t >= 0; t = search->next[t])
             for (int c = 0; c < 3; c++)
                 add_point(&box, positions[search->model->triangles[t][c]]);
     return box;
@@ -245,7 +325,7 @@ static void fit_body(pel_tool_search *search, int32_t body, const pel_record *po
     int32_t begin = search->bodies[body].block_begin, end = block_end(search, body);
     for (int32_t block = begin; block < end; block++) {
         span own = span_of(search, body, block);
-        search->own[block] = box_of_points(positions + own.begin, own.end - own.begin);
+        search->own[block] = box_of_members(search->member + own.begin, own.end - own.begin, positions);
         if (search->is_stale[block])
             list_beside(search, body, block);
     }
@@ -276,9 +356,9 @@ static int32_t find_in_block(const pel_tool_search *search, const pel_record *po
                              const pel_search_box *box, int32_t *triangles, int32_t count)
 {
     int32_t heads[BLOCK], head_count = 0;
-    for (int32_t v = own.begin; v < own.end; v++) {
-        heads[head_count] = search->first[v];
-        head_count += search->first[v] >= 0;
+    for (int32_t i = own.begin; i < own.end; i++) {
+        heads[head_count] = search->first[search->member[i]];
+        head_count += heads[head_count] >= 0;
     }
     while (head_count > 0) {
         int32_t kept = 0;

@@ -1,10 +1,9 @@
-/* Which triangles reach into a box: the search of the tools.
-
-   Each triangle of the surfaces is owned by its corner that stands last in the model's order, so that an event of
-   refinement moves only what it changed. Vertices stand in blocks in that order; a block has a box about all triangles
-   of its vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only
-   triangles of blocks near the box are tested: after one pass over the vertices in a step, the time of a search grows
-   with the number of triangles near the tool. */
+/* Search of the triangles that reach into a box, for tools. Each triangle of the surfaces is owned by its last corner
+   in the model's order, so that an event of refinement moves only triangles that it changed. Base vertices form blocks
+   that are compact at rest, finer ones blocks in the model's order; a block has a box about all triangles of its
+   vertices, the union of boxes about the vertices of the few blocks to which these triangles reach. Only triangles of
+   blocks near the box are tested: after one pass over the vertices in a step, the time of a search grows with the
+   number of triangles near the tool. */
 #ifndef PEL_SIM_TOOL_SEARCH_H
 #define PEL_SIM_TOOL_SEARCH_H
 
@@ -35,6 +34,8 @@ typedef struct pel_search_body {
 typedef struct pel_tool_search {
     const pel_model *model;
     pel_search_body *bodies;
+    int32_t *member; /* (vertex_count) vertices by block */
+    int32_t *block;  /* (vertex_count) of each vertex */
     /* lists of triangles by owner, -1 = end or none */
     int32_t *owner, *next; /* (triangle_count) */
     int32_t *first;        /* (vertex_count) */
@@ -43,7 +44,7 @@ typedef struct pel_tool_search {
     pel_search_box *boxes; /* (block_count) of the triangles of their vertices */
     int32_t *beside;       /* (block_count x BESIDE_LIMIT) other blocks to which the triangles of a block reach */
     uint8_t *beside_count; /* (block_count) BESIDE_LIMIT + 1 = more than that */
-    uint8_t *is_stale;     /* (block_count) 1 = that list has to be made anew */
+    uint8_t *is_stale;     /* (block_count) 1 = the list has to be rebuilt */
     int32_t block_count;
     int32_t *sorted; /* (triangle_count) scratch */
     uint64_t *set;   /* (triangle_count / 64 + 1) scratch, 0 between searches */
@@ -62,8 +63,8 @@ void pel_tool_search_rebuild(pel_tool_search *search, int32_t body);
 /* Fits all boxes to the positions, which the next searches have to use. */
 void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions);
 
-/* Appends the triangles of a body whose own boxes overlap the box to `triangles` (count so far), in no particular
-   order; returns the new count. */
+/* Appends the triangles of a body whose own boxes overlap the box to `triangles` (which has count entries), in no
+   particular order; returns the new count. */
 int32_t pel_tool_search_find(const pel_tool_search *search, const pel_record *positions, int32_t body,
                              const pel_search_box *box, int32_t *triangles, int32_t count);
 

@@ -7,10 +7,10 @@
 
 #include <string.h>
 
-/* motion of the surface in a step beyond what its velocity tells, of the longest edge */
+/* motion of the surface in a step in addition to its velocity, relative to the longest edge */
 #define NEAR_SHARE 0.25
-/* of the least half width of a tool: what moves so far in a substep may go through it; cosine of the angle between the
-   ways out at the start and the end of the substep that tells that it did */
+/* relative to the least half width of a tool: a displacement per substep that may pass through it; cosine of the angle
+   between the outward directions at the start and the end of the substep below which it did */
 #define FAST_SHARE 0.5
 #define TURNED 0.5
 /* a triangle whose deepest point is nearer to a corner than this is left to the contact of the corner */
@@ -145,8 +145,8 @@ static double least_half_width(const pel_solid *solid)
     return solid->kind == PEL_SOLID_BOX ? fmin(half[0], fmin(half[1], half[2])) : solid->radius;
 }
 
-/* the half space beyond the surface point that was closest at the start of the substep, for what goes through the tool
-   in it; `before` and `now` are places of the point in the tool's frame */
+/* the half space beyond the surface point that was closest at the start of the substep, for points that pass through
+   the tool in it; `before` and `now` are positions of the point in the tool's frame */
 static void keep_start_side(const pel_tool *tool, const double before[3], const double now[3], const double point[3],
                             const double normal[3], double distance, pel_contact *contact)
 {
@@ -192,8 +192,8 @@ static bool is_deepest_at_corner(const double half[3], double corner[3][3])
     return false;
 }
 
-/* A round tool goes through a triangle, or out on the other side, in one substep: the point that was closest at its
-   start stays on its side. False when that is not so. */
+/* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
+   side. False if it does not. */
 static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_solid_pair *pair, double local[3][3],
                       const double *normal, pel_contact *contact)
 {

@@ -1,6 +1,6 @@
 /* Spheres, capsules and boxes in the substeps of position-based methods: one contact for each vertex near a tool and
-   one for each triangle near it, whose weights, normal and gap follow the present positions in every sweep. What is
-   near is found once a step. */
+   one for each triangle near it, whose weights, normal and gap follow the present positions in every sweep. Near
+   features are found once a step. */
 #ifndef PEL_SIM_TOOL_SOLID_H
 #define PEL_SIM_TOOL_SOLID_H
 
@@ -24,7 +24,7 @@ struct pel_sim_solids {
 /* Null solids when no solid presses or the method has no substeps. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_create(pel_sim *sim, pel_error *error);
 void pel_solids_destroy(pel_sim *sim);
-/* At the start of a step, tools at their wanted poses: lists what they may touch in it. PEL_OUT_OF_MEMORY. */
+/* At the start of a step, tools at their wanted poses: lists features that they may touch in it. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_find(pel_sim *sim, pel_error *error);
 /* Contacts at position_next and the present poses; impulses of the substep are kept. start (vertex_count): positions at
    the start of the substep. */

@@ -1,8 +1,6 @@
-/* Tools that start inside a body are refused, and told how far they have to go.
-
-   That is the least way of all directions that are tried after which the tool is outside: along the axes of the world
-   and of the tool, the normal of the triangle that is deepest in it, and through the point of the surface that is
-   nearest to its centre. Along a direction the way is found by bisection. */
+/* Tools that start inside a body are refused, with the displacement that frees them: the shortest one over the
+   directions tried: the axes of the world and of the tool, the normal of the deepest triangle, and the direction to the
+   point of the surface nearest to the tool's centre. Bisection finds the distance along a direction. */
 #include "base/status.h"
 #include "math/functions.h"
 #include "pellicle/geometry.h"
@@ -11,7 +9,7 @@
 
 /* of a tool's size: a tool that is less deep may start */
 #define START_DEPTH 1e-3
-/* of the way that is sure to be enough: how exactly the way is found */
+/* relative to the distance that is certainly enough: precision of the distance */
 enum { BISECTIONS = 20, DIRECTION_LIMIT = 16 };
 
 /* a tool against one body */

@@ -1,4 +1,4 @@
-/* Rigid tools in a step: they move on their keys, hold what they grasped, and push the surface out of the way. */
+/* Rigid tools in a step: they follow their keys, hold grasped vertices, and push the surface out. */
 #include "sim/contact.h"
 #include "sim/tool.h"
 

@@ -1,10 +1,10 @@
 /* The share of each vertex in the virial of springs and shell.
 
    A spring of length l under the tension f adds f l to the derivative of the elastic energy by the logarithm of the
-   size, dE / d ln s, when the whole net is stretched alike; half of that goes to each of its ends. A plane membrane
+   size, dE / d ln s, when the whole net is stretched uniformly; half of that goes to each of its ends. A plane membrane
    under the tension tau in all directions has dE / d ln s = 2 tau A: so the mean tension at a vertex is its share over
    twice its area (the virial stress of particle mechanics, in the plane). On a regular net of triangles of springs k
-   that is stretched by eps this is sqrt(3) k eps, the tension of the membrane that the net stands for. A triangle of a
+   that is stretched by eps this is sqrt(3) k eps, the tension of the membrane that the net represents. A triangle of a
    shell gives a third of the derivative of its energy to each corner. */
 #include "sim/sim.h"
 

@@ -114,6 +114,7 @@ static void destroy_system(pel_newton *newton)
     newton->plan = NULL;
     newton->matrix = NULL;
     newton->has_factor = false;
+    newton->has_plain = false;
     newton->precision = PEL_FACTOR_FLOAT;
 }
 
@@ -178,10 +179,11 @@ static bool make_room(pel_newton *newton)
     newton->fixed = pel_allocate(count, 1);
     newton->frame = pel_allocate(nodes, sizeof *newton->frame);
     double **vectors[] = {
-        &newton->gradient,    &newton->right,   &newton->step,       &newton->start, &newton->start_gradient,
-        &newton->masses,      &newton->walked,  &newton->move,       &newton->path,  &newton->load,
-        &newton->answer,      &newton->balance, &newton->way,        &newton->begin, &newton->part_start,
-        &newton->part_walked, &newton->best,    &newton->best_walked};
+        &newton->gradient,    &newton->right,   &newton->step,        &newton->start, &newton->start_gradient,
+        &newton->masses,      &newton->walked,  &newton->move,        &newton->path,  &newton->load,
+        &newton->answer,      &newton->balance, &newton->way,         &newton->begin, &newton->part_start,
+        &newton->part_walked, &newton->best,    &newton->best_walked, &newton->first, &newton->left,
+        &newton->product,     &newton->sum};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
@@ -223,12 +225,14 @@ void pel_newton_destroy(pel_newton *newton)
     if (newton == NULL)
         return;
     destroy_system(newton);
+    pel_newton_space_destroy(newton->space);
     pel_tangent_destroy(newton->tangent);
     void *arrays[] = {
-        newton->gradient,    newton->right,  newton->step,       newton->start, newton->masses, newton->start_gradient,
-        newton->stresses,    newton->fixed,  newton->walked,     newton->move,  newton->frame,  newton->path,
-        newton->load,        newton->answer, newton->balance,    newton->way,   newton->begin,  newton->part_start,
-        newton->part_walked, newton->best,   newton->best_walked};
+        newton->gradient,    newton->right,  newton->step,        newton->start, newton->masses, newton->start_gradient,
+        newton->stresses,    newton->fixed,  newton->walked,      newton->move,  newton->frame,  newton->path,
+        newton->load,        newton->answer, newton->balance,     newton->way,   newton->begin,  newton->part_start,
+        newton->part_walked, newton->best,   newton->best_walked, newton->first, newton->left,   newton->product,
+        newton->sum,         newton->plain,  newton->coupled};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(newton);
@@ -278,6 +282,19 @@ static bool has_blocks(const pel_newton *newton, int32_t count, const int32_t (*
     return true;
 }
 
+/* those of the run so far and new ones: what lets go for a while comes back */
+static bool keep_couplings(pel_newton *newton, bool is_first, int32_t count, const int32_t (*couplings)[4])
+{
+    newton->coupled_count = is_first ? 0 : newton->coupled_count;
+    if (!pel_reserve((void **)&newton->coupled, &newton->coupled_capacity, (size_t)(newton->coupled_count + count),
+                     sizeof *newton->coupled))
+        return false;
+    for (int32_t c = 0; c < count; c++)
+        if (is_first || !has_blocks(newton, 1, couplings + c))
+            memcpy(newton->coupled[newton->coupled_count++], couplings[c], sizeof *couplings);
+    return true;
+}
+
 /* Blocks for what the terms couple. Where a run begins the pattern is that of its own couplings alone: so its bits do
    not depend on the runs before. */
 pel_status pel_newton_couple(newton_run *run)
@@ -292,8 +309,13 @@ pel_status pel_newton_couple(newton_run *run)
     if (is_right)
         is_right = newton->is_stale ? newton->couplings == hash_couplings(count, couplings)
                                     : has_blocks(newton, acting, couplings);
+    bool is_first = newton->is_stale || newton->is_outdated;
     newton->is_stale = false;
-    return is_right ? PEL_OK : create_system(newton, count, couplings, run->error);
+    if (is_right)
+        return PEL_OK;
+    if (!keep_couplings(newton, is_first, count, couplings))
+        return pel_fail_memory(run->error);
+    return create_system(newton, newton->coupled_count, (const int32_t(*)[4])newton->coupled, run->error);
 }
 
 /* of the energy along the step, by a gradient */

@@ -19,6 +19,16 @@
 #include "force/tangent.h"
 #include "linear/factor.h"
 
+/* A part of the energy that acts only on one side, max(0, load - stiffness gap)^2 / (2 stiffness), with a gap that is
+   nearly linear: it changes with the weighted sum of the ways of its vertices along the normal. */
+typedef struct pel_newton_kink {
+    int32_t vertices[4];
+    double weights[4], normal[3];
+    double gap, load, stiffness; /* m, N, N/m */
+    bool acts;
+    double begin, first_rate, rate; /* (newton_kinks.c) m */
+} pel_newton_kink;
+
 /* What the caller adds to the energy of the model: contacts, friction. */
 typedef struct pel_newton_terms {
     void *context;
@@ -32,6 +42,9 @@ typedef struct pel_newton_terms {
     /* y += S x at the unknowns of the last evaluation, both (unknown_count): what the derivative of the gradient has
        beyond its symmetric part. Null = nothing. */
     void (*add_skew)(void *context, const double *x, double *y);
+    /* The parts that begin and cease to act (count), at the unknowns of the last evaluation. From then on to the next
+       evaluation add_matrix and list_couplings follow what the caller sets to act. Null = none. */
+    pel_newton_kink *(*list_kinks)(void *context, int32_t *count);
     bool has_kinks; /* what it adds begins and ceases to act: steps go as far as the energy falls */
 } pel_newton_terms;
 

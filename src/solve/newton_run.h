@@ -8,6 +8,25 @@
 /* (newton_skew.c) */
 typedef struct pel_newton_skew pel_newton_skew;
 
+/* constraints that change in one space of newton_kinks.c */
+enum { PEL_NEWTON_TOUCHED = 48, PEL_NEWTON_VOLUMES = 8 };
+
+/* What constraints do to a step and to each other, by one matrix. */
+typedef struct pel_newton_space {
+    int32_t count;
+    int32_t kinks[PEL_NEWTON_TOUCHED];
+    double excess[PEL_NEWTON_TOUCHED];                   /* N, that they push more than in the matrix */
+    double gaps[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED]; /* m/N, of each by each */
+    double system[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED];
+    double *responses; /* (count x unknown_count) m/N */
+    size_t capacity;
+    /* the first terms of volumes, which the factor does not have: of each by each, and responses to their gradients */
+    int32_t volume_count, volumes[PEL_NEWTON_VOLUMES];
+    double volume_gaps[PEL_NEWTON_VOLUMES][PEL_NEWTON_VOLUMES];
+    double *volume_responses; /* (volume_count x unknown_count) */
+    size_t volume_capacity;
+} pel_newton_space;
+
 struct pel_newton {
     const pel_model *model;
     pel_pool *pool;
@@ -18,9 +37,13 @@ struct pel_newton {
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
     bool has_factor;
-    uint64_t couplings; /* hash of those in the pattern */
-    bool is_outdated;   /* the pattern is that of an older surface, or there was no memory for one */
-    bool is_stale;      /* the pattern may have other couplings than the present run */
+    bool is_kept;          /* the last system was solved with an older factor */
+    uint64_t couplings;    /* hash of those in the pattern */
+    int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
+    int32_t coupled_count;
+    size_t coupled_capacity;
+    bool is_outdated; /* the pattern is that of an older surface, or there was no memory for one */
+    bool is_stale;    /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
     pel_minres *minres;                                       /* of paths, made when first needed */
     pel_newton_skew *skew;                                    /* of systems that are not symmetric, likewise */
@@ -35,11 +58,16 @@ struct pel_newton {
     double *way;                      /* (unknown_count) of fixed ones from start to target */
     int32_t *frame;                   /* (node_count) number of its axes, or -1 */
     double *stresses;                 /* (stress_count) */
-    double *masses;                   /* (unknown_count) kg, 0 on edges */
-    uint8_t *fixed;                   /* (unknown_count) */
-    double size;                      /* m, of the model */
-    double edge;                      /* m, mean length of edges with an unknown */
-    bool has_potential;               /* no pressure without one */
+    double *first, *left, *product, *sum; /* (unknown_count) of steps across kinks (newton_kinks.c) */
+    pel_newton_space *space;              /* likewise, made when first needed */
+    double *plain;                        /* values of the matrix without terms, for steps that foresee others */
+    size_t plain_capacity;
+    bool has_plain;
+    double *masses;     /* (unknown_count) kg, 0 on edges */
+    uint8_t *fixed;     /* (unknown_count) */
+    double size;        /* m, of the model */
+    double edge;        /* m, mean length of edges with an unknown */
+    bool has_potential; /* no pressure without one */
 };
 
 /* one run */
@@ -61,6 +89,7 @@ typedef struct newton_run {
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
     bool has_best;
+    bool reuses; /* the matrix of the elements is newton->plain */
 } newton_run;
 
 /* a run with all loads at once */
@@ -96,8 +125,16 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
 /* terms of the system of a run (context) besides the matrix: volumes, and the stiffness along the direction of a path
  */
 void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
+/* newton->step of newton->right by the matrix alone; false where that is not positive definite. */
+bool pel_newton_solve_symmetric(newton_run *run);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
+
+/* ---- newton_kinks.c ---- */
+/* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */
+bool pel_newton_cross_kinks(newton_run *run);
+void pel_newton_space_destroy(pel_newton_space *space);
+
 /* ---- newton_path.c ---- */
 /* newton->load = dF/dfactor along the axes of the vertices, 0 where fixed; evaluates at the unknowns. */
 void pel_newton_find_load(newton_run *run);

@@ -1,4 +1,5 @@
 /* What the runs of Newton's method are made of: energy, forces and matrix of a problem, its linear systems, steps. */
+#include "base/memory.h"
 #include "base/status.h"
 #include "solve/newton_run.h"
 
@@ -215,6 +216,39 @@ static void fill_stresses(newton_run *run)
     run->predicted = 0;
 }
 
+static bool crosses_kinks(const newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    return terms != NULL && terms->list_kinks != NULL;
+}
+
+static size_t value_bytes(const pel_newton *newton)
+{
+    return (size_t)newton->matrix->block_start[newton->matrix->block_count] * sizeof(double);
+}
+
+static void keep_plain(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    if (!crosses_kinks(run))
+        return;
+    if (!pel_reserve((void **)&newton->plain, &newton->plain_capacity, value_bytes(newton), 1)) {
+        run->status = pel_fail_memory(run->error);
+        return;
+    }
+    memcpy(newton->plain, newton->matrix->values, value_bytes(newton));
+    newton->has_plain = true;
+}
+
+static bool take_plain(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    if (!run->reuses || !newton->has_plain)
+        return false;
+    memcpy(newton->matrix->values, newton->plain, value_bytes(newton));
+    return true;
+}
+
 /* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
 void pel_newton_assemble(newton_run *run)
 {
@@ -224,8 +258,13 @@ void pel_newton_assemble(newton_run *run)
         run->status = pel_newton_couple(run);
     if (run->status != PEL_OK)
         return;
-    fill_stresses(run);
-    pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
+    if (!take_plain(run)) {
+        fill_stresses(run);
+        pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
+        keep_plain(run);
+    }
+    if (run->status != PEL_OK)
+        return;
     if (run->problem->terms != NULL)
         run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
     if (run->shift > 0)
@@ -300,10 +339,11 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
 }
 
 /* newton->step of newton->right by the matrix alone */
-static bool solve_symmetric(newton_run *run)
+bool pel_newton_solve_symmetric(newton_run *run)
 {
-    if (run->problem->keeps_factor && run->newton->has_factor &&
-        pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED)
+    run->newton->is_kept = run->problem->keeps_factor && run->newton->has_factor &&
+                           pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED;
+    if (run->newton->is_kept)
         return true;
     if (!pel_newton_make_factor(run))
         return false;
@@ -325,7 +365,9 @@ bool pel_newton_find_step(newton_run *run)
 {
     const pel_newton_terms *terms = run->problem->terms;
     pel_newton_assemble(run);
-    if (run->status != PEL_OK || !solve_symmetric(run))
+    if (run->status != PEL_OK || !pel_newton_solve_symmetric(run))
+        return false;
+    if (crosses_kinks(run) && pel_newton_is_at_targets(run) && !pel_newton_cross_kinks(run))
         return false;
     set_fixed_steps(run);
     return terms == NULL || terms->add_skew == NULL || pel_newton_solve_skew(run);

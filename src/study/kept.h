@@ -1,7 +1,7 @@
-/* What one run leaves for the next one, whose scene differs in some numbers: the scene is not read again where these
-   may be written over (scene/patch.h). The model is not made again where they are none of its numbers, nor the
-   simulation where it reads them in each step; both take new numbers over where nothing else follows from these
-   (pel_run_kept_refill). Rows have the same bits as without. */
+/* State that one run keeps for the next one, whose scene differs in some numbers: the scene is not read again if these
+   may be overwritten (scene/patch.h), the model is not created again if it does not depend on them, nor the simulation
+   if it reads them in each step; both take over new numbers that determine nothing else (pel_run_kept_refill). Rows
+   have the same bits as without. */
 #ifndef PEL_STUDY_KEPT_H
 #define PEL_STUDY_KEPT_H
 

@@ -1,4 +1,4 @@
-/* Inside of a study: what its parts share. */
+/* Internals of a study, shared by its parts. */
 #ifndef PEL_STUDY_STUDY_H
 #define PEL_STUDY_STUDY_H
 

@@ -1,4 +1,4 @@
-/* A process of its own for runs, so that a run that crashes, or is killed, takes nothing else with it. */
+/* A separate process for runs, so that a run that crashes or is killed affects nothing else. */
 #ifndef PEL_STUDY_WORKER_H
 #define PEL_STUDY_WORKER_H
 

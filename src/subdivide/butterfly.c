@@ -3,13 +3,13 @@
    An irregular end c with K triangles around and ring x_0 .. x_(K-1), x_0 being the other end of the edge:
        3/4 c + sum_j s_j x_j,   K = 3: 5/12, -1/12, -1/12    K = 4: 3/8, 0, -1/8, 0
                                 K >= 5: s_j = (1/4 + cos(2 pi j / K) + cos(4 pi j / K) / 2) / K
-   All three are s_j = (1/4 + cos(2 pi j / K) + g cos(4 pi j / K)) / K with g = 0, 1/4, 1/2, for a ring of three has no
-   second harmonic and a ring of four only one half of it. So the points of all K edges of a ring come from five sums
+   All three are s_j = (1/4 + cos(2 pi j / K) + g cos(4 pi j / K)) / K with g = 0, 1/4, 1/2, because a ring of three has
+   no second harmonic and a ring of four only one half of it. So the points of all K edges of a ring come from five sums
    over it (its mean, and cosine and sine waves of both harmonics): linear time for a vertex of any valence. The sums
    are of x_j - c, which is exact for a far away mesh, as the weights add up to one.
 
-   The eight points of the regular rule are summed in pairs such that neither the side of the edge that comes first nor
-   a mirror image changes a bit of the result. */
+   The eight points of the regular rule are summed in pairs such that the direction of the edge and a mirror image do
+   not change a bit of the result. */
 #include "subdivide/butterfly.h"
 
 #include "base/memory.h"
@@ -19,10 +19,10 @@
 #include <math.h>
 #include <string.h>
 
-/* rings up to this size have tables of their own: ring K starts at K (K - 1) of the cosine-sine pairs */
+/* rings up to this size have tables: ring K starts at K (K - 1) of the cosine-sine pairs */
 enum { SHORT_RING = 16, SHORT_PAIRS = SHORT_RING * (SHORT_RING + 1) / 2 };
-/* room for several rings that are gathered together: each step about a vertex waits for the one before, so that one
-   ring alone leaves the processor idle */
+/* buffer of several rings that are gathered together: each step around a vertex depends on the previous one, so that a
+   single ring leaves the processor idle */
 enum { LEAST_RINGS = 256 };
 
 static void fill_wave(int32_t ring_size, double *wave)
@@ -135,7 +135,7 @@ static int32_t *gather_ring(const pel_butterfly *butterfly, const pel_topology *
     return end;
 }
 
-/* the rings of as many irregular vertices from the k-th on as there is room for; returns the one behind the last */
+/* the rings of irregular vertices from the k-th on, up to the size of the buffer; returns the one after the last */
 static int32_t gather_rings(const pel_butterfly *butterfly, const pel_topology *level, int32_t k)
 {
     int32_t *ring = butterfly->ring, *limit = ring + 2 * butterfly->ring_limit;
@@ -151,7 +151,7 @@ static int32_t gather_rings(const pel_butterfly *butterfly, const pel_topology *
 /* the count of components is a constant at each call of edge_values */
 #define ROW_INLINE static inline __attribute__((always_inline))
 
-/* up to four components at once */
+/* up to four components together */
 typedef double quad __attribute__((vector_size(32)));
 enum { QUAD = 4 };
 
@@ -186,8 +186,8 @@ ROW_INLINE quad load_row(const columns *part, int32_t v)
 
 /* ---- irregular ends ---- */
 
-/* the values of all edges around an irregular vertex; half of them where the other end is irregular too: the end with
-   the lower number comes first. The sums are of differences from the centre: mean, and waves of both harmonics */
+/* the values of all edges around an irregular vertex; half of them if the other end is irregular too: the end with the
+   lower number comes first. The sums are of differences from the centre: mean, and waves of both harmonics */
 ROW_INLINE void ring_values(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, const int32_t *ring,
                             const columns *part, const double *wave)
 {

@@ -4,8 +4,8 @@
 
 #include "pellicle/topology.h"
 
-/* Vertices that need a rule of their own: inner, with a number of triangles other than six. A vertex that subdivision
-   makes is never one of them, so those of the base serve all levels. Holds scratch: one thread at a time. */
+/* Vertices that need a special rule: inner, with a number of triangles other than six. New vertices of subdivision are
+   regular, so the list of the base serves all levels. Holds scratch: one thread at a time. */
 typedef struct pel_butterfly {
     int32_t base_vertex_count;
     int32_t irregular_count;

@@ -3,7 +3,7 @@
    all finer levels.
 
    Triangle t of level l has the children 4 t .. 4 t + 3 on level l + 1 and the parent t >> 2 on level l - 1; edge e of
-   level l has the midpoint vertex levels[l]->vertex_count + e. Which half-edges a child has stands in split.h. */
+   level l has the midpoint vertex levels[l]->vertex_count + e. split.h has the half-edges of a child. */
 #ifndef PEL_SUBDIVIDE_FOREST_H
 #define PEL_SUBDIVIDE_FOREST_H
 
@@ -17,7 +17,7 @@ enum { PEL_LOD_DEPTH_LIMIT = 12 };
 typedef struct pel_lod_forest {
     int32_t depth;                                 /* levels above the base */
     pel_topology *levels[PEL_LOD_DEPTH_LIMIT + 1]; /* levels[0] is the base, levels[depth] the finest */
-    double (*rest_positions)[3]; /* (levels[depth]->vertex_count x 3); the first rows are those of coarser levels */
+    double (*rest_positions)[3]; /* (levels[depth]->vertex_count x 3); rows of coarser levels come first */
 } pel_lod_forest;
 
 /* Builds base and `depth` levels by modified butterfly. PEL_BAD_ARGUMENT with the numbers when depth is negative,

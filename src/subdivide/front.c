@@ -284,7 +284,7 @@ static bool is_seed(const pel_front *front, const place *at)
     return false;
 }
 
-/* takes out the candidates that are no longer asked for, with all that might follow from them */
+/* removes candidates that are no longer requested, with all nodes that might depend on them */
 static int32_t delete_unsupported(pel_front *front, int32_t level)
 {
     int32_t count = 0;
@@ -465,7 +465,7 @@ static uint8_t shape_of(const pel_front *front, const place *at)
     return PEL_FRONT_WHOLE;
 }
 
-/* notes a node whose shape is not what it was; its triangles leave the list at once */
+/* records a node whose shape has changed; its triangles leave the list immediately */
 static void note_change(pel_front *front, int32_t level, int32_t node)
 {
     if (node < 0)
@@ -605,7 +605,7 @@ static int32_t sector_corners(const pel_front *front, int32_t level, int32_t h, 
 {
     int32_t t = h / 3, i = h % 3;
     if (level > 0 && front->shapes[front->node_begin[level - 1] + pel_lod_parent(t)] != PEL_FRONT_RED) {
-        /* three sectors lie in a bisected parent: its halves stand for the first of them, whose half-edge 2 it is */
+        /* three sectors lie in a bisected parent: its halves represent the first of them, whose half-edge 2 it is */
         place parent = place_on(front, level - 1, front->node_begin[level - 1] + pel_lod_parent(t));
         return t % 4 != 3 && i == 2 ? middle_corners(front, &parent, fan) : 0;
     }

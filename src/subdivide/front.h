@@ -1,7 +1,6 @@
-/* The front: which triangles of a forest make up the surface at present (paper A, sections 3.3 and 3.4).
-
-   A node is a triangle of the forest, numbered over all levels: node_begin[level] + t. Some nodes are marked by the
-   caller: they are to be refined. The refined ("red") nodes are the smallest set that holds the marked ones and obeys
+/* The front: the triangles of a forest that form the present surface (paper A, sections 3.3 and 3.4). A node is a
+   triangle of the forest, numbered over all levels: node_begin[level] + t. The caller marks nodes for refinement. The
+   refined ("red") nodes are the smallest set that contains the marked ones and obeys
 
      1. the parent of a red node is red;
      2. so is the parent of each neighbour of a red node: at most one level lies between neighbours across an edge;
@@ -19,12 +18,10 @@
    The halves exist in the list of active triangles only: they are never marked or refined, and cannot leave a
    T-junction, as both sides of an edge look at the same counter.
 
-   Taking marks away: within a level a red node may owe its redness to neighbours that owe theirs to it (rule 3). All
-   nodes that could depend on a node that is no longer asked for are taken out first, then those that follow from what
-   is left are put back. Both spread over nodes that are neither marked nor held by a finer level; these lie in narrow
-   bands at the rim, so the cost is that of what changes.
-
-   Everything is allocated at creation; events allocate nothing. */
+   Removing marks: within a level red nodes may depend on each other in cycles (rule 3). So all nodes that could depend
+   on a node that is no longer requested are removed first, then those that follow from the rest are added back. Both
+   spread over nodes that are neither marked nor required by a finer level; these lie in narrow bands at the rim, so the
+   cost is proportional to the change. Everything is allocated at creation; events allocate nothing. */
 #ifndef PEL_SUBDIVIDE_FRONT_H
 #define PEL_SUBDIVIDE_FRONT_H
 
@@ -45,7 +42,7 @@ typedef struct pel_front_triangle {
 } pel_front_triangle;
 
 /* A triangle of the surface as seen from one of its vertices. Edges are numbered over all levels by the vertex in their
-   middle less the vertices of the base; those of the finest level and the bisectors follow. */
+   middle minus the vertices of the base; edges of the finest level and the bisectors follow. */
 typedef struct pel_front_corner {
     int32_t node, half;
     int32_t next, previous;           /* its other two vertices, counter-clockwise */
@@ -61,7 +58,7 @@ typedef struct pel_front_change {
 typedef struct pel_front {
     const pel_lod_forest *forest;
     int32_t node_begin[PEL_LOD_DEPTH_LIMIT + 2]; /* (depth + 2) */
-    int32_t red_limit;                           /* nodes below it can be red: all but those of the finest level */
+    int32_t red_limit;                           /* nodes below it can be red: all except the finest level */
     int32_t node_count;
     int32_t bisector_begin; /* the edge of the bisector of node n is bisector_begin + n */
 
@@ -71,7 +68,7 @@ typedef struct pel_front {
     uint8_t *red_counts; /* (edges of all levels but the finest) red triangles next to the edge: 0 to 2 */
     int32_t marked_count, red_count;
 
-    /* the surface as of the last commit, in no particular order; places are -1 for what is not active */
+    /* the surface as of the last commit, in no particular order; places are -1 if not active */
     pel_front_triangle *triangles;
     int32_t (*place_of_node)[2]; /* (node_count x 2) by half */
     int32_t triangle_count;
@@ -82,7 +79,7 @@ typedef struct pel_front {
     int32_t *place_of_edge; /* (bisector_begin + node_count) */
     int32_t edge_count;
 
-    /* what the last commit changed; vertices ascending, so that those of coarser levels come first */
+    /* changes of the last commit; vertices ascending, so that coarser levels come first */
     pel_front_change *changes;
     int32_t *added_vertices, *removed_vertices;
     int32_t change_count, added_count, removed_count;
@@ -103,14 +100,14 @@ void pel_front_destroy(pel_front *front);
 
 /* Asks that a node be refined, or not any more. Nodes of the finest level cannot be. */
 void pel_front_mark(pel_front *front, int32_t node, bool marked);
-/* The same for all triangles around vertex v on level - 1, so that they reach `level`. Nothing is done when the vertex
-   does not exist below `level`. */
+/* The same for all triangles around vertex v on level - 1, so that they reach `level`. Does nothing if the vertex does
+   not exist below `level`. */
 void pel_front_mark_vertex(pel_front *front, int32_t v, int32_t level, bool marked);
 
 /* Finds the red nodes of the present marks. Returns the number of triangles that the surface will have; more marks may
    be set or taken away, and close called again, before the commit. */
 int32_t pel_front_close(pel_front *front);
-/* Makes the closed front the surface and lists what changed. */
+/* Makes the closed front the surface and lists the changes. */
 void pel_front_commit(pel_front *front);
 
 /* ---- questions ---- */
@@ -131,13 +128,13 @@ static inline int32_t pel_front_parent(const pel_front *front, int32_t level, in
 }
 
 /* The triangles of the surface at an active vertex, counter-clockwise; on the boundary from its first edge to its last
-   one. At most twice as many as the vertex has on its own level. Returns their number. */
+   one. At most twice the number on the vertex's own level. Returns their number. */
 int32_t pel_front_fan(const pel_front *front, int32_t v, pel_front_corner *fan);
 /* The two vertices of an active edge. */
 void pel_front_edge_ends(const pel_front *front, int32_t edge, int32_t ends[2]);
 
-/* All triangles of the surface (triangle_count) in an order that depends on the marks alone: that of the base, each
-   refined triangle replaced by its children. Without marks these are the base's triangles. */
+/* All triangles of the surface (triangle_count) in an order that depends on the marks alone: the order of the base,
+   each refined triangle replaced by its children. Without marks these are the base's triangles. */
 void pel_front_surface(const pel_front *front, pel_front_triangle *triangles);
 
 /* Checks the whole structure against the rules and its lists against each other (front_check.c). Takes time and memory

@@ -141,7 +141,7 @@ static bool has_half_edge(const pel_front_triangle *triangle, int32_t a, int32_t
     return false;
 }
 
-/* the fan of a vertex is one closed or open turn of triangles, each of which the list holds */
+/* the fan of a vertex is one closed or open ring of triangles, all in the list */
 static bool check_fan(check *c, int32_t v, pel_front_corner *fan)
 {
     const pel_front *front = c->front;
@@ -194,7 +194,7 @@ static bool check_vertices(check *c)
     return good && count == front->vertex_count && corner_count == 3 * front->triangle_count;
 }
 
-/* each edge is used once by each of its triangles, and the sums are those of the base (Euler) */
+/* each edge is used once by each of its triangles, and the Euler number equals the base's */
 static bool check_edges(const check *c)
 {
     const pel_front *front = c->front;
@@ -204,7 +204,7 @@ static bool check_edges(const check *c)
         bool active = front->place_of_edge[e] >= 0;
         if (active && front->edges[front->place_of_edge[e]] != e)
             return false;
-        /* an edge is the next one of one corner of each triangle beside it */
+        /* an edge is the next one of one corner of each of its triangles */
         if ((c->edge_uses[e] > 0) != active || c->edge_uses[e] > 2)
             return false;
         count += active;

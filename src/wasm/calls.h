@@ -30,9 +30,9 @@ PEL_WASM void pel_wasm_sim_destroy(pel_wasm_sim *sim);
 /* pel_status of the last call that can fail: creation, step, apply, undo, reset, field, pick, record, scene */
 PEL_WASM int32_t pel_wasm_sim_status(const pel_wasm_sim *sim);
 
-/* What the last failure is, as an object: status, message (whole), what, remedy, file, line, column. */
+/* The last failure as an object: status, message (whole), what, remedy, file, line, column. */
 PEL_WASM const pel_wasm_text *pel_wasm_sim_error(pel_wasm_sim *sim);
-/* What the mesh reader noted, as an array of texts. */
+/* Notes of the mesh reader, as an array of texts. */
 PEL_WASM const pel_wasm_text *pel_wasm_sim_notes(pel_wasm_sim *sim);
 /* Title, dt, bodies, tools and fields; parameters; time, step, hash, hand, tools and measures (src/live/message.h). */
 PEL_WASM const pel_wasm_text *pel_wasm_sim_hello(pel_wasm_sim *sim);
@@ -70,7 +70,7 @@ PEL_WASM const float *pel_wasm_sim_field(pel_wasm_sim *sim, int32_t field, int32
 PEL_WASM const double *pel_wasm_sim_pick(pel_wasm_sim *sim, double ox, double oy, double oz, double dx, double dy,
                                          double dz);
 
-/* ---- a simulation that plays at the pace of the clock: what `pellicle live` serves ---- */
+/* ---- a simulation in real time, as served by `pellicle live` ---- */
 
 typedef struct pel_wasm_live pel_wasm_live;
 
@@ -81,12 +81,12 @@ PEL_WASM void pel_wasm_live_destroy(pel_wasm_live *live);
 /* PEL_OK, or why creation failed */
 PEL_WASM int32_t pel_wasm_live_status(const pel_wasm_live *live);
 PEL_WASM const pel_wasm_text *pel_wasm_live_error(pel_wasm_live *live);
-/* A line from the page, as a server gets it: "received", those of src/live/player.c, and commands of a session. */
+/* A line from the page, as sent to a server: "received", those of src/live/player.c, and commands of a session. */
 PEL_WASM void pel_wasm_live_line(pel_wasm_live *live, const char *line);
 /* Does lines and steps that are due, for at most as long as a picture lasts; returns the seconds until the next turn.
  */
 PEL_WASM double pel_wasm_live_turn(pel_wasm_live *live);
-/* The next message for the page; size 0 when there is none. */
+/* The next message for the page; size 0 if there is none. */
 PEL_WASM const pel_wasm_text *pel_wasm_live_take(pel_wasm_live *live);
 /* Whether that message is binary. */
 PEL_WASM int32_t pel_wasm_live_is_binary(const pel_wasm_live *live);

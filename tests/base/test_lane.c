@@ -103,7 +103,8 @@ static void test_expm1(void **unused)
     assert_true(worst < 4 * (double)PEL_REAL_EPSILON);
 }
 
-/* the angle of a fold that is flat to rounding: what is small keeps all its digits, and no power of it is denormal */
+/* the angle of a fold that is flat to rounding: small values keep all their digits, and none of their powers is
+   denormal */
 static void test_small_angles(void **unused)
 {
     (void)unused;

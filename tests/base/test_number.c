@@ -90,7 +90,7 @@ static void test_no_number(void **unused)
         assert_null(pel_number_parse(texts[i], texts[i] + strlen(texts[i]), &value));
 }
 
-/* nothing behind the end is looked at */
+/* nothing past the end is read */
 static void test_stops_at_end(void **unused)
 {
     (void)unused;
@@ -186,7 +186,7 @@ static void test_quotients_at_ties(void **unused)
 }
 #endif
 
-/* a tie whose only digit that tells stands behind a thousand zeros */
+/* a tie that only a digit after a thousand zeros decides */
 static void test_tie_decided_late(void **unused)
 {
     (void)unused;

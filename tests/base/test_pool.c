@@ -1,4 +1,4 @@
-/* Every chunk runs exactly once, whatever the threads and however quickly loops follow each other. */
+/* Every chunk runs exactly once, for any number of threads and any interval between loops. */
 #include "check.h"
 #include "failing_malloc.h"
 

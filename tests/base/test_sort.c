@@ -1,4 +1,4 @@
-/* Sorting in place against qsort, of numbers and of records with a rule of their own. */
+/* Sorting in place against qsort, of numbers and of records with their own order. */
 #include "check.h"
 
 #include "base/sort.h"

@@ -30,6 +30,12 @@ static void test_text_of_each_place(void **unused)
     pel_fail_element(&error, "vertex", 7);
     strcpy(error.element_name, "left");
     assert_string_equal(text_of(&error), "error: vertex 'left': 3 is odd. use 4");
+    /* an element that the text begins with is not told twice */
+    strcpy(error.what, "vertex 'left' is odd");
+    assert_string_equal(text_of(&error), "error: vertex 'left' is odd. use 4");
+    strcpy(error.what, "vertex 'lefty' is odd");
+    assert_string_equal(text_of(&error), "error: vertex 'left': vertex 'lefty' is odd. use 4");
+    strcpy(error.what, "3 is odd");
     error.element_name[0] = '\0';
     assert_string_equal(text_of(&error), "error: vertex 7: 3 is odd. use 4");
     pel_fail_place(&error, "a.obj", 12, 5);

@@ -2,6 +2,12 @@
 
 #include "base/text.h"
 
+#include <pellicle/base.h>
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
 static void test_edit_distance(void **unused)
 {
     (void)unused;
@@ -131,12 +137,27 @@ static void test_json_letters(void **unused)
         }
 }
 
+/* as the program and the files of runs write them */
+static void test_json_digits(void **unused)
+{
+    (void)unused;
+    char text[32];
+    assert_string_equal(pel_json_digits(0.1, text), "0.1");
+    assert_string_equal(pel_json_digits(-3, text), "-3");
+    assert_string_equal(pel_json_digits(0.1 + 0.2, text), "0.30000000000000004");
+    assert_string_equal(pel_json_digits(HUGE_VAL, text), "null");
+    assert_string_equal(pel_json_digits((double)NAN, text), "null");
+    const double extremes[] = {-DBL_MAX, -DBL_MIN, -4.9406564584124654e-324};
+    for (int i = 0; i < 3; i++)
+        assert_true(strtod(pel_json_digits(extremes[i], text), NULL) == extremes[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edit_distance), cmocka_unit_test(test_long_names_are_cut),
         cmocka_unit_test(test_nearest_name),  cmocka_unit_test(test_json_letters),
-        cmocka_unit_test(test_utf8),
+        cmocka_unit_test(test_utf8),          cmocka_unit_test(test_json_digits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

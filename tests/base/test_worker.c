@@ -1,4 +1,4 @@
-/* Jobs are done once each, in order, and a slot is left alone while its job is under way. */
+/* Jobs are done once each, in order, and a slot is not reused while its job runs. */
 #include "check.h"
 #include "failing_malloc.h"
 
@@ -9,7 +9,7 @@
 enum { SLOTS_MAX = 4, JOBS = 2000 };
 
 typedef struct journal {
-    int slots[SLOTS_MAX]; /* what each slot asks for */
+    int slots[SLOTS_MAX]; /* the job of each slot */
     int done[JOBS];       /* in the order they were done */
     int count;
     bool slow;

@@ -1,5 +1,5 @@
-/* The layout of elements: each once, colours and bundles without conflicts, numbers at rest, after refinement as if it
-   had been made anew. */
+/* The layout of elements: each once, colours and bundles without conflicts, numbers at rest; after refinement the same
+   as a new layout. */
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
@@ -93,7 +93,7 @@ static bool may_move(const pel_model *model, const int32_t *vertices, int arity)
     return false;
 }
 
-/* what a batch has to hold, element by element from the model */
+/* the expected content of a batch, element by element from the model */
 static int32_t expect(const pel_batches *batches, const pel_batch *batch, int32_t (*rows)[4])
 {
     const pel_model *model = batches->model;
@@ -120,7 +120,7 @@ static void check_groups(const pel_batch *batch, int32_t begin, int32_t end)
 {
     for (int32_t block = begin; block < end;) {
         int32_t places[PEL_BATCH_GROUP * 4 * PEL_BLOCK], count = 0;
-        /* a batch that shares its elements has no groups of its own */
+        /* a batch that shares its elements has no own groups */
         int32_t last = block + (batch->followers != NULL ? batch->followers[block] : 0);
         assert_true(last - block < PEL_BATCH_GROUP && last < end);
         for (; block <= last; block++)
@@ -206,7 +206,7 @@ static void test_layout(void **unused)
     }
 }
 
-/* an unweighted pressure on all triangles stands on those of the membrane */
+/* an unweighted pressure on all triangles shares the triangles of the membrane */
 static void test_sharing(void **unused)
 {
     (void)unused;
@@ -293,7 +293,7 @@ static void compare_batches(const pel_batch *a, const pel_batch *b, int32_t bund
         assert_memory_equal(a->numbers, b->numbers, lanes * (size_t)a->number_count * sizeof *a->numbers);
 }
 
-/* after events of refinement a layout is what it would be if it were made then, and no memory was taken */
+/* after events of refinement a layout equals a new one, and no memory was allocated */
 static void test_rebuild(void **unused)
 {
     (void)unused;

@@ -130,7 +130,7 @@ static inline int compare_pairs(const void *a, const void *b)
                                 : (p->second > q->second) - (p->second < q->second);
 }
 
-/* as sets; a pair that comes twice makes them differ. Sorts both. */
+/* compares as sets; a duplicate pair makes them differ. Sorts both. */
 static inline bool pairs_equal(pair_set *a, pair_set *b)
 {
     if (a->count != b->count)
@@ -144,7 +144,7 @@ static inline bool pairs_equal(pair_set *a, pair_set *b)
 
 /* ---- brute force ---- */
 
-/* boxes of edges stand at the half-edges that name them; those of other half-edges are empty */
+/* boxes of edges are at the half-edges that name them; boxes of other half-edges are empty */
 typedef struct feature_boxes {
     pel_box *vertices, *edges, *triangles;
 } feature_boxes;

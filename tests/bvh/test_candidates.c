@@ -34,7 +34,7 @@ static bool same_list(const pel_pair *pairs, size_t count, pair_set *expected)
     return same;
 }
 
-/* the list is exactly what all pairs of boxes give, kept or not */
+/* the list is exactly the set of all overlapping pairs of boxes, kept or not */
 static void check_lists(const pel_candidates *c)
 {
     feature_boxes boxes = make_feature_boxes(c->tree);
@@ -79,7 +79,7 @@ static void check_near_pairs(const pel_candidates *c, const surface *s, double t
     clear_pairs(&list);
 }
 
-/* the sphere turns, shrinks and wobbles at once; the end of a step is the start of the next */
+/* the sphere turns, shrinks and wobbles at the same time; the end of a step is the start of the next */
 static void move(surface *s, const double (*rest)[3], int step, double wobble)
 {
     random_state random = {(uint64_t)step};
@@ -116,7 +116,7 @@ static void test_motion(void **unused)
 {
     (void)unused;
     check_motion(make_sphere(5, 0), 0, 0.01, 0.01, 30);
-    /* a common motion does not use the margin up; that of the parts does now and then; too much, and nothing is kept */
+    /* a common motion does not use up the margin; relative motion does occasionally; with too much, nothing is kept */
     check_motion(make_sphere(5, 0), 0.1, 0.002, 0.01, 5);
     check_motion(make_sphere(5, 0), 0.05, 0.02, 0.01, 30);
     check_motion(make_sphere(5, 0), 0.02, 0.1, 0.05, 30);
@@ -299,7 +299,7 @@ static void test_limit_shrinks_margin(void **unused)
     /* the search with the margin is not tried in every step */
     assert_int_equal(c->counts.searches, 4);
     pel_candidates_destroy(c);
-    /* kept pairs that would grow beyond the limit are found anew */
+    /* kept pairs that would exceed the limit are searched again */
     c = make_candidates(&s, 0.02);
     update(c, &s, 0.01, NULL);
     c->search.limit = c->counts.kept;

@@ -160,7 +160,7 @@ static void check_file(const char *name)
 static void test_files(void **unused)
 {
     (void)unused;
-    /* those of the tree, then larger ones where they are at hand */
+    /* meshes of the repository, then larger ones if available */
     const char *const names[] = {"tests/data/bean.obj", "tests/data/sac.obj", "tests/data/flap.obj"};
     const char *const shared[] = {"cat",   "gallbladder",    "goat-head",  "koala",  "liver-coarse",
                                   "liver", "nefertiti-head", "sphere-252", "spleen", "spot"};

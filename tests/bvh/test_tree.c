@@ -47,7 +47,7 @@ static void check_members(const pel_tree *tree)
     free(edges);
 }
 
-/* an edge has one name, the first half-edge along it, and knows what is across in its first two triangles */
+/* an edge has one name, the first half-edge along it, and the opposite corners of its first two triangles */
 static void test_edges(void **unused)
 {
     (void)unused;
@@ -101,7 +101,7 @@ static void random_frame(random_state *random, pel_frame *frame)
     }
 }
 
-/* points on the way, in long double, and points at most reach away from each other */
+/* points along the path, in long double, and points at most reach away from each other */
 static void test_boxes_hold_points(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Known pairs against all pairs: as long as the clearance serves, nothing else comes near, whatever the motion. */
+/* Known pairs against all pairs: while the clearance holds, no other pair comes near, for any motion. */
 #include "check.h"
 #include "failing_malloc.h"
 #include "random.h"
@@ -120,7 +120,7 @@ static void test_known_pairs(void **unused)
         memcpy(start, next, size);
         served++;
     }
-    /* noise adds up until they no longer serve, and the common translation does not count */
+    /* noise adds up until they no longer hold, and the common translation does not count */
     assert_true(served > 2 && served < STEPS);
     assert_false(pel_clearance_serves(&p.clearance, (const double(*)[3])start, (const double(*)[3])next, needed, NULL));
     free(start);
@@ -128,8 +128,8 @@ static void test_known_pairs(void **unused)
     end(&p);
 }
 
-/* two points that approach each other by exactly the room that is left end it, at the start of a step or at its end;
-   what is not finite does too */
+/* two points that approach each other by exactly the remaining distance end it, at the start or the end of a step; so
+   do values that are not finite */
 static void test_bound(void **unused)
 {
     (void)unused;

@@ -1,5 +1,4 @@
-/* Detection through the tree against the narrow phase on all pairs: no tunnelling, nothing else, whatever the margin.
- */
+/* Detection through the tree against the narrow phase on all pairs: no tunnelling and no other pair, for any margin. */
 #include "check.h"
 #include "failing_malloc.h"
 #include "random.h"
@@ -44,7 +43,7 @@ static void add_sheet(moving *m, int32_t vertex, int32_t triangle, int32_t rows,
     }
 }
 
-/* two sheets, bumpy, of which the upper falls through the lower within the step */
+/* two bumpy sheets; the upper one falls through the lower one within the step */
 static moving make_falling_sheet(int32_t rows, double bump, double fall)
 {
     random_state random = {4};
@@ -201,7 +200,7 @@ static void check_motion(moving m, double separation, bool expect_some)
             assert_int_equal(copy.vertex_face.hits + copy.edge_edge.hits, count);
             free(collisions);
         }
-        /* at rest the pairs of the first query are searched apart from those of candidates */
+        /* at rest the pairs of the first query are searched separately from candidates */
         assert_true(i == 0 ? candidates.searches == 4 : candidates.searches <= 2);
         pel_collider_destroy(collider);
     }
@@ -221,7 +220,7 @@ static void test_no_tunnelling(void **unused)
     check_motion(make_random_sphere(3, 0.9, 0.2), 0, true);
 }
 
-/* a whole fall in many small steps: the step in which the sheets meet is found, whatever was kept before */
+/* a whole fall in many small steps: the step in which the sheets meet is found, for any kept pairs */
 static void test_kept_over_steps(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Forces of contacts over arrays: what an action does to vertices, pairs of groups and records, in closed form. */
+/* Forces of contacts over arrays: the effect of an action on vertices, pairs of groups and records, in closed form. */
 #include "check.h"
 #include "contact/force.h"
 #include "failing_malloc.h"
@@ -37,7 +37,7 @@ static double force_on(const fixture *f, int32_t v, int axis)
     return force[axis];
 }
 
-/* no force where none was added, or none are kept, on whatever axis */
+/* no force if none was added, or none are kept, on any axis */
 static void test_untouched(void **unused)
 {
     (void)unused;
@@ -160,7 +160,7 @@ static size_t page_total(const pel_force_pages *pages, int32_t count)
     return sum;
 }
 
-/* pages are where forces were; what is written from outside is read back, and zeros take no page */
+/* pages exist for forces only; forces written from outside are read back, and zeros take no page */
 static void test_pages(void **unused)
 {
     (void)unused;

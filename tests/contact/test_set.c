@@ -1,4 +1,4 @@
-/* The set of contacts over arrays alone: what it finds against all pairs, what it does against closed forms. */
+/* The set of contacts over arrays alone: its pairs against all pairs, its effects against closed forms. */
 #include "base/memory.h"
 #include "check.h"
 #include "contact/set.h"
@@ -361,7 +361,8 @@ static double rise(pel_solid_kind kind, double x, double gap_share, double gap, 
     return time > 1 ? 2 : time - expected;
 }
 
-/* impacts of a constant speed in closed form; what touches from the start may come to zero distance, not into it */
+/* impacts of a constant speed in closed form; features that touch from the start may reach zero distance, but not pass
+   it */
 static void test_round_obstacles(void **unused)
 {
     (void)unused;
@@ -432,8 +433,8 @@ static void test_guard(void **unused)
     }
 }
 
-/* Vertices that an obstacle holds go its share of the way, and have the velocity of that; the sheet in their way, which
-   nothing holds, takes no part in it. */
+/* Vertices held by an obstacle move its share of the displacement, and have that velocity; the free sheet before them
+   is not affected. */
 static void test_guard_of_held(void **unused)
 {
     (void)unused;
@@ -462,7 +463,7 @@ static void test_guard_of_held(void **unused)
         assert_near(a.next[held[i]][2], a.rest[held[i]][2] + (pel_real)gone, rounding);
         assert_near(a.velocity[held[i]][2], 100 * gone, 1000 * rounding);
     }
-    /* without a conflict nothing is held back */
+    /* without a conflict nothing is stopped */
     memcpy(a.next, a.rest, sizeof a.next);
     set->obstacles[0].pose = set->obstacles[0].before;
     pel_contact_set_place(set, a.rest, a.next);
@@ -472,8 +473,8 @@ static void test_guard_of_held(void **unused)
     pel_contact_set_destroy(set);
 }
 
-/* Sheets that nothing holds keep their momentum; what meets a fixed one (0 or 1, -1: none) has the velocity of its way.
- */
+/* Free sheets keep their momentum; one that meets a fixed one (0 or 1, -1: none) has the velocity of its
+   displacement. */
 static void check_guard_momentum(int fixed)
 {
     static arrays a;
@@ -503,7 +504,7 @@ static void check_guard_momentum(int fixed)
     sum_momentum(&a, a.rest, a.next, after[0]);
     sum_momentum(&a, NULL, a.velocity, after[1]);
     for (int k = 0; fixed < 0 && k < 3; k++) {
-        /* the points of a zone have shares of their own */
+        /* the points of a zone have their own shares */
         assert_near(after[0][k], before[0][k], 0.01 * fabs(before[0][2]));
         assert_near(after[1][k], before[1][k], 100 * rounding);
     }
@@ -535,7 +536,7 @@ static void drive_train(int32_t cars, bool stays)
     a.vertex_count = (3 * (cars + 2) + PEL_WIDTH - 1) / PEL_WIDTH * PEL_WIDTH;
     assert_true(a.vertex_count <= MOST_VERTICES);
     for (int32_t i = 0; i < a.triangle_count; i++) {
-        /* plates and darts in turn; the last one flies alone */
+        /* alternating plates and darts; the last one flies alone */
         static const double plate[3][3] = {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}},
                             dart[3][3] = {{0, 0, 0}, {0.1, 0, 0.03}, {-0.1, 0, 0.03}};
         double z = i <= cars ? 0.13 * (i / 2) + 0.05 * (i % 2) : 100;
@@ -627,7 +628,7 @@ static void test_limit(void **unused)
     pel_contact_set_destroy(set);
 }
 
-/* What is where it was is not searched again; one coordinate of one vertex is enough for another search. */
+/* Unchanged positions are not searched again; one changed coordinate of one vertex triggers a search. */
 static void test_search_is_kept(void **unused)
 {
     (void)unused;
@@ -652,7 +653,7 @@ static void test_search_is_kept(void **unused)
     pel_contact_set_destroy(set);
 }
 
-/* Impacts act where the pair is a little through; what is far through is left to the guard. */
+/* Impacts act if the pair is slightly through; pairs far through are left to the guard. */
 static void test_far_through(void **unused)
 {
     (void)unused;
@@ -677,7 +678,7 @@ static void test_far_through(void **unused)
                 for (int k = 0; k < 3; k++)
                     gap += set->keys[c].place[i] * (double)(a.next[set->keys[c].points[i]][k] * contact->normal[k]);
             if (!set->keys[c].is_impact) {
-                /* what leans over a triangle does not act */
+                /* pairs that lean over a triangle do not act */
                 assert_int_equal((double)contact->separation < -1e30, set->keys[c].is_off);
                 off += set->keys[c].is_off;
                 continue;
@@ -692,7 +693,7 @@ static void test_far_through(void **unused)
     assert_true(acting > 10 && left > 10 && off > 10);
 }
 
-/* Times are those of the clock: above 0, and no more than the whole call took. */
+/* Times are wall times: above 0, and at most that of the whole call. */
 static void test_seconds(void **unused)
 {
     (void)unused;
@@ -718,7 +719,7 @@ static bool same_pair(pel_pair a, pel_pair b)
     return a.first == b.first && a.second == b.second;
 }
 
-/* Of three sheets that cross, the pairs of two that do not meet are left out, and no others. */
+/* Of three crossing sheets, pairs of two that do not meet are removed, and no others. */
 static void test_strangers(void **unused)
 {
     (void)unused;

@@ -1,5 +1,5 @@
-/* Contacts in a sweep: what is too near is moved to its distance, momentum stays, friction holds what Coulomb allows.
- */
+/* Contacts in a sweep: pairs too near are moved to their distance, momentum is conserved, friction obeys Coulomb's
+   limit. */
 #include "check.h"
 
 #include "contact/sweep.h"
@@ -74,7 +74,7 @@ static void test_friction(void **unused)
     }
 }
 
-/* against a tool that moves along, sticking means to go with it */
+/* against a tool that moves tangentially, sticking means to move with it */
 static void test_drift(void **unused)
 {
     (void)unused;
@@ -101,7 +101,7 @@ static void test_nothing_moves(void **unused)
     assert_near((double)x[0][2], -0.05, 1e-6);
 }
 
-/* depth from before the substep comes back in small portions, what approaches is stopped at once */
+/* earlier depth is corrected in small portions, an approach is stopped immediately */
 static void test_bounded_recovery(void **unused)
 {
     (void)unused;
@@ -113,17 +113,17 @@ static void test_bounded_recovery(void **unused)
     place(x, -0.05);
     assert_near(pel_contacts_project(&list, x, start), 0.1, 1e-6);
     assert_near(gap_of(x), 0.05, 1e-6);
-    /* no more than what is asked for */
+    /* no more than requested */
     place(start, 0.095);
     place(x, 0.07);
     pel_contacts_project(&list, x, start);
     assert_near(gap_of(x), 0.1, 1e-6);
-    /* what parts by itself is left alone */
+    /* separating pairs are not changed */
     place(start, 0.04);
     place(x, 0.06);
     assert_near(pel_contacts_project(&list, x, start), 0, 0);
     assert_near(gap_of(x), 0.06, 1e-6);
-    /* a tool that came nearer by 0.03 has to be given way to, beside what is given back */
+    /* an approach of the tool by 0.03 has to be followed, in addition to the correction */
     place(start, 0.04);
     place(x, 0.04);
     contact.drift[2] = (pel_real)0.03;

@@ -68,7 +68,7 @@ static inline curved_mesh make_torus(int32_t rings)
     return make_shape(&def);
 }
 
-/* an ellipsoid with vertices in random places: those of the sphere are moved by up to a part of an edge */
+/* an ellipsoid with random vertices: vertices of the sphere are moved by up to a part of an edge */
 static inline curved_mesh make_irregular(int32_t frequency)
 {
     random_state random = {5};

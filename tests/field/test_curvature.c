@@ -1,9 +1,9 @@
 /* Curvatures against closed forms, with the order in which the error falls with the edge length.
 
-   What theory says of these measures, and what is asserted here: on meshes whose vertices have six regular triangles
-   (the torus) both converge in every vertex with order 2; the twelve vertices of five triangles of a geodesic sphere
-   keep an error in the ellipsoid, so that its mean error is of order 1; with vertices in random places single values do
-   not converge (Xu 2004; Borrelli, Cazals, Morvan 2003), but integrals over the surface do, with order 2. */
+   Theory of these measures, as asserted here: on meshes whose vertices have six regular triangles (the torus) both
+   converge in every vertex with order 2; the twelve vertices of five triangles of a geodesic sphere keep an error in
+   the ellipsoid, so that its mean error is of order 1; with vertices in random places single values do not converge (Xu
+   2004; Borrelli, Cazals, Morvan 2003), but integrals over the surface do, with order 2. */
 #include "closed_form.h"
 
 static double order(double coarse, double fine)
@@ -119,7 +119,7 @@ static void test_integral_of_mean_curvature(void **unused)
     pel_curvature_summary summary;
     curved_mesh sphere = make_sphere(40, 0.5), torus = make_torus(80);
     pel_surface_curvature_summary(sphere.topology, sphere.positions, &summary);
-    /* area over radius, and the area is that of the triangles */
+    /* area over radius, with the area of the triangles */
     assert_near(summary.mean_curvature_integral, summary.area / 0.5, 1e-5);
     assert_near(summary.mean_curvature_integral, 4 * pi * 0.5, 2e-3);
     assert_near(summary.mean_curvature_mean, 2, 1e-4);

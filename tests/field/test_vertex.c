@@ -93,7 +93,7 @@ static void test_areas_of_obtuse_triangle(void **unused)
     destroy_mesh(&curved);
 }
 
-/* no area is lost or counted twice, whatever the triangles look like */
+/* no area is lost or counted twice, for triangles of any shape */
 static void test_areas_sum_up(void **unused)
 {
     (void)unused;
@@ -237,7 +237,7 @@ static void check_gauss_bonnet(const curved_mesh *curved)
     assert_int_equal(pel_mesh_check(curved->mesh, &report, NULL), PEL_OK);
     double total = pel_surface_gaussian_curvature(curved->topology, curved->positions, gaussian, defects);
     pel_surface_curvature_summary(curved->topology, curved->positions, &summary);
-    /* 1e-12 is what the sum over 100,000 vertices costs; pi of one double for each of them would cost 2e-11 */
+    /* 1e-12 is the error of the sum over 100,000 vertices; pi in one double would give 2e-11 */
     assert_near(total, 2 * pi * report->euler_characteristic, 1e-11);
     assert_true(total == summary.total_curvature);
     for (int32_t v = 0; v < curved->mesh->vertex_count; v++) {

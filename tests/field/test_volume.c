@@ -44,7 +44,7 @@ static void test_cube(void **unused)
     assert_true(pel_surface_volume(cube, cube_triangles, 0, NULL) == 0);
 }
 
-/* a sphere of 1 cm, a million metres from the origin: what is lost is what its coordinates cannot hold, 1e-10 m */
+/* a sphere of 1 cm, a million metres from the origin: the error is that of its coordinates, 1e-10 m */
 static void test_far_from_the_origin(void **unused)
 {
     (void)unused;

@@ -19,7 +19,7 @@ typedef struct tangents {
     pel_tangent_energy energy;
 } tangents;
 
-/* positions as the mesh has them, whatever the precision of the model */
+/* positions of the mesh, for any precision of the model */
 static inline void set_rest_unknowns(tangents *on)
 {
     for (int32_t b = 0; b < on->model->body_count; b++) {

@@ -100,7 +100,7 @@ static void test_forces(void **unused)
     }
 }
 
-/* no force at all at rest, whatever the stiffnesses: not a bit of rounding */
+/* exactly no force at rest, for any stiffnesses: not a bit of rounding */
 static void test_rest(void **unused)
 {
     (void)unused;
@@ -142,7 +142,7 @@ static void test_factors(void **unused)
     free_body(&made);
 }
 
-/* beside all sides of all triangles */
+/* next to all sides of all triangles */
 static void test_longest(void **unused)
 {
     (void)unused;

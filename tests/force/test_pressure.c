@@ -45,7 +45,7 @@ static void test_potentials(void **unused)
         assert_near(pel_pressure_difference(&gas, 0, 1, -rest_volume, rest_volume),
                     pel_pressure_difference(&gas, 0, 1, 1e-3 * rest_volume, rest_volume), 0);
     }
-    /* a pressure outside adds, whatever presses within */
+    /* an outside pressure adds to any inside pressure */
     for (int i = 0; i < 2; i++) {
         pel_shell alone = {.pressure = {.kind = i == 0 ? PEL_PRESSURE_GAS : PEL_PRESSURE_VOLUME,
                                         .value = 3,

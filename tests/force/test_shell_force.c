@@ -12,7 +12,7 @@
 #define GRADIENT_TOLERANCE 2e-2
 #define BALANCE_TOLERANCE 1e-4
 #define PATCH_TOLERANCE 1e-4
-#define ENERGY_TOLERANCE 1e-4 /* lanes in float beside elements in double */
+#define ENERGY_TOLERANCE 1e-4 /* lanes in float compared with elements in double */
 #else
 #define GRADIENT_STEP 1e-3
 #define GRADIENT_TOLERANCE 1e-7
@@ -73,7 +73,7 @@ static double largest_force(const forces *on)
     return largest;
 }
 
-/* the energy with one number of one vertex moved; `moved` is what the position really became */
+/* the energy with one coordinate of one vertex moved; `moved` receives the actual displacement */
 static double energy_at(forces *on, int32_t v, int c, double step, double *moved)
 {
     pel_record *x = &on->state->position[v];
@@ -329,7 +329,7 @@ static void test_pressure_forms(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* energies of the vertices add up to those of the whole */
+/* energies of the vertices add up to that of the body */
 static void test_vertex_energies(void **unused)
 {
     (void)unused;
@@ -566,7 +566,7 @@ static void test_creation(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* a body of springs beside a shell has no part in the shell's forces, which are those of the shell alone */
+/* a body of springs next to a shell does not change the shell's forces */
 static void test_beside_springs(void **unused)
 {
     (void)unused;

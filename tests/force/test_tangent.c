@@ -9,7 +9,7 @@
 #include "model/refined_model.h"
 #include "sim/sim.h"
 
-/* what differs between the bodies that are looked at */
+/* differences between the tested bodies */
 typedef struct variant {
     const char *name;
     pel_bending_model bending;
@@ -94,7 +94,7 @@ static void energies_have_these_derivatives(void **unused)
         evaluate_tangents(&on, input);
         for (int round = 0; round < 40; round++) {
             double expected = 0, curvature = 0, size = 0, first[3], second[3];
-            /* all unknowns, or those of one element */
+            /* all unknowns, or the unknowns of one element */
             int32_t element = (int32_t)random_integer(&random, 0, on.pattern->element_count - 1);
             memset(step, 0, (size_t)on.count * sizeof *step);
             for (int32_t i = on.pattern->node_begin[element]; i < on.pattern->node_begin[element + 1]; i++) {
@@ -135,7 +135,7 @@ static void energies_have_these_derivatives(void **unused)
     }
 }
 
-/* gradient and energies are those of the loops of explicit methods */
+/* gradient and energies equal those of the loops of explicit methods */
 static void gradients_are_the_forces(void **unused)
 {
     (void)unused;
@@ -430,7 +430,7 @@ static void edges_settle(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* after an event the lists are those of a new tangent of the same surface */
+/* after an event the lists equal those of a new tangent of the same surface */
 static void surfaces_may_refine(void **unused)
 {
     (void)unused;
@@ -464,7 +464,7 @@ static void surfaces_may_refine(void **unused)
                         ((size_t)pattern->element_count + 1) * sizeof(int32_t));
     assert_memory_equal(pattern->nodes, expected->nodes,
                         (size_t)pattern->node_begin[pattern->element_count] * sizeof(int32_t));
-    /* the surface at rest has no bending energy: rest angles are those of the refined rest shape */
+    /* the surface at rest has no bending energy: rest angles come from the refined rest shape */
     double *unknowns = calloc((size_t)pattern->unknown_count, sizeof *unknowns);
     for (int32_t v = 0; v < active->model.vertex_count; v++)
         pel_vertex_position(active->model.rest, v, unknowns + 3 * v);

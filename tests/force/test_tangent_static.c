@@ -1,4 +1,4 @@
-/* What the elements add up to: plates, strips and beams at rest under loads, by Newton's method on dense matrices. */
+/* Assembled elements: plates, strips and beams at rest under loads, by Newton's method on dense matrices. */
 #include "tangent_fixture.h"
 
 #include "math/pose.h"
@@ -315,8 +315,8 @@ static void fold_square(tangents *on, double angle)
     pel_vec3_add(tail, way, tip);
 }
 
-/* on the way to a balance a fold may go on where its sides meet: its energy goes on to grow; where edges are settled
-   anew it is one of the other side */
+/* before equilibrium a fold may pass through its closed state: its energy continues to grow; once edges are settled
+   again it is a fold to the other side */
 static void folds_have_no_jump_where_they_are_closed(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* What the fuzz targets and the replay of their corpora share: parse, and check whatever comes out. */
+/* Shared by the fuzz targets and the replay of their corpora: parse, and check the result. */
 #ifndef PEL_TESTS_FUZZ_MESH_H
 #define PEL_TESTS_FUZZ_MESH_H
 

@@ -1,4 +1,4 @@
-/* What the fuzz target of .vtp files and the replay of its corpus share. */
+/* Shared by the fuzz target of .vtp files and the replay of its corpus. */
 #ifndef PEL_TESTS_FUZZ_VTP_H
 #define PEL_TESTS_FUZZ_VTP_H
 
@@ -6,7 +6,7 @@
 
 #include "pellicle/results.h"
 
-/* parses bytes; whatever comes out must be a valid mesh or an error with a text, a remedy and a place */
+/* parses bytes; the result must be a valid mesh or an error with a text, a remedy and a place */
 static inline void fuzz_parse_vtp(const uint8_t *data, size_t size)
 {
     pel_mesh *mesh;

@@ -1,5 +1,5 @@
-/* Fuzzes the commands of a session: each line of the input on a ball, with a step after some. Whatever comes, the state
-   stays finite, and what was taken can be read again. */
+/* Fuzzes the commands of a session: each line of the input on a ball, with a step after some. For any input the state
+   stays finite, and accepted commands can be read again. */
 #include "pellicle/session.h"
 #include "run/command.h"
 

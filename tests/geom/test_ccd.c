@@ -136,7 +136,7 @@ static double query_size(const query *q)
     return size;
 }
 
-/* what pellicle/geometry.h promises of a hit; differences from point 2, so that the place does not matter */
+/* the contract of a hit in pellicle/geometry.h; differences from point 2, so that the place does not matter */
 static void check_hit(const query *q, double tolerance, const pel_ccd_hit *hit)
 {
     double vector[3] = {0, 0, 0}, t = hit->time_of_impact, sum = 0, size = query_size(q), along = 0, length = 0;
@@ -466,7 +466,7 @@ static void test_batches(void **unused)
     }
 }
 
-/* with times that are not looked for every hit is found still; what starts far away, or on a border, has its bits */
+/* without times every hit is still found; queries that start far away, or on a border, keep their bits */
 static void check_near(const pel_ccd_batch *batch, double near)
 {
     enum { LIMIT = 1000 };
@@ -582,7 +582,7 @@ static void test_wide_is_scalar(void **unused)
     }
 }
 
-/* what an axis separates is apart at all times, and the descent separates most pairs that are */
+/* pairs separated by an axis are apart at all times, and the descent separates most pairs that are apart */
 static void test_axes_are_true(void **unused)
 {
     (void)unused;

@@ -1,5 +1,4 @@
-/* The handcrafted queries with exact ground truth in ../shared/data/ccd, when they are there (README.md beside them).
- */
+/* The handcrafted queries with exact ground truth in ../shared/data/ccd, if available (see its README.md). */
 #include "check.h"
 
 #include <stdbool.h>

@@ -211,8 +211,7 @@ static void test_neighbours(void **unused)
     assert_true(pel_triangles_intersect(a, bad));
 }
 
-/* one common corner at the origin: what is beyond it is what is left when the other triangle is cut off near the corner
- */
+/* one common corner at the origin: the rest is the other triangle cut off near the corner */
 static void test_common_corner(void **unused)
 {
     (void)unused;

@@ -1,5 +1,5 @@
-/* Meshes that are known to be free of self-intersections: those of the tree, and real ones of ../shared/data when they
-   are there. */
+/* Meshes that are known to be free of self-intersections: those of the repository, and real ones of ../shared/data if
+   available. */
 #include "check.h"
 
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-/* The loop beside a simulation: forces against a simulation that steps at the loop's own rate, energy, learning,
-   grasps, the thread. */
+/* The loop with a simulation: forces against a simulation that steps at the loop's own rate, energy, learning, grasps,
+   the thread. */
 #include "failing_malloc.h"
 #include "haptic/idle_device.h"
 #include "haptic/proxy.h"
@@ -365,7 +365,7 @@ static void write_hand(void *user, const double force[3])
     memcpy(h->last, force, sizeof h->last);
 }
 
-/* two threads: under the sanitizer of threads this is the test of what they share */
+/* two threads: under the thread sanitizer this tests their shared data */
 static void test_thread(void **unused)
 {
     (void)unused;

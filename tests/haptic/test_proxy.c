@@ -194,7 +194,7 @@ static void test_limit_of_colgate_and_schenkel(void **unused)
 
 /* ---- models ---- */
 
-/* a new model comes without a jump and is there after as many updates as lay between two models */
+/* a new model is blended in without a jump, over the number of updates between two models */
 static void test_models_are_blended(void **unused)
 {
     (void)unused;

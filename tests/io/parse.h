@@ -1,4 +1,4 @@
-/* Parsing mesh files that stand in strings, and what they say. */
+/* Parsing mesh files in strings, and their messages. */
 #ifndef PEL_TESTS_IO_PARSE_H
 #define PEL_TESTS_IO_PARSE_H
 

@@ -1,4 +1,4 @@
-/* Cells of CSV lines: quotes, empty ones, ends of lines, and what is too long. */
+/* Cells of CSV lines: quotes, empty ones, ends of lines, and cells that are too long. */
 #include "check.h"
 
 #include "io/csv.h"

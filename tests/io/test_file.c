@@ -94,7 +94,7 @@ static void test_read_failures(void **unused)
     assert_non_null(strstr(error.what, "directory"));
 }
 
-/* what may never end is refused, without waiting for a writer */
+/* pipes and devices are refused, without waiting for a writer */
 static void test_read_pipe_or_device(void **unused)
 {
     (void)unused;
@@ -165,7 +165,7 @@ static void test_killed_writer(void **unused)
     assert_int_equal(file_count(), before);
 }
 
-/* reading fails on the way: nothing is left behind */
+/* reading fails midway: nothing is left behind */
 static void test_read_error(void **unused)
 {
     (void)unused;
@@ -203,7 +203,7 @@ static void test_taken_temporary(void **unused)
     }
 }
 
-/* files are closed again, whatever happens: the next free descriptor is the same as before */
+/* files are always closed: the next free descriptor is the same as before */
 static void test_descriptors(void **unused)
 {
     (void)unused;

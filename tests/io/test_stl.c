@@ -80,7 +80,7 @@ static void test_normals(void **unused)
                                    {0, 0, 0}, {0, 0, 0}};
     const pel_mesh_format formats[2] = {PEL_FORMAT_STL_ASCII, PEL_FORMAT_STL};
     for (int f = 0; f < 2; f++) {
-        /* what is too large for binary files is for the other kind only */
+        /* numbers too large for binary files are accepted in ASCII only */
         int32_t count = f == 0 ? 6 : 5;
         positions[5][0] = positions[5][2] = f == 0 ? 1e200 : 1;
         pel_mesh *mesh;

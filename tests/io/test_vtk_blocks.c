@@ -45,7 +45,7 @@ static void test_round_trip(void **unused)
         size_t size = sizes[i], packed_size;
         unsigned char *bytes = sample_bytes(size), *packed = pack(bytes, size, &packed_size), *back = malloc(size + 1);
         assert_int_equal(pel_vtk_blocks_check(packed, packed_size, 8, size), packed_size);
-        /* what stands behind does not belong to it */
+        /* bytes after it do not belong to it */
         assert_int_equal(pel_vtk_blocks_check(packed, packed_size + 5, 8, size), packed_size);
         assert_int_equal(pel_vtk_blocks_unpack(packed, 8, back, size, NULL), PEL_OK);
         assert_memory_equal(back, bytes, size);
@@ -100,7 +100,7 @@ static void test_heads_that_lie(void **unused)
     set_word(packed, 0, 1);
     set_word(packed, 2, size);
     assert_int_equal(pel_vtk_blocks_check(packed, packed_size, 8, size), 0);
-    /* a gigabyte does not fit into a few bytes, whatever the head says: nothing is to be allocated for it */
+    /* a few bytes cannot hold a gigabyte, even if the header says so: nothing must be allocated for it */
     uint64_t bomb[HEAD + 1 + 4] = {1, 1 << 30, 0, 32};
     assert_int_equal(pel_vtk_blocks_check((unsigned char *)bomb, sizeof bomb, 8, 1 << 30), 0);
     free(packed);

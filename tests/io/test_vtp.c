@@ -113,7 +113,7 @@ static void check_same_file(const char *a, const char *b)
     pel_free(b_bytes);
 }
 
-/* a writer that has written other files gives the same bytes as a new one, whatever has changed in between */
+/* a writer that has written other files gives the same bytes as a new one, for any changes in between */
 static void test_series(void **unused)
 {
     (void)unused;
@@ -316,7 +316,7 @@ static void test_bad_heads(void **unused)
                     fail_msg("%s instead of %s: %s", cases[i].other, word, error.what);
                 assert_true(error.byte_offset >= 0 && error.remedy[0] != '\0');
             } else {
-                /* only packed files name what packed them */
+                /* only packed files name their compressor */
                 assert_true(compress == 0 && strcmp(word, "vtkZLibDataCompressor") == 0);
             }
             pel_free(bytes);
@@ -354,8 +354,7 @@ static void test_shared_bytes(void **unused)
     unlink(PATH);
 }
 
-/* the forms that VTK writes beside the appended one, by hand: text, base64 in pieces, numbers of the other byte order
- */
+/* further forms that VTK writes, by hand: text, base64 in pieces, numbers of the other byte order */
 static void test_inline(void **unused)
 {
     (void)unused;

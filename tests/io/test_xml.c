@@ -29,7 +29,7 @@ static void test_tags(void **unused)
     check_tags(text, tags, sizeof tags / sizeof *tags);
 }
 
-/* a comment ends at its first --> behind its four marks, whatever stands in it */
+/* a comment ends at the first --> after its start, for any content */
 static void test_comments(void **unused)
 {
     (void)unused;

@@ -9,7 +9,7 @@ enum { TRIALS = 200, KIND_COUNT = PEL_MEMBRANE_COUNT + 1 };
 
 static const double young = 5, poisson = 0.3, thickness = 0.4;
 
-/* all laws, and neo-Hookean once more as the incompressible one */
+/* all laws, and neo-Hookean again as the incompressible one */
 static pel_membrane_material material_of(int kind)
 {
     bool again = kind == KIND_COUNT - 1;
@@ -229,7 +229,7 @@ static void test_neo_hookean_is_plane_stress(void **unused)
         print_message("poisson %g: %.4f of the incompressible tension\n", ratios[i][0], p[0] / incompressible);
         assert_near(p[0] / incompressible, ratios[i][1], 5e-4);
     }
-    /* the stress is that of the solved thickness wherever the two fixed steps start */
+    /* the stress belongs to the solved thickness for any start of the two fixed steps */
     for (double nu = 0; nu <= 0.5; nu += 1.0 / 64)
         for (double j = 0.011; j < 900; j *= 1.3) {
             pel_membrane_material material = law_material(PEL_MEMBRANE_NEO_HOOKEAN, 2 * (1 + nu), nu, 1);

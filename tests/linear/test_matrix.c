@@ -46,7 +46,7 @@ static void test_sums_of_elements(void **unused)
     }
 }
 
-/* pieces that run at once share no node, and each element runs once, even where one node has thousands */
+/* pieces that run concurrently share no node, and each element runs once, even if a node has thousands */
 static void test_colors(void **unused)
 {
     (void)unused;

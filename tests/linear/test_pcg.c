@@ -30,7 +30,7 @@ static void release_fixture(fixture *f)
     free(f->x);
 }
 
-/* solves, and checks that the residual is what the result says */
+/* solves, and checks the residual of the result */
 static pel_pcg_result solve(fixture *f, pel_preconditioner *precondition, void *context, double tolerance)
 {
     pel_pcg_def def = {.matrix = f->m,

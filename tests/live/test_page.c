@@ -23,7 +23,7 @@ static void write_text(const char *path, const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-/* the whole file, to be freed; null when there is none */
+/* the whole file, to be freed; null if there is none */
 static char *read_text(const char *path)
 {
     FILE *file = fopen(path, "r");
@@ -104,7 +104,7 @@ static void test_what_is_inside(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* a mesh that only assimp reads becomes PLY, and what passes on the way is gone */
+/* a mesh that only assimp reads becomes PLY, and temporary files are removed */
 static void test_foreign_mesh(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* When the player steps and posts: a command is answered at once, by one step ahead of the clock at most. */
+/* When the player steps and posts: a command is answered immediately, by at most one step ahead of the clock. */
 #include "check.h"
 
 #include "live/player.h"

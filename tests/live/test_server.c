@@ -1,5 +1,4 @@
-/* The server as a browser sees it, without one: who may come, what a page gets, lines of all kinds, pages that leave.
- */
+/* The server as a browser sees it, without one: access, messages to a page, lines of all kinds, pages that leave. */
 #define _XOPEN_SOURCE 700
 #include "check.h"
 #include "source_dir.h"
@@ -339,7 +338,7 @@ static void test_drag_undo_reset(void **unused)
     assert_string_equal(value, "10");
     say(&who, "set bodies.ball.springs.stiffness 4.5");
     (void)await(&who, "parameters", "\"value\":[4.5]");
-    /* refused in place, and the simulation goes on */
+    /* refused in place, and the simulation continues */
     say(&who, "set bodies.ball.springs.stiffness -4.5");
     (void)await(&who, "notice", "stiffness");
     say(&who, "save");
@@ -384,7 +383,7 @@ static void test_rude_pages(void **unused)
     say(&who, "reset");
     say(&who, "echo 77");
     (void)await(&who, "frame", "\"echo\":77");
-    /* refused: what is not text; half a message */
+    /* refused: binary messages; half a message */
     say_as(&sleeper, 2, "play", 4);
     while (hear(&sleeper))
         continue;

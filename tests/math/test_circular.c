@@ -3,7 +3,7 @@
 #include "ulps.h"
 
 #define TRIALS ROUNDS(200000, 2000)
-/* what the series leave, in ulp; the interface promises 1 */
+/* error of the series, in ulp; the interface promises 1 */
 #define SINE_BOUND 0.8
 #define ANGLE_BOUND 0.51
 

@@ -3,7 +3,7 @@
 #include "ulps.h"
 
 #define TRIALS ROUNDS(200000, 2000)
-/* what the heads of the sources say, in ulp; the interface promises 1 */
+/* error stated in the sources, in ulp; the interface promises 1 */
 #define EXP_BOUND 0.8
 #define LOG_BOUND 0.51
 #define TANH_BOUND 0.8

@@ -24,7 +24,7 @@ static void assert_same(pel_lane lanes, int lane, double exact, double scale)
 #endif
 }
 
-/* a number of each lane, and what the lane makes of it in double */
+/* a number of each lane, and the lane's result in double */
 static pel_lane load(double values[PEL_BLOCK])
 {
     pel_lane lanes = pel_lane_splat(0);

@@ -44,7 +44,7 @@ static void test_structural(void **unused)
     }
 }
 
-/* no length: no force and no energy, whatever the stiffness */
+/* no length: no force and no energy, for any stiffness */
 static void test_zero(void **unused)
 {
     (void)unused;

@@ -30,7 +30,7 @@ static void test_table(void **unused)
         assert_int_equal(info->kind, kind);
         assert_true(strlen(info->name) > 0 && strlen(info->doc) > 0 && strlen(info->remedy) > 0);
         assert_true(strchr("vtec", info->element_kind[0]) != NULL);
-        /* what can be repaired says how, and nothing else does; rims are closed only when it is asked for */
+        /* repairable issues have a remedy, and no others; holes are closed only on request */
         bool advised = strstr(info->remedy, "--fix") != NULL && strstr(info->remedy, "--fill-holes") == NULL;
         assert_int_equal(info->repairable, advised);
     }
@@ -294,7 +294,7 @@ static void test_empty(void **unused)
     assert_null(report);
 }
 
-/* heights around the limit of a triangle without area, whatever the unit */
+/* heights around the limit of a triangle without area, in any unit */
 static void test_flat_limit(void **unused)
 {
     (void)unused;
@@ -314,7 +314,7 @@ static void test_flat_limit(void **unused)
 
 enum { MOST_VERTICES = 8, MOST_TRIANGLES = 8 };
 
-/* what a slow and simple look at a small mesh finds */
+/* findings of a slow and simple check of a small mesh */
 typedef struct oracle {
     const pel_mesh *mesh;
     bool skip[MOST_TRIANGLES];

@@ -49,7 +49,7 @@ static pel_mesh_report *report_of(const pel_mesh *mesh)
 static void test_caps(void **unused)
 {
     (void)unused;
-    /* rims below and beyond what is cut at once */
+    /* rims below and above the limit of direct triangulation */
     const int32_t frequencies[3] = {4, 12, 60};
     for (int i = 0; i < 3; i++) {
         pel_mesh *sphere = make_sphere(frequencies[i]), *open = cut_cap(sphere, 2, 0.5), *filled;
@@ -79,7 +79,7 @@ static void test_caps(void **unused)
 static void test_concave_rim(void **unused)
 {
     (void)unused;
-    /* an L of six corners, as the top of a box that lacks it: walls go down to a floor that is there */
+    /* an L of six corners, as the missing top of a box with walls and a floor */
     enum { N = 6 };
     const double outline[N][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
     double positions[2 * N][3];
@@ -134,7 +134,7 @@ static void test_left_holes(void **unused)
     pel_mesh_destroy(lone);
 }
 
-/* triangles taken at random out of a sphere: what is filled is a manifold, and fields come along */
+/* triangles taken at random out of a sphere: the filled mesh is a manifold, and fields are kept */
 static void test_random_holes(void **unused)
 {
     (void)unused;

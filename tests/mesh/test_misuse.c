@@ -53,7 +53,7 @@ static void finish(void)
 static void test_numbers(void **unused)
 {
     (void)unused;
-    char text[64], letter[7];
+    char text[64], letter[7], digits[32];
     double out[16], gradient4[4][3], gradient3[3][3], nan43[4][3], nan33[3][3], flat[6] = {0};
     for (int i = 0; i < 12; i++)
         nan43[i / 3][i % 3] = nan33[(i / 3) % 3][i % 3] = nan_value;
@@ -65,6 +65,7 @@ static void test_numbers(void **unused)
     GIVES(pel_nearest_name(NULL, NULL, 3) == NULL);
     GIVES(pel_nearest_name("x", NULL, 3) == NULL);
     SURVIVES(pel_json_letter("\xff", letter));
+    SURVIVES(pel_json_digits((double)NAN, digits));
     SURVIVES(pel_bending_stiffness(nan_value, 1, -1));
     pel_bending_isometric stencil;
     pel_hinge hinge;

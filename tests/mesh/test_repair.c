@@ -55,7 +55,7 @@ static void test_sound_mesh_stays(void **unused)
     pel_mesh_destroy(sphere);
 }
 
-/* three vertices of its own for each triangle, as an STL file has them */
+/* three separate vertices for each triangle, as in an STL file */
 static pel_mesh *soup_of(const pel_mesh *mesh)
 {
     int32_t count = 3 * mesh->triangle_count;
@@ -167,7 +167,7 @@ static void test_winding(void **unused)
     pel_mesh *kept = repair(broken, &options, &summary);
     assert_false(summary.changed);
     pel_mesh_destroy(kept);
-    /* outward alone turns what is consistent */
+    /* `outward` alone turns consistent components */
     options.outward = true;
     options.orient = false;
     kept = repair(broken, &options, &summary);
@@ -218,7 +218,7 @@ static void test_drops(void **unused)
     assert_int_equal(summary.turned_triangles, 0);
     assert_repaired(repaired, false);
     pel_mesh_destroy(repaired);
-    /* without the options only what is not a number goes */
+    /* without options only vertices that are not finite are dropped */
     options = (pel_repair_options){.vertex_map = map};
     const int32_t kept_map[8] = {0, 1, 2, 3, -1, 4, 5, -1};
     repaired = repair(&mesh, &options, &summary);
@@ -392,7 +392,7 @@ static void test_nothing_left(void **unused)
     assert_int_equal(pel_mesh_repair(&mesh, NULL, &repaired, NULL, &error), PEL_BAD_ARGUMENT);
 }
 
-/* any mess: the result is sound but for what cannot be repaired, and a second repair changes nothing */
+/* any defects: the result is valid except for unrepairable ones, and a second repair changes nothing */
 static void test_random_messes(void **unused)
 {
     (void)unused;

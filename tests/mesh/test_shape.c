@@ -59,7 +59,7 @@ static void test_geodesic_sphere_counts(void **unused)
     }
 }
 
-/* the shared sphere has the same vertices, in an order of its own */
+/* the shared sphere has the same vertices, in another order */
 static void test_geodesic_sphere_is_the_shared_one(void **unused)
 {
     (void)unused;
@@ -417,7 +417,7 @@ static void test_table(void **unused)
         for (int32_t i = 0; i < info->parameter_count; i++) {
             const pel_shape_parameter *parameter = &info->parameters[i];
             char text[32];
-            /* what is written is read back, and the default is in range */
+            /* written values are read back, and the default is in range */
             pel_shape_get(&def, parameter, text, sizeof text);
             assert_int_equal(pel_shape_set(&def, parameter->name, text, &error), PEL_OK);
             assert_memory_equal(&def, &by_name, sizeof def);

@@ -242,7 +242,7 @@ static void test_sphere_and_isolated_vertex(void **unused)
     pel_topology_destroy(topology);
 }
 
-/* a cone of many triangles in random order: the quick way gives up, the other gives the same table */
+/* a cone of many triangles in random order: the fast path fails, the slow one gives the same table */
 static void test_many_about_a_vertex(void **unused)
 {
     (void)unused;

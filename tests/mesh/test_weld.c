@@ -68,7 +68,7 @@ static void test_special_numbers(void **unused)
     }
 }
 
-/* many points without a place of their own must not make the search quadratic */
+/* many coincident points must not make the search quadratic */
 static void test_many_nan(void **unused)
 {
     (void)unused;

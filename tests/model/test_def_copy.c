@@ -1,4 +1,4 @@
-/* Deep copies of defs: the copy has the fingerprint of the original, and keeps it when the original is gone. */
+/* Deep copies of defs: the copy has the fingerprint of the original, and keeps it when the original is freed. */
 #include "check.h"
 #include "failing_malloc.h"
 #include "model/def_copy.h"

@@ -1,5 +1,5 @@
-/* The fingerprint: a change of any byte of any member of a def, or of what a member points to, changes the hash of its
-   part, and that of a member no other. */
+/* The fingerprint: a change of any byte of a member of a def, or of its array, changes the hash of its part, and no
+   other. */
 #include "check.h"
 
 #include "model/fingerprint.h"
@@ -119,7 +119,7 @@ static void change_bytes(walk *w, pel_part part, void *data, size_t size, bool i
         check_seen(w, part, is_shared);
         bytes[i] ^= bit;
     }
-    /* signs of two numbers at once */
+    /* signs of two numbers together */
     for (size_t i = 15; i < size; i += 8) {
         bytes[i] ^= 0x80;
         bytes[i - 8] ^= 0x80;

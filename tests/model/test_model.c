@@ -48,7 +48,7 @@ static void test_lengths_without_springs(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* each edge stands at both ends once, with its length and stiffness; all else is filler */
+/* each edge is stored once at both ends, with its length and stiffness; the rest is padding */
 static void test_springs_are_the_edges(void **unused)
 {
     (void)unused;

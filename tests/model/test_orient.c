@@ -1,4 +1,4 @@
-/* Meshes that are inside out: what is turned over, and that forces do not know which way they were given. */
+/* Meshes that are inside out: the parts that are turned, and forces that do not depend on the given orientation. */
 #include "check.h"
 
 #include "math/vec3.h"
@@ -87,7 +87,7 @@ static void test_parts(void **unused)
         {{{0, 0.5, true, false}, {0, 1, true, false}}, 2, 2, 1.125},
         /* within the box of another, not within it */
         {{{0, 1, false, false}, {0.9, 0.05, true, false}, {0, 0.1, true, false}}, 3, 1, 1 + 0.000125 - 0.001},
-        /* what is open has no inside */
+        /* open surfaces have no inside */
         {{{0, 1, true, true}}, 1, 0, -1},
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {

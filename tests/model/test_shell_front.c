@@ -1,4 +1,4 @@
-/* The shell of a surface that refines, triangle by triangle and hinge by hinge against what its definition says. */
+/* The shell of a surface that refines, triangle by triangle and hinge by hinge against its definition. */
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* the body that is looked at stands behind another one that takes more places in the active model */
+/* the tested body follows another one that takes more places in the active model */
 enum { BODY = 1, REGIONS = 4, FIBRE_REGIONS = 2 };
 
 /* an active model of a body with all that varies over it */
@@ -207,7 +207,7 @@ static void check_shell(const fixture *made)
     assert_near(pel_shell_front_rest_volume(own->shell, own->front) / volume, 1, sizeof(pel_real) == 8 ? 1e-12 : 1e-5);
 }
 
-/* what is not refined is as it was given, at the places of the active model */
+/* unrefined parts are as given, at the places of the active model */
 static void check_base(const fixture *made)
 {
     const pel_shell_front *own = made->active->bodies[BODY].shell;

@@ -16,7 +16,7 @@ enum { FOLDER_FRAMES = 4, FOLDER_VERTICES = 4, FOLDER_SIZE = 64, FOLDER_PATH = 1
 
 static const int32_t folder_triangles[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
 
-/* what the frame holds */
+/* content of the frame */
 static inline void folder_values(int frame, double positions[12], double scalar[4], double vector[12])
 {
     static const double rest[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};

@@ -18,7 +18,7 @@
 
 enum { FRAMES = 6, LEVELS = 3, ROWS_MAX = 20000 };
 
-/* what is wrong with the frames of a folder */
+/* defects of the frames of a folder */
 typedef enum damage { NO_DAMAGE, NO_FIELDS, BAD_WEIGHT, BAD_CORNER, OTHER_PLACE } damage;
 
 static char folder[64];

@@ -74,7 +74,7 @@ static const char *next_numbers(const char *json, const char *word, double numbe
     return json + 1;
 }
 
-/* what an independent reader of the file says */
+/* output of an independent reader of the file */
 static void check_by_python(const char *path, const char *expected)
 {
     char command[300], said[200] = "";
@@ -168,7 +168,7 @@ static void test_glb(void **unused)
     pel_free(bytes);
 }
 
-/* tools are parts of their own in every format, and stand still before they are there */
+/* tools are separate parts in every format, and rest before they appear */
 static void test_tools(void **unused)
 {
     (void)unused;
@@ -242,7 +242,7 @@ static void test_glb_mesh(void **unused)
     assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
     assert_null(strstr(bytes + 20, "animations"));
     check_by_python(path, "4 vertices, 4 triangles, 1 frames\n");
-    /* bodies that share triangles cannot be nodes of their own */
+    /* bodies that share triangles cannot be separate nodes */
     const double labels[4] = {0, 0, 1, 1};
     assert_int_equal(pel_mesh_add_field(mesh, "body", 1, labels, NULL), PEL_OK);
     assert_int_equal(pel_export_glb_mesh(path, mesh, NULL), PEL_OK);

@@ -211,7 +211,7 @@ static void test_changing_triangles(void **unused)
     assert_non_null(strstr(text, "[[0,0,0],[1,0.5,1],[2,1,0],[3,1.5,0]]"));
     assert_int_equal(unpack(text, bytes, sizeof bytes), 4 * 12 + 3 * 12 + FOLDER_FRAMES * 7 * 8);
     pel_free(text);
-    /* a frame whose triangles are not those of the frame before begins anew, the last one goes on */
+    /* a frame with other triangles than the previous one starts a new sequence, the last one continues */
     const size_t heads[FOLDER_FRAMES] = {48, 36, 0, 0};
     const unsigned char *at = bytes;
     unsigned last[7][4] = {{0}};
@@ -345,7 +345,7 @@ static void test_many_vertices(void **unused)
     pel_mesh_destroy(ball);
 }
 
-/* noise of any length comes back; what is longer than a buffer too */
+/* noise of any length is restored, also if longer than a buffer */
 static void test_base64(void **unused)
 {
     (void)unused;

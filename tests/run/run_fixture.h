@@ -1,4 +1,4 @@
-/* What the tests of whole runs share: scenes, a folder for their results, runs that are stopped, killed or hindered. */
+/* Shared by the tests of whole runs: scenes, a folder for their results, runs that are stopped, killed or hindered. */
 #ifndef PEL_TESTS_RUN_FIXTURE_H
 #define PEL_TESTS_RUN_FIXTURE_H
 
@@ -130,7 +130,7 @@ static inline pel_scene *load_scene(const char *text, const char *const *overrid
     return scene;
 }
 
-/* what a test wants of a run */
+/* options of a test's run */
 typedef struct run_case {
     const char *run;    /* folder */
     const char *resume; /* checkpoint in it, nullable */
@@ -286,7 +286,7 @@ static inline void blank_columns(char *bytes)
     }
 }
 
-/* blanks what depends on the wall clock, the number of threads or the folder */
+/* blanks values that depend on the wall clock, the number of threads or the folder */
 static inline void blank_times(const char *name, char *bytes)
 {
     if (strcmp(name, "series.csv") == 0) {

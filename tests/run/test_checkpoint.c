@@ -16,7 +16,7 @@ static void test_resume_after_stop(void **unused)
         check_run(scene, &test, PEL_STOPPED);
         assert_string_equal(test.summary.status, "stopped");
         assert_int_equal(test.summary.steps, stops[i]);
-        /* the very state at which it stopped, though older checkpoints were written on the way */
+        /* exactly the state at which it stopped, although older checkpoints were written before */
         char kept[64];
         snprintf(kept, sizeof kept, "the last good state, of step %d, is in ", (int)stops[i]);
         assert_non_null(strstr(test.error.remedy, kept));
@@ -30,7 +30,7 @@ static void test_resume_after_stop(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* goes back to an older checkpoint: what came after it is replaced */
+/* returns to an older checkpoint: later frames are replaced */
 static void test_resume_from_older(void **unused)
 {
     (void)unused;
@@ -51,7 +51,7 @@ static void test_resume_from_older(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* killed at a step: everything is valid, and the run goes on from its last checkpoint */
+/* killed at a step: all files are valid, and the run continues from its last checkpoint */
 static void check_kill(const pel_scene *scene, const run_case *whole, int64_t step, double keep_seconds)
 {
     run_case test = {.run = "killed", .kill_at = step, .keep_seconds = keep_seconds};
@@ -111,7 +111,7 @@ static void take_note(void *user, const char *text)
     snprintf(user, 400, "%s", text);
 }
 
-/* a state that cannot be kept is told, and the run goes on */
+/* a state that cannot be kept is reported, and the run continues */
 static void test_state_not_kept(void **unused)
 {
     (void)unused;
@@ -137,7 +137,7 @@ static void test_state_not_kept(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* what is read to go on from is freed again */
+/* memory of a resumed state is freed again */
 static void test_resume_leaks_nothing(void **unused)
 {
     (void)unused;
@@ -280,7 +280,7 @@ int main(void)
         cmocka_unit_test(test_refuses_checkpoints),
     };
     int failed = 0;
-    /* what one thread does alone is no less with two */
+    /* two threads give the results of one */
     for (thread_count = ROUNDS(1, 2); thread_count <= 2; thread_count++)
         failed += cmocka_run_group_tests(tests, make_folder, clear_folder);
     return failed;

@@ -109,7 +109,7 @@ static void test_fields_of_a_frame(void **unused)
     assert_int_equal(pel_run_surface_create(sim, &scene->output, &surface, NULL), PEL_OK);
     for (int step = 0; step < 30; step++)
         assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
-    /* twice, because a stress is made in place of what stood there */
+    /* twice, because a stress is computed in place */
     for (int round = 0; round < 2; round++)
         assert_int_equal(pel_run_surface_read(&surface, sim, NULL), PEL_OK);
     assert_int_equal(pel_run_surface_write(&surface, &scene->output, "fields.vtp", NULL), PEL_OK);
@@ -182,8 +182,8 @@ static void test_energies(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* a vector field of the mesh on a body that refines: finer vertices have what mesh_vertices and mesh_weights say; one
-   that is not refined keeps its values, and one without the field has zeros */
+/* a vector field of the mesh on a body that refines: finer vertices have the values of mesh_vertices and mesh_weights;
+   one that is not refined keeps its values, and one without the field has zeros */
 static void test_mesh_field_on_finer_vertices(void **unused)
 {
     (void)unused;

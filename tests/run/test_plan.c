@@ -76,7 +76,7 @@ static void test_settled(void **unused)
     assert_true(pel_run_plan_make(&scene, 0).settled_time == 6);
     tool.grasp = false;
     assert_true(pel_run_plan_make(&scene, 0).settled_time == 4);
-    /* whatever of a shell changes over time */
+    /* parts of a shell that change over time */
     const pel_key late[3][2] = {{{0, 1}, {7, 2}}, {{0, 1}, {8, 2}}, {{0, 1}, {9, 2}}};
     pel_anisotropy_def fibres = {.rest_length = {.keys = late[2], .key_count = 2}};
     body.shell.pressure.outside = (pel_quantity){.keys = late[0], .key_count = 2};

@@ -333,7 +333,7 @@ static void test_divergence(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* what is there is whole; with room again, it goes on from what was kept */
+/* existing files are complete; with free space again, the run continues from its checkpoint */
 static void check_after_failure(const pel_scene *scene, const run_case *test)
 {
     if (!exists(test->run, "frames.pvd"))
@@ -347,8 +347,8 @@ static void check_after_failure(const pel_scene *scene, const run_case *test)
     check_same_results(whole.run, rest.run, whole.summary.frames);
 }
 
-/* A limit on the size of files acts like a full disk: whichever file meets it first, it is named and what is there is
-   whole. */
+/* A limit on the size of files acts like a full disk: the first file that reaches it is named and existing files are
+   complete. */
 static void test_full_disk(void **unused)
 {
     (void)unused;
@@ -383,8 +383,8 @@ static void test_full_disk(void **unused)
     signal(SIGXFSZ, SIG_DFL);
 }
 
-/* a frame does not fit, the checkpoint does: the run goes on with this very frame, also when the simulation was steps
-   beyond it already */
+/* a frame does not fit, the checkpoint does: the run continues with this frame, even if the simulation was already
+   beyond it */
 static void test_full_disk_at_frame(void **unused)
 {
     (void)unused;
@@ -421,7 +421,7 @@ static void test_full_disk_at_frame(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* the simulation diverges and a frame before that cannot be written: the frame is what failed, as in one thread */
+/* the simulation diverges and an earlier frame cannot be written: the frame is the error, as in one thread */
 static void test_frame_fails_before_divergence(void **unused)
 {
     (void)unused;
@@ -566,7 +566,7 @@ int main(void)
         cmocka_unit_test(test_allocation_failures),
     };
     int failed = 0;
-    /* what one thread does alone is no less with two */
+    /* two threads give the results of one */
     for (thread_count = ROUNDS(1, 2); thread_count <= 2; thread_count++)
         failed += cmocka_run_group_tests(tests, make_folder, clear_folder);
     return failed;

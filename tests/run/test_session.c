@@ -8,7 +8,7 @@
 #include "pellicle/shape.h"
 #include "run/command.h"
 
-/* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene's own */
+/* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene */
 static const char text[] =
     "version: 1\ntitle: play\nbodies:\n"
     "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 0.1 },\n"
@@ -176,7 +176,7 @@ static void test_many_marks(void **unused)
     end(&made);
 }
 
-/* a hand that stays closed, and what came after an undo, are in the record too */
+/* a hand that stays closed, and commands after an undo, are in the record too */
 static void test_run_repeats(void **unused)
 {
     (void)unused;
@@ -210,7 +210,7 @@ static void test_run_repeats(void **unused)
     pel_session_free_text(repeated);
 }
 
-/* a mesh presses where there is contact, as large as asked for; what was done with a file beside the scene is repeated
+/* a mesh presses where there is contact, as large as asked for; commands with a file in the scene's folder are repeated
    from another folder */
 static void test_mesh_tool(void **unused)
 {
@@ -311,7 +311,7 @@ static void test_bad_lines(void **unused)
     memset(long_line, 'a', sizeof long_line - 1);
     long_line[sizeof long_line - 1] = '\0';
     assert_int_equal(pel_session_apply(made.session, long_line, &error), PEL_BAD_ARGUMENT);
-    /* nothing is met, or the hand is free: no error, and nothing to repeat */
+    /* no hit, or the hand is free: no error, and nothing to repeat */
     apply(&made, "grab 0 -5 9 0 1 0 20 0.3");
     apply(&made, "pin 0 -5 9 0 1 0 0.3");
     apply(&made, "release");

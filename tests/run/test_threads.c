@@ -1,5 +1,5 @@
-/* The library under threads, for ThreadSanitizer above all: a model shared by several simulations, runs side by side
-   with their writers of frames, meshes read and checked side by side. Results are those of one thread. */
+/* The library under threads, mainly for ThreadSanitizer: a model shared by several simulations, runs side by side with
+   their writers of frames, meshes read and checked side by side. Results are those of one thread. */
 #include "check.h"
 #include "source_dir.h"
 
@@ -38,7 +38,7 @@ static pel_scene *load_scene(void)
     return scene;
 }
 
-/* one thread's work on what all share, and what came of it */
+/* one thread's work on shared data, and its result */
 typedef struct shared_work {
     const pel_scene *scene;
     const pel_model *model;
@@ -89,7 +89,7 @@ static void test_shared_model(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* a scene is shared too; each run has a thread of its own that writes frames */
+/* a scene is shared too; each run has its own thread that writes frames */
 static void *run_scene(void *argument)
 {
     shared_work *work = argument;
@@ -113,7 +113,7 @@ static void test_runs(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* all into one folder: one run has it, the others are refused, whoever comes first */
+/* all into one folder: the first run gets it, the others are refused */
 static void *run_in_one_folder(void *argument)
 {
     shared_work *work = argument;

@@ -1,4 +1,4 @@
-/* The surfaces of tools beside the frames of a run: shapes, poses, and what a resumed run does with them. */
+/* The surfaces of tools in the frames of a run: shapes, poses, and resumed runs. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "run_fixture.h"
 
@@ -82,7 +82,7 @@ static void test_surfaces(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* numbers stay those of the first part, and what was beyond the checkpoint is removed */
+/* numbers stay those of the first part, and files beyond the checkpoint are removed */
 static void test_resume(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Warnings of runs: each is told once, stands in the summary, and goes away by its remedy. */
+/* Warnings of runs: each is reported once, is in the summary, and disappears with its remedy. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "run/run_fixture.h"
 
@@ -13,7 +13,7 @@
     "    membrane: { preset: rubber }\n    pressure: { inside: 2000 }\n"                                               \
     "stop: { frames: 4 }\noutput: { every_frame: 1 }\n"
 
-/* what the log was told, line by line */
+/* lines of the log */
 typedef struct told_lines {
     char text[4000];
     int count;
@@ -124,7 +124,7 @@ static void test_softness_begins(void **unused)
     assert_null(find_warning(&summary, "softer-than-material"));
 }
 
-/* steps are counted over a run and what it is continued by */
+/* steps are counted over a run and its continuation */
 static void test_unconverged(void **unused)
 {
     (void)unused;
@@ -198,7 +198,7 @@ static void test_stray(void **unused)
         "  - { name: floor, shape: box, size: [0.3, 0.3, 0.02], motion: [{ position: [0, 0, -0.0605] }] }\n"
         "  - { name: plate, shape: box, size: [0.3, 0.3, 0.02],\n"
         "      motion: [{ position: [0, 0, 0.0605] }, { time: 1, position: [0, 0, 0.0505] }] }\n"
-        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 18 }\n";
+        "contact: { self: true, friction: 0 }\nsolver: { method: static, dt: 0.02 }\nstop: { frames: 36 }\n";
     const char *held = "contact.friction=0.3";
     pel_run_summary summary;
     run_scene(text, NULL, 0, NULL, 0, &summary);
@@ -209,7 +209,7 @@ static void test_stray(void **unused)
     assert_null(find_warning(&summary, "stray-body"));
 }
 
-/* a grasp that tears out is told with its tool, vertices and time; the count goes through checkpoints */
+/* a grasp that tears out is reported with its tool, vertices and time; the count is kept in checkpoints */
 static void test_lost_grasp(void **unused)
 {
     (void)unused;
@@ -323,13 +323,13 @@ static void test_energy_appears(void **unused)
     const pel_run_warning *warning = find_warning(&summary, "energy-appears");
     assert_non_null(warning);
     assert_true(summary.ledger.energy_error > 0.05 * summary.ledger.supplied);
-    /* the material itself takes what it is given */
+    /* the material itself accepts any value */
     overrides[2] = "solver={ method: descent, iterations: 2000 }";
     run_scene(SHELL, overrides, 3, NULL, 0, &summary);
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
-/* what gravity does on a slab that friction holds is rounding alone */
+/* the work of gravity on a slab held by friction is rounding */
 static void test_energy_of_rest(void **unused)
 {
     (void)unused;
@@ -364,7 +364,7 @@ static void test_energy_of_sweeps(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
-/* a grasp that closes beside the body, or before the tool is there, is told; one that holds is not */
+/* a grasp that closes beside the body, or before the tool is there, is reported; one that holds is not */
 static void test_grasp_empty(void **unused)
 {
     (void)unused;
@@ -468,7 +468,7 @@ static void test_frames(void **unused)
     assert_true(tallies.of[PEL_WARN_INVERTED_VOLUME].worst == 0.5);
 }
 
-/* every kind has a code of its own, small letters and hyphens, and a text that ends without a full stop */
+/* every kind has its own code, small letters and hyphens, and a text that ends without a full stop */
 static void test_every_kind_has_a_text(void **unused)
 {
     (void)unused;

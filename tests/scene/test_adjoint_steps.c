@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* Differences of fourth order of paths that are solved to 1e-10 of their forces: what is left of them. */
+/* Differences of fourth order of paths that are solved to 1e-10 of their forces: remaining error. */
 #define TOLERANCE 1e-5
 
 static const char strip[] =
@@ -167,7 +167,7 @@ static void check_near(const char *name, double value, double expected, double s
         fail_msg("%s: %.12g, by differences %.12g", name, value, expected);
 }
 
-/* what is asked for, of one body with less than 64 vertices and one load */
+/* requested derivatives, of one body with fewer than 64 vertices and one load */
 typedef struct answer {
     double forces[192], rest[192], start[192], velocities[192], load, gravity[3];
     pel_adjoint_material material;
@@ -283,7 +283,7 @@ static void test_springs(void **unused)
     check_paths(springs, &n, false);
 }
 
-/* A factor on all positions at rest, from which the steps begin: what is held goes along. */
+/* A factor on all positions at rest, from which the steps begin: held vertices move with them. */
 static void test_rest_positions(void **unused)
 {
     (void)unused;
@@ -300,7 +300,7 @@ static void test_rest_positions(void **unused)
     check_near("rest", sum, by_factor(&t, "bodies.body.mesh.scale=", 1, "", 1e-4), 0);
 }
 
-/* ---- whatever the number of steps; what is left behind ---- */
+/* ---- any number of steps; state afterwards ---- */
 
 static void test_intervals(void **unused)
 {

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* four lines before what is wrong */
+/* four lines before the error */
 #define BALL "version: 1\nduration: 2\nbodies:\n  - mesh: {shape: geodesic-sphere}\n"
 
 typedef struct bad_scene {
@@ -257,7 +257,7 @@ static void test_null_error(void **unused)
     }
 }
 
-/* what the model and the simulation refuse has its place in the scene */
+/* errors of the model and the simulation have their place in the scene */
 static void check_location(const char *end, const char *expected)
 {
     char text[1000], message[1000];
@@ -310,7 +310,7 @@ static void test_missing_file(void **unused)
     assert_string_equal(error.file, "no/such.yaml");
 }
 
-/* what a mesh file says has its place there */
+/* errors of a mesh file have their place there */
 static void test_bad_mesh_file(void **unused)
 {
     (void)unused;

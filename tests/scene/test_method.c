@@ -51,7 +51,7 @@ static void test_choice(void **unused)
     (void)unused;
     static const struct {
         const char *text;
-        const char *takes; /* null = no other method than the one that stands there */
+        const char *takes; /* null = keeps the method of the scene */
     } cases[] = {
         {HEAD STEEL PRESSED, "implicit"},
         {HEAD STEEL, "implicit"},
@@ -62,7 +62,7 @@ static void test_choice(void **unused)
         {HEAD RUBBER, "implicit"},
         {HEAD RUBBER "solver: {max_substeps: 200}\n", NULL},
         {HEAD RUBBER "contact: {}\n", NULL},
-        /* what xpbd does not know */
+        /* features without xpbd */
         {SHEET SOFT "    supports: [{at: {vertices: [0]}}]\n", "implicit"},
         {SHEET SOFT "loads: [{force: [0, 0, 1], per: moment}]\n", "implicit"},
         {SHEET "    membrane: {young: 3.0e5, thickness: 0.001}\n    bending: {model: midedge}\n", "implicit"},
@@ -83,7 +83,7 @@ static void test_choice(void **unused)
         /* a surface that may change */
         {HEAD RUBBER "solver: {max_substeps: 80}\n", NULL},
         {HEAD RUBBER "    refine: {levels: 2, everywhere: true}\nsolver: {max_substeps: 80}\n", "implicit"},
-        /* what touches */
+        /* contact */
         {SHEET STEEL PINNED "contact: {}\n", "implicit"},
         {SHEET STEEL "contact: {}\ngravity: [0, 0, -9.81]\n", "implicit"},
     };

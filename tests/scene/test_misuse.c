@@ -23,7 +23,7 @@ static const char scene_text[] = "version: 1\n"
                                  "duration: 0.02\n";
 static const double nan_value = (double)NAN, zero3[3];
 
-/* what most cases start from */
+/* start of most cases */
 static pel_mesh *mesh;
 static pel_topology *topology;
 static pel_model *model;
@@ -569,7 +569,7 @@ static void test_sim_calls(void **unused)
     finish();
 }
 
-/* ---- changes while a simulation goes on, looks into it ---- */
+/* ---- changes of a running simulation, and readings ---- */
 
 static void test_parameters(void **unused)
 {

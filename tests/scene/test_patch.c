@@ -1,5 +1,5 @@
 /* A scene with a number written over is the scene that is read with that number, for every parameter that may be
-   written over, in scenes that leave out as much as they can. */
+   written over, in scenes with as many defaults as possible. */
 #include "check.h"
 
 #include "model/fingerprint.h"
@@ -16,7 +16,7 @@ static const char outside[] =
     "         motion: [{position: [0, 1.1, 0]}]}]\n"
     "contact: {friction: 0.3}\n";
 
-/* of a body, with what follows from other keys left out, and then given */
+/* of a body, with dependent keys first omitted, then given */
 static const char *const bodies[] = {
     "springs: {young: 1000}, volumetric: {}, mass: {density: 900}",
     "springs: {young: 1000, thickness: 0.1, drag: 1}, volumetric: {young: 500, depth: 0.2, drag: 2}",
@@ -176,7 +176,7 @@ static void check_scene(const char *text, tally *count)
     pel_scene_destroy(scene);
 }
 
-/* bodies that a method does not know are left out */
+/* skip bodies that a method does not support */
 static bool is_possible(const char *text)
 {
     pel_scene *scene = read_scene(text, NULL, NULL);
@@ -246,7 +246,7 @@ static void test_what_is_read_anew(void **unused)
     assert_true(may_patch(text, "loads.pull.force"));
 }
 
-/* what is not a plain value of the number leaves the scene as it was */
+/* other texts than a plain number leave the scene unchanged */
 static void test_other_values(void **unused)
 {
     (void)unused;

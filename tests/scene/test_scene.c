@@ -1,4 +1,4 @@
-/* Whole scenes: what the defs hold, defaults, overrides, the resolved text, allocation failures. */
+/* Whole scenes: defs, defaults, overrides, the resolved text, allocation failures. */
 #define _XOPEN_SOURCE 700 /* mkdtemp */
 #include "check.h"
 #include "failing_malloc.h"
@@ -345,7 +345,7 @@ static void test_fixed_point(void **unused)
                                "{shape: grid}}\n  - {name: \"\\u2028\\u0085\\ufeff\", mesh: {shape: grid}}\n");
 }
 
-/* whatever a text is, the resolved scene says the same: words with a meaning, numbers, signs, any letters */
+/* any text is the same in the resolved scene: words with a meaning, numbers, signs, any letters */
 static void test_texts(void **unused)
 {
     (void)unused;
@@ -371,7 +371,7 @@ static void test_texts(void **unused)
         pel_scene *again = load(pel_scene_text(scene), NULL, 0);
         assert_string_equal(again->title, texts[i]);
         assert_string_equal(pel_scene_text(again), pel_scene_text(scene));
-        /* only what every reader of YAML takes for text stands there without quotes */
+        /* only texts that every YAML reader accepts as text are written without quotes */
         snprintf(override, sizeof override, "\ntitle: %s\n", texts[i]);
         bool plain = strstr(pel_scene_text(scene), override) != NULL;
         assert_int_equal(plain, strcmp(texts[i], "offset") == 0 || strcmp(texts[i], "nullify") == 0 ||
@@ -404,7 +404,7 @@ static void test_shipped_scenes(void **unused)
     assert_true(count >= 5);
 }
 
-/* a mesh beside the scene is found from any folder */
+/* a mesh in the scene's folder is found from any folder */
 static void test_file_mesh(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Shells in scenes: every key reaches its def, what is implied stands in the resolved scene, bad values are refused. */
+/* Shells in scenes: every key reaches its def, implied keys are in the resolved scene, bad values are refused. */
 #define _XOPEN_SOURCE 700
 #include "check.h"
 
@@ -335,7 +335,7 @@ static void hear(void *user, const char *text)
     told->count++;
 }
 
-/* what pbd-distance does not look at is told where it stands */
+/* keys that pbd-distance ignores are reported with their place */
 static void test_ignored(void **unused)
 {
     (void)unused;
@@ -393,7 +393,7 @@ static void test_bad_runs(void **unused)
     remove_run_folder("shell_run");
 }
 
-/* columns of the energies stand behind the others, and only where there is a shell */
+/* columns of the energies follow the others, only if there is a shell */
 static void test_series(void **unused)
 {
     (void)unused;

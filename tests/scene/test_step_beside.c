@@ -88,7 +88,7 @@ static void end(stage *s)
     pel_scene_destroy(s->scene);
 }
 
-/* Of the state, of the path to it, and of what solvers leave. Distances: a free body at rest turns as it likes. */
+/* Errors of the state, of the path to it, and of solvers. Distances are compared: a free body at rest may turn. */
 static void read(stage *s, double readings[READINGS])
 {
     pel_sim_measures measures;
@@ -153,7 +153,7 @@ static void check_key(const char *text, const char *key, double value)
         end(&own);
     }
     for (int r = 0; r < READINGS; r++) {
-        /* what solvers of states of rest leave */
+        /* error of solvers of states of rest */
         double expected = alone[1][r] - alone[0][r], noise = 1e-8 * fabs(alone[0][r]);
         if (!(fabs(found[r] - expected) <= TOLERANCE * fabs(expected) + noise))
             print_error("%s, reading %d\n", key, r);
@@ -235,7 +235,7 @@ static void test_factor_on_all_forces(void **unused)
     assert_near(sum, 0, TOLERANCE * most);
 }
 
-/* what goes beside nothing is refused by its name, before a step is taken */
+/* unsupported features are refused by name, before a step is taken */
 static void test_refused(void **unused)
 {
     (void)unused;

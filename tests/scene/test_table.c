@@ -1,4 +1,4 @@
-/* The table and what it yields: every row is documented, in the schema, on the reference page and settable. */
+/* The table and its outputs: every row is documented, in the schema, on the reference page and settable. */
 #include "check.h"
 #include "comma_locale.h"
 #include "failing_malloc.h"
@@ -13,7 +13,7 @@
 
 typedef pel_status write_document(FILE *file, pel_error *error);
 
-/* what a writer writes; to be freed */
+/* output of a writer; to be freed */
 static char *document(write_document *write)
 {
     FILE *file = tmpfile();
@@ -48,7 +48,7 @@ static void test_rows_are_whole(void **unused)
             assert_non_null(pel_scene_row_find(table, row->path, "[]"));
         if (row->like != NULL)
             assert_non_null(pel_scene_row_next(table, row->like, NULL));
-        /* the key that a row needs stands beside it */
+        /* the key that a row requires is given with it */
         char prefix[200];
         snprintf(prefix, sizeof prefix, "%s", row->path);
         if (strrchr(prefix, '.') != NULL)

@@ -1,4 +1,4 @@
-/* Meshes by one word: closed shapes, files beside the scene, words and paths that cannot be taken. */
+/* Meshes by one word: closed shapes, files in the scene's folder, refused words and paths. */
 #define _XOPEN_SOURCE 700
 #include "check.h"
 

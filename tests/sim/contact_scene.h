@@ -253,7 +253,7 @@ static inline void shoot(pel_sim *sim, int32_t body, double x, double y, double 
     free(velocities);
 }
 
-/* every vertex gets a velocity of its own */
+/* every vertex gets its own velocity */
 static inline void shake(pel_sim *sim, int32_t body, double speed, uint64_t *random)
 {
     int32_t count = pel_sim_vertex_count(sim, body);

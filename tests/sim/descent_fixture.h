@@ -1,4 +1,4 @@
-/* A ball that stands on pins and is pressed from above, under the method descent, and what is so at rest. */
+/* A ball on pins that is pressed from above, under the method descent, and conditions at rest. */
 #ifndef PEL_TESTS_SIM_DESCENT_FIXTURE_H
 #define PEL_TESTS_SIM_DESCENT_FIXTURE_H
 
@@ -6,7 +6,7 @@
 
 #include "math/vec3.h"
 
-/* of the force on the tool: what may be left where nothing touches; positions in float have 24 bits */
+/* share of the force on the tool that may remain on vertices without contact; positions in float have 24 bits */
 #define LEFT_SHARE (sizeof(pel_real) == 4 ? 2e-2 : 1e-5)
 
 enum { PRESS_KEYS = 3 };
@@ -124,8 +124,8 @@ static inline void free_rest(rest_state *rest)
     free(rest->contact);
 }
 
-/* Nothing is left of the forces where nothing touches; what is left where something does is felt by the tool, and by
-   the pins. Returns the force on the tool along z [N]. */
+/* Forces vanish on vertices without contact; the forces on the others act on the tool and on the pins. Returns the
+   force on the tool along z [N]. */
 static inline double assert_balanced(const press_scene *scene, pel_sim *sim)
 {
     rest_state rest = find_rest(sim);

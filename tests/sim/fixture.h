@@ -128,7 +128,7 @@ static inline void run_steps(pel_sim *sim, int count)
     }
 }
 
-/* saves and destroys a sim, and goes on in a new one */
+/* saves and destroys a sim, and continues in a new one */
 static inline pel_sim *resume_sim(pel_sim *sim, const pel_sim_def *def)
 {
     size_t size = pel_sim_save_size(sim);

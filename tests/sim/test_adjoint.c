@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* what a case is made of; numbers that derivatives are taken of stand here */
+/* input of a case, with the numbers of the derivatives */
 typedef struct trial {
     pel_method method;
     bool is_closed;
@@ -95,7 +95,7 @@ static solved solve(const trial *t)
     def.load_count = 2;
     if (pel_sim_create(&def, &s.sim, &error) != PEL_OK || pel_sim_step(s.sim, &error) != PEL_OK)
         fail_msg("%s", error.what);
-    /* from the last step on nothing is left of the residual */
+    /* after the last step the residual is zero */
     for (int i = 0; t->method == PEL_METHOD_STATIC && i < 2; i++)
         assert_int_equal(pel_sim_step(s.sim, &error), PEL_OK);
     s.x = calloc(3 * (size_t)s.mesh->vertex_count, sizeof *s.x);

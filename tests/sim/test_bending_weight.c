@@ -35,7 +35,7 @@ static void end(shrinking *made)
     pel_mesh_destroy(made->mesh);
 }
 
-/* rises of the volume in so many steps */
+/* rises of the volume over the steps */
 static int shrink(pel_sim *sim, int steps)
 {
     int rises = 0;

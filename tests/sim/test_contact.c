@@ -1,5 +1,5 @@
-/* Contact: after every step of every scene the exact test finds no two triangles that cut each other; tools are held
-   where a body cannot give way; the same bits for any number of threads and after a snapshot; bad input is refused. */
+/* Contact: after every step of every scene the exact test finds no two triangles that cut each other; tools are stopped
+   by trapped bodies; the same bits for any number of threads and after a snapshot; bad input is refused. */
 #include "sim/contact_scene.h"
 
 #include "failing_malloc.h"
@@ -65,8 +65,8 @@ static void test_held_tools(void **unused)
     scene_end(&scene, sim);
 }
 
-/* Plates that the guard holds back come after their keys by an eighth of what they lag a step, or at twice their speed;
-   what is not blocked is where its keys say. */
+/* Plates that the guard holds back catch up by an eighth of their lag per step, or at twice their speed; others follow
+   their keys. */
 static void test_held_tools_catch_up(void **unused)
 {
     (void)unused;
@@ -155,7 +155,7 @@ static double momentum_of(const pel_sim *sim, int body_count)
     return momentum;
 }
 
-/* without drag, what touches shares its motion: momentum stays */
+/* without drag, touching bodies share their motion: momentum is conserved */
 static void test_two_bodies(void **unused)
 {
     (void)unused;
@@ -310,6 +310,38 @@ static void add_floor(contact_scene *scene, pel_tool_shape shape)
     }
 }
 
+/* A sheet that starts at half the thickness above a floor rises to the thickness within some steps, not in one substep,
+   which would throw it up at 3 m/s. */
+static void test_start_too_close(void **unused)
+{
+    (void)unused;
+    const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
+    for (int i = 0; i < 4; i++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene.gravity = -8;
+        scene.def.solver.substeps = 64;
+        scene.def.contact.thickness = 1e-3;
+        scene_body(&scene, make_sheet(3, 0));
+        add_floor(&scene, shapes[i]);
+        pel_transform transform = pel_transform_default();
+        pel_vec3_set(transform.translation, -0.5, -0.5, 0.5e-3);
+        assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
+        pel_sim *sim = scene_create(&scene);
+        double x[3 * 16], v[3 * 16];
+        for (int n = 0; n < 30; n++) {
+            run_free(sim, 1);
+            pel_sim_get_positions(sim, 0, x);
+            pel_sim_get_velocities(sim, 0, v);
+            for (int k = 0; k < 16; k++)
+                assert_true(x[3 * k + 2] < 1.3e-3 && v[3 * k + 2] < 0.06);
+        }
+        for (int k = 0; k < 16; k++)
+            assert_true(x[3 * k + 2] > 0.7e-3); /* round floors are 0.25 mm lower at the corners */
+        scene_end(&scene, sim);
+    }
+}
+
 /* way along x of a sheet on a floor of slope 1/2 after a time, and the force on the floor over the weight */
 static double slide_with(pel_tool_shape shape, pel_method method, const double friction[3], double time,
                          double force[3])
@@ -352,7 +384,7 @@ static double slide(pel_tool_shape shape, pel_method method, double friction, do
     return slide_with(shape, method, all, time, force);
 }
 
-/* the geometric mean of both sides, whatever that of contact is; one smooth side makes the pair smooth */
+/* the geometric mean of both sides, independent of the value of contact; one smooth side makes the pair smooth */
 static void test_friction_of_pairs(void **unused)
 {
     (void)unused;
@@ -372,8 +404,8 @@ static void test_friction_of_pairs(void **unused)
         }
 }
 
-/* Coulomb's law on a slope of tangent 1/2: above it what lies there stays, below it slides with g (sin - friction cos),
-   whatever the floor is made of; the floor feels weight and friction */
+/* Coulomb's law on a slope of tangent 1/2: above it a body stays, below it slides with g (sin - friction cos), on any
+   floor; the floor feels weight and friction */
 static void test_friction_on_slope(void **unused)
 {
     (void)unused;
@@ -398,7 +430,7 @@ static void test_friction_on_slope(void **unused)
     }
 }
 
-/* what falls on a floor stays there: a past of second order does not throw it back */
+/* a body that falls on a floor stays there: the history of second order does not throw it back */
 static void test_no_rebound(void **unused)
 {
     (void)unused;
@@ -605,7 +637,7 @@ static void test_bad_input(void **unused)
     contact->friction = -1;
     assert_refused(&scene, "friction");
     *contact = good;
-    /* the relative thickness gives way to short edges */
+    /* the relative thickness is reduced for short edges */
     contact->relative_thickness = 1;
     pel_sim *clamped = make_sim(&scene.def);
     assert_true(pel_sim_contact_thickness(clamped) < 0.3);
@@ -780,7 +812,7 @@ static void test_every_allocation(void **unused)
     scene_end(&scene, sim);
 }
 
-/* once as many pairs were there as ever will be */
+/* after the largest number of pairs */
 static void test_steps_do_not_allocate(void **unused)
 {
     (void)unused;
@@ -795,8 +827,7 @@ static void test_steps_do_not_allocate(void **unused)
     scene_end(&scene, sim);
 }
 
-/* the edge of a box that comes down feels what it presses from below, whichever of the two edges a contact names first
- */
+/* the edge of a descending box receives the force from below, independent of the order of the edges of a contact */
 static void test_edge_reaction(void **unused)
 {
     (void)unused;
@@ -834,6 +865,7 @@ int main(void)
         cmocka_unit_test(test_held_tools_catch_up),
         cmocka_unit_test(test_still_tool_is_not_held),
         cmocka_unit_test(test_ring),
+        cmocka_unit_test(test_start_too_close),
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_momentum_of_shells),
         cmocka_unit_test(test_mesh_tool),

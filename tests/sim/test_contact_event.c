@@ -1,5 +1,5 @@
-/* Refinement beside another surface: new vertices that would cut it go to the middles of their edges, and what cuts it
-   all the same is taken back. */
+/* Refinement beside another surface: new vertices that would cut it move to the middles of their edges, and events that
+   still cut it are reverted. */
 #include "sim/contact_scene.h"
 
 #include "sim/sim.h"
@@ -107,7 +107,7 @@ static void test_middle_where_there_is_none(void **unused)
     scene_end(&s.scene, s.sim);
 }
 
-/* coarsened, the ball would cut what has come to lie inside the bulge: refused by name, and nothing has changed */
+/* coarsened, the ball would cut a surface inside the bulge: refused by name, without a change */
 static void test_taken_back(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Forces of contacts: what acts on vertices, bodies, tools and pins balances under every method. */
+/* Forces of contacts: forces on vertices, bodies, tools and pins balance under every method. */
 #include "sim/contact_scene.h"
 
 #include "failing_malloc.h"
@@ -254,7 +254,7 @@ static void test_self(void **unused)
     scene_end(&scene, sim);
 }
 
-/* what a grasp does is in the field, and readings go through snapshots */
+/* forces of a grasp are in the field, and readings are kept in snapshots */
 static void test_resumes(void **unused)
 {
     (void)unused;
@@ -378,7 +378,7 @@ static pel_status create_case(const void *data, pel_error *error)
     return status;
 }
 
-/* a record that there is no memory for is told when the records are read; the step goes on */
+/* missing memory for a record is reported when the records are read; the step continues */
 static void test_record_memory(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* A minimisation under a tool against the rest that methods in time come to. */
+/* A minimisation under a tool against the state of rest of methods in time. */
 #include "sim/descent_fixture.h"
 
 /* of the force, and of the depth of the tool; xpbd is a little softer than its material (pel_sim_softness) */
@@ -81,7 +81,7 @@ static void test_springs_against_leapfrog(void **unused)
     check_against(PEL_METHOD_EXPLICIT, 0);
 }
 
-/* the reading is of the constrained problem: converged only where the gaps are closed too, with what is left */
+/* the reading is of the constrained problem: converged only if the gaps are closed too, with the residual */
 static void test_reading(void **unused)
 {
     (void)unused;
@@ -181,7 +181,7 @@ static void test_convergence_is_relative(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* nothing acts on a body at rest: it has converged at once, and stays where it is */
+/* a body at rest without forces converges immediately, and does not move */
 static void test_rest_has_converged(void **unused)
 {
     (void)unused;
@@ -196,7 +196,7 @@ static void test_rest_has_converged(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* a grasp alone leaves no gaps to close: the step goes on until the forces balance, however many rounds that takes */
+/* a grasp alone leaves no gaps to close: the step continues until the forces balance, for any number of rounds */
 static void test_grasp_converges(void **unused)
 {
     (void)unused;

@@ -1,5 +1,5 @@
-/* Surfaces that touch while an energy is minimised: what collapses stays free and is at rest, friction holds and slips.
- */
+/* Surfaces that touch while an energy is minimised: collapsing shells stay free of intersections and come to rest,
+   friction sticks and slips. */
 #include "sim/contact_scene.h"
 
 #include "math/vec3.h"
@@ -80,7 +80,7 @@ static void test_plates(void **unused)
         if (!solver_of(sim).converged)
             continue;
         touching += upper.force[2] > 0;
-        /* the sum of what is left of the forces on all vertices may be that much */
+        /* limit of the sum of the residual forces on all vertices */
         double left = sqrt(scene.meshes[0]->vertex_count) * solver_of(sim).residual;
         assert_near(upper.force[2], -lower.force[2], left + 1e-6 * upper.force[2]);
     }
@@ -136,7 +136,7 @@ static void test_friction(void **unused)
     double way;
     /* nothing but the facets of the ball holds a smooth plate */
     assert_near(rub(PEL_TOOL_BOX, 0, 0.02, &way), 0, sizeof(pel_real) == 4 ? 1e-2 : 1e-4);
-    /* sticks: what touches goes along, with less than friction could do */
+    /* sticks: touching vertices move along, with less than the friction limit */
     double held = rub(PEL_TOOL_BOX, 2, 0.002, &way);
     assert_near(way, 0.002, sizeof(pel_real) == 4 ? 3e-4 : 2e-5);
     assert_true(held < -0.01 && held > -2);
@@ -150,7 +150,7 @@ static void test_friction(void **unused)
     assert_true(held < 0);
 }
 
-/* what is pressed stays where it is while nothing moves: no creep under friction, and steps that need no iteration */
+/* a pressed body does not move while nothing else moves: no creep under friction, and steps without iterations */
 static void test_standstill(void **unused)
 {
     (void)unused;
@@ -217,7 +217,7 @@ static void test_refined(void **unused)
     scene_end(&scene, sim);
 }
 
-/* the correction keeps a mesh out too, which then feels what the body does where it touches */
+/* the correction keeps a mesh out too, which then receives the contact force of the body */
 static void test_mesh_after(void **unused)
 {
     (void)unused;

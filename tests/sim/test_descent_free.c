@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* balls side by side, without springs to rest, and what acts on them */
+/* balls side by side, without springs to rest, and the forces on them */
 typedef struct free_scene {
     pel_mesh *meshes[2];
     pel_body_def bodies[2];
@@ -53,7 +53,7 @@ static void begin(free_scene *scene, int32_t body_count)
     scene->def.tools = &scene->tool;
 }
 
-/* creates it and takes a step; what it says when one of the two is refused, else "" */
+/* creates it and takes a step; returns the message if one of the two is refused, else "" */
 static const char *outcome(free_scene *scene, int32_t refused_body)
 {
     static pel_error error;

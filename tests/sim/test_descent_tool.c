@@ -1,4 +1,4 @@
-/* Tools under a minimisation: what is at rest is at rest under the tool, whose force is that of its contacts. */
+/* Tools under a minimisation: equilibrium under the tool, whose force is that of its contacts. */
 #include "failing_malloc.h"
 #include "sim/descent_fixture.h"
 
@@ -20,7 +20,7 @@ static double fan_distance(const pel_mesh *mesh, const rest_state *rest, int32_t
     return sqrt(least);
 }
 
-/* what a sphere presses: forces away from it, only where it touches, and nothing goes into it */
+/* under a sphere: forces point away from it, only at contacts, and nothing penetrates it */
 static void assert_pressed_by_sphere(const press_scene *scene, pel_sim *sim)
 {
     rest_state rest = find_rest(sim);
@@ -72,7 +72,7 @@ static void test_sphere_on_springs(void **unused)
     check_sphere(0, false);
 }
 
-/* paper B's plain descent comes to the same place */
+/* paper B's plain descent reaches the same state */
 static void test_gradient_descent(void **unused)
 {
     (void)unused;
@@ -189,7 +189,7 @@ static void test_grasp(void **unused)
     press_end(&scene, sim);
 }
 
-/* a tool that goes far in a step does not come out on the other side of what it presses */
+/* a tool that moves far in a step does not pass through the body */
 static void test_fast_tool(void **unused)
 {
     (void)unused;

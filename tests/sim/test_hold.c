@@ -397,6 +397,47 @@ static void displacement_pulls_with_the_stiffness_of_the_bar(void **state)
     free(s);
 }
 
+/* One vertex on an incline, the only one that is held: it moves along the normal of the incline as told and along the
+   incline freely, so that the force on it is normal. Newton's method takes few systems, as of an exact matrix. */
+static void one_vertex_on_an_incline_is_pushed_along_its_normal(void **state)
+{
+    (void)state;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* positions in float strain a stiff sheet by 1e-7 */
+    structure *s = malloc(sizeof *s);
+    begin_bar(s);
+    s->body.pinned = s->vertices[0];
+    s->body.pinned_count = s->supports[0].vertex_count;
+    s->body.pinned_count += find(s, (const double[3]){1, 0, 0}, 0.25, s->vertices[0] + s->body.pinned_count);
+    s->support_count = 0;
+    int32_t corner = nearest(s, 2, 0.5, 0), list = MOST_SUPPORTS - 1;
+    pel_support_def *push = &s->supports[s->support_count++];
+    *push = pel_support_def_default();
+    push->name = "incline";
+    push->vertices = s->vertices[list];
+    s->vertices[list][0] = corner;
+    push->vertex_count = 1;
+    push->fix[0] = true;
+    push->fix[1] = push->fix[2] = false;
+    double normal[3] = {cos(0.6), sin(0.6), 0}, along[3] = {-sin(0.6), cos(0.6), 0}, way[3];
+    pel_vec3_copy(normal, push->axes[0]);
+    pel_vec3_copy(along, push->axes[1]);
+    push->displacement[0] = 1e-3;
+    solve(s);
+    moved(s, corner, way);
+    assert_within(pel_vec3_dot(way, normal), 1e-3, 1e-12);
+    assert_true(fabs(pel_vec3_dot(way, along)) > 1e-4);
+    pel_support_reading reading;
+    pel_sim_get_support_part(s->sim, 0, &reading);
+    assert_true(pel_vec3_dot(reading.force, normal) < -1);
+    pel_solver_reading solver;
+    pel_sim_get_solver(s->sim, &solver);
+    /* 5 systems; a matrix that is not turned does not lead to balance */
+    assert_true(solver.iterations <= 8);
+    end(s);
+    free(s);
+}
+
 static void springs_are_in_series_with_the_bar(void **state)
 {
     (void)state;
@@ -544,6 +585,7 @@ int main(void)
         cmocka_unit_test(plates_are_the_closed_forms),
         cmocka_unit_test(foundation_carries_a_beam),
         cmocka_unit_test(displacement_pulls_with_the_stiffness_of_the_bar),
+        cmocka_unit_test(one_vertex_on_an_incline_is_pushed_along_its_normal),
         cmocka_unit_test(springs_are_in_series_with_the_bar),
         cmocka_unit_test(implicit_follows_a_support),
         cmocka_unit_test(bad_supports_are_refused),

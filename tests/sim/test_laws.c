@@ -1,4 +1,4 @@
-/* One sheet for all laws under the methods that feel a material: explicit, xpbd and descent stretch it by the pull of
+/* One sheet for all laws under the methods that use a material: explicit, xpbd and descent stretch it by the pull of
    the law's closed form, pbd, which knows no stiffness, brings it back to its rest shape. */
 #include "law_forms.h"
 #include "shell_fixture.h"

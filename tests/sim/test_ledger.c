@@ -1,4 +1,4 @@
-/* The energy ledger: what goes in is there, or was taken out; whatever the method, and over snapshots. */
+/* The energy ledger: supplied energy is stored or removed, for all methods and across snapshots. */
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 #include "sim/refine_fixture.h"
@@ -187,7 +187,7 @@ static void test_free_fall(void **unused)
     }
 }
 
-/* drag takes what motion loses, to the last bits that sums have */
+/* drag dissipates the loss of kinetic energy, to the rounding of sums */
 static void test_drag_alone(void **unused)
 {
     (void)unused;

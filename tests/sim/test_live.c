@@ -1,4 +1,4 @@
-/* Changes between steps: what goes on after them, what is refused, and what is taken back. */
+/* Changes between steps: continuation, refusals, and undo. */
 #include "failing_malloc.h"
 #include "pellicle/live.h"
 #include "sim/fixture.h"
@@ -61,7 +61,7 @@ static void set(pel_sim *sim, const char *path, double value)
         fail_msg("%s", pel_error_text(&error, text, sizeof text));
 }
 
-/* ---- what goes on ---- */
+/* ---- continuation ---- */
 
 /* a change keeps time, positions, velocities, tools and ledger; its energy is the work of setters */
 static void test_goes_on(void **unused)
@@ -96,7 +96,7 @@ static void test_goes_on(void **unused)
     }
 }
 
-/* back and forth gives the bits of a run without a change, whatever was made anew in between */
+/* back and forth gives the bits of a run without a change, independent of rebuilds in between */
 static void test_there_and_back(void **unused)
 {
     (void)unused;
@@ -133,7 +133,7 @@ static void test_has_its_effect(void **unused)
     end_stage(&s);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 static void refuse(pel_sim *sim, const char *path, double value, const char *what, const char *remedy)
 {
@@ -167,7 +167,7 @@ static void test_refusals(void **unused)
     assert_int_equal(pel_set_parameter_keys(b.sim, "bodies.ball.membrane.young", &key, 1, NULL), PEL_BAD_ARGUMENT);
     assert_int_equal(pel_set_parameter_text(b.sim, "gravity", "[0, 0]", NULL), PEL_BAD_ARGUMENT);
     assert_int_equal(pel_set_parameter_text(b.sim, "solver.drag", "1x", NULL), PEL_BAD_ARGUMENT);
-    /* what was refused leaves no trace */
+    /* refused changes leave no trace */
     run_steps(a.sim, 20);
     run_steps(b.sim, 20);
     assert_int_equal(pel_sim_hash(a.sim), pel_sim_hash(b.sim));

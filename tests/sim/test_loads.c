@@ -1,7 +1,7 @@
-/* Loads that are refused, each with its number and what is wrong. */
+/* Loads that are refused, each with its number and defect. */
 #include "sim/fixture.h"
 
-/* what a case changes in a good load */
+/* change of a good load in a case */
 typedef enum fault {
     FAULT_NONE,
     BODY_BELOW,

@@ -76,7 +76,7 @@ static void test_follows_the_state(void **unused)
     end_stage(&s);
 }
 
-/* what is around a refined vertex has its level, the rest of the ball none */
+/* vertices around a refined vertex have its level, the rest of the ball level 0 */
 static void test_level(void **unused)
 {
     (void)unused;

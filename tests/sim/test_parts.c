@@ -245,7 +245,7 @@ static pel_sim *hold_sheet(sheet_scene *s, pel_method method, bool has_support, 
     return sim;
 }
 
-/* what supports feel in a step in parts is a mean, of the field of reactions as well */
+/* forces on supports in a step in parts are means, also in the field of reactions */
 static void test_supports(void **unused)
 {
     (void)unused;

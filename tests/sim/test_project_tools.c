@@ -68,7 +68,7 @@ static void add_key(sheet_scene *scene, double time, double x, double z)
 }
 
 /* A strip of Poisson's ratio 0, pulled by 5 %: the grip feels T w with the tension T = E h L (L^2 - 1) / 2 of stvk,
-   under both orders in time and with a fixed number of substeps. What it holds lies on its path, to rounding. */
+   under both orders in time and with a fixed number of substeps. Held vertices follow its path, to rounding. */
 static void test_pulled_strip(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Bodies that refine: what an event keeps, the criterion, and that a body without events is the plain body. */
+/* Bodies that refine: invariants of events, the criterion, and that a body without events equals the plain body. */
 #include "failing_malloc.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
@@ -135,7 +135,7 @@ static void test_rows(void **unused)
     end(&made);
 }
 
-/* ---- what an event keeps ---- */
+/* ---- invariants of events ---- */
 
 /* hash of all that the loops read of a body, in the order of its rows */
 static uint64_t hash_numbers(const bench *made)
@@ -417,7 +417,7 @@ static void test_criterion(void **unused)
     for (int32_t r = 0; r < pel_sim_vertex_count(made.sim, 0); r++)
         finest = levels[r] > finest ? levels[r] : finest;
     assert_int_equal(finest, 2);
-    /* the load is gone: back to the base */
+    /* without the load: back to the base */
     run_steps(made.sim, 1500);
     assert_int_equal(pel_sim_triangle_count(made.sim, 0), mesh->triangle_count);
     end(&made);
@@ -598,7 +598,7 @@ static void test_tool_stays_outside(void **unused)
     }
 }
 
-/* in whatever order vertices are asked for, what follows has the same bits */
+/* for any order of requested vertices the results have the same bits */
 static void test_order(void **unused)
 {
     (void)unused;

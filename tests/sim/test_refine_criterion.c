@@ -177,7 +177,7 @@ static void test_box_of_tool(void **unused)
     assert_true(near_count > 100 && far_count > near_count);
 }
 
-/* refined before it touches, near it alone, and given up when it has gone */
+/* refined before it touches, only near it, and coarsened after it has left */
 static void test_near_tools(void **unused)
 {
     (void)unused;
@@ -323,7 +323,7 @@ static void test_stronger_displaces(void **unused)
         assert_int_equal(pel_sim_surface_revision(made.sim, 0), events);
         finest_levels(&made, top, 0.5, &top_level, &other);
         finest_levels(&made, bottom, 0.5, &bottom_level, &other);
-        /* what is pressed alike keeps what it has, what is pressed harder gets it */
+        /* equally pressed places keep their refinement, harder pressed ones get it */
         assert_int_equal(stronger ? bottom_level : top_level, 2);
         assert_valid(&made);
         end(&made);
@@ -402,7 +402,7 @@ static void begin_late(pushed_ball *b, const double forces[3])
     assert_true(forces[1] == 0 || is_hot(b, 1));
 }
 
-/* what comes late and is more than twice as strong takes the room of the weakest */
+/* a late candidate that is more than twice as strong replaces the weakest */
 static void test_weakest_goes(void **unused)
 {
     (void)unused;
@@ -415,7 +415,7 @@ static void test_weakest_goes(void **unused)
     end(&b.made);
 }
 
-/* what is stronger, but not twice as strong, has to wait */
+/* a candidate that is stronger, but not twice as strong, has to wait */
 static void test_little_stronger_waits(void **unused)
 {
     (void)unused;

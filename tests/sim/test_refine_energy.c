@@ -108,7 +108,7 @@ static void test_sheet(void **unused)
         }
 }
 
-/* what a rigid motion leaves without energy stays so, and nothing moves for rounding */
+/* a rigid motion keeps zero energy, and rounding moves nothing */
 static void test_rigid(void **unused)
 {
     (void)unused;

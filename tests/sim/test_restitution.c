@@ -116,7 +116,7 @@ static void test_drop(void **unused)
     }
     assert_near(rebound(PEL_METHOD_XPBD, 2e-3, 1e7, true, 0.5), 0.25, 0.02);
     assert_near(rebound(PEL_METHOD_XPBD, 2e-3, 1e7, true, 0.8), 0.64, 0.03);
-    /* left out: what the elasticity gives back */
+    /* excluded: the elastic rebound */
     assert_true(rebound(PEL_METHOD_XPBD, 2e-3, 1e7, true, -1) > 0.4);
 }
 
@@ -165,7 +165,7 @@ static void test_free_pair(void **unused)
         }
 }
 
-/* what bounces comes to rest on the floor and stays, and the floor carries it */
+/* a bouncing body comes to rest on the floor and stays, and the floor carries it */
 static void test_rest(void **unused)
 {
     (void)unused;

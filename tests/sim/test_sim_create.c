@@ -1,4 +1,4 @@
-/* Defs of simulations that are refused, each with what is wrong. */
+/* Defs of simulations that are refused, each with its defect. */
 #include "sim/fixture.h"
 
 #include "base/pool.h"

@@ -1,5 +1,5 @@
-/* Snapshots: one that was made with any other member of a def is refused with the name of what differs; so are other
-   versions, other precisions and damage, and nothing is touched by that. */
+/* Snapshots: one made with any other member of a def is refused with the name of the difference; so are other versions,
+   other precisions and damage, and a refusal changes nothing. */
 #include "sim/fixture.h"
 
 #include "failing_malloc.h"
@@ -471,7 +471,7 @@ static void test_changes(void **unused)
     check_changes(make_shell, change_shell, 30);
 }
 
-/* what decides nothing may differ */
+/* members that do not affect results may differ */
 static void test_no_change(void **unused)
 {
     (void)unused;
@@ -553,7 +553,7 @@ static void test_damage(void **unused)
     free_setup(s);
 }
 
-/* what is written on purpose, with the right checksum, is loaded or refused; steps end in an error or not */
+/* deliberately changed bytes with the right checksum are loaded or refused; steps may fail or not */
 static void test_forged(void **unused)
 {
     (void)unused;
@@ -590,7 +590,7 @@ static void test_forged(void **unused)
 
 /* ---- steps after a load ---- */
 
-/* the search for pairs counts on as if nothing had been, whatever the surface of the sim that loads */
+/* the search for pairs continues its counts, for any surface of the loading sim */
 static void test_statistics(void **unused)
 {
     (void)unused;

@@ -162,7 +162,7 @@ static void test_strips(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* ---- what is chosen ---- */
+/* ---- chosen substeps ---- */
 
 static void test_choice(void **unused)
 {

@@ -119,7 +119,11 @@ static int32_t list_walls(void *context, const int32_t (**vertices)[4], int32_t 
 
 static pel_newton_terms terms_of(walls *w)
 {
-    return (pel_newton_terms){w, evaluate_walls, add_walls, list_walls, NULL, true};
+    return (pel_newton_terms){.context = w,
+                              .evaluate = evaluate_walls,
+                              .add_matrix = add_walls,
+                              .list_couplings = list_walls,
+                              .has_kinks = true};
 }
 
 /* vertices that share no element: opposite ones */

@@ -322,6 +322,46 @@ static void test_folder(void **unused)
     free(pixels[1]);
 }
 
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* a plate that covers the picture is seen, but hides little: white behind it keeps nine tenths of its light */
+static void test_plate(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *run = "plate-run", *frame = "f0.vtp";
+    double time = 0;
+    mkdir(run, 0777);
+    assert_int_equal(link("render-run/f0.vtp", "plate-run/f0.vtp"), 0);
+    assert_int_equal(pel_pvd_write("plate-run/frames.pvd", &frame, &time, 1, NULL), PEL_OK);
+    write_text("plate-run/scene.yaml", "version: 1\n"
+                                       "bodies: [{ name: ball, mesh: { shape: geodesic-sphere }, springs: {} }]\n"
+                                       "tools:\n"
+                                       "  - name: plate\n"
+                                       "    shape: box\n"
+                                       "    size: [40, 40, 0.1]\n"
+                                       "    motion: [{ time: 0, position: [0, 0, 1.1] }]\n"
+                                       "duration: 1\n");
+    write_text("plate-run/series.csv", "frame,time,plate_x,plate_y,plate_z\n0,0,0,0,1.1\n");
+    pel_render_def def = make_def(&run, 1, "render-plate.png");
+    def.field = "none";
+    def.angle.elevation = 60;
+    assert_int_equal(pel_render(&def, NULL, NULL, NULL), PEL_OK);
+    size_t size;
+    uint8_t *pixels = read_png("render-plate.png", &size);
+    const uint8_t *corner = pixels + 4 * ((size_t)WIDTH * 20 + 20);
+    print_message("%d\n", corner[0]);
+    assert_in_range(corner[0], 225, 250);
+    free(pixels);
+}
+
 static void check_refused(const pel_render_def *def, pel_status expected, const char *what)
 {
     pel_error error;
@@ -534,7 +574,8 @@ int main(void)
         cmocka_unit_test(test_golden),     cmocka_unit_test(test_fields),        cmocka_unit_test(test_peak),
         cmocka_unit_test(test_zero_field), cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder),
         cmocka_unit_test(test_bad_defs),   cmocka_unit_test(test_film),          cmocka_unit_test(test_ground),
-        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
+        cmocka_unit_test(test_plate),      cmocka_unit_test(test_not_finite),    cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");

@@ -104,7 +104,7 @@ function format(value) {
 
 const numbers = (...values) => values.flatMap((value) => (typeof value === "object" ? Array.from(value) : [value])).join(" ");
 
-// a handle of the module over a scene in a folder of its own
+// a handle of the module for a scene in its own folder
 class Handle {
     constructor(memory, kind, text, { files = {}, path = "scene.yaml", set = {} } = {}) {
         this.memory = memory;
@@ -142,7 +142,7 @@ class Handle {
         return new PellicleError(JSON.parse(this.local(this.text("error"))));
     }
 
-    // throws what the last call failed of
+    // throws the error of the last call
     check() {
         if (this.call("status") !== 0) throw this.error();
     }
@@ -347,7 +347,7 @@ export class Live {
         this.#handle.memory.withText(line, (at) => this.#handle.call("line", at));
     }
 
-    // does what is due and returns the seconds until the next turn
+    // executes due steps and returns the seconds until the next turn
     turn() {
         const rest = this.#handle.call("turn");
         for (;;) {

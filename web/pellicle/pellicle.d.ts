@@ -21,7 +21,7 @@ export class PellicleError extends Error {
 export interface SceneOptions {
     /** Mesh files of the scene, by the paths that the scene uses: text or bytes. */
     files?: Record<string, string | Uint8Array | ArrayBuffer>;
-    /** Name of the scene in messages; its folder is that of the mesh paths. Default: scene.yaml */
+    /** Name of the scene in messages; mesh paths are relative to its folder. Default: scene.yaml */
     path?: string;
     /** Changes to the scene, as `--set` of the program: { "solver.dt": 0.005 } */
     set?: Record<string, Value>;
@@ -109,7 +109,7 @@ export interface Summary {
 }
 
 /**
- * A simulation of a scene. Every method throws a PellicleError for what the library refuses; the simulation is unchanged
+ * A simulation of a scene. Every method throws a PellicleError if the library refuses the call; the simulation is unchanged
  * then. Arrays of `positions`, `triangles` and `field` are views of the memory of the module without a copy: they hold
  * until the next call of anything of the package. Copy them with `slice()` to keep them.
  */
@@ -121,12 +121,12 @@ export interface Simulation {
     readonly fields: readonly Field[];
     /** the box about all bodies at rest, m */
     readonly box: { readonly low: readonly number[]; readonly high: readonly number[] };
-    /** what the reader of meshes changed, such as quads that were cut */
+    /** changes made by the mesh reader, such as triangulated quads */
     readonly notes: readonly string[];
     /** s */
     readonly time: number;
     readonly stepCount: number;
-    /** that of the native program in the same state (docs/javascript.md says where) */
+    /** equal to the native program's in the same state (exceptions: docs/javascript.md) */
     readonly hash: string;
     summary(): Summary;
 
@@ -174,7 +174,7 @@ export interface Simulation {
 /** A simulation at the pace of the clock that speaks the messages of the page of `pellicle live`. */
 export interface Live {
     send(line: string): void;
-    /** Does what is due and returns the seconds until the next turn. */
+    /** Executes due steps and returns the seconds until the next turn. */
     turn(): number;
     dispose(): void;
 }

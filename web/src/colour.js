@@ -1,4 +1,4 @@
-// Colour maps and the rule that chooses map and range: those of `pellicle render` (view/color_map.c, view/render.c).
+// Colour maps and the rule that chooses map and range, as in `pellicle render` (view/color_map.c, view/render.c).
 // tests/view/test_color_map.c compares the anchors, at equal distances, with the formulas there.
 const anchors = {
     viridis: "470155 48186a 472d7b 434086 3d528c 34638e 2b728e 23818d 1f908b 219f87 2aae80 3dbc74 5ac861 80d349 acdc30 d8e21d fce721",

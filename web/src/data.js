@@ -7,7 +7,7 @@ function frameSize(run, frame, known) {
     return vertices * values + (known.has(frame.topology) ? 0 : 12 * triangles);
 }
 
-// 0, 1, 2, 3, ... stand for 0, -1, 1, -2, ...
+// 0, 1, 2, 3, ... encode 0, -1, 1, -2, ...
 const unfold = (folded) => (folded >>> 1) ^ -(folded & 1);
 
 function readCorners(bytes, count) {
@@ -195,7 +195,7 @@ export function fillPositions(run, index, weight, positions) {
     }
 }
 
-// fills values: those of a scalar, the magnitudes of a vector
+// fills values: scalars, or magnitudes of vectors
 export function fillValues(run, field, index, weight, values) {
     const [low, high] = field.range;
     const scale = (high - low) / (field.bits === 16 ? 65535 : 255);

@@ -1,4 +1,4 @@
-// What stands around the picture: facts of the runs, what was thinned, the scene, versions and the state's hash.
+// Details around the picture: facts of the runs, notes on thinning, the scene, versions and the state's hash.
 import { formatNumber, plainName, unitOf, withUnit } from "./format.js";
 
 function element(tag, className, text) {
@@ -77,7 +77,7 @@ function makeTable(title, heads, rows) {
 const share = (part, whole) => (whole > 0 ? `${formatNumber((100 * part) / whole)} %` : "–");
 const whole = (number) => (Number.isFinite(number) ? number.toLocaleString("en") : "–");
 
-// what the stages of the search let through, and what each part of contact took; none without contact
+// candidates after each stage of the search, and the time of each part of contact; none without contact
 function contactTables(run) {
     const contact = run.facts.contact;
     if (!contact) return [];

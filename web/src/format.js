@@ -21,7 +21,7 @@ export function formatNumber(value, digits = 3) {
     return `${short.replace("-", "−")}·10${superscript(Number(power))}`;
 }
 
-// numbers that stand together: one power of ten for all, and digits for their steps, or `digits` of the largest
+// numbers shown together: one power of ten for all, and digits for their steps, or `digits` of the largest
 export function formatTogether(values, digits = 0) {
     const largest = Math.max(...values.map(Math.abs));
     if (!(largest > 0) || !Number.isFinite(largest)) return values.map((value) => formatNumber(value));

@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatNumber, formatTogether, plainName, unitOf } from "./format.js";
 
-// which columns stand together; the first group that takes a column has it, the last takes what is left over
+// groups of columns; a column belongs to the first group that accepts it, the last group takes the rest
 const groups = [
     { title: "Volume and area", unit: "ratio", takes: (name) => /_ratio$/.test(name) },
     { title: "Energy", unit: "J", takes: (name) => /_energy$/.test(name) },
