@@ -257,6 +257,15 @@ async function sliding(page) {
     await number.press("Enter");
     await until(page, () => [...document.querySelectorAll(".refused")].some((text) => !text.hidden && text.textContent.includes("stiffness")));
     assert.equal(await valueOf(path), changed, "a value that is refused changes nothing");
+    // a second refusal stands there too, not over the picture
+    await page.evaluate((path) => globalThis.pellicle.send(`set ${path} -6`), path);
+    await until(page, () => [...document.querySelectorAll(".refused")].some((text) => !text.hidden && text.textContent.includes("-6")));
+    assert.ok(await page.evaluate(() => document.getElementById("notice").hidden));
+    const isSeen = () => {
+        const box = [...document.querySelectorAll(".refused")].find((text) => !text.hidden).getBoundingClientRect();
+        return box.top >= 0 && box.bottom <= innerHeight;
+    };
+    assert.ok(await page.evaluate(isSeen), "what is refused is in sight");
     await picture(page, "refused");
     await number.fill("3");
     await number.press("Enter");
@@ -284,10 +293,120 @@ async function measuring(page) {
     const box = await page.locator("#view").boundingBox();
     await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
     await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));
+    const covers = () => {
+        const [line, label] = ["ruler", "length"].map((id) => document.getElementById(id));
+        return label.getBoundingClientRect().top <= line.firstElementChild.getBoundingClientRect().bottom;
+    };
+    assert.equal(await page.evaluate(covers), false, "the label stands below the line");
     const beyond = () => document.getElementById("length").getBoundingClientRect().right - document.getElementById("view").getBoundingClientRect().right;
     assert.ok((await page.evaluate(beyond)) <= 0, "the label is inside the picture");
     await picture(page, "measure");
     await page.click("[data-mode=pull]");
+}
+
+// the pressure that no scene has; undo takes it back
+async function inflating(page) {
+    await page.click("#restart");
+    await until(page, () => globalThis.pellicle.frame.step === 0 && globalThis.pellicle.frame.hash);
+    const { hash } = await frame(page);
+    const slider = page.locator('[id="p-inflate.sphere"]');
+    await slider.evaluate((input) => {
+        input.value = 300;
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+        input.dispatchEvent(new Event("change", { bubbles: true }));
+    });
+    await page.click("#play");
+    await until(page, () => globalThis.pellicle.plots.rows.at(-1).volume_ratio > 1.01);
+    await picture(page, "inflated");
+    await page.click("#undo");
+    await pause(page);
+    await page.click("#restart");
+    await until(page, (hash) => globalThis.pellicle.frame.hash === hash, hash);
+    assert.match(await slider.getAttribute("aria-valuetext"), /^0 Pa/);
+}
+
+async function typing(page) {
+    const camera = () => page.evaluate(() => globalThis.pellicle.stage.camera.position.toArray().join(" "));
+    const press = (key) => page.keyboard.press(key);
+    await page.focus("#view");
+    await press(" ");
+    await until(page, () => globalThis.pellicle.frame.playing);
+    await press(" ");
+    await until(page, () => !globalThis.pellicle.frame.playing);
+    const { step } = await frame(page);
+    await press("s");
+    await until(page, (step) => globalThis.pellicle.frame.step === step + 1, step);
+    for (const [i, mode] of ["pull", "press", "pin", "unpin", "measure", "turn"].entries()) {
+        await press(String(i + 1));
+        assert.equal(await page.evaluate(() => globalThis.pellicle.state.mode), mode);
+    }
+    for (const key of ["+", "-", "Shift+ArrowLeft", "Shift+ArrowUp", "v"]) {
+        const before = await camera();
+        await press(key);
+        assert.notEqual(await camera(), before, key);
+    }
+    await press("?");
+    await page.waitForSelector("#keys[open]");
+    await picture(page, "keys");
+    await press("Escape");
+    await page.waitForSelector("#keys:not([open])", { state: "attached" });
+    await page.evaluate(() =>
+        document.getElementById("file").addEventListener("click", (event) => {
+            event.preventDefault();
+            document.body.dataset.asked = "yes";
+        }, { once: true }),
+    );
+    await press("o");
+    assert.equal(await page.getAttribute("body", "data-asked"), "yes", "o opens a scene");
+    await press("r");
+    await until(page, () => globalThis.pellicle.frame.step === 0);
+    await press("1");
+}
+
+// a tool of the scene has its force in the plot; the whole of a body that went away comes into the picture
+async function following(browser) {
+    const path = join(folder, "falling.yaml");
+    writeFileSync(
+        path,
+        "version: 1\nbodies:\n" +
+            "  - { name: sphere, mesh: { shape: geodesic-sphere, frequency: 5 }, mass: { total: 1 },\n" +
+            "      springs: { stiffness: 30, damping: 1 }, volumetric: { stiffness: 20, damping: 1 } }\n" +
+            "tools: [{ name: probe, shape: sphere, radius: 0.3, motion: [{ time: 0, position: [0, 0, 1.35] }, { time: 0.2, position: [0, 0, 1.1] }] }]\n" +
+            "solver: { method: quasi-static, dt: 0.01 }\nduration: 9\n",
+    );
+    const server = await serve(path);
+    const { page, errors } = await browser.visit(server.address);
+    await until(page, () => globalThis.pellicle.plots.rows.at(-1)?.["force of probe"] > 0.01);
+    assert.match(await page.textContent("#plots figure"), /Force of hand and tools.*hand.*probe/);
+    await picture(page, "tool");
+    // another scene, in free fall
+    const falling =
+        "version: 1\nbodies: [{ name: sphere, mesh: { shape: geodesic-sphere, frequency: 5 }, mass: { total: 1 }, springs: { stiffness: 30, damping: 0 } }]\n" +
+        "gravity: [0, 0, -9.81]\nsolver: { method: explicit, dt: 0.004, drag: 0 }\nduration: 9\n";
+    await page.evaluate((text) => {
+        globalThis.pellicle.send(`open ${text}`);
+        globalThis.pellicle.send("play");
+    }, falling);
+    await until(page, () => globalThis.pellicle.plots.tools.length === 0);
+    assert.match(await page.textContent("#plots figure"), /^Force of the hand/);
+    await until(page, () => globalThis.pellicle.plots.rows.at(-1)?.max_displacement > 4);
+    await pause(page);
+    const outside = () => {
+        const { stage } = globalThis.pellicle;
+        const { clientWidth: width, clientHeight: height } = document.getElementById("view");
+        const [body] = stage.bodies;
+        return [...Array(body.count).keys()].filter((v) => {
+            const { x, y } = stage.project(body.point({ corners: [v], weights: [1] }));
+            return x < 0 || y < 0 || x > width || y > height;
+        }).length;
+    };
+    await page.click("#reset");
+    await page.waitForTimeout(200);
+    await picture(page, "followed");
+    assert.equal(await page.evaluate(outside), 0, "the whole body is in the picture");
+    assert.deepEqual(errors, []);
+    await page.close();
+    await server.stop();
 }
 
 // what was done since the start, saved as the user does, gives the same bits in a run
@@ -385,6 +504,8 @@ try {
     await pinning(page);
     await colouring(page);
     await measuring(page);
+    await inflating(page);
+    await typing(page);
     await pressingMeshes(page);
     const { hash, step } = (await pause(page), await frame(page));
     const file = await saving(page);
@@ -397,7 +518,8 @@ try {
     await intruding(browser, server.address);
     await server.stop();
     await shelling(browser);
-    console.log("the live page pulls, presses with shapes and meshes, films, pins, slides, colours, measures, saves and repeats");
+    await following(browser);
+    console.log("the live page pulls, presses with shapes and meshes, films, pins, slides, inflates, colours, measures, follows, saves and repeats, by pointer and keys");
 } finally {
     server.end();
     await browser.close();

@@ -166,9 +166,10 @@ function drawPicture() {
 
 let lastTexts = 0;
 function showTexts(now) {
-    if (frame.playing && now - lastTexts < 120) return;
-    lastTexts = now;
+    const changes = state.playing !== frame.playing;
     state.playing = frame.playing;
+    if (frame.playing && !changes && now - lastTexts < 120) return;
+    lastTexts = now;
     document.body.classList.toggle("playing", frame.playing);
     $("play").setAttribute("aria-label", frame.playing ? "Pause" : "Play");
     $("undo").disabled = frame.undo === 0;
