@@ -71,7 +71,11 @@ static pel_status make_folders(const char *folder, pel_error *error)
 
 static void put_hash(char text[HASH_DIGITS + 2], const char *row, size_t length)
 {
-    snprintf(text, HASH_DIGITS + 2, "%016" PRIx64 " ", pel_hash_block(PEL_HASH_START, row, length));
+    uint64_t hash = pel_hash_block(PEL_HASH_START, row, length);
+    for (int i = 0; i < HASH_DIGITS; i++)
+        text[i] = "0123456789abcdef"[(hash >> (4 * (HASH_DIGITS - 1 - i))) & 15];
+    text[HASH_DIGITS] = ' ';
+    text[HASH_DIGITS + 1] = '\0';
 }
 
 /* the row of a line without its newline, null when the line is none */
