@@ -154,3 +154,14 @@ pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, con
     pel_free(lengths);
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
+
+double pel_mesh_diagonal(const pel_mesh *mesh)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++) {
+            low[c] = fmin(low[c], mesh->positions[v][c]);
+            high[c] = fmax(high[c], mesh->positions[v][c]);
+        }
+    return pel_vec3_distance(low, high);
+}
