@@ -3,6 +3,7 @@
 #include "base/status.h"
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "pellicle/topology.h"
@@ -23,8 +24,7 @@ enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share from which one step is enough */
 #define JAM_AT_ONCE 0.5
 enum { JAM_STEPS = 10 };
-/* m, and thickness over size: a larger body as thin as that is probably measured in millimetres */
-#define LARGE_BODY 20.0
+/* thickness over size: a large body as thin as that is probably measured in millimetres */
 #define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
@@ -81,19 +81,6 @@ static double mean_of(const pel_quantity *quantity, int32_t count)
     for (int32_t v = 0; quantity->field != NULL && v < count; v++)
         sum += quantity->field[v] / count;
     return quantity->field != NULL ? sum : quantity->value;
-}
-
-/* the box about a mesh */
-static void measure_box(const pel_mesh *mesh, double low[3], double high[3])
-{
-    for (int c = 0; c < 3; c++) {
-        low[c] = HUGE_VAL;
-        high[c] = -HUGE_VAL;
-        for (int32_t v = 0; v < mesh->vertex_count; v++) {
-            low[c] = fmin(low[c], mesh->positions[v][c]);
-            high[c] = fmax(high[c], mesh->positions[v][c]);
-        }
-    }
 }
 
 static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
@@ -177,11 +164,9 @@ static void check_size(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
     const pel_membrane_def *membrane = &body->shell.membrane;
-    double low[3], high[3];
-    measure_box(body->mesh, low, high);
-    double size = pel_vec3_distance(low, high), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
-    if (size > LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
-        flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
+    double size = pel_mesh_diagonal(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
+    if (size > PEL_LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
+        flag_body(run, PEL_WARN_MILLIMETRES, b, size, PEL_LARGE_BODY);
 }
 
 /* the model turned inside-out parts, so that pressure and volume have their usual sign */
@@ -681,7 +666,7 @@ static void tell_idle_tool(const text_context *at)
         pel_tool_def_pose(tool, HUGE_VAL, last, rotation);
     const pel_body_def *body = &scene->model.bodies[tool != NULL && tool->body > 0 ? tool->body : 0];
     double low[3], high[3];
-    measure_box(body->mesh, low, high);
+    pel_mesh_box(body->mesh, low, high);
     snprintf(
         at->text, at->size,
         "tool '%s' moves but touches nothing: its force is 0 throughout. its last position is (%.3g, %.3g, %.3g) m; "
