@@ -141,32 +141,51 @@ static int load(const cli_call *call, const char *const *settings, int setting_c
 
 /* ---- the server ---- */
 
-/* opens the browser of the desktop; false if there is none */
-static bool open_browser(const char *address)
+typedef struct serving {
+    const cli_call *call;
+    pid_t opener; /* the process that opens the browser; 0 = none is left */
+} serving;
+
+/* Starts the browser of the desktop, which may run in the foreground: the server does not wait for it. */
+static pid_t open_browser(const char *address)
 {
-    int status = -1;
     pid_t child = fork();
-    if (child == 0) {
-        if (freopen("/dev/null", "w", stdout) != NULL && freopen("/dev/null", "w", stderr) != NULL)
-            execlp("xdg-open", "xdg-open", address, (char *)NULL);
-        _exit(127);
-    }
-    return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (child != 0)
+        return child;
+    setsid();
+    if (freopen("/dev/null", "w", stdout) != NULL && freopen("/dev/null", "w", stderr) != NULL)
+        execlp("xdg-open", "xdg-open", address, (char *)NULL);
+    _exit(127);
+}
+
+static void note_no_browser(void)
+{
+    fputs("note: no browser could be opened: open the address by hand\n", stderr);
 }
 
 static void tell_address(void *user, const char *address)
 {
-    const cli_call *call = user;
+    serving *s = user;
     cli_catch_stop("");
     printf("live at %s\n", address);
     fflush(stdout);
-    if (!cli_has(call, "no-open") && !open_browser(address))
-        fputs("note: no browser could be opened: open the address by hand\n", stderr);
+    if (cli_has(s->call, "no-open"))
+        return;
+    s->opener = open_browser(address);
+    if (s->opener < 0)
+        note_no_browser();
 }
 
+/* takes leave of the opener once it has ended */
 static bool is_wanted(void *user)
 {
-    (void)user;
+    serving *s = user;
+    int status = 0;
+    if (s->opener > 0 && waitpid(s->opener, &status, WNOHANG) == s->opener) {
+        s->opener = 0;
+        if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+            note_no_browser();
+    }
     return !cli_stop_asked();
 }
 
@@ -174,6 +193,7 @@ static int serve(const cli_call *call, const pel_scene *scene)
 {
     char found[PATH_SIZE];
     pel_server_def def = pel_server_def_default();
+    serving state = {.call = call};
     pel_error error;
     def.scene = scene;
     def.page = cli_value(call, "page");
@@ -188,7 +208,7 @@ static int serve(const cli_call *call, const pel_scene *scene)
     def.paused = cli_has(call, "paused");
     def.opened = tell_address;
     def.wanted = is_wanted;
-    def.user = (void *)(uintptr_t)call;
+    def.user = &state;
     def.log = cli_has(call, "quiet") ? NULL : &cli_notes;
     if (pel_serve(&def, &error) == PEL_OK)
         return CLI_DONE;

@@ -12,8 +12,9 @@ extern "C" {
 
 typedef struct pel_server_def {
     const pel_scene *scene;
-    const char *page;     /* path of the page, one file */
-    const char *host;     /* address of an interface; null = 127.0.0.1, which only this machine reaches */
+    const char *page; /* path of the page, one file */
+    /* IPv4 address of an interface; null = 127.0.0.1, which only this machine reaches; 0.0.0.0 = all */
+    const char *host;
     int32_t port;         /* 0 = any that is free */
     int32_t thread_count; /* 0 = as the scene says */
     bool paused;          /* does not begin when the first page comes */

@@ -200,8 +200,16 @@ unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *s
 
 /* ---- parameters ---- */
 
+/* factors over time have no number to set: pages show them */
+static bool is_curve(const pel_parameter_info *info)
+{
+    const char *last = strrchr(info->row, '.');
+    return last != NULL && strcmp(last, ".keys") == 0;
+}
+
 static void put_parameter(pel_json *json, const pel_parameter_info *info)
 {
+    bool is_shown_only = info->is_live && is_curve(info);
     static const char *const kinds[] = {"number", "integer", "switch", "word", "vector"};
     put_string(json, "path", info->path);
     put_string(json, "row", info->row);
@@ -213,9 +221,9 @@ static void put_parameter(pel_json *json, const pel_parameter_info *info)
     put_flag(json, "auto", info->may_be_auto);
     put_flag(json, "keyed", info->is_keyed);
     put_flag(json, "field", info->is_field);
-    put_flag(json, "live", info->is_live);
-    put_string(json, "refusal", info->refusal);
-    put_string(json, "remedy", info->remedy);
+    put_flag(json, "live", info->is_live && !is_shown_only);
+    put_string(json, "refusal", is_shown_only ? "it is a factor over time" : info->refusal);
+    put_string(json, "remedy", is_shown_only ? "change the keys in the scene" : info->remedy);
     put_numbers(json, "preset", info->preset, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
     put_numbers(json, "value", info->value, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
     if (info->words == NULL)

@@ -25,8 +25,8 @@
 #define PACE_SECONDS 0.5
 /* steps a second of methods that look for rest */
 #define REST_STEP_SECONDS (1.0 / 60)
-/* intervals in a row that are slow before it is told: browsers compile the first steps in a hurry */
-enum { SLOW_INTERVALS = 3 };
+/* s in a row that are slow before it is told: browsers compile the first steps in a hurry */
+#define SLOW_SECONDS 1.5
 
 struct pel_player {
     const pel_server_def *def;
@@ -51,7 +51,7 @@ struct pel_player {
     double interval_at, interval_time, interval_stepping, interval_serving;
     int64_t interval_steps;
     double pace, step_ms, serving;
-    int slow_intervals; /* in a row */
+    double slow_seconds; /* in a row */
     bool has_told_slow;
 };
 
@@ -72,7 +72,7 @@ static void tell(pel_player *player, const char *kind, const char *text)
 }
 
 /* kind: "error", or "refused" for the value of a parameter */
-static void tell_error(pel_player *player, const char *kind, const char *before, const pel_error *error)
+static void say_error(pel_player *player, const char *kind, const char *before, const pel_error *error)
 {
     char text[1200], whole[1300];
     pel_error_text(error, text, sizeof text);
@@ -80,6 +80,37 @@ static void tell_error(pel_player *player, const char *kind, const char *before,
     snprintf(whole, sizeof whole, "%s%s", before, what);
     tell(player, kind, whole);
     pel_log_line(player->def->log, "%s", whole);
+}
+
+static void forget_place(pel_error *error)
+{
+    error->file[0] = '\0';
+    error->line = error->column = 0;
+}
+
+/* an error of the present simulation: bodies, loads and tools by name; its cause stands on the page, not in the scene
+ */
+static void tell_error(pel_player *player, const char *kind, const char *before, const pel_error *error)
+{
+    pel_error named = *error;
+    pel_scene_locate(player->scene, &named);
+    if (error->file[0] == '\0')
+        forget_place(&named);
+    say_error(player, kind, before, &named);
+}
+
+/* an error of a scene that came as text; scene: nullable, as far as it was read */
+static void tell_not_opened(pel_player *player, const pel_scene *scene, pel_error *error)
+{
+    char before[80] = "the scene was not opened. ";
+    pel_scene_locate(scene, error);
+    if (strcmp(error->file, player->def->scene->path) == 0) {
+        if (error->line > 0)
+            snprintf(before, sizeof before, "the scene was not opened. line %d, column %d: ", (int)error->line,
+                     (int)error->column);
+        forget_place(error);
+    }
+    say_error(player, "error", before, error);
 }
 
 static void post_hello(pel_player *player)
@@ -190,7 +221,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
-    player->slow_intervals = 0;
+    player->slow_seconds = 0;
     player->has_told_slow = false;
     return PEL_OK;
 }
@@ -217,8 +248,8 @@ static void open_scene(pel_player *player, const char *text, const char *setting
     if (status == PEL_OK)
         status = start_scene(&next, &error);
     if (status != PEL_OK) {
+        tell_not_opened(player, next.scene, &error);
         close_scene(&next);
-        tell_error(player, "error", "the scene was not opened. ", &error);
         return;
     }
     close_scene(player);
@@ -258,20 +289,39 @@ static void play(pel_player *player, bool playing)
     begin_interval(player, player->due);
 }
 
-/* the remedy that fits where a step takes longer than it may */
-static void tell_slow(pel_player *player)
+static bool has_parameter(const pel_player *player, const char *path)
+{
+    pel_parameter_info info;
+    return pel_parameter_find(player->sim, path, &info, NULL) == PEL_OK;
+}
+
+/* what shortens the steps of the scene, or lets one last longer */
+static const char *suit_remedy(const pel_player *player)
+{
+    const pel_method method = player->scene->sim.solver.method;
+    if (player->step_seconds < player->scene->sim.solver.dt)
+        return "a coarser mesh helps";
+    if (method == PEL_METHOD_EXPLICIT)
+        return "a coarser mesh helps, or the method xpbd with a longer solver.dt";
+    if (has_parameter(player, "solver.substeps"))
+        return "a lower solver.substeps, a coarser mesh or a longer solver.dt helps";
+    if (has_parameter(player, "solver.iterations"))
+        return "a lower solver.iterations, a coarser mesh or a longer solver.dt helps";
+    return "a coarser mesh or a longer solver.dt helps";
+}
+
+/* length: s of the clock of the interval */
+static void tell_slow(pel_player *player, double length)
 {
     char text[300];
-    const char *remedy = player->scene->sim.contact.enabled ? "a coarser mesh or a longer dt"
-                                                            : "fewer substeps, a coarser mesh or a longer dt";
     bool is_slow = player->pace <= 0.8 && player->pace > 0;
-    player->slow_intervals = is_slow ? player->slow_intervals + 1 : 0;
-    if (player->slow_intervals < SLOW_INTERVALS || player->has_told_slow)
+    player->slow_seconds = is_slow ? player->slow_seconds + length : 0;
+    if (player->slow_seconds < SLOW_SECONDS || player->has_told_slow)
         return;
     player->has_told_slow = true;
     snprintf(text, sizeof text,
-             "slower than real time: %.2g s of simulation in a second, %.3g ms a step of %.3g ms. %s helps",
-             player->pace, player->step_ms, 1e3 * player->step_seconds, remedy);
+             "slower than real time: %.2g s of simulation in a second, %.3g ms a step of %.3g ms. %s", player->pace,
+             player->step_ms, 1e3 * player->step_seconds, suit_remedy(player));
     tell(player, "note", text);
 }
 
@@ -286,7 +336,7 @@ static void end_interval(pel_player *player, double now)
         player->pace = (pel_sim_time(player->sim) - player->interval_time) / length;
     player->step_ms = 1e3 * player->interval_stepping / (double)player->interval_steps;
     player->serving = player->interval_serving / length;
-    tell_slow(player);
+    tell_slow(player, length);
     begin_interval(player, now);
 }
 

@@ -7,9 +7,11 @@
 #include "base/status.h"
 #include "live/player.h"
 
+#include <arpa/inet.h>
 #include <libwebsockets.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 enum { SERVER_COOKIE = 0x73727621, TOKEN_BYTES = 16, HOST_SIZE = 300, BEAT_MICROSECONDS = 100000 };
@@ -52,24 +54,35 @@ static bool is_same(const char *a, const char *b)
     return different == 0;
 }
 
-static bool is_host(const server *s, const char *name)
+/* the address that was printed, localhost, or the address of this machine that the page has reached: the server may
+   listen at several (0.0.0.0) */
+static bool is_host(const server *s, struct lws *wsi, const char *name)
 {
-    return strcmp(name, s->host) == 0 || strcmp(name, s->local) == 0;
+    char reached[HOST_SIZE], digits[INET_ADDRSTRLEN];
+    struct sockaddr_in at = {0};
+    socklen_t size = sizeof at;
+    if (strcmp(name, s->host) == 0 || strcmp(name, s->local) == 0)
+        return true;
+    if (getsockname(lws_get_socket_fd(wsi), (struct sockaddr *)&at, &size) != 0 || at.sin_family != AF_INET ||
+        inet_ntop(AF_INET, &at.sin_addr, digits, sizeof digits) == NULL)
+        return false;
+    snprintf(reached, sizeof reached, "%s:%d", digits, (int)ntohs(at.sin_port));
+    return strcmp(name, reached) == 0;
 }
 
-/* the token, the Host that was printed, and no page of another origin */
+/* the token, a Host of this server, and no page of another origin */
 static bool may_come(const server *s, struct lws *wsi)
 {
     char text[HOST_SIZE + 16];
     const char *token = lws_get_urlarg_by_name(wsi, "token=", text, sizeof text);
     if (token == NULL || !is_same(token, s->token))
         return false;
-    if (lws_hdr_copy(wsi, text, sizeof text, WSI_TOKEN_HOST) <= 0 || !is_host(s, text))
+    if (lws_hdr_copy(wsi, text, sizeof text, WSI_TOKEN_HOST) <= 0 || !is_host(s, wsi, text))
         return false;
     if (lws_hdr_total_length(wsi, WSI_TOKEN_ORIGIN) == 0)
         return true;
     return lws_hdr_copy(wsi, text, sizeof text, WSI_TOKEN_ORIGIN) > 0 && strncmp(text, "http://", 7) == 0 &&
-           is_host(s, text + 7);
+           is_host(s, wsi, text + 7);
 }
 
 /* ---- the page ---- */
@@ -232,10 +245,14 @@ static pel_status listen_for_pages(server *s, pel_error *error)
         return pel_fail_memory(error);
     struct lws_vhost *vhost = lws_create_vhost(s->context, &info);
     if (vhost == NULL) {
+        char place[HOST_SIZE];
+        snprintf(place, sizeof place, "%s:%d", host, (int)def->port);
         pel_fail(error, PEL_BAD_FILE,
-                 "port %d of %s cannot be opened: it is taken, or the address is none of this machine", (int)def->port,
-                 host);
-        pel_fail_remedy(error, "leave --port out, which takes a free one, or name another");
+                 def->port > 0 ? "the port is taken, or the address is none of this machine"
+                               : "the address is none of this machine");
+        pel_fail_remedy(error, def->port > 0 ? "leave --port out, which takes a free one, or name another"
+                                             : "leave --host out, or name an address that `ip address` lists");
+        pel_fail_place(error, place, 0, 0);
         return PEL_BAD_FILE;
     }
     int port = lws_get_vhost_listen_port(vhost);

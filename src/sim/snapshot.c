@@ -642,11 +642,35 @@ static void transfer_front(cursor *at, const pel_sim *sim, int32_t body)
     transfer_refinement(at, sim, body);
 }
 
+/* a budget may change where the surface fits it and the places of fine vertices stay as many as they are */
+static pel_status check_room(const pel_sim *from, const pel_sim *to, int32_t body, pel_error *error)
+{
+    const pel_refined_body *old = &from->active->bodies[body], *new = &to->active->bodies[body];
+    const int32_t needed = pel_sim_triangle_count(from, body);
+    const bool fits = needed <= new->triangle_limit;
+    if (fits && old->fine_limit - old->fine_begin == new->fine_limit - new->fine_begin)
+        return PEL_OK;
+    if (fits) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "refine: the new budget needs room for another number of vertices than the simulation has");
+        pel_fail_remedy(error, "make a simulation with the new budget; large budgets can change");
+    } else {
+        pel_fail(error, PEL_BAD_ARGUMENT, "refine: the budget is %d triangles, the surface has %d now",
+                 (int)new->triangle_limit, (int)needed);
+        pel_fail_remedy(error, "give at least %d, or wait until the surface is coarse again", (int)needed);
+    }
+    pel_fail_element(error, "body", body);
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status carry_surfaces(carrier *c, pel_error *error)
 {
     for (int32_t b = 0; b < c->to->model->body_count; b++) {
         if (c->to->model->bodies[b].front == NULL)
             continue;
+        pel_status status = check_room(c->from, c->to, b, error);
+        if (status != PEL_OK)
+            return status;
         carry(c, transfer_front, b, b);
         if (c->is_full)
             return pel_fail_memory(error);

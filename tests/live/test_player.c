@@ -24,14 +24,19 @@ typedef struct fixture {
     pel_mail_reader reader;
 } fixture;
 
-static void start(fixture *f)
+static void start_scene(fixture *f, const char *scene)
 {
     *f = (fixture){.def = pel_server_def_default()};
     pel_mailbox_create(&f->box);
-    assert_int_equal(pel_scene_parse("ball.yaml", text, strlen(text), NULL, 0, NULL, &f->scene, NULL), PEL_OK);
+    assert_int_equal(pel_scene_parse("ball.yaml", scene, strlen(scene), NULL, 0, NULL, &f->scene, NULL), PEL_OK);
     f->def.scene = f->scene;
     assert_int_equal(pel_player_create(&f->def, &f->box, &f->player, NULL), PEL_OK);
     pel_mailbox_welcome(&f->box, &f->reader);
+}
+
+static void start(fixture *f)
+{
+    start_scene(f, text);
 }
 
 static void stop(fixture *f)
@@ -91,8 +96,87 @@ static void test_answer(void **unused)
     stop(&f);
 }
 
+static const char *posted(const fixture *f, int kind)
+{
+    const pel_post *post = &f->box.posts[kind];
+    return post->bytes != NULL ? (const char *)post->bytes : "";
+}
+
+static bool holds(const fixture *f, int kind, const char *words)
+{
+    const pel_post *post = &f->box.posts[kind];
+    const size_t size = strlen(words);
+    for (size_t i = 0; post->bytes != NULL && i + size <= post->size; i++)
+        if (memcmp(post->bytes + i, words, size) == 0)
+            return true;
+    print_error("%.*s\nholds no %s\n", (int)post->size, posted(f, kind), words);
+    return false;
+}
+
+/* a load that ends, with a factor over time that is 1 */
+static const char pushed[] =
+    "version: 1\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 2 }, mass: { density: 1000 },\n"
+    "      membrane: { preset: rubber, thickness: 0.001 } }\n"
+    "loads: [{ name: finger, body: ball, at: { nearest: [0, 0, 1] }, force: [0, 0, -1], until: 5 }]\n"
+    "solver: { method: pbd, dt: 60, substeps: 2 }\nduration: 600\n";
+
+/* what is refused is told by the names of the scene and without its file; curves are not offered for change */
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start_scene(&f, pushed);
+    say(&f, "set loads.finger.from 9");
+    assert_true(holds(&f, PEL_POST_NOTICE, "\"kind\":\"refused\",\"text\":\"load 'finger': load ends"));
+    assert_true(holds(&f, PEL_POST_PARAMETERS, "\"path\":\"loads.finger.keys\""));
+    assert_true(holds(&f, PEL_POST_PARAMETERS, "\"live\":false,\"refusal\":\"it is a factor over time\""));
+    stop(&f);
+}
+
+/* an opened text has lines, and no file: that of the first scene is another */
+static void test_not_opened(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start(&f);
+    say(&f, "open version: 1\nbodies: [}\n");
+    assert_true(holds(&f, PEL_POST_NOTICE, "\"the scene was not opened. line 2, column 10: this is not YAML"));
+    char wrong[sizeof text + 40];
+    snprintf(wrong, sizeof wrong, "open %s", text);
+    memcpy(strstr(wrong, "frequency: 2"), "frequency: 0", 12);
+    say(&f, wrong);
+    assert_true(holds(&f, PEL_POST_NOTICE, "\"the scene was not opened. line 3, column "));
+    stop(&f);
+}
+
+static void test_slow(void **unused)
+{
+    (void)unused;
+    const struct {
+        const char *solver, *remedy;
+    } cases[] = {
+        {"{ method: xpbd, dt: 1e-7, substeps: 2 }", "a lower solver.substeps, a coarser mesh"},
+        {"{ method: implicit, dt: 1e-7 }", "of 0.0001 ms. a coarser mesh or a longer solver.dt helps"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        fixture f;
+        char scene[sizeof text + 100];
+        snprintf(scene, sizeof scene, "%.*ssolver: %s\nduration: 1\n", (int)(strstr(text, "solver:") - text), text,
+                 cases[i].solver);
+        start_scene(&f, scene);
+        say(&f, "play");
+        for (int turn = 0; turn < 2000 && f.box.posts[PEL_POST_NOTICE].revision == 0; turn++)
+            assert_true(pel_player_turn(f.player, 0));
+        assert_true(holds(&f, PEL_POST_NOTICE, "slower than real time"));
+        assert_true(holds(&f, PEL_POST_NOTICE, cases[i].remedy));
+        stop(&f);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_answer)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_answer), cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_not_opened), cmocka_unit_test(test_slow)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

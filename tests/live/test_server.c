@@ -26,6 +26,7 @@ static atomic_bool is_over;
 static char address[400], token[64];
 static atomic_int port;
 static pel_status ending;
+static const char *listened; /* address of the interface; null = the default */
 
 /* ---- the server in a thread ---- */
 
@@ -50,6 +51,7 @@ static void *run_server(void *unused)
     pel_server_def def = pel_server_def_default();
     def.scene = scene;
     def.page = PEL_SOURCE_DIR "/LICENSE";
+    def.host = listened;
     def.paused = true;
     def.opened = note_address;
     def.wanted = is_wanted;
@@ -58,22 +60,35 @@ static void *run_server(void *unused)
     return NULL;
 }
 
+static bool start_server(void)
+{
+    atomic_store(&port, 0);
+    atomic_store(&is_over, false);
+    if (pthread_create(&thread, NULL, run_server, NULL) != 0)
+        return false;
+    while (atomic_load(&port) == 0)
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    return atomic_load(&port) > 0;
+}
+
+static void stop_server(void)
+{
+    atomic_store(&is_over, true);
+    pthread_join(thread, NULL);
+}
+
 static int start(void **unused)
 {
     (void)unused;
-    if (pel_scene_parse("ball.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL) != PEL_OK ||
-        pthread_create(&thread, NULL, run_server, NULL) != 0)
+    if (pel_scene_parse("ball.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL) != PEL_OK)
         return 1;
-    while (atomic_load(&port) == 0)
-        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
-    return atomic_load(&port) < 0;
+    return !start_server();
 }
 
 static int stop(void **unused)
 {
     (void)unused;
-    atomic_store(&is_over, true);
-    pthread_join(thread, NULL);
+    stop_server();
     pel_scene_destroy(scene);
     return ending != PEL_OK;
 }
@@ -400,6 +415,30 @@ static void test_rude_pages(void **unused)
     leave(&who);
 }
 
+/* a server of all addresses answers at each of them, and to no other name */
+static void test_all_addresses(void **unused)
+{
+    (void)unused;
+    char headers[200];
+    stop_server();
+    listened = "0.0.0.0";
+    assert_true(start_server());
+    assert_true(strncmp(address, "http://0.0.0.0:", 15) == 0);
+    assert_int_equal(ask("/?token=", token, own_host()), 200);
+    snprintf(headers, sizeof headers, "%sOrigin: http://127.0.0.1:%d\r\n", own_host(), atomic_load(&port));
+    assert_int_equal(ask("/?token=", token, headers), 200);
+    assert_int_equal(ask("/?token=", "0", own_host()), 403);
+    const char *const wrong[] = {"127.0.0.2:", "evil.example:", "127.0.0.1:1"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        char name[60];
+        snprintf(name, sizeof name, "%s%d", wrong[i], atomic_load(&port));
+        snprintf(headers, sizeof headers, "Host: %s\r\n", name);
+        assert_int_equal(ask("/?token=", token, headers), 403);
+        snprintf(headers, sizeof headers, "%sOrigin: http://%s\r\n", own_host(), name);
+        assert_int_equal(ask("/?token=", token, headers), 403);
+    }
+}
+
 static void test_port_is_taken(void **unused)
 {
     (void)unused;
@@ -411,6 +450,9 @@ static void test_port_is_taken(void **unused)
     assert_int_equal(pel_serve(&def, &error), PEL_BAD_FILE);
     assert_non_null(strstr(error.what, "port"));
     assert_true(error.remedy[0] != '\0');
+    char place[40];
+    snprintf(place, sizeof place, "127.0.0.1:%d", def.port);
+    assert_string_equal(error.file, place);
 }
 
 int main(void)
@@ -418,7 +460,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_who_may_come),    cmocka_unit_test(test_first_messages),
         cmocka_unit_test(test_drag_undo_reset), cmocka_unit_test(test_rude_pages),
-        cmocka_unit_test(test_port_is_taken),
+        cmocka_unit_test(test_port_is_taken),   cmocka_unit_test(test_all_addresses),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -1,5 +1,6 @@
 /* Bodies that refine: invariants of events, the criterion, and that a body without events equals the plain body. */
 #include "failing_malloc.h"
+#include "pellicle/live.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
 
@@ -477,6 +478,16 @@ static void test_budget(void **unused)
     assert_true(most > body.refine.budget - 100 && most <= body.refine.budget);
     assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
     pel_error error;
+    /* while it runs: refused where the surface has more triangles, or where there is no room, and told */
+    char words[40];
+    const int32_t count = pel_sim_triangle_count(made.sim, 0);
+    snprintf(words, sizeof words, "give at least %d", (int)count);
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", count - 1, &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.element_kind, "body");
+    assert_non_null(strstr(error.remedy, words));
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", 4 * count, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "room"));
+    assert_int_equal(pel_sim_triangle_count(made.sim, 0), count);
     assert_int_equal(pel_sim_refine(made.sim, 0, 600, 3, &error), PEL_BAD_ARGUMENT);
     assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
     end(&made);

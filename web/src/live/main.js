@@ -49,7 +49,7 @@ function start(message) {
     shown = frame = hand = null;
     ruler.length = 0;
     range.reset();
-    plots.clear();
+    plots.setTools(message.tools.map(({ name }) => name));
     $("notice").hidden = true;
     stage.setScene(message);
     makeOptions();
@@ -272,7 +272,8 @@ function placeRuler() {
     const line = $("ruler").firstElementChild;
     for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
     const metres = points[0].distanceTo(points[1]) * stage.size;
-    put("length", { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
+    // below the line
+    put("length", { x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) + 24 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
 }
 
 /* ---- the hand ---- */
@@ -401,7 +402,7 @@ const aim = { x: 0.5, y: 0.5, last: 0, acts: false, buttons: {} }; // place over
 
 const padActions = {
     undo: () => send("undo"),
-    view: () => stage.reset(),
+    view: () => stage.reset(true),
     play: () => playOrPause(),
     before: () => nextMode(-1),
     next: () => nextMode(1),
@@ -565,7 +566,7 @@ function makeControls() {
     $("step").addEventListener("click", step);
     $("undo").addEventListener("click", () => send("undo"));
     $("restart").addEventListener("click", restart);
-    $("reset").addEventListener("click", () => stage.reset());
+    $("reset").addEventListener("click", () => stage.reset(true));
     $("save").addEventListener("click", askForScene);
     $("open").addEventListener("click", () => $("file").click());
     $("file").addEventListener("change", openScene);
@@ -638,7 +639,7 @@ const keys = {
     u: () => send("undo"),
     "ctrl z": () => send("undo"),
     r: restart,
-    v: () => stage.reset(),
+    v: () => stage.reset(true),
     c: () => cycle("colour", setField),
     w: () => cycle("surface", setSurface),
     "ctrl s": askForScene,

@@ -122,6 +122,7 @@ class Row {
     refuse(text) {
         this.error.textContent = text;
         this.error.hidden = false;
+        this.error.scrollIntoView({ block: "nearest" });
     }
 
     // what the program says that the value is
@@ -217,12 +218,11 @@ export class Parameters {
         else this.send(`set ${path} ${text}`);
     }
 
-    // an error that is about the value that was changed last stands beside it
+    // what a slider asks for may be refused several times: all of that stands beside it
     refuse(text) {
         const row = this.rows.get(this.last);
         if (!row) return false;
         row.refuse(text);
-        this.last = "";
         return true;
     }
 }

@@ -5,8 +5,15 @@ import { formatNumber, formatTogether } from "../format.js";
 import { element, palettes } from "../plots.js";
 
 const WINDOW = 300;
+// the tools of the scene with the hand, in as many colours as there are
+const MOST_TOOLS = 5;
+const keyOf = (tool) => `force of ${tool}`;
+const forces = (tools) => ({
+    title: tools.length > 0 ? "Force of hand and tools [N]" : "Force of the hand [N]",
+    columns: [[tools.length > 0 ? "hand" : "force", "force"], ...tools.map((name) => [name, keyOf(name)])],
+});
 const groups = [
-    { title: "Force of the hand [N]", columns: [["force", "force"]] },
+    forces([]),
     { title: "Volume and area [ratio]", columns: [["volume", "volume_ratio"], ["area", "area_ratio"]] },
     { title: "Energy [J]", columns: [["elastic", "elastic_energy"], ["kinetic", "kinetic_energy"]] },
     { title: "Energy balance [J]", columns: [["work of hand and tools", "work_hand"], ["dissipated", "dissipated"], ["error", "energy_error"]] },
@@ -21,8 +28,9 @@ class Chart {
         this.group = group;
         this.figure = element("figure");
         const head = element("figcaption");
+        this.title = element("h3");
         this.legend = element("div", "keys");
-        head.append(element("h3", "", group.title), this.legend);
+        head.append(this.title, this.legend);
         this.place = element("div", "chart");
         this.figure.append(head, this.place);
         parent.append(this.figure);
@@ -30,6 +38,7 @@ class Chart {
 
     build(theme, data) {
         this.plot?.destroy();
+        this.title.textContent = this.group.title;
         const axis = { stroke: theme.ink, font: `11px ${theme.font}`, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid, width: 1, size: 4 } };
         const colours = palettes[theme.name];
         this.legend.replaceChildren();
@@ -75,6 +84,7 @@ class Chart {
 export class LivePlots {
     constructor(parent) {
         this.rows = [];
+        this.tools = [];
         this.charts = groups.map((group) => new Chart(parent, group));
         new ResizeObserver(() => this.charts.forEach((chart) => chart.resize())).observe(parent);
     }
@@ -84,7 +94,16 @@ export class LivePlots {
     }
 
     build(theme) {
+        this.theme = theme;
         this.charts.forEach((chart) => chart.build(theme, this.table(chart.group)));
+    }
+
+    // names of the scene's tools
+    setTools(names) {
+        this.tools = names.slice(0, MOST_TOOLS);
+        this.rows = [];
+        this.charts[0].group = forces(this.tools);
+        this.build(this.theme);
     }
 
     // a frame with measures; time that went back begins anew
@@ -92,6 +111,7 @@ export class LivePlots {
         if (this.rows.length > 0 && frame.time < this.rows.at(-1).time) this.rows = this.rows.filter((row) => row.time < frame.time);
         if (this.rows.at(-1)?.time === frame.time) this.rows.pop();
         const row = { force: Math.hypot(...frame.hand.force), step_ms: frame.step_ms, ...frame.measures };
+        for (const { name, force } of frame.tools) if (this.tools.includes(name)) row[keyOf(name)] = Math.hypot(...force);
         for (const name in row) row[name] = row[name] === null ? null : tidy(row[name]);
         this.rows.push({ time: frame.time, ...row });
         if (this.rows.length > WINDOW) this.rows.shift();
@@ -99,9 +119,5 @@ export class LivePlots {
 
     show() {
         if (this.rows.length > 0) this.charts.forEach((chart) => chart.show(this.table(chart.group)));
-    }
-
-    clear() {
-        this.rows = [];
     }
 }

@@ -3,6 +3,7 @@
 import {
     ArrowHelper,
     BackSide,
+    Box3,
     BoxGeometry,
     BufferAttribute,
     BufferGeometry,
@@ -15,6 +16,7 @@ import {
     Quaternion,
     Scene,
     ShaderMaterial,
+    Sphere,
     SphereGeometry,
     Vector3,
     WebGLRenderer,
@@ -314,10 +316,21 @@ export class Stage {
 
     /* ---- camera ---- */
 
-    reset() {
+    // the ball about all bodies where they are now
+    around() {
+        const box = new Box3();
+        const point = new Vector3();
+        for (const { positions } of this.bodies)
+            for (let i = 0; i < (positions?.length ?? 0); i += 3) box.expandByPoint(point.fromArray(positions, i));
+        return box.isEmpty() ? new Sphere(new Vector3(), 1) : box.getBoundingSphere(new Sphere());
+    }
+
+    // bodies: where they are now, or else at rest
+    reset(now = false) {
         const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, this.camera.aspect);
-        this.controls.target.set(0, 0, 0);
-        this.camera.position.set(0.5, -0.75, 0.5).normalize().multiplyScalar(1.3 / Math.sin(Math.atan(half)));
+        const { center, radius } = now ? this.around() : new Sphere(new Vector3(), 1);
+        this.controls.target.copy(center);
+        this.camera.position.set(0.5, -0.75, 0.5).setLength((1.3 * radius) / Math.sin(Math.atan(half))).add(center);
         this.controls.update();
     }
 
