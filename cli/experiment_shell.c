@@ -130,7 +130,7 @@ static pel_status compare(cli_experiment *experiment, const pressed_ball *ball, 
     const cli_plot plot = {.title =
                                "xpbd compared with the leapfrog: a sphere on the way to half its buckling pressure",
                            .x_name = "substeps in a frame of 1/60 s",
-                           .y_name = "distance / way",
+                           .y_name = "distance from the leapfrog / displacement",
                            .log_x = true,
                            .log_y = true,
                            .curves = {{"xpbd", substeps, errors, COUNT, true}},

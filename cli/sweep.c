@@ -93,6 +93,7 @@ static void write_json(const cli_call *call, const pel_study_summary *s, const c
     cli_json_integer(&json, "done", s->done);
     cli_json_integer(&json, "failed", s->failed);
     cli_json_integer(&json, "missing", s->missing);
+    cli_json_text(&json, "zeros", s->zeros);
     cli_json_close(&json, '}');
 }
 
@@ -103,6 +104,8 @@ static void print_summary(const pel_study_summary *s, const char *folder)
     if (s->failed > 0)
         printf("%lld runs failed: their rows have the status and the error; --retry does them again\n",
                (long long)s->failed);
+    if (s->zeros[0] != '\0')
+        printf("0 in all runs: %s. does the tool touch the body, is the load on?\n", s->zeros);
     if (s->missing == 0) {
         printf("results in %s:\n", folder);
         printf("  runs.csv      one row for each run\n");

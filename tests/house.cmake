@@ -47,6 +47,7 @@ endif()
 # links and commands of the pages
 if(TARGET pellicle_program)
     add_test(NAME house/docs COMMAND ${PYTHON3} ${HOUSE}/docs.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)
+    add_test(NAME house/demo COMMAND bash ${HOUSE}/demo.sh ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)
     # the commands of the pages; films need ffmpeg, reports the page that `make web` builds
     find_program(FFMPEG ffmpeg)
     set(COMMANDS_DRAW $<$<AND:$<BOOL:${PELLICLE_VIEW}>,$<BOOL:${FFMPEG}>>:render>)

@@ -111,12 +111,17 @@ typedef struct pel_study_def {
 /* No folder, all processors, one chunk, no limits, no callbacks. */
 PEL_API pel_study_def pel_study_def_default(void);
 
+enum { PEL_STUDY_ZEROS_SIZE = 200 };
+
 typedef struct pel_study_summary {
     int64_t runs;    /* of the study */
     int64_t present; /* rows present before */
     int64_t done;    /* by this call */
     int64_t missing; /* missing rows of all chunks; 0: the table is written */
     int64_t failed;  /* rows of runs that failed */
+    /* with commas, as far as they fit: names of measures that the study asks for and that are 0 in every run, such as
+       the force on a tool that never touches; "" while runs are missing */
+    char zeros[PEL_STUDY_ZEROS_SIZE];
 } pel_study_summary;
 
 /* Executes all missing runs of the chunk, each in a process forked from this one. A run that crashes or is killed is

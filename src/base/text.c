@@ -104,7 +104,9 @@ const char *pel_json_letter(const char *text, char escaped[7])
         memcpy(escaped, "\\n", 3);
     else if (*s < ' ' || *s == '<' || *s == 0x7f)
         snprintf(escaped, 7, "\\u%04x", (unsigned)*s);
-    else
-        snprintf(escaped, 7, "%.*s", (int)length, text);
+    else {
+        memcpy(escaped, text, length);
+        escaped[length] = '\0';
+    }
     return text + (length > 0 ? length : 1);
 }

@@ -6,6 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* most texts are formatted once */
+enum { PRINT_ROOM = 240 };
+
 /* room for `size` more bytes and a zero */
 static char *extend(pel_json *json, size_t size)
 {
@@ -33,14 +36,22 @@ void pel_json_print(pel_json *json, const char *format, ...)
     va_list arguments, again;
     va_start(arguments, format);
     va_copy(again, arguments);
-    int size = vsnprintf(NULL, 0, format, arguments);
-    char *end = extend(json, (size_t)size);
-    if (end != NULL) {
+    char *end = extend(json, PRINT_ROOM);
+    int size = end != NULL ? vsnprintf(end, PRINT_ROOM + 1, format, arguments) : 0;
+    if (size > PRINT_ROOM && (end = extend(json, (size_t)size)) != NULL)
         vsnprintf(end, (size_t)size + 1, format, again);
-        json->length += (size_t)size;
-    }
+    json->length += end != NULL ? (size_t)size : 0;
     va_end(again);
     va_end(arguments);
+}
+
+/* letters of ASCII that stand for themselves */
+static size_t plain_length(const char *text)
+{
+    size_t length = 0;
+    while (text[length] >= ' ' && text[length] < 0x7f && strchr("\"\\<", text[length]) == NULL)
+        length++;
+    return length;
 }
 
 void pel_json_string(pel_json *json, const char *text)
@@ -48,6 +59,11 @@ void pel_json_string(pel_json *json, const char *text)
     char letter[7];
     append(json, "\"", 1);
     while (*text != '\0') {
+        size_t plain = plain_length(text);
+        append(json, text, plain);
+        text += plain;
+        if (*text == '\0')
+            break;
         text = pel_json_letter(text, letter);
         append(json, letter, strlen(letter));
     }

@@ -154,3 +154,22 @@ pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, con
     pel_free(lengths);
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
+
+void pel_mesh_box(const pel_mesh *mesh, double low[3], double high[3])
+{
+    for (int c = 0; c < 3; c++) {
+        low[c] = HUGE_VAL;
+        high[c] = -HUGE_VAL;
+        for (int32_t v = 0; v < mesh->vertex_count; v++) {
+            low[c] = fmin(low[c], mesh->positions[v][c]);
+            high[c] = fmax(high[c], mesh->positions[v][c]);
+        }
+    }
+}
+
+double pel_mesh_diagonal(const pel_mesh *mesh)
+{
+    double low[3], high[3];
+    pel_mesh_box(mesh, low, high);
+    return pel_vec3_distance(low, high);
+}

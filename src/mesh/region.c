@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "math/vec3.h"
 #include "mesh/edge_table.h"
+#include "mesh/figures.h"
 
 #include <math.h>
 #include <string.h>
@@ -286,7 +287,8 @@ static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, dou
             nearest = v;
     const double *p = mesh->positions[nearest];
     pel_fail(error, PEL_BAD_ARGUMENT, "the region is empty: the nearest vertex is %g m outside it", scratch[nearest]);
-    pel_fail_remedy(error, "that vertex lies at (%g, %g, %g); move or enlarge the region", p[0], p[1], p[2]);
+    pel_fail_remedy(error, "that vertex lies at (%g, %g, %g); move or enlarge the region%s", p[0], p[1], p[2],
+                    pel_mesh_diagonal(mesh) > PEL_LARGE_BODY ? ", or give a mesh in millimetres scale: 0.001" : "");
     pel_fail_element(error, "vertex", nearest);
     return PEL_BAD_ARGUMENT;
 }

@@ -9,7 +9,7 @@
 
 static const char remedy[] =
     "run `pellicle check FILE` for a list of all such places and `pellicle check FILE --fix OUT` "
-    "to repair; cut apart in a mesh editor what remains";
+    "to repair; split the places that remain in a mesh editor";
 
 static pel_status refuse(pel_error *error, const char *kind, int64_t element)
 {

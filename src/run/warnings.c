@@ -3,6 +3,7 @@
 #include "base/status.h"
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "pellicle/topology.h"
@@ -23,8 +24,7 @@ enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share from which one step is enough */
 #define JAM_AT_ONCE 0.5
 enum { JAM_STEPS = 10 };
-/* m, and thickness over size: a larger body as thin as that is probably measured in millimetres */
-#define LARGE_BODY 20.0
+/* thickness over size: a large body as thin as that is probably measured in millimetres */
 #define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
@@ -49,6 +49,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
+    [PEL_WARN_HELD_IN_PLACE] = "held-in-place",     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -80,18 +81,6 @@ static double mean_of(const pel_quantity *quantity, int32_t count)
     for (int32_t v = 0; quantity->field != NULL && v < count; v++)
         sum += quantity->field[v] / count;
     return quantity->field != NULL ? sum : quantity->value;
-}
-
-/* diagonal of the box about a mesh */
-static double diagonal_of(const pel_mesh *mesh)
-{
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int c = 0; c < 3; c++) {
-            low[c] = fmin(low[c], mesh->positions[v][c]);
-            high[c] = fmax(high[c], mesh->positions[v][c]);
-        }
-    return pel_vec3_distance(low, high);
 }
 
 static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
@@ -175,9 +164,9 @@ static void check_size(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
     const pel_membrane_def *membrane = &body->shell.membrane;
-    double size = diagonal_of(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
-    if (size > LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
-        flag_body(run, PEL_WARN_MILLIMETRES, b, size, LARGE_BODY);
+    double size = pel_mesh_diagonal(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
+    if (size > PEL_LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
+        flag_body(run, PEL_WARN_MILLIMETRES, b, size, PEL_LARGE_BODY);
 }
 
 /* the model turned inside-out parts, so that pressure and volume have their usual sign */
@@ -186,6 +175,29 @@ static void check_orientation(pel_run_state *run, int32_t b)
     int32_t turned = pel_model_turned_count(run->model, b);
     if (turned > 0)
         flag_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
+}
+
+/* at a place by something other than its filling */
+static bool is_supported(const pel_scene *scene, int32_t b)
+{
+    bool is_held = scene->model.bodies[b].pinned_count > 0;
+    for (int32_t s = 0; s < scene->sim.support_count; s++)
+        is_held |= scene->sim.supports[s].body == b;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        is_held |= (tool->shape == PEL_TOOL_SUPPORT || tool->grasp) && (tool->body == b || tool->body < 0);
+    }
+    return is_held;
+}
+
+/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not fall */
+static void check_filling(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    double stiffness = mean_of(&body->volumetric_stiffness, body->mesh->vertex_count);
+    double gravity = pel_vec3_length(run->scene->model.gravity);
+    if (stiffness > 0 && gravity > 0 && !is_supported(run->scene, b))
+        flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
 }
 
 pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
@@ -198,6 +210,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
         status = check_edges(run, b, error);
         check_size(run, b);
         check_orientation(run, b);
+        check_filling(run, b);
     }
     return status;
 }
@@ -318,6 +331,15 @@ static void check_rest(pel_run_state *run, int64_t frame)
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
 }
 
+/* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
+   the last steps may have fallen to nothing. */
+static bool is_idle(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
+           !(run->tool_force[run->tool_count + t] > 0);
+}
+
 void pel_warnings_check_end(pel_run_state *run)
 {
     int64_t frame = run->totals.frame_count - 1;
@@ -326,6 +348,9 @@ void pel_warnings_check_end(pel_run_state *run)
         if (count > 0 && count < LEAST_CONTACTS)
             pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
     }
+    for (int32_t t = 0; t < run->tool_count; t++)
+        if (is_idle(run, t))
+            pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
     check_rest(run, frame);
 }
 
@@ -388,6 +413,18 @@ static void tell_inverted_mesh(const text_context *at)
              "the mesh of body '%s' is inside out: %.0f triangles were turned outward. turn them in the file with "
              "pellicle check --fix",
              name, flagged->value);
+}
+
+static void tell_held_in_place(const text_context *at)
+{
+    const char *name;
+    flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
+    snprintf(
+        at->text, at->size,
+        "body '%s' does not fall under gravity: its volumetric springs pull each vertex back to its place at rest. "
+        "for a body that falls, leave out volumetric and use a membrane, with pressure: { volume: { target: 1, bulk: "
+        "1e5 } } if it is filled",
+        name);
 }
 
 static void tell_inverted_volume(const text_context *at)
@@ -616,6 +653,29 @@ static void tell_coarse_contact(const text_context *at)
              remedy);
 }
 
+/* of the tool that is told, and of the bodies that it may touch */
+static void tell_idle_tool(const text_context *at)
+{
+    const pel_scene *scene = at->run->scene;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    if (t >= scene->sim.tool_count)
+        t = 0;
+    const pel_tool_def *tool = scene->sim.tool_count > 0 ? &scene->sim.tools[t] : NULL;
+    double last[3] = {0}, rotation[4];
+    if (tool != NULL)
+        pel_tool_def_pose(tool, HUGE_VAL, last, rotation);
+    const pel_body_def *body = &scene->model.bodies[tool != NULL && tool->body > 0 ? tool->body : 0];
+    double low[3], high[3];
+    pel_mesh_box(body->mesh, low, high);
+    snprintf(
+        at->text, at->size,
+        "tool '%s' moves but touches nothing: its force is 0 throughout. its last position is (%.3g, %.3g, %.3g) m; "
+        "body '%s' begins within (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m. correct its motion or its size, or run "
+        "longer",
+        tool != NULL ? tool->name : "", last[0], last[1], last[2], body->name, low[0], low[1], low[2], high[0], high[1],
+        high[2]);
+}
+
 static void tell_unsettled(const text_context *at)
 {
     snprintf(
@@ -630,6 +690,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_COARSE] = tell_coarseness,
     [PEL_WARN_MILLIMETRES] = tell_millimetres,
     [PEL_WARN_INVERTED_MESH] = tell_inverted_mesh,
+    [PEL_WARN_HELD_IN_PLACE] = tell_held_in_place,
     [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
     [PEL_WARN_UNCONVERGED] = tell_unconverged,
     [PEL_WARN_UNSTABLE] = tell_unstable,
@@ -641,6 +702,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
     [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
+    [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
 };
 
@@ -678,7 +740,8 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 /* known before the first step */
 static bool is_of_scene(int kind)
 {
-    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH;
+    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
+           kind == PEL_WARN_HELD_IN_PLACE;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

@@ -9,6 +9,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_COARSE,
     PEL_WARN_MILLIMETRES,
     PEL_WARN_INVERTED_MESH,
+    PEL_WARN_HELD_IN_PLACE,
     PEL_WARN_INVERTED_VOLUME,
     PEL_WARN_UNCONVERGED,
     PEL_WARN_UNSTABLE,
@@ -20,6 +21,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_GRASP_EMPTY,
     PEL_WARN_UNCOUNTED,
     PEL_WARN_COARSE_CONTACT,
+    PEL_WARN_TOOL_IDLE,
     PEL_WARN_UNSETTLED,
     PEL_WARN_COUNT
 } pel_warning_kind;

@@ -513,14 +513,14 @@ static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, h
 {
     char parts[sizeof error->what];
     if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
-        return refuse(error, "give what pel_sim_save has filled", "not a snapshot");
+        return refuse(error, "give what save has filled", "not a snapshot");
     memset(head, 0, sizeof *head);
     memcpy(head, bytes, size < sizeof *head ? size : sizeof *head);
     if (head->version != SNAPSHOT_VERSION)
         return refuse(error, "load it with the version of the program that saved it",
                       "the snapshot has version %u of the format, not %d", head->version, (int)SNAPSHOT_VERSION);
     if (size < sizeof *head || size < head->size)
-        return refuse(error, "give all pel_sim_save_size bytes of it", "the snapshot is cut short");
+        return refuse(error, "give all of its bytes", "the snapshot is cut short");
     if (head->real_size != sizeof(pel_real))
         return refuse(error, "load it with a program of that precision", "the snapshot is of %s precision",
                       head->real_size == sizeof(float) ? "single" : "double");

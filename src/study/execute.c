@@ -297,6 +297,7 @@ static pel_status execute(execution *e, pel_study_summary *summary, pel_error *e
     summary->done = e->done;
     pel_status later =
         pel_study_store_collect(e->store, &summary->missing, &summary->failed, status == PEL_OK ? error : NULL);
+    snprintf(summary->zeros, sizeof summary->zeros, "%s", pel_study_store_zeros(e->store));
     if (status != PEL_OK || later != PEL_OK)
         return status != PEL_OK ? status : later;
     if (summary->done < e->run_count)

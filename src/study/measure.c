@@ -348,6 +348,13 @@ static unsigned find_skips(const pel_study *study)
     return EVERYTHING & ~needs;
 }
 
+bool pel_study_measure_expects(const pel_study_measure *measure)
+{
+    if (measure->column != NULL)
+        return measure->at != PEL_STUDY_START;
+    return measure->place.line > 0 && summary_keys[measure->key].kind == KEY_DOUBLE;
+}
+
 pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *study)
 {
     if (!has_columns(study))

@@ -32,6 +32,7 @@ struct pel_study_store {
     pel_json lines;     /* that were gathered, and are not written yet */
     row_state *present; /* (run_count) rows that were there when the folder was opened */
     char **rows;        /* (run_count) while rows are collected; null = missing */
+    char zeros[PEL_STUDY_ZEROS_SIZE];
 };
 
 static pel_status fail_file(const char *path, const char *what, int number, pel_error *error)
@@ -70,7 +71,11 @@ static pel_status make_folders(const char *folder, pel_error *error)
 
 static void put_hash(char text[HASH_DIGITS + 2], const char *row, size_t length)
 {
-    snprintf(text, HASH_DIGITS + 2, "%016" PRIx64 " ", pel_hash_block(PEL_HASH_START, row, length));
+    uint64_t hash = pel_hash_block(PEL_HASH_START, row, length);
+    for (int i = 0; i < HASH_DIGITS; i++)
+        text[i] = "0123456789abcdef"[(hash >> (4 * (HASH_DIGITS - 1 - i))) & 15];
+    text[HASH_DIGITS] = ' ';
+    text[HASH_DIGITS + 1] = '\0';
 }
 
 /* the row of a line without its newline, null when the line is none */
@@ -358,6 +363,48 @@ static pel_status write_table(const pel_study_store *store, pel_error *error)
     return pel_study_write_page(store->study, path, (const char *const *)store->rows, error);
 }
 
+/* measures that are looked at */
+enum { ZEROS_MOST = 64 };
+
+/* Names of the measures that the study asks for and that are 0 in every row that is done. */
+static void note_zeros(pel_study_store *store)
+{
+    const pel_study *study = store->study;
+    int64_t done = 0;
+    bool is_zero[ZEROS_MOST];
+    for (int32_t m = 0; m < ZEROS_MOST && m < study->measure_count; m++)
+        is_zero[m] = pel_study_measure_expects(&study->measures[m]);
+    for (int64_t run = 0; run < study->run_count; run++) {
+        const char *row = store->rows[run], *end;
+        if (row == NULL || !pel_study_row_is_done(row))
+            continue;
+        done++;
+        /* ",done," ends the row, and measures have no commas */
+        end = row + strlen(row) - strlen(",done,");
+        for (int32_t m = study->measure_count - 1; m >= 0; m--) {
+            const char *cell = end;
+            while (cell[-1] != ',')
+                cell--;
+            if (m < ZEROS_MOST && !(end - cell == 1 && *cell == '0'))
+                is_zero[m] = false;
+            end = cell - 1;
+        }
+    }
+    size_t length = 0;
+    for (int32_t m = 0; m < study->measure_count && m < ZEROS_MOST && done > 1; m++) {
+        const char *name = study->measures[m].name;
+        if (!is_zero[m] || length + strlen(name) + 3 > sizeof store->zeros)
+            continue;
+        length +=
+            (size_t)snprintf(store->zeros + length, sizeof store->zeros - length, "%s%s", length > 0 ? ", " : "", name);
+    }
+}
+
+const char *pel_study_store_zeros(const pel_study_store *store)
+{
+    return store->zeros;
+}
+
 pel_status pel_study_store_collect(pel_study_store *store, int64_t *missing, int64_t *failed, pel_error *error)
 {
     PEL_REFUSE_NULL(store, error);
@@ -369,6 +416,8 @@ pel_status pel_study_store_collect(pel_study_store *store, int64_t *missing, int
     }
     if (status == PEL_OK && lacking == 0)
         status = write_table(store, error);
+    if (status == PEL_OK && lacking == 0)
+        note_zeros(store);
     drop_rows(store);
     if (missing != NULL)
         *missing = lacking;

@@ -381,6 +381,48 @@ static void test_grasp_empty(void **unused)
     assert_null(find_warning(&summary, "grasp-empty"));
 }
 
+/* a tool that moves beside the body is told, with where it ends and where the body is; one that stands still is not,
+ * nor one that presses */
+static void test_idle_tool(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {
+        "tools=[{ name: still, shape: sphere, radius: 0.01, motion: [{ position: [0, 0, 1] }] }, { name: probe, "
+        "shape: sphere, radius: 0.01, motion: [{ position: [0, 0, 1] }, { time: 0.001, position: [0, 0, 0.75] }] }]",
+        "tools.1.motion.1.position=[0, 0, 0.0599]"};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "tool-touches-nothing");
+    assert_non_null(warning);
+    assert_int_equal(warning->count, 1);
+    assert_non_null(strstr(warning->text, "tool 'probe' moves but touches nothing"));
+    assert_non_null(strstr(warning->text, "its last position is (0, 0, 0.75) m"));
+    assert_non_null(strstr(warning->text, "body 'ball' begins within (-0.0"));
+    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "tool-touches-nothing"));
+}
+
+/* volumetric springs under gravity: the body does not fall, unless it is held in any case */
+static void test_held_in_place(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"gravity=[0, 0, -9.81]",
+                               "bodies.0.pinned={ box: { min: [-1, -1, -1], max: [1, 1, -0.045] } }"};
+    static const char organ[] =
+        "version: 1\nbodies: [{ name: organ, mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }, "
+        "volumetric: {} }]\nstop: { frames: 2 }\n";
+    pel_run_summary summary;
+    run_scene(organ, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "held-in-place"));
+    run_scene(organ, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "held-in-place"));
+    run_scene(organ, overrides, 1, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "held-in-place");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 0 && warning->count == 1);
+    assert_non_null(strstr(warning->text, "body 'organ' does not fall"));
+}
+
 /* a ball that touches too few vertices is told with the refinement under it that helps */
 static void test_coarse_contact(void **unused)
 {
@@ -538,6 +580,8 @@ int main(void)
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_idle_tool),
+        cmocka_unit_test(test_held_in_place),
         cmocka_unit_test(test_coarse_contact),
         cmocka_unit_test(test_unsettled),
         cmocka_unit_test(test_tallies),

@@ -319,6 +319,30 @@ static void test_stop_and_continue(void **unused)
     check_same("whole/runs.csv", "stopped/runs.csv");
 }
 
+/* a column of zeros, such as the force on a tool that never touches, is told; not counts, starts, what nobody asked
+ * for, nor what one run has */
+static void test_zeros(void **unused)
+{
+    (void)unused;
+    static const char common[] = "scene: scene.yaml\nvary: { bodies.ball.springs.stiffness: [1, 3] }\n";
+    char text[600];
+    pel_study_summary summary = execute(common, "usual", 1, 1, 1);
+    assert_string_equal(summary.zeros, "");
+    snprintf(text, sizeof text,
+             "%smeasure: { hash: state_hash, tip: max_tool_force, depth: max_displacement, count: "
+             "self_intersections_final, first: { column: max_displacement, at: start }, work: energy.work_tools }\n",
+             common);
+    summary = execute(text, "zeros", 1, 1, 2);
+    assert_string_equal(summary.zeros, "");
+    summary = execute(text, "zeros", 1, 2, 2);
+    assert_string_equal(summary.zeros, "tip, work");
+    /* the first run has no force, the others have */
+    summary = execute("scene: scene.yaml\nvary: { loads.finger.force: [[0, 0, 0], [0, 0, -1]] }\n"
+                      "measure: { depth: max_displacement }\n",
+                      "some", 1, 1, 1);
+    assert_string_equal(summary.zeros, "");
+}
+
 static void kill_at_four(void *user, const pel_study_progress *progress)
 {
     (void)user;
@@ -667,6 +691,7 @@ int main(void)
         cmocka_unit_test(test_kept_runs),
         cmocka_unit_test(test_same_table),
         cmocka_unit_test(test_stop_and_continue),
+        cmocka_unit_test(test_zeros),
         cmocka_unit_test(test_kill),
         cmocka_unit_test(test_a_crash_is_a_row),
         cmocka_unit_test(test_a_late_run_is_a_row),
