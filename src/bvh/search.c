@@ -516,7 +516,7 @@ static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error
     if (plan->within && plan->kinds & 1u << PEL_PAIR_VERTEX_FACE)
         plan->kinds |= 1u << PEL_PAIR_FACE_VERTEX; /* both go into one list */
     plan->tasks[0] = (task){whole_tree(plan->a), whole_tree(plan->b)};
-    plan->task_count = may_touch(plan, &plan->tasks[0]);
+    plan->task_count = 1;
     while (cut_tasks(plan))
         ;
     pel_pool_run(pool, PEL_SEARCH_CHUNKS, search_chunk, plan);
