@@ -7,6 +7,8 @@
 #include "pellicle/live.h"
 #include "sim/fixture.h"
 
+#include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <time.h>
 
@@ -365,6 +367,39 @@ static void write_hand(void *user, const double force[3])
     memcpy(h->last, force, sizeof h->last);
 }
 
+/* the policy of the thread that reads the device, -1 before */
+static bool read_policy(void *user, double position[3], double rotation[4])
+{
+    (void)position;
+    (void)rotation;
+    struct sched_param unused;
+    int policy = -1;
+    pthread_getschedparam(pthread_self(), &policy, &unused);
+    atomic_store((atomic_int *)user, policy);
+    return false;
+}
+
+/* the loop says whether it runs above the usual threads */
+static void test_priority(void **unused)
+{
+    (void)unused;
+    stage s = make_press(0.01);
+    pel_haptic_def def = pel_haptic_def_default();
+    def.sim = s.sim;
+    pel_haptic *haptic = make_haptic(&def);
+    atomic_int policy = -1;
+    const pel_haptic_device device = {read_policy, write_nothing, &policy};
+    assert_int_equal(pel_haptic_start(haptic, &device, NULL), PEL_OK);
+    while (atomic_load(&policy) < 0)
+        nanosleep(&(struct timespec){0, 1000000}, NULL);
+    pel_haptic_stop(haptic);
+    pel_haptic_reading reading;
+    pel_haptic_get(haptic, &reading);
+    assert_int_equal(reading.latency.is_real_time, atomic_load(&policy) == SCHED_FIFO);
+    pel_haptic_destroy(haptic);
+    end_stage(&s);
+}
+
 /* two threads: under the thread sanitizer this tests their shared data */
 static void test_thread(void **unused)
 {
@@ -419,6 +454,9 @@ static void test_quantiles(void **unused)
     assert_near(pel_haptic_latency_quantile(&late, 0.6), 5e-5, 1e-12);
     assert_near(pel_haptic_latency_quantile(&late, 0.99), 5e-5, 1e-12);
     assert_near(pel_haptic_latency_quantile(&late, 0.999), 0.0021, 1e-12);
+    const pel_haptic_latency two = {.count = 2, .most = 1e-4, .bins = {[3] = 1, [7] = 1}};
+    assert_near(pel_haptic_latency_quantile(&two, 0.5), 4e-5, 1e-12);
+    assert_near(pel_haptic_latency_quantile(&two, 1), 8e-5, 1e-12);
 }
 
 /* ---- memory ---- */
@@ -456,7 +494,8 @@ static void test_out_of_memory(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_force_error),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_priority),
+                                       cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),
                                        cmocka_unit_test(test_deterministic_without_memory),
                                        cmocka_unit_test(test_planes_of_a_groove),
