@@ -415,7 +415,6 @@ static void apply(pel_player *player, const char *line)
 {
     pel_error error;
     pel_status status = pel_session_apply(player->session, line, &error);
-    bool moves = strncmp(line, "move ", 5) == 0;
     bool sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
     if (status != PEL_OK)
         tell_error(player, sets ? "refused" : "error", "", &error);
@@ -423,10 +422,6 @@ static void apply(pel_player *player, const char *line)
         player->has_new_parameters = true;
     if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0 || strncmp(line, "press ", 6) == 0)
         player->has_new_surface = true;
-    if (moves && status == PEL_OK)
-        return;
-    /* show interactions while the simulation is paused */
-    player->changed = true;
 }
 
 static void do_line(pel_player *player, const char *line)
