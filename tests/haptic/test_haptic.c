@@ -3,6 +3,7 @@
 #include "failing_malloc.h"
 #include "haptic/idle_device.h"
 #include "haptic/proxy.h"
+#include "math/vec3.h"
 #include "pellicle/haptic.h"
 #include "pellicle/live.h"
 #include "sim/fixture.h"
@@ -258,6 +259,51 @@ static void test_planes_of_a_groove(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* in an open box with four walls and a floor only four planes fit: that of the farthest wall goes */
+static void test_planes_of_a_box(void **unused)
+{
+    (void)unused;
+    static const double half = 0.0145;
+    static const int32_t triangles[10][3] = {{4, 0, 3}, {4, 3, 7}, {5, 1, 0}, {5, 0, 4}, {6, 2, 1},
+                                             {6, 1, 5}, {7, 3, 2}, {7, 2, 6}, {0, 1, 2}, {0, 2, 3}};
+    double positions[8][3];
+    for (int v = 0; v < 8; v++)
+        pel_vec3_set(positions[v], v % 4 == 0 || v % 4 == 3 ? -half : half, v % 4 < 2 ? -half : half, v < 4 ? 0 : 0.04);
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(positions[0], 8, triangles[0], 10, &mesh, NULL), PEL_OK);
+    pel_body_def body = ball_body(mesh);
+    pel_model *model = make_model(&body);
+    const pel_pose_key key = {.position = {0.001, 0.0005, half}, .rotation = {0, 0, 0, 1}};
+    pel_tool_def tip = make_tip(&key);
+    tip.radius = 0.012;
+    pel_sim_def def = lone_sim(model, PEL_METHOD_QUASI_STATIC, 0.01);
+    def.tools = &tip;
+    def.tool_count = 1;
+    pel_sim *sim = make_sim(&def);
+    pel_haptic_def haptic_def = pel_haptic_def_default();
+    haptic_def.sim = sim;
+    pel_haptic *haptic = make_haptic(&haptic_def);
+    double force[3], sum[3] = {0, 0, 0};
+    pel_haptic_reading reading;
+    assert_int_equal(pel_haptic_sync(haptic, NULL), PEL_OK);
+    assert_int_equal(pel_haptic_update(haptic, key.position, NULL, force, NULL), PEL_OK);
+    pel_haptic_get(haptic, &reading);
+    assert_int_equal(reading.plane_count, 4);
+    /* gaps of 1.5 mm at +x, 2 and 3 mm at both y, 2.5 mm at the floor; not 3.5 mm at -x */
+    for (int i = 0; i < 4; i++) {
+        const pel_haptic_plane *plane = &reading.planes[i];
+        assert_near(pel_vec3_dot(plane->normal, key.position) - plane->offset, 0.0015 + 0.0005 * i, 1e-9);
+        pel_vec3_add(sum, plane->normal, sum);
+    }
+    assert_near(sum[0], -1, 1e-9);
+    assert_near(sum[1], 0, 1e-9);
+    assert_near(sum[2], 1, 1e-9);
+    pel_haptic_destroy(haptic);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 /* a grasp pulls: lifted, the hand feels the ball hold back */
 static void test_grasp_pulls(void **unused)
 {
@@ -494,7 +540,8 @@ static void test_out_of_memory(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_priority),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_planes_of_a_box),
+                                       cmocka_unit_test(test_priority),
                                        cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),
                                        cmocka_unit_test(test_deterministic_without_memory),
