@@ -46,6 +46,7 @@ static stage make_tissue(double dt, const pel_tool_def *tool)
     pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, dt);
     def.tools = tool;
     def.tool_count = 1;
+    def.contact.enabled = tool->shape == PEL_TOOL_MESH;
     s.sim = make_sim(&def);
     return s;
 }
@@ -304,6 +305,46 @@ static void test_planes_of_a_box(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a tool given as a mesh touches no single vertices: one plane carries all of its force */
+static void test_mesh_tool(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = 3;
+    shape.radius = TIP;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    const pel_pose_key above = {.position = {0, 0, BALL + 1.3 * TIP}, .rotation = {0, 0, 0, 1}};
+    pel_tool_def tip = make_tip(&above);
+    tip.shape = PEL_TOOL_MESH;
+    tip.mesh = mesh;
+    stage s = make_tissue(0.01, &tip);
+    pel_haptic_def def = pel_haptic_def_default();
+    def.sim = s.sim;
+    pel_haptic *haptic = make_haptic(&def);
+    double force[3];
+    pel_tool_reading felt;
+    pel_haptic_reading reading;
+    for (int update = 0; update < 1000; update++) {
+        const double hand[3] = {0, 0, BALL + TIP * (1.3 - 0.6 * fmin(update / 500.0, 1))};
+        step_between(haptic, s.sim, update);
+        assert_int_equal(pel_haptic_update(haptic, hand, NULL, force, NULL), PEL_OK);
+    }
+    assert_int_equal(pel_haptic_sync(haptic, NULL), PEL_OK);
+    const double rest[3] = {0, 0, BALL + 0.7 * TIP};
+    assert_int_equal(pel_haptic_update(haptic, rest, NULL, force, NULL), PEL_OK);
+    pel_sim_get_tool(s.sim, 0, &felt);
+    pel_haptic_get(haptic, &reading);
+    assert_true(reading.touches && felt.force[2] > 0.005);
+    assert_int_equal(reading.plane_count, 1);
+    for (int k = 0; k < 3; k++)
+        assert_near(reading.planes[0].normal[k] * length(felt.force), felt.force[k], 1e-12);
+    assert_near(force[2], felt.force[2], 0.05 * felt.force[2]);
+    pel_haptic_destroy(haptic);
+    end_stage(&s);
+    pel_mesh_destroy(mesh);
+}
+
 /* a grasp pulls: lifted, the hand feels the ball hold back */
 static void test_grasp_pulls(void **unused)
 {
@@ -540,7 +581,8 @@ static void test_out_of_memory(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_planes_of_a_box),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_mesh_tool),
+                                       cmocka_unit_test(test_planes_of_a_box),
                                        cmocka_unit_test(test_priority),
                                        cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),
