@@ -305,7 +305,7 @@ static void test_planes_of_a_box(void **unused)
     pel_mesh_destroy(mesh);
 }
 
-/* a tool given as a mesh touches no single vertices: one plane carries all of its force */
+/* under a tool given as a mesh one plane carries all of its force */
 static void test_mesh_tool(void **unused)
 {
     (void)unused;
