@@ -351,7 +351,7 @@ static const pel_scene_row rows[] = {
             "stiffness of the material; descent: minimises the energy under tools and contacts; static: equilibria by "
             "Newton's method; implicit: the midpoint rule, BDF2 or implicit Euler by Newton's method. Default: xpbd if "
             "a body has a membrane or springs by `young`, as tissue has; implicit if xpbd would be too soft or slower; "
-            "quasi-static for springs by `stiffness`"},
+            "quasi-static if springs are given by a stiffness in N/m"},
     {"solver.dt", NUMBER, .unit = "s", POSITIVE, .preset = "0.01", .doc = "length of a step"},
     {"solver.alpha", NUMBER_OR("auto"), POSITIVE, .preset = "auto",
      .doc = "quasi-static: dimensionless step size; auto: a value that is stable on the mesh"},
@@ -402,7 +402,7 @@ static const pel_scene_row rows[] = {
             "go to the last key, or it takes one step if nothing has keys"},
     {"stop", MAP, .doc = "conditions that end a run before its duration; optional"},
     {"stop.at_rest", NUMBER, .unit = "m/s", POSITIVE,
-     .doc = "ends the run when loads and tools no longer change and all vertices are slower than this"},
+     .doc = "ends the run when loads and tools have stopped changing and all vertices are slower than this"},
     {"stop.volume_ratio_below", NUMBER, POSITIVE,
      .doc = "ends the run when the ratio of the volume to the rest volume is below this; needs a closed body"},
     {"stop.frames", INTEGER, COUNT_FROM(1), .doc = "ends the run after this number of steps of dt (paper B's frames)"},

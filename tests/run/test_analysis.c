@@ -154,7 +154,7 @@ static void test_refusals(void **unused)
         skip(); /* positions in float strain a stiff sheet by 1e-7 */
     check_refused(BALL "solver: { analysis: buckling }\n", "no load acts");
     check_refused(BALL "    pressure: { inside: 1000 }\nsolver: { analysis: buckling, modes: 1 }\n",
-                  "turn the loads round");
+                  "reverse them");
     check_refused(BALL "solver: { method: xpbd, analysis: modal }\nduration: 1\n", "use method static");
     check_refused(BALL "contact: {}\nsolver: { analysis: modal }\n", "without contact");
 }
