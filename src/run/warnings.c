@@ -428,7 +428,7 @@ static void tell_held_in_place(const text_context *at)
 static void tell_inverted_volume(const text_context *at)
 {
     snprintf(at->text, at->size,
-             "a body turned inside out: its volume is %.3g times that at rest. lower the pressure, switch contact on, "
+             "a body turned inside out: its volume is %.3g times that at rest. use smaller loads, switch contact on, "
              "or stop earlier (stop: volume_ratio_below)",
              -at->tally->worst);
 }
@@ -471,7 +471,7 @@ static void tell_unstable(const text_context *at)
 {
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " states are unstable equilibria (buckling), and no stable one was found near "
-                                       "them. add a small load that selects a direction, or use path: arc-length",
+             "them. add a small load that selects a direction, or use path: arc-length",
              at->tally->count, pel_sim_step_count(at->run->sim));
 }
 
