@@ -38,8 +38,8 @@ static const bad_scene bad_scenes[] = {
     {"version: 1\nduration: 2\nbodies:\n  - {name: a, mesh: ball.obj}\n", NULL,
      "a.yaml:4:21: error: bodies.0.mesh is 'ball.obj', it must be: map. write { file: ball.obj }"},
     {BALL "    springs: { stiffness: 3 N/m }\n", NULL,
-     "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number alone, it "
-     "is taken in N/m"},
+     "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number "
+     "without a unit; it is in N/m"},
     {BALL "    springs:\n      - 3\n", NULL, "a.yaml:6:7: error: bodies.0.springs is a list, it must be: map"},
     {BALL "    scale_with_area: yes\n", NULL,
      "a.yaml:5:22: error: bodies.0.scale_with_area is 'yes', it must be: true"},
@@ -107,7 +107,7 @@ static const bad_scene bad_scenes[] = {
 
     /* missing keys */
     {"", NULL, "a.yaml:1:1: error: the scene lacks 'version'. add 'version:': "},
-    {"version: 1\n", NULL, "a.yaml:1:1: error: the scene lacks 'bodies'. add 'bodies:': the surfaces that deform"},
+    {"version: 1\n", NULL, "a.yaml:1:1: error: the scene lacks 'bodies'. add 'bodies:': deformable surfaces"},
     {"version: 1\nduration: 1\nbodies:\n  - name: ball\n", NULL,
      "a.yaml:4:5: error: bodies.0 lacks 'mesh'. add 'mesh:"},
     {"version: 1\nduration: 1\nbodies:\n  - mesh: {scale: 1}\n", NULL,
@@ -124,7 +124,8 @@ static const bad_scene bad_scenes[] = {
     /* keys that do not go together */
     {BALL "    mass: {total: 1, per_vertex: 2}\n", NULL,
      "a.yaml:5:22: error: 'total' and 'per_vertex' exclude each other. remove one of them"},
-    {BALL "    springs: {damping: 2}\n", NULL, "a.yaml:5:15: error: key 'damping' is allowed only with: stiffness. add"},
+    {BALL "    springs: {damping: 2}\n", NULL,
+     "a.yaml:5:15: error: key 'damping' is allowed only with: stiffness. add"},
     {BALL "version: 1\n", NULL,
      "a.yaml:5:1: error: key 'version' is given twice. keep one of them; the other is in line 1"},
     {BALL "    mass: {total: 1, total: 1}\n", NULL, "a.yaml:5:22: error: key 'total' is given twice"},
@@ -147,7 +148,8 @@ static const bad_scene bad_scenes[] = {
     {BALL "    refine: {region: all, region_levels: 2}\n", NULL,
      "a.yaml:5:42: error: region_levels is 2, the body has 1 levels. raise levels"},
     {BALL "    refine: {region: {vertices: [1, 252]}}\n", NULL, "a.yaml:5:37: error: the mesh has no vertex 252"},
-    {BALL "    refine: {region: all, dwell: 3}\n", NULL, "a.yaml:5:27: error: key 'dwell' is allowed only with: above, curv"},
+    {BALL "    refine: {region: all, dwell: 3}\n", NULL,
+     "a.yaml:5:27: error: key 'dwell' is allowed only with: above, curv"},
     {BALL "    refine: {above: 1, curvature: {above: 1}, near_tools: 1, region: all, budget: 9000, dwell: 3}\n", NULL,
      NULL},
 
