@@ -399,6 +399,19 @@ static void test_area_of_sliver(void **unused)
     destroy_mesh(&curved);
 }
 
+/* a vertex that the mesh does not have changes nothing, nor does a null measure */
+static void test_no_vertex(void **unused)
+{
+    (void)unused;
+    curved_mesh curved = make_sphere(1, 1);
+    pel_vertex_measure measure = {.area = -7};
+    pel_vertex_measure_fill(curved.topology, curved.positions, -1, &measure);
+    pel_vertex_measure_fill(curved.topology, curved.positions, curved.mesh->vertex_count, &measure);
+    pel_vertex_measure_fill(curved.topology, curved.positions, 0, NULL);
+    assert_true(measure.area == -7);
+    destroy_mesh(&curved);
+}
+
 static void test_arrays_and_summary(void **unused)
 {
     (void)unused;
@@ -505,6 +518,7 @@ static void test_pressure_direction_on_sphere(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_vertex),
         cmocka_unit_test(test_area_of_sliver),
         cmocka_unit_test(test_areas_are_those_of_nearest_points),
         cmocka_unit_test(test_areas_of_obtuse_triangle),
