@@ -40,6 +40,7 @@ struct pel_player {
     pel_mailbox *box;
     const pel_scene *scene;
     pel_scene *own_scene; /* one that was opened; else null */
+    bool is_opened;       /* it is not that of the file, with contact or without */
     pel_model *model;
     pel_sim *sim;
     pel_session *session;
@@ -126,7 +127,8 @@ static void tell_not_opened(pel_player *player, const pel_scene *scene, pel_erro
 static void post_hello(pel_player *player)
 {
     size_t size = 0;
-    unsigned char *bytes = pel_message_hello(player->scene, player->sim, &size);
+    unsigned char *bytes =
+        pel_message_hello(player->scene, player->is_opened ? "" : player->scene->path, player->sim, &size);
     pel_mailbox_post(player->box, PEL_POST_HELLO, bytes, size);
 }
 
@@ -269,6 +271,7 @@ static void open_scene(pel_player *player, const char *text, const char *setting
         close_scene(&next);
         return;
     }
+    next.is_opened |= setting == NULL;
     close_scene(player);
     *player = next;
     post_scene(player);

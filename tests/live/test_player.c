@@ -150,6 +150,24 @@ static void test_not_opened(void **unused)
     stop(&f);
 }
 
+/* a text that is opened has no file, and stays so when contact begins */
+static void test_opened(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start(&f);
+    char line[sizeof text + 10];
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    snprintf(line, sizeof line, "open %s", text);
+    say(&f, line);
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
+    stop(&f);
+}
+
 static void test_slow(void **unused)
 {
     (void)unused;
@@ -219,8 +237,8 @@ static void test_absurd(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_answer), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_not_opened), cmocka_unit_test(test_slow),
-                                       cmocka_unit_test(test_absurd)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_answer),     cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_not_opened), cmocka_unit_test(test_opened),
+                                       cmocka_unit_test(test_slow),       cmocka_unit_test(test_absurd)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
