@@ -210,6 +210,24 @@ static void test_not_opened(void **unused)
     stop(&f);
 }
 
+/* a text that is opened has no file, and stays so when contact begins */
+static void test_opened(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start(&f);
+    char line[sizeof text + 10];
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    snprintf(line, sizeof line, "open %s", text);
+    say(&f, line);
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
+    stop(&f);
+}
+
 static void test_slow(void **unused)
 {
     (void)unused;
@@ -234,6 +252,49 @@ static void test_slow(void **unused)
     }
 }
 
+#define SHELL "material: stvk, young: 1.0e5, poisson: 0.3"
+
+/* shape, membrane, contact and solver, and a command that makes a step of minutes */
+static const char *const absurd[][4] = {
+    {"torus, major_radius: 1, minor_radius: 0.4, slices: 64, rings: 24", SHELL,
+     "contact: { self: true }\nsolver: { method: pbd, dt: 0.0166666667, iterations: 5 }", "inflate ball 1e9"},
+    {"geodesic-sphere, frequency: 12", SHELL, "solver: { method: pbd, dt: 0.01, substeps: 1 }",
+     "set solver.iterations 1000000"},
+    {"geodesic-sphere, frequency: 12", SHELL, "contact: { self: true }\nsolver: { method: xpbd, dt: 0.01 }",
+     "inflate ball 1e9"},
+    {"capsule, radius: 0.02, height: 0.03, slices: 32, rings: 8, segments: 10", "preset: latex-balloon",
+     "solver: { method: implicit, dt: 0.02 }", "inflate ball 1e9"},
+};
+
+/* the page gets an answer soon, and the state before */
+static void test_absurd(void **unused)
+{
+    (void)unused;
+    for (size_t i = 0; i < sizeof absurd / sizeof *absurd; i++) {
+        fixture f;
+        char scene[600];
+        struct timespec start, end;
+        snprintf(scene, sizeof scene,
+                 "version: 1\nbodies:\n"
+                 "  - { name: ball, mesh: { shape: %s }, mass: { density: 1000, thickness: 0.002 },\n"
+                 "      membrane: { %s }, bending: { model: hinge } }\n%s\nduration: 1\n",
+                 absurd[i][0], absurd[i][1], absurd[i][2]);
+        start_scene(&f, scene);
+        assert_int_equal(say_and_see(&f, "step"), 1);
+        say(&f, "mark");
+        say(&f, absurd[i][3]);
+        clock_gettime(CLOCK_MONOTONIC, &start);
+        for (int step = 0; step < 200 && f.box.posts[PEL_POST_NOTICE].revision == 0; step++)
+            say(&f, "step");
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        assert_true(holds(&f, PEL_POST_NOTICE, "the last good state is back"));
+        assert_true(holds(&f, PEL_POST_NOTICE, "a step would take more than "));
+        assert_true(end.tv_sec - start.tv_sec <= 20);
+        assert_int_equal(say_and_see(&f, "pause"), 1);
+        stop(&f);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_parameters_told),
@@ -242,6 +303,8 @@ int main(void)
                                        cmocka_unit_test(test_answer),
                                        cmocka_unit_test(test_refusals),
                                        cmocka_unit_test(test_not_opened),
-                                       cmocka_unit_test(test_slow)};
+                                       cmocka_unit_test(test_opened),
+                                       cmocka_unit_test(test_slow),
+                                       cmocka_unit_test(test_absurd)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
