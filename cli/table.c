@@ -415,7 +415,8 @@ static const cli_command commands[] = {
                 "Each claim has numbers, and each number has an expected value, a tolerance and a source. The verdict "
                 "is 'holds'; 'differs' with a reason if a paper's claim does not hold here; or 'fails'.\n\nThe "
                 "experiments of paper B shrink bodies that the program makes itself, the scans that it finds in a "
-                "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, liver-coarse.obj), or a mesh of yours, on which "
+                "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj, "
+                "liver-coarse.obj), or a mesh of yours, on which "
                 "the papers' claims need not hold.\n\nExit status 0: no claim fails; 1: one does.",
         .slots = {{.name = "NAME",
                    .kind = CLI_WORD,
