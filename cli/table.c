@@ -138,7 +138,7 @@ static const cli_command commands[] = {
                 "the neighbour of a flat triangle where needed, so that no slit remains; splits non-manifold edges and "
                 "vertices by duplicating vertices (a later check warns of these; write .obj, .ply or .off, as reading "
                 ".stl welds them again); and orients triangles consistently and outward. Only welded vertices move. "
-                "Holes remain unless --fill-holes closes them.",
+                "Holes remain unless --fill-holes closes them, and stray parts unless --drop-parts drops them.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
@@ -149,6 +149,11 @@ static const cli_command commands[] = {
                      .value = "LENGTH",
                      .doc = "with --fix: weld vertices up to this far apart [units of the file]; default: 0, only "
                             "those at exactly the same place"},
+                    {.name = "drop-parts",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc =
+                         "with --fix: drop parts of at most N triangles that no edge connects with the largest part"},
                     {.name = "fill-holes",
                      .kind = CLI_COUNT,
                      .value = "N",
