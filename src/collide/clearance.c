@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "geom/wide4.h"
 #include "math/vec3.h"
+#include "pellicle/geometry.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,7 +17,8 @@ enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
 pel_status pel_clearance_create(int32_t point_count, pel_clearance *clearance, pel_error *error)
 {
     *clearance = (pel_clearance){.point_count = point_count};
-    clearance->positions = pel_allocate((size_t)point_count, sizeof *clearance->positions);
+    /* one more: points are read four numbers at once */
+    clearance->positions = pel_allocate((size_t)point_count + 1, sizeof *clearance->positions);
     return clearance->positions != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -30,10 +32,12 @@ void pel_clearance_clear(pel_clearance *clearance)
 
 /* ---- motion ---- */
 
-/* boxes around the displacements of all points from one set of positions to one or two others */
+/* boxes around the displacements of all points from one set of positions to one or two others, whose first points may
+   be records */
 typedef struct motion_job {
     const double (*from)[3], (*to[2])[3];
-    int32_t point_count, target_count;
+    const pel_record *records[2]; /* (record_count) */
+    int32_t point_count, record_count, target_count;
     double low[2][PARTS][3], high[2][PARTS][3];
     bool is_finite[2][PARTS];
 } motion_job;
@@ -46,18 +50,36 @@ static wide4 load_four(const double points[4][3], int j)
     return four;
 }
 
-/* Four points are twelve numbers side by side: lane l of the j-th vector is coordinate (4 j + l) % 3. */
-static void measure_target(motion_job *job, int32_t target, int32_t part)
+/* the points that are records; reads the number behind a point as well */
+static void measure_records(motion_job *job, int32_t target, int32_t part, int64_t begin, int64_t end)
 {
-    int64_t count = job->point_count, p = count * part / PARTS, end = count * (part + 1) / PARTS;
+    const pel_record *to = job->records[target];
+    wide4 least = wide4_set(HUGE_VAL), most = wide4_set(-HUGE_VAL), bad = wide4_set(0);
+    for (int64_t p = begin; p < end; p++) {
+        wide4 from;
+        memcpy(&from, job->from[p], sizeof from);
+        wide4 way = __builtin_convertvector(to[p], wide4) - from;
+        least = wide4_min(way, least);
+        most = wide4_max(way, most);
+        bad += way - way;
+    }
+    for (int k = 0; k < 3; k++) {
+        job->low[target][part][k] = least[k];
+        job->high[target][part][k] = most[k];
+    }
+    job->is_finite[target][part] = bad[0] + bad[1] + bad[2] == 0;
+}
+
+/* The others, added. Four points are twelve numbers side by side: lane l of the j-th vector is coordinate
+   (4 j + l) % 3. */
+static void measure_points(motion_job *job, int32_t target, int32_t part, int64_t p, int64_t end)
+{
     const double(*from)[3] = job->from, (*to)[3] = job->to[target];
     double *low = job->low[target][part], *high = job->high[target][part], lost = 0;
     wide4 least[3], most[3], bad = wide4_set(0);
     for (int j = 0; j < 3; j++) {
         least[j] = wide4_set(HUGE_VAL);
         most[j] = wide4_set(-HUGE_VAL);
-        low[j] = HUGE_VAL;
-        high[j] = -HUGE_VAL;
     }
     for (; p + 4 <= end; p += 4)
         for (int j = 0; j < 3; j++) {
@@ -78,14 +100,18 @@ static void measure_target(motion_job *job, int32_t target, int32_t part)
             high[k] = way > high[k] ? way : high[k];
             lost += way - way;
         }
-    job->is_finite[target][part] = lost + (bad[0] + bad[1]) + (bad[2] + bad[3]) == 0;
+    job->is_finite[target][part] &= lost + (bad[0] + bad[1]) + (bad[2] + bad[3]) == 0;
 }
 
 static void measure_part(void *context, int32_t part)
 {
     motion_job *job = context;
-    for (int32_t target = 0; target < job->target_count; target++)
-        measure_target(job, target, part);
+    int64_t count = job->point_count, begin = count * part / PARTS, end = count * (part + 1) / PARTS;
+    int64_t middle = job->record_count < begin ? begin : job->record_count < end ? job->record_count : end;
+    for (int32_t target = 0; target < job->target_count; target++) {
+        measure_records(job, target, part, begin, middle);
+        measure_points(job, target, part, middle, end);
+    }
 }
 
 static double approach_of(const motion_job *job, int32_t target)
@@ -104,36 +130,107 @@ static double approach_of(const motion_job *job, int32_t target)
     return sqrt(square);
 }
 
-/* Largest approach of any two points on the path to `to`, or to one of two; infinite if a displacement is not
-   finite. */
-static double longest_approach(const double (*from)[3], const double (*to)[3], const double (*other)[3],
-                               int32_t point_count, pel_pool *pool)
+/* Largest approach of any two points on the path to one of the targets; infinite if a displacement is not finite. */
+static double longest_approach(motion_job *job, pel_pool *pool)
 {
-    motion_job job = {.from = from, .to = {to, other}, .point_count = point_count, .target_count = other != to ? 2 : 1};
-    pel_pool_run(pool, PARTS, measure_part, &job);
-    double longest = approach_of(&job, 0);
-    return other != to ? fmax(longest, approach_of(&job, 1)) : longest;
+    pel_pool_run(pool, PARTS, measure_part, job);
+    double longest = approach_of(job, 0);
+    return job->target_count > 1 ? fmax(longest, approach_of(job, 1)) : longest;
+}
+
+/* m, approach of two points that brings a pair of this distance as near as `needed` */
+static double room_of(double distance, double needed)
+{
+    return distance - needed * (1 + SLACK);
+}
+
+static bool stays_below(pel_clearance *clearance, motion_job *job, double room, pel_pool *pool)
+{
+    if (!(room > 0))
+        return false;
+    job->from = (const double(*)[3])clearance->positions;
+    job->point_count = clearance->point_count;
+    bool is_below = longest_approach(job, pool) < room;
+    clearance->uses += is_below;
+    return is_below;
 }
 
 bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double needed,
                           pel_pool *pool)
 {
-    double room = clearance->reach - needed * (1 + SLACK);
-    if (!(room > 0))
+    motion_job job = {.to = {end, start}, .target_count = start != end ? 2 : 1};
+    return stays_below(clearance, &job, room_of(clearance->reach, needed), pool);
+}
+
+/* approach that brings the nearest of all pairs as near as `needed` */
+static double clear_room(const pel_clearance *clearance, double needed)
+{
+    return room_of(fmin(clearance->reach, clearance->nearest), needed);
+}
+
+bool pel_clearance_is_clear(pel_clearance *clearance, const pel_clearance_way *way, double needed, pel_pool *pool)
+{
+    double room = clear_room(clearance, needed);
+    if (way->start_records == NULL && !(clearance->approach < room))
         return false;
-    const double(*from)[3] = (const double(*)[3])clearance->positions;
-    bool serves = longest_approach(from, start, end, clearance->point_count, pool) < room;
-    clearance->uses += serves;
-    return serves;
+    motion_job job = {.to = {way->end, way->start},
+                      .records = {way->end_records, way->start_records},
+                      .record_count = way->record_count,
+                      .target_count = way->start_records != NULL ? 2 : 1};
+    bool is_clear = stays_below(clearance, &job, room, pool);
+    if (is_clear)
+        clearance->approach = approach_of(&job, 0);
+    return is_clear;
+}
+
+bool pel_clearance_stays_clear(pel_clearance *clearance, double longest, bool ends, double needed)
+{
+    double approach = clearance->approach + 2 * longest * (1 + SLACK);
+    bool is_clear = approach < clear_room(clearance, needed);
+    if (is_clear && ends)
+        clearance->approach = approach;
+    clearance->uses += is_clear;
+    return is_clear;
+}
+
+void pel_clearance_go(pel_clearance *clearance, const pel_record *positions, double needed, pel_pool *pool)
+{
+    motion_job job = {.from = (const double(*)[3])clearance->positions,
+                      .records = {positions},
+                      .point_count = clearance->point_count,
+                      .record_count = clearance->point_count,
+                      .target_count = 1};
+    /* where pairs are near in any case it is not worth a look */
+    clearance->approach = clear_room(clearance, needed) > 0 ? longest_approach(&job, pool) : HUGE_VAL;
 }
 
 /* ---- pairs ---- */
+
+/* m, distance of the nearest known pair; infinite without pairs */
+static double nearest_distance(const pel_clearance *clearance, const pel_tree *tree)
+{
+    const double(*x)[3] = (const double(*)[3])clearance->positions;
+    double square = HUGE_VAL, weights[4];
+    for (size_t i = 0; i < clearance->vertex_face.count; i++) {
+        const pel_pair *pair = &clearance->vertex_face.pairs[i];
+        const int32_t *c = tree->triangles[pair->second];
+        square = fmin(square, pel_closest_point_triangle(x[pair->first], x[c[0]], x[c[1]], x[c[2]], weights));
+    }
+    for (size_t i = 0; i < clearance->edge_edge.count; i++) {
+        int32_t a[2], b[2];
+        pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].first, a);
+        pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].second, b);
+        square = fmin(square, pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights));
+    }
+    return sqrt(square);
+}
 
 /* counts slow steps in which a try is put off, longer each time that the last one served few */
 static bool is_worth_it(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double margin,
                         pel_pool *pool)
 {
-    if (!(margin > 0) || !(WORTH_STEPS * longest_approach(start, end, end, clearance->point_count, pool) < margin))
+    motion_job job = {.from = start, .to = {end}, .point_count = clearance->point_count, .target_count = 1};
+    if (!(margin > 0) || !(WORTH_STEPS * longest_approach(&job, pool) < margin))
         return false;
     if (clearance->reach > 0) {
         int32_t length = clearance->pause_length == 0 ? 2 : 2 * clearance->pause_length;
@@ -157,6 +254,8 @@ bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, c
         return false;
     memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
     clearance->reach = reach;
+    clearance->nearest = nearest_distance(clearance, candidates->tree);
+    clearance->approach = HUGE_VAL;
     return true;
 }
 
@@ -186,7 +285,10 @@ pel_status pel_clearance_recall(pel_clearance *clearance, pel_candidates *candid
         return PEL_OK;
     pel_status status = pel_candidates_near(candidates, (const double(*)[3])clearance->positions, reach, pool,
                                             &clearance->vertex_face, &clearance->edge_edge, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
         clearance->reach = reach;
+        clearance->nearest = nearest_distance(clearance, candidates->tree);
+        clearance->approach = HUGE_VAL;
+    }
     return status;
 }

@@ -10,12 +10,16 @@
 #ifndef PEL_COLLIDE_CLEARANCE_H
 #define PEL_COLLIDE_CLEARANCE_H
 
+#include "base/lane.h"
 #include "bvh/candidates.h"
 
 typedef struct pel_clearance {
     double (*positions)[3]; /* (point_count) */
     int32_t point_count;
-    double reach; /* m; 0 = no pairs are known */
+    double reach;    /* m; 0 = no pairs are known */
+    double nearest;  /* m, distance of the nearest known pair; infinite = none */
+    double approach; /* m, bound of that of any two points from there to the end of the last way that was clear;
+                        infinite = not known */
     pel_pair_list vertex_face, edge_edge;
     int32_t uses;                /* queries that the present pairs served */
     int32_t pause, pause_length; /* slow steps to wait for before the next try; length of the last such pause */
@@ -28,6 +32,23 @@ void pel_clearance_clear(pel_clearance *clearance);
 /* Whether all pairs that come nearer than `needed` [m] between start and end (point_count) are known. */
 bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], const double (*end)[3], double needed,
                           pel_pool *pool);
+
+/* a step of points of which the first are records */
+typedef struct pel_clearance_way {
+    const pel_record *start_records; /* (record_count) m, null = the end of the last way, which was clear */
+    const pel_record *end_records;   /* (record_count) m */
+    int32_t record_count;
+    const double (*start)[3], (*end)[3]; /* (point_count) m, those before record_count are not read */
+} pel_clearance_way;
+
+/* Whether no pair at all comes nearer than `needed` [m] on the way, because even the nearest known one was too far
+   apart. */
+bool pel_clearance_is_clear(pel_clearance *clearance, const pel_clearance_way *way, double needed, pel_pool *pool);
+/* The same from the end of the last way, which was clear, if no displacement is longer than this [m]; points are not
+   looked at. ends: the way is taken, and the next one goes on from its end. */
+bool pel_clearance_stays_clear(pel_clearance *clearance, double longest, bool ends, double needed);
+/* Before that, where no way was clear: goes to these positions (point_count). */
+void pel_clearance_go(pel_clearance *clearance, const pel_record *positions, double needed, pel_pool *pool);
 
 /* Searches all pairs nearer than needed + margin at `start`, if the displacement to `end` is so short that they will
    serve many steps like this one. True = they are known now, and serve this step. False on failure too. */

@@ -413,6 +413,27 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
     return PEL_OK;
 }
 
+/* m, pairs that stay farther apart are no hits */
+static double needed_distance(const pel_collision_query *query)
+{
+    return fmax(query->min_separation + query->tolerance, query->near);
+}
+
+bool pel_collider_is_clear(pel_collider *collider, const pel_collision_query *query, const pel_clearance_way *way)
+{
+    return pel_clearance_is_clear(&collider->clearance, way, needed_distance(query), collider->pool);
+}
+
+bool pel_collider_stays_clear(pel_collider *collider, const pel_collision_query *query, double longest, bool ends)
+{
+    return pel_clearance_stays_clear(&collider->clearance, longest, ends, needed_distance(query));
+}
+
+void pel_collider_go(pel_collider *collider, const pel_collision_query *query, const pel_record *positions)
+{
+    pel_clearance_go(&collider->clearance, positions, needed_distance(query), collider->pool);
+}
+
 /* input of the narrow phase: the known pairs while no others can come near, else the candidates. A hit is within
    min_separation and tolerance, or starts within `near`, so that both give the same. */
 static pel_status find_pairs(pel_collider *collider, const pel_collision_query *query, pel_pair_list *vertex_face,
@@ -424,7 +445,7 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
     pel_status status = check_query(query, error);
     if (status != PEL_OK)
         return status;
-    double needed = fmax(query->min_separation + query->tolerance, query->near);
+    double needed = needed_distance(query);
     if (pel_clearance_serves(clearance, start, end, needed, collider->pool) ||
         pel_clearance_renew(clearance, c, start, end, needed, c->margin, collider->pool)) {
         *vertex_face = clearance->vertex_face;

@@ -16,6 +16,12 @@ void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups 
    results refer to it. */
 const pel_tree *pel_collider_tree(const pel_collider *collider);
 
+/* Whether pel_collider_detect would find nothing on a way, as known from earlier searches: see pel_clearance_is_clear,
+   pel_clearance_stays_clear, pel_clearance_go. query: distances only. */
+bool pel_collider_is_clear(pel_collider *collider, const pel_collision_query *query, const pel_clearance_way *way);
+bool pel_collider_stays_clear(pel_collider *collider, const pel_collision_query *query, double longest, bool ends);
+void pel_collider_go(pel_collider *collider, const pel_collision_query *query, const pel_record *positions);
+
 /* Another surface, valid as for pel_collider_create; limits and groups stay. The triangles, from pel_allocate, are the
    collider's from then on. Allocates. On failure (PEL_OUT_OF_MEMORY) the old surface stays, and the triangles are the
    caller's. */

@@ -283,11 +283,8 @@ static double seconds_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* what comes within the distance between start and end */
-static pel_status search(pel_contact_set *set, double distance, pel_collision_result *found, pel_error *error)
+static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
-    double began = seconds_now();
-    set->way_is_searched = false;
     pel_collision_query query = pel_collision_query_default();
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
@@ -295,6 +292,15 @@ static pel_status search(pel_contact_set *set, double distance, pel_collision_re
     query.tolerance = 1e-2 * set->least;
     query.near = set->near;
     query.method = set->def.method;
+    return query;
+}
+
+/* what comes within the distance between start and end */
+static pel_status search(pel_contact_set *set, double distance, pel_collision_result *found, pel_error *error)
+{
+    double began = seconds_now();
+    set->way_is_searched = false;
+    pel_collision_query query = query_of(set, distance);
     pel_status status = pel_collider_detect(set->collider, &query, found, error);
     pel_contact_count_search(set, found);
     set->statistics.find_seconds += seconds_now() - began;
@@ -314,17 +320,73 @@ static double longest_way(const pel_contact_set *set)
     return sqrt(square);
 }
 
+/* m, within which a search before a step looks */
+static double reach_of(const pel_contact_set *set, double longest)
+{
+    return fmin(set->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest, 4 * set->largest);
+}
+
+bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest)
+{
+    const pel_collision_query query = query_of(set, fmax(least, reach_of(set, longest)));
+    /* a step after a snapshot was loaded decides like that of a run that went on */
+    if (!set->was_clear)
+        pel_collider_go(set->collider, &query, position);
+    set->was_clear = pel_collider_stays_clear(set->collider, &query, longest, false);
+    if (set->was_clear) {
+        set->list.count = 0;
+        set->substep = 0;
+    }
+    return set->was_clear;
+}
+
 pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_solids, pel_error *error)
 {
     set->list.count = 0;
     set->substep = 0;
-    double reach = set->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest_way(set);
-    reach = fmin(reach, 4 * set->largest);
+    set->was_clear = false;
+    double reach = reach_of(set, longest_way(set));
     pel_collision_result found;
     pel_status status = search(set, fmax(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
     merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids};
     return status == PEL_OK ? merge(&m, &found, error) : status;
+}
+
+/* these are no part of the surface: their conflicts are not among its pairs */
+static bool has_round_obstacle(const pel_contact_set *set)
+{
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        if (set->obstacles[i].presses && set->obstacles[i].point_begin == set->obstacles[i].point_end)
+            return true;
+    return false;
+}
+
+static bool measure_way(pel_contact_set *set, const pel_collision_query *query, const pel_record *position,
+                        const pel_record *next)
+{
+    pel_contact_set_place_obstacles(set);
+    /* obstacles may have been moved between the steps */
+    bool goes_on = set->was_clear && set->point_count == set->vertex_count;
+    const pel_clearance_way way = {.start_records = goes_on ? NULL : position,
+                                   .end_records = next,
+                                   .record_count = set->vertex_count,
+                                   .start = (const double(*)[3])set->start,
+                                   .end = (const double(*)[3])set->end};
+    return pel_collider_is_clear(set->collider, query, &way);
+}
+
+bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest)
+{
+    double began = seconds_now();
+    const pel_collision_query query = query_of(set, set->largest);
+    bool may_be = set->list.count == 0 && set->tangles.is_known && set->tangles.count == 0 && !has_round_obstacle(set);
+    set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
+                                measure_way(set, &query, position, next));
+    if (set->was_clear)
+        set->conflict_count = 0;
+    set->statistics.find_seconds += seconds_now() - began;
+    return set->was_clear;
 }
 
 pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error)

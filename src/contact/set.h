@@ -163,6 +163,7 @@ typedef struct pel_contact_set {
     uint32_t substep;                              /* number of the substep, of all steps */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_set_place clears it */
+    bool was_clear;                                /* the last step, and its end is the start of the next */
     pel_collision_result on_way;                   /* the collider's */
     bool minds_sides;                              /* impacts whose normal leans over a triangle are left to that */
 
@@ -194,6 +195,14 @@ void pel_contact_set_destroy(pel_contact_set *set);
 /* Forgets all contacts and finds what may touch on the way from start to end; what is as near as `least` [m] in any
    case, but for obstacles. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_solids, pel_error *error);
+/* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
+   too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
+   of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
+   pel_contact_set_place_start was called after it. */
+bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest);
+/* Instead of pel_contact_set_find, without obstacles: true = it would find nothing if no point goes farther than
+   `longest` [m] from these positions. */
+bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest);
 /* What comes too near between start and end, and the conflicts among it; nothing is searched twice. */
 pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result *found, pel_error *error);
 /* Puts what pel_contact_set_search_way found into the list; contacts that were there keep their sums.
@@ -224,6 +233,8 @@ pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_e
 /* Points at both ends of a step, from positions (vertex_count) and the poses of obstacles; if they differ from those of
    the last search it no longer holds. */
 void pel_contact_set_place(pel_contact_set *set, const pel_record *position, const pel_record *next);
+/* The points of obstacles alone */
+void pel_contact_set_place_obstacles(pel_contact_set *set);
 /* `start` alone, from positions and the poses at the end of the step */
 void pel_contact_set_place_start(pel_contact_set *set, const pel_record *position);
 /* the points of one obstacle at a pose */

@@ -107,9 +107,16 @@ void pel_contact_set_place(pel_contact_set *set, const pel_record *position, con
     point_job job = {.set = set, .position = position, .next = next};
     pel_pool_run(set->def.pool, POINT_PARTS, set_part, &job);
     bool differs = false;
-    double x[3];
     for (int part = 0; part < POINT_PARTS; part++)
         differs |= job.differs[part];
+    set->way_is_searched &= !differs;
+    pel_contact_set_place_obstacles(set);
+}
+
+void pel_contact_set_place_obstacles(pel_contact_set *set)
+{
+    bool differs = false;
+    double x[3];
     for (int32_t i = 0; i < set->def.obstacle_count; i++) {
         const pel_obstacle *obstacle = &set->obstacles[i];
         for (int32_t p = obstacle->point_begin; p < obstacle->point_end; p++) {
@@ -124,7 +131,7 @@ void pel_contact_set_place(pel_contact_set *set, const pel_record *position, con
 
 void pel_contact_set_place_start(pel_contact_set *set, const pel_record *position)
 {
-    set->way_is_searched = false;
+    set->way_is_searched = set->was_clear = false;
     for (int32_t p = 0; p < set->vertex_count; p++)
         pel_vertex_position(position, p, set->start[p]);
     for (int32_t i = 0; i < set->def.obstacle_count; i++)

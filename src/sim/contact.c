@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "geom/wide4.h"
 #include "sim/tool.h"
 
 #include <string.h>
@@ -359,13 +360,16 @@ static void expect_vertices(pel_sim *sim)
     const pel_state *state = sim->state;
     const pel_boundary *boundary = &sim->boundary;
     double dt = sim->step.dt;
-    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-    if (state->velocity != NULL)
+    bool is_loaded = state->velocity != NULL && pel_loads_exist(sim);
+    if (is_loaded) {
+        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
         pel_loads_add(sim, pel_sim_time(sim), sim->state->position, sim->force);
+    }
     for (int32_t p = 0; p < contacts->vertex_count; p++)
         for (int k = 0; k < 3; k++) {
             double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
-            velocity += dt * (double)(sim->model->inverse_mass[p] * sim->force[p][k]);
+            if (is_loaded)
+                velocity += dt * (double)(sim->model->inverse_mass[p] * sim->force[p][k]);
             contacts->end[p][k] = contacts->start[p][k] + dt * velocity;
         }
     if (!pel_sim_is_projected(sim) || boundary->held_count == 0)
@@ -375,8 +379,22 @@ static void expect_vertices(pel_sim *sim)
         pel_vec3_copy(boundary->target[i], contacts->end[boundary->held[i]]);
 }
 
+/* m, how far a vertex goes in the step at most by its velocity */
+static double longest_way(const pel_sim *sim)
+{
+    const pel_record *velocity = sim->state->velocity;
+    wide4 most = wide4_set(0);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        most = wide4_max(wide4_abs(__builtin_convertvector(velocity[v], wide4)), most);
+    return sim->step.dt * sqrt(most[0] * most[0] + most[1] * most[1] + most[2] * most[2]);
+}
+
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
+    const pel_record *position = sim->state->position;
+    bool is_free = sim->state->velocity != NULL && sim->tool_count == 0 && !pel_loads_exist(sim);
+    if (is_free && pel_contact_set_stays_clear(sim->contacts, position, least, longest_way(sim)))
+        return PEL_OK;
     pel_contacts_place(sim);
     expect_tools(sim);
     expect_vertices(sim);
@@ -465,6 +483,12 @@ static bool is_refused(pel_sim *sim)
     return !(pel_sim_next_energy(sim) - sim->contact.solved_energy <= most);
 }
 
+static void release_tools(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tool_count; i++)
+        sim->tools[i].is_held_back = false;
+}
+
 /* tools take the poses of the guard */
 static pel_status guard(pel_sim *sim, pel_error *error)
 {
@@ -479,21 +503,27 @@ static pel_status guard(pel_sim *sim, pel_error *error)
     return status;
 }
 
-static pel_status step(pel_sim *sim, double longest, pel_error *error)
+static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    pel_tools_press(sim, longest, false);
+    double way = result->way_is_known && sim->tool_count == 0 ? result->way : HUGE_VAL;
+    pel_tools_press(sim, result->longest, false);
+    bring_poses(sim);
+    if (pel_contact_set_is_clear(contacts, sim->state->position, sim->state->position_next, way)) {
+        release_tools(sim);
+        sim->parts.is_refused = false;
+        return PEL_OK;
+    }
     pel_contacts_place(sim);
     int64_t rounds = contacts->statistics.rounds;
-    pel_status status = respond(sim, longest, error);
+    pel_status status = respond(sim, result->longest, error);
     if (status != PEL_OK)
         return status;
     sim->parts.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
     if (sim->parts.is_refused)
         return PEL_OK;
     double began = seconds_now();
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        sim->tools[i].is_held_back = false;
+    release_tools(sim);
     /* the cubic may have missed some */
     if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
         status = pel_contact_look(contacts, error);
@@ -509,14 +539,14 @@ static pel_status step(pel_sim *sim, double longest, pel_error *error)
     return status;
 }
 
-pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error)
+pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *result, pel_error *error)
 {
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
     pel_contacts_begin(&sim->contacts->list);
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
-    pel_status status = step(sim, longest, error);
+    pel_status status = step(sim, result, error);
     if (status != PEL_OK || sim->parts.is_refused) {
         pel_tools_return(sim);
         return status;

@@ -25,8 +25,8 @@ void pel_contacts_begin_substep(pel_sim *sim);
 /* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
-   step. longest: spring length bound. On failure the state and the poses of the tools are those before the step. */
-pel_status pel_contacts_apply(pel_sim *sim, double time, double longest, pel_error *error);
+   step. On failure the state and the poses of the tools are those before the step. */
+pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *result, pel_error *error);
 /* Before the step: updates the surface after refinement, and the tangled pairs after a snapshot. */
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
 

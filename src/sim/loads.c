@@ -312,6 +312,11 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, real_gains gain)
     return inside;
 }
 
+bool pel_loads_exist(const pel_sim *sim)
+{
+    return sim->load_count > 0 || sim->follower_count > 0 || sim->external != NULL || has_gravity(sim->model);
+}
+
 bool pel_loads_apply(pel_sim *sim, pel_gains gains)
 {
     const real_gains gain = {(pel_real)gains.position, (pel_real)gains.velocity};

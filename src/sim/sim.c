@@ -75,18 +75,16 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
     return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;
 }
 
-/* the new positions and velocities of the method; longest: bound of the length of an edge at them */
-static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *error)
+/* the new positions and velocities of the method */
+static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_error *error)
 {
     const pel_stepper *stepper = sim->stepper;
-    pel_step_result result = {0};
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
-    pel_status status = stepper->step(sim, &result, error);
+    pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
-    if (status == PEL_OK && !result.diverged && !stepper->bounds_motion && sim->tool_count > 0)
-        result.longest = pel_sim_longest_edge(sim);
-    *longest = result.longest;
-    if (status == PEL_OK && result.diverged)
+    if (status == PEL_OK && !result->diverged && !stepper->bounds_motion && sim->tool_count > 0)
+        result->longest = pel_sim_longest_edge(sim);
+    if (status == PEL_OK && result->diverged)
         status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
     if (status == PEL_OK && !sim->parts.is_refused && !pel_sim_has_self_contact(sim))
@@ -97,15 +95,15 @@ static pel_status solve(pel_sim *sim, double next, double *longest, pel_error *e
 }
 
 /* correct remaining violations, then guard; without contact tools press by themselves */
-static pel_status keep_apart(pel_sim *sim, double next, double longest, pel_error *error)
+static pel_status keep_apart(pel_sim *sim, double next, const pel_step_result *result, pel_error *error)
 {
     if (sim->contacts != NULL)
-        return pel_contacts_apply(sim, next, longest, error);
+        return pel_contacts_apply(sim, next, result, error);
     if (sim->tool_count == 0)
         return PEL_OK;
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, next);
-    pel_tools_press(sim, longest, false);
+    pel_tools_press(sim, result->longest, false);
     pel_tools_read(sim, next);
     return PEL_OK;
 }
@@ -132,11 +130,12 @@ static void accept_part(pel_sim *sim, double next)
 /* a part that failed, or is refused, leaves the state before it */
 static pel_status step_part(pel_sim *sim, pel_error *error)
 {
-    double next = pel_sim_next_time(sim), longest = 0;
+    double next = pel_sim_next_time(sim);
+    pel_step_result result = {0};
     pel_contact_forces_begin(&sim->contact_forces);
-    pel_status status = solve(sim, next, &longest, error);
+    pel_status status = solve(sim, next, &result, error);
     if (status == PEL_OK && !sim->parts.is_refused)
-        status = keep_apart(sim, next, longest, error);
+        status = keep_apart(sim, next, &result, error);
     /* a shorter part has fewer pairs, and does not go that far */
     bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
     if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim)))

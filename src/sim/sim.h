@@ -433,6 +433,8 @@ pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t coun
 void pel_loads_destroy(pel_sim *sim);
 /* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
+/* there is one, gravity included */
+bool pel_loads_exist(const pel_sim *sim);
 /* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
 double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
 /* Adds the loads at a time, gravity included, to force (vertex_count); follower loads at some positions, null = without

@@ -126,10 +126,11 @@ static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error 
         int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, end);
         most = chunk_count > most ? chunk_count : most;
     }
-    sim->chunk_longest = pel_allocate((size_t)most, sizeof *sim->chunk_longest);
+    sim->chunk_longest = pel_allocate((size_t)most, 2 * sizeof *sim->chunk_longest);
     if (sim->chunk_longest == NULL)
         return pel_fail_memory(error);
     sim->step.longest = sim->chunk_longest;
+    sim->step.ways = def->contact.enabled ? sim->chunk_longest + most : NULL;
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
     bool helps = threads > 1 && most >= CHUNKS_WORTH_THREADS;
     /* a pool without helpers asks whether the step is wanted */

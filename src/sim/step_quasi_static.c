@@ -51,6 +51,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_shells_apply(sim, gains);
     result->diverged |= sim->shells != NULL && !pel_sim_all_inside(sim);
     result->diverged |= !pel_sim_relax(sim);
+    result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && sim->active == NULL;
     return PEL_OK;
 }
 

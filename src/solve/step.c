@@ -9,7 +9,7 @@
 
 /* what a chunk adds to the result */
 typedef struct tally {
-    pel_wide longest;
+    pel_wide longest, square; /* the latter of displacements */
     pel_wide_mask inside;
 } tally;
 
@@ -23,10 +23,12 @@ typedef struct sweep {
 
 #define STEP_INLINE static inline __attribute__((always_inline))
 
-STEP_INLINE void note_position(tally *sum, const pel_wide3 *position, const pel_step *step)
+STEP_INLINE void note_position(tally *sum, const pel_wide3 *position, pel_wide3 way, const pel_step *step)
 {
     pel_real bound = (pel_real)step->bound;
     sum->inside &= pel_wide3_dot(*position, *position) < pel_wide_splat(bound * bound);
+    if (step->ways != NULL)
+        sum->square = pel_wide_max(sum->square, pel_wide3_dot(way, way));
 }
 
 /* moves the vertices of a slice by the elastic force on them */
@@ -44,9 +46,9 @@ STEP_INLINE void quasi_static_slice(const sweep *run, int32_t slice, const pel_s
         pel_add_damping(run->model, slice, &own->position, &velocity, &run->body, &force);
     }
     pel_wide factor = pel_wide_splat((pel_real)(step->alpha * step->dt * step->dt)) * own->inverse_mass;
-    pel_wide3 next = {own->position.x + factor * force.x, own->position.y + factor * force.y,
-                      own->position.z + factor * force.z};
-    note_position(sum, &next, step);
+    pel_wide3 way = {factor * force.x, factor * force.y, factor * force.z};
+    pel_wide3 next = {own->position.x + way.x, own->position.y + way.y, own->position.z + way.z};
+    note_position(sum, &next, way, step);
     pel_slice_store(state->position_next, slice, next, own->inverse_mass);
 }
 
@@ -61,8 +63,9 @@ STEP_INLINE void explicit_slice(const sweep *run, int32_t slice, const pel_slice
     pel_wide3 v = speed.position;
     pel_wide3 faster = {v.x + factor * force.x, v.y + factor * force.y, v.z + factor * force.z};
     pel_wide3 used = symplectic ? faster : v;
-    pel_wide3 next = {own->position.x + dt * used.x, own->position.y + dt * used.y, own->position.z + dt * used.z};
-    note_position(sum, &next, step);
+    pel_wide3 way = {dt * used.x, dt * used.y, dt * used.z};
+    pel_wide3 next = {own->position.x + way.x, own->position.y + way.y, own->position.z + way.z};
+    note_position(sum, &next, way, step);
     pel_slice_store(state->position_next, slice, next, own->inverse_mass);
     pel_slice_store(state->velocity_next, slice, faster, pel_wide_splat(0));
 }
@@ -104,7 +107,7 @@ STEP_INLINE void run_chunk(const sweep *whole, int32_t chunk, bool explicit_meth
 {
     int32_t first = whole->slice_begin + chunk * PEL_SLICE_CHUNK;
     int32_t last = whole->slice_end - first < PEL_SLICE_CHUNK ? whole->slice_end : first + PEL_SLICE_CHUNK;
-    tally sum = {pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
+    tally sum = {pel_wide_splat(0), pel_wide_splat(0), pel_wide_splat(0) == pel_wide_splat(0)};
     sweep run = *whole;
     for (int32_t begin = first, end; begin < last; begin = end) {
         end = run_end(run.model, begin, last);
@@ -116,6 +119,9 @@ STEP_INLINE void run_chunk(const sweep *whole, int32_t chunk, bool explicit_meth
     }
     /* an infinite length says that a position left the bound */
     run.step->longest[chunk] = pel_wide_all(sum.inside) ? (double)pel_wide_largest(sum.longest) : HUGE_VAL;
+    /* the new position is rounded, which at most doubles a displacement */
+    if (run.step->ways != NULL)
+        run.step->ways[chunk] = 2 * sqrt((double)pel_wide_largest(sum.square));
 }
 
 static void quasi_static_chunk(void *context, int32_t chunk)
@@ -141,7 +147,7 @@ static void symplectic_chunk(void *context, int32_t chunk)
 static void sweep_all(const pel_model *model, pel_state *state, const pel_step *step, pel_chunk_function *function,
                       pel_step_result *result)
 {
-    *result = (pel_step_result){0};
+    *result = (pel_step_result){.way_is_known = step->ways != NULL};
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
         sweep run = {.model = model,
@@ -151,8 +157,10 @@ static void sweep_all(const pel_model *model, pel_state *state, const pel_step *
                      .slice_end = body->slice_end};
         int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
         pel_pool_run(step->pool, chunk_count, function, &run);
-        for (int32_t chunk = 0; chunk < chunk_count; chunk++)
+        for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
             result->longest = fmax(result->longest, step->longest[chunk]);
+            result->way = fmax(result->way, step->ways != NULL ? step->ways[chunk] : 0);
+        }
     }
     result->diverged = isinf(result->longest);
 }

@@ -13,12 +13,15 @@ typedef struct pel_step {
     bool symplectic;    /* explicit */
     pel_pool *pool;     /* null = one thread */
     double *longest;    /* (chunks of the largest body) scratch */
+    double *ways;       /* (same) scratch; null = displacements are not measured */
     double bound;       /* positions farther than this from the origin count as diverged */
 } pel_step;
 
 typedef struct pel_step_result {
-    double longest; /* longest spring at the start of the step */
-    bool diverged;  /* a new position is NaN, infinite or out of bound */
+    double longest; /* m, longest spring at the start of the step */
+    double way;     /* m, bound of the displacement of a vertex, if it is known */
+    bool way_is_known;
+    bool diverged; /* a new position is NaN, infinite or out of bound */
 } pel_step_result;
 
 /* x' = x + alpha F(x, v) dt^2 / m (eq. A-5), v = 0 or, kept, (x - x_before) / dt */

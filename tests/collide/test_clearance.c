@@ -156,6 +156,80 @@ static void test_bound(void **unused)
     end(&p);
 }
 
+static void set_records(const double (*x)[3], int32_t count, pel_record *records)
+{
+    for (int32_t v = 0; v < count; v++)
+        records[v] = (pel_record){(pel_real)x[v][0], (pel_real)x[v][1], (pel_real)x[v][2], 0};
+}
+
+/* the nearest pair by all pairs */
+static double nearest(const pieces *p, const double (*x)[3])
+{
+    double below = 0, above = 10;
+    pel_pair_list vertex_face = {0}, edge_edge = {0};
+    for (int i = 0; i < 40; i++) {
+        double middle = 0.5 * (below + above);
+        assert_int_equal(pel_candidates_near(p->candidates, x, middle, NULL, &vertex_face, &edge_edge, NULL), PEL_OK);
+        *(vertex_face.count + edge_edge.count > 0 ? &above : &below) = middle;
+    }
+    free(vertex_face.pairs);
+    free(edge_edge.pairs);
+    return above;
+}
+
+/* a way is clear while no pair can be near, the nearest known one included, at its start, its end, by bounds of
+   displacements; the last points are no records */
+static void test_clear(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    int32_t count = p.mesh->vertex_count, record_count = count - 5;
+    const double(*rest)[3] = (const double(*)[3])p.mesh->positions;
+    double least = nearest(&p, rest), near = 0.5 * least;
+    size_t size = (size_t)count * sizeof(double[3]);
+    double(*moved)[3] = malloc(size);
+    pel_record *start = aligned_alloc(64, ((size_t)count * sizeof *start + 63) / 64 * 64);
+    pel_record *next = aligned_alloc(64, ((size_t)count * sizeof *next + 63) / 64 * 64);
+    set_records(rest, count, start);
+    memcpy(moved, rest, size);
+    pel_clearance_way way = {start, next, record_count, rest, (const double(*)[3])moved};
+    set_records(rest, count, next);
+    assert_false(pel_clearance_is_clear(&p.clearance, &way, near, NULL));
+    assert_false(pel_clearance_stays_clear(&p.clearance, 0, true, near));
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, near, margin, NULL));
+    assert_true(p.clearance.vertex_face.count + p.clearance.edge_edge.count > 0);
+    assert_true(fabs(p.clearance.nearest - least) < 1e-6);
+    assert_false(pel_clearance_stays_clear(&p.clearance, 0, true, near));
+    assert_false(pel_clearance_is_clear(&p.clearance, &way, 1.01 * least, NULL));
+    assert_true(pel_clearance_is_clear(&p.clearance, &way, near, NULL));
+    const int32_t vertices[] = {3, count - 1};
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) {
+            moved[vertices[i]][k] += 0.51 * least;
+            set_records((const double(*)[3])moved, record_count, next);
+            assert_false(pel_clearance_is_clear(&p.clearance, &way, near, NULL));
+            const pel_clearance_way back = {next, start, record_count, (const double(*)[3])moved, rest};
+            assert_false(pel_clearance_is_clear(&p.clearance, &back, near, NULL));
+            moved[vertices[i]][k] -= 0.02 * least;
+            set_records((const double(*)[3])moved, record_count, next);
+            assert_true(pel_clearance_is_clear(&p.clearance, &way, near, NULL));
+            /* from there, 0.01 of it are left: for two points that meet */
+            assert_false(pel_clearance_stays_clear(&p.clearance, 0.0051 * least, true, near));
+            assert_true(pel_clearance_stays_clear(&p.clearance, 0.0049 * least, false, near));
+            assert_true(pel_clearance_stays_clear(&p.clearance, 0.0049 * least, true, near));
+            assert_false(pel_clearance_stays_clear(&p.clearance, 0.0049 * least, true, near));
+            memcpy(moved, rest, size);
+        }
+    set_records(rest, count, next);
+    next[7][1] = (pel_real)NAN;
+    assert_false(pel_clearance_is_clear(&p.clearance, &way, near, NULL));
+    free(start);
+    free(next);
+    free(moved);
+    end(&p);
+}
+
 /* fast steps are not worth a search, and slow ones after pairs that served little wait */
 static void test_worth(void **unused)
 {
@@ -184,6 +258,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_known_pairs),
         cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_clear),
         cmocka_unit_test(test_worth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

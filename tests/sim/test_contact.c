@@ -734,6 +734,31 @@ static void test_nothing_moves(void **unused)
 }
 
 /* paper B's cubic, and its single correction after the step */
+/* bodies at rest whose surfaces were found to be far apart, then brought together from outside */
+static void test_brought_together(void **unused)
+{
+    (void)unused;
+    const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT, PEL_METHOD_PBD};
+    for (int m = 0; m < 3; m++) {
+        contact_scene scene;
+        scene_begin(&scene, methods[m]);
+        scene.def.contact.thickness = 0.06;
+        scene_body(&scene, make_sphere(5));
+        scene_body(&scene, make_moved_sphere(5, 3, 0, 0));
+        pel_sim *sim = scene_create(&scene);
+        run_free(sim, 20);
+        assert_int_equal(statistics_of(sim).contacts, 0);
+        double x[3 * 252];
+        pel_sim_get_positions(sim, 1, x);
+        for (int v = 0; v < 252; v++)
+            x[3 * v] -= 0.98;
+        assert_int_equal(pel_sim_set_positions(sim, 1, x, NULL), PEL_OK);
+        run_free(sim, 1);
+        assert_true(statistics_of(sim).contacts > 0);
+        scene_end(&scene, sim);
+    }
+}
+
 static void test_paper_method(void **unused)
 {
     (void)unused;
@@ -881,6 +906,7 @@ int main(void)
         cmocka_unit_test(test_limit),
         cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_brought_together),
         cmocka_unit_test(test_paper_method),
         cmocka_unit_test(test_paper_method_is_guarded),
         cmocka_unit_test(test_every_allocation),
