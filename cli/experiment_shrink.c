@@ -32,7 +32,7 @@ const char *cli_shrink_name(const cli_experiment *experiment, int body, const ch
 
 const char *cli_shrink_label(const cli_experiment *experiment, int body, const char *text, char *name)
 {
-    snprintf(name, 96, "%.36s: %.56s", experiment->bodies[body].name, text);
+    snprintf(name, 96, "%.30s: %.63s", experiment->bodies[body].name, text);
     return name;
 }
 
@@ -42,7 +42,7 @@ pel_status cli_shrink(cli_experiment *experiment, int body, const char *what, co
     enum { SETTINGS = 12 };
     char name[64], pressure[64];
     const char *overrides[SETTINGS + 3] = {experiment->bodies[body].mesh, pressure};
-    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.9g", experiment->bodies[body].pressure);
+    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", experiment->bodies[body].pressure);
     for (int i = 0; settings != NULL && settings[i] != NULL && i < SETTINGS; i++)
         overrides[i + 2] = settings[i];
     return cli_experiment_run(experiment, cli_shrink_name(experiment, body, what, name), scene, overrides, summary);
