@@ -401,8 +401,7 @@ static pel_status find_scans(const char *data, cli_body *bodies, int *count, pel
     if (status == PEL_OK && *count == 0) {
         status = pel_fail(error, PEL_BAD_FILE, "no scan is in the folder");
         pel_fail_remedy(error, "put goat-head.obj, koala.obj, spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj "
-                               "or liver-coarse.obj there, or leave the folder out: the bodies are then made by the "
-                               "program");
+                               "or liver-coarse.obj there, or omit the folder: the program then generates the bodies");
         cli_name_file(error, data);
     }
     return status;

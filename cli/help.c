@@ -100,7 +100,7 @@ void cli_print_overview(FILE *file)
           file);
     for (int i = 0; cli_command_at(i) != NULL; ++i)
         fprintf(file, "  %-12s %s\n", cli_command_at(i)->name, cli_command_at(i)->summary);
-    fputs("\n'pellicle COMMAND --help' explains a command, with examples. 'pellicle --version' prints the version.\n"
-          "exit status: 0 done; 1 the run failed; 2 bad usage, scene or mesh, nothing written.\n",
+    fputs("\n'pellicle COMMAND --help' explains a command with examples. 'pellicle --version' prints the "
+          "version.\nexit status: 0 done; 1 the run failed; 2 wrong usage, scene or mesh, nothing was written.\n",
           file);
 }

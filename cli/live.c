@@ -160,7 +160,7 @@ static pid_t open_browser(const char *address)
 
 static void note_no_browser(void)
 {
-    fputs("note: no browser could be opened: open the address by hand\n", stderr);
+    fputs("note: no browser could be opened. open the address yourself\n", stderr);
 }
 
 static void tell_address(void *user, const char *address)

@@ -80,9 +80,7 @@ void cli_print_manual(FILE *file)
         print_command(file, cli_command_at(i));
     fputs(".SH OPTIONS OF ALL COMMANDS\n", file);
     print_option(file, &cli_help_option);
-    fputs(".SH EXIT STATUS\n"
-          ".TP\n0\ndone\n"
-          ".TP\n1\nthe run failed\n"
-          ".TP\n2\nbad usage, scene or mesh; nothing was written\n",
+    fputs(".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\nthe run failed\n.TP\n2\nwrong usage, scene or mesh; nothing was "
+          "written\n",
           file);
 }

@@ -45,7 +45,8 @@ static void print_measures(const char *path, const measured *m)
     printf("  total Gaussian curvature    %.12g, 2 pi times the Euler number %d; off by %.1e\n", s->total_curvature,
            (int)m->report->euler_characteristic, fabs(s->total_curvature - expected_total(m)));
     if (!m->report->closed)
-        printf("  boundary                    %d of %d vertices are left out of the curvatures, not of their total\n",
+        printf("  boundary                    %d of %d vertices are excluded from the curvatures, but not from their "
+               "total\n",
                (int)(m->report->vertex_count - s->inner_vertex_count), (int)m->report->vertex_count);
 }
 
@@ -139,8 +140,7 @@ static int measure(const cli_call *call, measured *m)
     }
     if (m->report->issues[PEL_ISSUE_INSIDE_OUT].count > 0)
         fprintf(stderr,
-                "note: the surface is turned inward, which changes signs; 'pellicle check %s --fix OUT' turns "
-                "it around\n",
+                "note: the surface faces inward, which changes signs. 'pellicle check %s --fix OUT' turns it outward\n",
                 path);
     pel_surface_curvature_summary(m->topology, m->mesh->positions[0], &m->summary);
     int done = out != NULL ? write_fields(call, m, out) : CLI_DONE;

@@ -99,19 +99,19 @@ static void write_json(const cli_call *call, const pel_study_summary *s, const c
 
 static void print_summary(const pel_study_summary *s, const char *folder)
 {
-    printf("%lld runs done, %lld were there, %lld of %lld missing\n", (long long)s->done, (long long)s->present,
+    printf("%lld runs done, %lld were done before, %lld of %lld missing\n", (long long)s->done, (long long)s->present,
            (long long)s->missing, (long long)s->runs);
     if (s->failed > 0)
-        printf("%lld runs failed: their rows have the status and the error; --retry does them again\n",
+        printf("%lld runs failed: their rows have the status and the error; --retry repeats them\n",
                (long long)s->failed);
     if (s->zeros[0] != '\0')
-        printf("0 in all runs: %s. does the tool touch the body, is the load on?\n", s->zeros);
+        printf("0 in all runs: %s. check that the tool touches the body and that the load acts\n", s->zeros);
     if (s->missing == 0) {
         printf("results in %s:\n", folder);
         printf("  runs.csv      one row for each run\n");
-        printf("  report.html   the table in pictures: open it in a browser\n");
+        printf("  report.html   plots of the table, for a browser\n");
     } else {
-        printf("the table is written once no run is missing\n");
+        printf("the table is written when no run is missing\n");
     }
 }
 

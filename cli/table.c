@@ -29,17 +29,17 @@ static const cli_command commands[] = {
     {
         .name = "run",
         .summary = "simulate a scene and write its results",
-        .text =
-            "Reads the scene file SCENE (YAML or JSON; a name such as balloon means an installed scene), simulates it "
-            "and leaves a folder of results: frames.pvd with frames/*.vtp for ParaView, series.csv with the measures "
-            "over time, summary.json, final.ply and scene.yaml, the scene with every default filled in.\n\nCtrl-C "
-            "(SIGINT), SIGTERM and SIGHUP stop the run within 0.5 s, finish all files and leave a checkpoint from "
-            "which --resume continues with the same bits. A second signal ends the run at once; files in the folder "
-            "are complete then too, including the state kept every 10 s in `checkpoint`. A run that diverges names the "
-            "place, keeps its last good checkpoint and exits with status 1.\n\nAnything that makes the numbers "
-            "doubtful is printed as 'warning: ...' on standard error and listed with its code in summary.json: a "
-            "method softer than the material, steps that did not converge, energy that appears, contact that jams, a "
-            "mesh that is too coarse, a run that ends before it settles. docs/results.md lists the codes.",
+        .text = "Reads the scene file SCENE (YAML or JSON; a name such as balloon is an installed scene), simulates it "
+                "and writes a folder of results: frames.pvd with frames/*.vtp for ParaView, series.csv with the "
+                "measures over time, summary.json, final.ply, and scene.yaml, which is the scene with all defaults "
+                "written out.\n\nCtrl-C (SIGINT), SIGTERM and SIGHUP stop the run within 0.5 s, complete all files and "
+                "write a checkpoint from which --resume continues with the same bits. A second signal ends the run at "
+                "once; the files in the folder are then complete too, including `checkpoint`, the state that is saved "
+                "every 10 s. If a run diverges, the error names the vertex, the last good checkpoint is kept, and the "
+                "exit status is 1.\n\nIf the numbers may be wrong, 'warning: ...' on standard error says why, and "
+                "summary.json has the code of the warning: a method that is softer than the material, steps that did "
+                "not converge, energy that appears, contact that jams, a mesh that is too coarse, a run that ends "
+                "before it settles. docs/results.md lists the codes.",
         .slots = {{.name = "SCENE", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
@@ -58,11 +58,11 @@ static const cli_command commands[] = {
                     {.name = "frames",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "stop with frame N; frame 0 is the initial state"},
+                     .doc = "stop after frame N; frame 0 is the initial state"},
                     {.name = "threads",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "use N threads; default: all of the machine. The results do not depend on it"},
+                     .doc = "use N threads; default: as many as the machine has. The results do not depend on it"},
                     {.name = "resume",
                      .kind = CLI_FILE,
                      .value = "FILE",
@@ -71,7 +71,7 @@ static const cli_command commands[] = {
                      .kind = CLI_WORD,
                      .value = "FORM",
                      .words = cli_progress_names,
-                     .doc = "show progress on standard error: bar (one line that is written over), plain (a line a "
+                     .doc = "show progress on standard error: bar (one line that is updated), plain (one line per "
                             "second, for logs and pipes) or none; default: bar on a terminal, else none"},
                     {.name = "strict",
                      .kind = CLI_FLAG,
@@ -85,42 +85,44 @@ static const cli_command commands[] = {
     },
     {
         .name = "live",
-        .summary = "touch a simulation in a browser",
-        .text = "Simulates SCENE and serves a page that shows it: pull the surface by a spring, press it with a tool, "
-                "pin, inflate, change parameters, undo, and save what was done as a scene that 'pellicle run' repeats "
-                "to the bit. A mesh is filled with tissue, or is a shell of rubber. Without SCENE: the "
-                "balloon.\n\nPrints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens the address and serves until "
-                "it is interrupted. Only this machine can reach it, unless --host names another address, and only with "
-                "the token.\n\n--html writes one HTML file instead, which simulates in any browser, without this "
-                "program: scene, meshes and the library as WebAssembly are inside.",
+        .summary = "interact with a simulation in a browser",
+        .text =
+            "Simulates SCENE and serves a page that shows it: pull the surface by a spring, press it with a tool, pin, "
+            "inflate, change parameters, undo, and save all interactions as a scene that 'pellicle run' repeats bit "
+            "for bit. A MESH becomes a body filled with tissue or, with --shell, a shell of rubber. Default: the scene "
+            "balloon.\n\nPrints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens this address in a browser and "
+            "serves it until interrupted. Only this machine can reach it, unless --host names another address, and "
+            "only with the token.\n\n--html writes one HTML file instead, which simulates in any browser without this "
+            "program: it contains the scene, the meshes and the library as WebAssembly.",
         .slots = {{.name = "SCENE|MESH", .kind = CLI_SCENE, .optional = true}},
-        .options = {{.name = "shell", .kind = CLI_FLAG, .doc = "make a mesh a shell, not tissue"},
-                    {.name = "no-open", .kind = CLI_FLAG, .doc = "open no browser"},
-                    {.name = "port", .kind = CLI_COUNT, .value = "N", .doc = "port; default: one that is free"},
-                    {.name = "host",
-                     .kind = CLI_TEXT,
-                     .value = "ADDRESS",
-                     .doc = "serve on this address of the machine; default: 127.0.0.1"},
-                    {.name = "html",
-                     .kind = CLI_FILE,
-                     .value = "OUT",
-                     .doc = "write this page, which simulates by itself, and serve nothing"},
-                    {.name = "paused", .kind = CLI_FLAG, .doc = "begin paused"},
-                    {.name = "set",
-                     .kind = CLI_SETTING,
-                     .repeated = true,
-                     .value = "KEY=VALUE",
-                     .print_keys = cli_print_scene_keys,
-                     .doc = "change one value of the scene, such as solver.drag=2"},
-                    {.name = "threads",
-                     .kind = CLI_COUNT,
-                     .value = "N",
-                     .doc = "threads of a step; default: what the scene says"},
-                    {.name = "page",
-                     .kind = CLI_FILE,
-                     .value = "FILE",
-                     .doc = "the page; default: the one that 'make web' built, with --html 'make wasm'"},
-                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print the address and errors only"}},
+        .options =
+            {{.name = "shell", .kind = CLI_FLAG, .doc = "simulate a mesh as a shell of rubber, not as tissue"},
+             {.name = "no-open", .kind = CLI_FLAG, .doc = "do not open a browser"},
+             {.name = "port", .kind = CLI_COUNT, .value = "N", .doc = "port of the server; default: a free port"},
+             {.name = "host",
+              .kind = CLI_TEXT,
+              .value = "ADDRESS",
+              .doc = "serve on this address of the machine; default: 127.0.0.1"},
+             {.name = "html",
+              .kind = CLI_FILE,
+              .value = "OUT",
+              .doc = "write the page with the simulation to this file; start no server"},
+             {.name = "paused", .kind = CLI_FLAG, .doc = "start paused"},
+             {.name = "set",
+              .kind = CLI_SETTING,
+              .repeated = true,
+              .value = "KEY=VALUE",
+              .print_keys = cli_print_scene_keys,
+              .doc = "change one value of the scene, such as solver.drag=2"},
+             {.name = "threads",
+              .kind = CLI_COUNT,
+              .value = "N",
+              .doc = "threads of a step; default: solver.threads of the scene"},
+             {.name = "page",
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the page template; default: the page that 'make web' built, or with --html 'make wasm'"},
+             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print the address and errors only"}},
         .examples = "pellicle live balloon\n"
                     "pellicle live balloon --html balloon.html\n"
                     "pellicle live liver.obj\n"
@@ -129,16 +131,18 @@ static const cli_command commands[] = {
     },
     {
         .name = "check",
-        .summary = "find what is wrong with a mesh or a scene; repair a mesh",
-        .text = "Lists every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
-                "checked as a scene, with the meshes it names; anything else as a mesh. Elements are numbered from "
-                "0.\n\nExit status 0: fine (notes may be printed), or repaired and written; 2: there are errors "
-                "(cannot be simulated) or warnings (can be, but is probably not what was meant).\n\n--fix welds "
-                "vertices at the same place; drops broken, duplicate and flat triangles and unused vertices; divides "
-                "the neighbour of a flat triangle where needed, so that no slit remains; splits non-manifold edges and "
-                "vertices by duplicating vertices (a later check warns of these; write .obj, .ply or .off, as reading "
-                ".stl welds them again); and orients triangles consistently and outward. Only welded vertices move. "
-                "Holes remain unless --fill-holes closes them, and stray parts unless --drop-parts drops them.",
+        .summary = "find problems of a mesh or a scene; repair a mesh",
+        .text =
+            "Lists every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
+            "checked as a scene, with the meshes it names; any other file as a mesh. Elements are numbered from "
+            "0.\n\nExit status 0: no problem (notes may be printed), or the repaired mesh was written; 2: there are "
+            "errors (the file cannot be simulated) or warnings (it can be simulated, but the result is probably not "
+            "the intended one).\n\n--fix welds vertices at the same position; removes invalid, duplicate and flat "
+            "triangles and unused vertices; divides the neighbour of a flat triangle if a slit would remain; splits "
+            "non-manifold edges and vertices by duplicating vertices (a later check warns of the duplicates; write "
+            ".obj, .ply or .off, because reading .stl welds them again); and orients triangles consistently and "
+            "outward. Only welded vertices move. Holes remain unless --fill-holes closes them, and stray parts unless "
+            "--drop-parts drops them.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
@@ -147,8 +151,8 @@ static const cli_command commands[] = {
                     {.name = "tolerance",
                      .kind = CLI_LENGTH,
                      .value = "LENGTH",
-                     .doc = "with --fix: weld vertices up to this far apart [units of the file]; default: 0, only "
-                            "those at exactly the same place"},
+                     .doc = "with --fix: weld vertices up to this distance apart [units of the file]; default: 0, only "
+                            "vertices at exactly the same position"},
                     {.name = "drop-parts",
                      .kind = CLI_COUNT,
                      .value = "N",
@@ -160,7 +164,7 @@ static const cli_command commands[] = {
                      .doc = "with --fix: close holes of at most N edges with as little bending as possible, and print "
                             "the quality of the worst new triangle. 'pellicle info' lists the holes"},
                     {.name = "no-intersections",
-                     .doc = "do not look for triangles that cut each other: saves time on huge meshes"},
+                     .doc = "do not search for intersecting triangles; saves time on large meshes"},
                     FORMAT_OPTION,
                     JSON_OPTION},
         .examples = "pellicle check liver.obj\n"
@@ -171,8 +175,9 @@ static const cli_command commands[] = {
     {
         .name = "info",
         .summary = "print counts, topology, sizes and quality of a mesh",
-        .text = "Prints what a mesh is: counts, whether it is closed, manifold and oriented, genus, components, "
-                "volume, area, edge lengths, triangle quality, bounding box and vertex fields.",
+        .text = "Prints the properties of a mesh: counts, whether it is closed, manifold and oriented, genus, "
+                "components, volume, area, edge lengths, triangle quality, bounding box and vertex fields. Lengths are "
+                "in the units of the file.",
         .slots = {{.name = "MESH", .kind = CLI_FILE}},
         .options = {JSON_OPTION},
         .examples = "pellicle info liver.obj\npellicle info liver.obj --json | jq .volume",
@@ -181,11 +186,11 @@ static const cli_command commands[] = {
     {
         .name = "measure",
         .summary = "measure area, volume, mean and Gaussian curvature of a mesh",
-        .text = "Prints the area, the volume, and of both curvatures the least, the mean by area and the greatest. The "
-                "mean curvature is that of the cotangent Laplacian over mixed areas, positive on a sphere; the "
-                "Gaussian curvature is the angle defect over the same areas; its total is compared with 2 pi times the "
-                "Euler number, which it must equal. Numbers are in the units of the file.\n\nBoundary vertices are "
-                "excluded, except from the total, which includes their geodesic curvature.",
+        .text = "Prints the area, the volume, and for both curvatures the minimum, the mean weighted by area and the "
+                "maximum. The mean curvature is that of the cotangent Laplacian over mixed areas, positive on a "
+                "sphere; the Gaussian curvature is the angle defect over the same areas. Its total must equal 2 pi "
+                "times the Euler number; both are printed. Numbers are in the units of the file.\n\nBoundary vertices "
+                "are excluded, except in the total, which includes their geodesic curvature.",
         .slots = {{.name = "MESH", .kind = CLI_FILE}},
         .options =
             {{.name = "output",
@@ -197,8 +202,8 @@ static const cli_command commands[] = {
              {.name = "pressure",
               .kind = CLI_LENGTH,
               .value = "PASCAL",
-              .doc = "with -o: add what this outside pressure does, as in paper B's figure 2: the fields "
-                     "pressure_force, pressure_magnitude and pressure_direction, the cosine of its angle to +y"},
+              .doc = "with -o: also write the forces of this outside pressure, as in paper B's figure 2: the fields "
+                     "pressure_force, pressure_magnitude and pressure_direction (the cosine of the angle to +y)"},
              JSON_OPTION},
         .examples = "pellicle measure liver.obj\n"
                     "pellicle measure liver.obj --json | jq .mean_curvature_max\n"
@@ -207,8 +212,8 @@ static const cli_command commands[] = {
     },
     {
         .name = "shape",
-        .summary = "make a mesh: sphere, disk, grid, cylinder, torus, capsule, lens capsule, blend",
-        .text = "Writes a generated mesh. Lengths are metres.",
+        .summary = "generate a mesh: sphere, disk, grid, cylinder, torus, capsule, lens capsule, blend",
+        .text = "Writes a generated mesh. Lengths are in metres.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "shape", .words = cli_shape_names}},
         .options = {{.name = "output",
                      .letter = 'o',
@@ -231,16 +236,16 @@ static const cli_command commands[] = {
     },
     {
         .name = "subdivide",
-        .summary = "make a mesh finer and smooth (modified butterfly)",
-        .text = "Cuts each triangle into four, LEVELS times. Vertices stay where they are; those new on the edges are "
-                "placed by the modified butterfly scheme (Zorin, Schroeder, Sweldens 1996), so that the surface "
-                "becomes smooth. Vertex fields are interpolated alike.",
+        .summary = "subdivide a mesh smoothly (modified butterfly)",
+        .text = "Splits each triangle into four, LEVELS times. Existing vertices do not move; new vertices on the "
+                "edges are placed by the modified butterfly scheme (Zorin, Schroeder, Sweldens 1996), so that the "
+                "surface becomes smooth. Vertex fields are interpolated in the same way.",
         .slots = {{.name = "MESH", .kind = CLI_FILE}},
         .options = {{.name = "levels",
                      .letter = 'n',
                      .kind = CLI_COUNT,
                      .value = "LEVELS",
-                     .doc = "how often; each level has four times as many triangles"},
+                     .doc = "number of subdivisions; each one multiplies the number of triangles by four"},
                     {.name = "output",
                      .letter = 'o',
                      .kind = CLI_FILE,
@@ -248,8 +253,8 @@ static const cli_command commands[] = {
                      .doc = "the file to write: .obj, .ply, .stl or .off"},
                     {.name = "no-clamp",
                      .kind = CLI_FLAG,
-                     .doc =
-                         "let fields go beyond their least and greatest values; default: a thickness stays positive"},
+                     .doc = "allow values of fields beyond the minimum and maximum of the input; default: fields are "
+                            "clamped, so that a thickness stays positive"},
                     FORMAT_OPTION,
                     {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle subdivide liver.obj -n 1 -o liver-fine.ply",
@@ -257,16 +262,15 @@ static const cli_command commands[] = {
     },
     {
         .name = "convert",
-        .summary = "turn one mesh format into another; export a run",
-        .text =
-            "Reads any mesh (OBJ, PLY, STL and OFF with own readers that keep the order of vertices and custom "
-            "fields; glTF, FBX, 3MF, COLLADA and others through assimp) and writes OBJ, PLY, STL, OFF or GLB. What "
-            "was changed on the way (polygons cut, vertices welded, fields dropped) is said on standard error.\n\n"
-            "When IN is the folder of a run, all its frames are written: to a .pc2 point cache (Blender, Maya), with "
-            "the mesh that it goes on as OUT-bodies.obj and a cache and mesh for each tool; to a .glb with a node "
-            "for each body and tool, one morph target for each frame and an animation; or to numbered mesh files "
-            "with bodies and tools: out.obj gives out_00000.obj, out_00001.obj, ... Frames of a body that refines "
-            "are put on their finest common mesh, so that all files have the same triangles.",
+        .summary = "convert a mesh to another format; export a run",
+        .text = "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
+                "vertices and custom fields; glTF, FBX, 3MF, COLLADA and others are read through assimp. Changes "
+                "(polygons split, vertices welded, fields dropped) are reported on standard error.\n\nIf IN is the "
+                "folder of a run, all its frames are written: as a .pc2 point cache (Blender, Maya) with its mesh "
+                "OUT-bodies.obj, and a cache and a mesh for each tool; as a .glb with a node for each body and tool, "
+                "one morph target for each frame and an animation; or as numbered mesh files with bodies and tools: "
+                "out.obj gives out_00000.obj, out_00001.obj, ... If a body refines, its frames are converted to their "
+                "finest common mesh, so that all files have the same triangles.",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
         .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
@@ -278,26 +282,25 @@ static const cli_command commands[] = {
         .name = "render",
         .summary = "draw pictures and films of runs and meshes",
         .text =
-            "Draws the frames of one or more runs (folders that 'pellicle run' wrote), .vtp files or meshes, "
-            "without a display. Colors show a vertex field. The camera is placed so that everything is seen in all "
-            "frames, and colors have one range for all of them, so that nothing flickers. Tools are drawn where they "
-            "are. Several runs stand side by side under the same camera and colors.\n\n"
-            "OUT decides what is made: FILE.png is one picture (of the frame with the largest displacement, or a "
-            "contact sheet when --frames, several fields or several RUNs give more), FILE.mp4 or FILE.gif a film "
-            "(needs ffmpeg), anything else a folder with a picture of each frame.",
+            "Draws the frames of one or more runs (folders that 'pellicle run' wrote), .vtp files or meshes, without a "
+            "display. Colors show a vertex field. The camera shows all bodies in all frames, and colors have one range "
+            "for all frames. Tools are drawn in their actual poses. Several runs are drawn side by side with the same "
+            "camera and colors.\n\nOUT determines the kind of output: FILE.png is one picture (the frame with the "
+            "largest displacement, or a contact sheet of several frames, fields or runs), FILE.mp4 or FILE.gif is a "
+            "film (needs ffmpeg), and any other name is a folder with a picture of each frame.",
         .slots = {{.name = "RUN", .kind = CLI_FILE, .repeated = true}},
         .options =
             {{.name = "output",
               .letter = 'o',
               .kind = CLI_FILE,
               .value = "OUT",
-              .doc = "a folder, FILE.png, FILE.mp4 or FILE.gif; default: the folder pictures in the run, or a .png "
+              .doc = "a folder, FILE.png, FILE.mp4 or FILE.gif; default: the folder `pictures` in the run, or a .png "
                      "named after the mesh"},
              {.name = "field",
               .kind = CLI_TEXT,
               .value = "NAME",
-              .doc = "color by this vertex field, none for plain; several with commas between them stand side by "
-                     "side. default: displacement where there is one"},
+              .doc = "color by this vertex field, or none for a plain surface; several fields, separated by commas, "
+                     "are drawn side by side; default: displacement, if the frames have it"},
              {.name = "component",
               .kind = CLI_TEXT,
               .value = "C",
@@ -306,8 +309,8 @@ static const cli_command commands[] = {
               .kind = CLI_WORD,
               .value = "MAP",
               .words = cli_color_map_names,
-              .doc = "viridis, cividis, cool-warm or warm. default: warm (grey is zero) for values from 0, cool-warm "
-                     "for values of both signs, viridis for others"},
+              .doc = "viridis, cividis, cool-warm or warm; default: warm (grey is zero) for values that begin at 0, "
+                     "cool-warm for values of both signs, viridis for others"},
              {.name = "range",
               .kind = CLI_TEXT,
               .value = "LOW:HIGH",
@@ -319,46 +322,49 @@ static const cli_command commands[] = {
              {.name = "frames",
               .kind = CLI_TEXT,
               .value = "A:B:STEP",
-              .doc = "draw these frames: 50, 0:100, 0:100:10, or several as 0,50,-1; -1 is the last. default: all; "
-                     "for a .png the one with the largest displacement"},
+              .doc = "draw these frames: 50, 0:100, 0:100:10, or a list such as 0,50,-1, where -1 is the last frame; "
+                     "default: all; for a .png the frame with the largest displacement"},
              {.name = "view",
               .kind = CLI_TEXT,
               .value = "VIEW",
-              .doc = "iso, front, back, left, right, top or bottom, or AZIMUTH,ELEVATION[,ZOOM] in degrees: "
-                     "around the body from the front, and above its horizon"},
+              .doc = "iso, front, back, left, right, top or bottom, or AZIMUTH,ELEVATION[,ZOOM]: the angles [degrees] "
+                     "around the body from the front and above the horizontal plane, and the magnification"},
              {.name = "up",
               .kind = CLI_WORD,
               .value = "AXIS",
               .words = cli_axis_names,
               .doc = "axis that points up: x, y or z; default: z"},
-             {.name = "size", .kind = CLI_TEXT, .value = "WxH", .doc = "pixels of the whole picture"},
+             {.name = "size",
+              .kind = CLI_TEXT,
+              .value = "WxH",
+              .doc = "width and height of the whole picture in pixels"},
              {.name = "sheet",
               .kind = CLI_TEXT,
               .value = "COLSxROWS",
-              .doc = "lay pictures out in columns and rows; without --frames, as many of each run as fit; default: a "
-                     "row for each run and field"},
+              .doc = "arrange pictures in columns and rows; without --frames, as many frames of each run as fit; "
+                     "default: a row for each run and field"},
              {.name = "arrows",
               .kind = CLI_TEXT,
               .value = "FIELD",
-              .doc = "draw this vector field as arrows, such as force; those into the surface end on it"},
+              .doc = "draw this vector field as arrows, such as force; arrows that point into the surface end on it"},
              {.name = "edges", .kind = CLI_FLAG, .doc = "draw the edges of the triangles"},
              {.name = "outline", .kind = CLI_FLAG, .doc = "draw a dark line along the silhouette"},
-             {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle evenly"},
+             {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle flat, not smoothly"},
              {.name = "background",
               .kind = CLI_WORD,
               .value = "COLOR",
               .words = cli_background_names,
               .doc = "white, dark or transparent; default: white"},
-             {.name = "title", .kind = CLI_TEXT, .value = "TEXT", .doc = "write this above the picture"},
+             {.name = "title", .kind = CLI_TEXT, .value = "TEXT", .doc = "write this text above the picture"},
              {.name = "label",
               .kind = CLI_TEXT,
               .repeated = true,
               .value = "TEXT",
-              .doc = "labels of the runs, in their order; default: names of the folders"},
+              .doc = "label of a run (repeatable), in the order of the runs; default: names of the folders"},
              {.name = "no-labels", .kind = CLI_FLAG, .doc = "omit times and names"},
              {.name = "frame-numbers",
               .kind = CLI_FLAG,
-              .doc = "label pictures with the number of the frame, not its time"},
+              .doc = "label pictures with the number of the frame, not with its time"},
              {.name = "no-bar", .kind = CLI_FLAG, .doc = "omit color bars"},
              {.name = "no-tools", .kind = CLI_FLAG, .doc = "omit tools"},
              {.name = "no-ground", .kind = CLI_FLAG, .doc = "omit the shadow on the ground"},
@@ -383,28 +389,32 @@ static const cli_command commands[] = {
     {
         .name = "report",
         .summary = "make one HTML page of one or several runs",
-        .text = "Writes one HTML file that any browser opens without a network: rotate the body, play and scrub the "
-                "frames, color by any field, pick a vertex to read its values, and see plots linked to the frame, and "
-                "the scene. Several runs stand side by side under the same camera. Numbers are rounded to 1/65535 of "
-                "their range; a run that is too long is thinned, and the page says how.",
+        .text =
+            "Writes one HTML file that any browser opens without a network. The page plays the frames; you can rotate "
+            "the body, color it by any field and click a vertex to read its values. It also has plots of the measures "
+            "over time, and the scene. Several runs are shown side by side with the same camera. Numbers are rounded "
+            "to 1/65535 of their range. If a page is larger than --limit, its data are reduced, and the page says how.",
         .slots = {{.name = "DIR", .kind = CLI_FOLDER, .repeated = true}},
-        .options =
-            {{.name = "output",
-              .letter = 'o',
-              .kind = CLI_FILE,
-              .value = "FILE",
-              .doc = "the page to write; default: report.html in the first folder"},
-             {.name = "field",
-              .kind = CLI_TEXT,
-              .repeated = true,
-              .value = "NAME",
-              .doc = "include only this field (repeatable); the first is shown first; default: all of the run"},
-             {.name = "limit", .kind = CLI_COUNT, .value = "MB", .doc = "thin a larger page to this size; default: 25"},
-             {.name = "page",
-              .kind = CLI_FILE,
-              .value = "FILE",
-              .doc = "the page template; default: the one that 'make web' built"},
-             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .options = {{.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FILE,
+                     .value = "FILE",
+                     .doc = "the page to write; default: report.html in the first folder"},
+                    {.name = "field",
+                     .kind = CLI_TEXT,
+                     .repeated = true,
+                     .value = "NAME",
+                     .doc = "include only this field (repeatable); the page opens with the first one; default: all "
+                            "fields of the run"},
+                    {.name = "limit",
+                     .kind = CLI_COUNT,
+                     .value = "MB",
+                     .doc = "maximum size of the page; larger data are reduced; default: 25"},
+                    {.name = "page",
+                     .kind = CLI_FILE,
+                     .value = "FILE",
+                     .doc = "the page template; default: the one that 'make web' built"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle report results/sphere-press\n"
                     "pellicle report results/sphere-press results/sphere-press-hollow -o compare.html\n"
                     "pellicle report results/sphere-press --field force --limit 5",
@@ -413,16 +423,17 @@ static const cli_command commands[] = {
     {
         .name = "reproduce",
         .summary = "repeat the experiments of both papers",
-        .text = "Runs the experiments NAME, or all of them. Each writes a folder with its runs and their scenes, "
-                "plots, pictures (unless the program was built without) and numbers.csv. Several experiments also "
-                "write index.html and index.md with a table of verdicts and all pictures.\n\nAn experiment checks "
-                "claims of a paper, of the theory or of a reference, and earlier results of this program (regression). "
-                "Each claim has numbers, and each number has an expected value, a tolerance and a source. The verdict "
-                "is 'holds'; 'differs' with a reason if a paper's claim does not hold here; or 'fails'.\n\nThe "
-                "experiments of paper B shrink bodies that the program makes itself, the scans that it finds in a "
-                "folder (goat-head.obj, koala.obj, spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj, "
-                "liver-coarse.obj), or a mesh of yours, on which "
-                "the papers' claims need not hold.\n\nExit status 0: no claim fails; 1: one does.",
+        .text =
+            "Runs the experiments NAME, or all of them. Each writes a folder with its runs and their scenes, plots, "
+            "pictures (if the program was built with them) and numbers.csv. Several experiments also write index.html "
+            "and index.md with a table of verdicts and all pictures.\n\nAn experiment checks claims of a paper, of the "
+            "theory or of a reference, and compares with earlier results of this program (regression). Each claim has "
+            "numbers, and each number has an expected value, a tolerance and a source. The verdict is 'holds'; "
+            "'differs' with a reason if a paper's claim does not hold here; or 'fails'.\n\nThe experiments of paper B "
+            "shrink bodies that the program generates, or with --data the scans in a folder (goat-head.obj, koala.obj, "
+            "spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj, liver-coarse.obj), or with --mesh your own mesh, "
+            "for which the papers' claims need not "
+            "hold.\n\nExit status 0: no claim fails; 1: a claim fails.",
         .slots = {{.name = "NAME",
                    .kind = CLI_WORD,
                    .optional = true,
@@ -430,7 +441,7 @@ static const cli_command commands[] = {
                    .noun = "experiment",
                    .words = cli_experiment_names}},
         .options = {{.name = "list", .kind = CLI_FLAG, .doc = "list the experiments"},
-                    {.name = "all", .kind = CLI_FLAG, .doc = "run all of them, as without NAME (about 15 minutes)"},
+                    {.name = "all", .kind = CLI_FLAG, .doc = "run all experiments, as without NAME (about 15 minutes)"},
                     {.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,
@@ -439,8 +450,11 @@ static const cli_command commands[] = {
                     {.name = "data",
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder with scans; default: that of the environment variable PELLICLE_DATA"},
-                    {.name = "mesh", .kind = CLI_FILE, .value = "FILE", .doc = "shrink this closed mesh"},
+                     .doc = "folder with scans; default: the folder in the environment variable PELLICLE_DATA"},
+                    {.name = "mesh",
+                     .kind = CLI_FILE,
+                     .value = "FILE",
+                     .doc = "use this closed mesh in the experiments of paper B"},
                     {.name = "up",
                      .kind = CLI_WORD,
                      .value = "AXIS",
@@ -458,40 +472,38 @@ static const cli_command commands[] = {
         .summary = "run a study: one scene with many parameters, one table",
         .text =
             "Reads the study STUDY (YAML or JSON): a scene, 'vary' with the values of its keys, and 'measure' with the "
-            "numbers to keep. Does all runs on all cores and writes runs.csv, one row per run, and report.html. "
-            "docs/sweeps.md explains the keys.\n\nEach row is stored as soon as its run ends: after Ctrl-C or a kill "
-            "the same command continues without repeating runs. A run that fails, crashes or is killed is a row with "
-            "its status and error. The table has the same bits with any --jobs, in chunks and on other "
-            "machines.\n\nExit status 0: all rows of the chunk are there; 1: stopped; 2: the study is refused.",
+            "numbers to record. Executes all runs on all cores and writes runs.csv, with one row per run, and "
+            "report.html. docs/sweeps.md explains the keys.\n\nEach row is saved when its run ends: after Ctrl-C or a "
+            "kill the same command continues without repeating completed runs. The row of a run that fails, crashes or "
+            "is killed has its status and error. The table has the same bits with any --jobs, in chunks and on other "
+            "machines.\n\nExit status 0: all rows of the chunk exist; 1: stopped; 2: the study is refused.",
         .slots = {{.name = "STUDY", .kind = CLI_SCENE}},
-        .options = {{.name = "output",
-                     .letter = 'o',
-                     .kind = CLI_FOLDER,
-                     .value = "DIR",
-                     .doc = "folder of the results; default: results/ and the study's name"},
-                    {.name = "jobs",
-                     .letter = 'j',
-                     .kind = CLI_COUNT,
-                     .value = "N",
-                     .doc = "do N runs at a time; default: one for each core"},
-                    {.name = "chunk",
-                     .kind = CLI_TEXT,
-                     .value = "K/N",
-                     .doc = "do the K-th of N equal parts; the part that ends last writes the table"},
-                    {.name = "slurm",
-                     .kind = CLI_FLAG,
-                     .doc = "write DIR/job.sh, a Slurm job array of chunks, and submit it with sbatch"},
-                    {.name = "chunks",
-                     .kind = CLI_COUNT,
-                     .value = "N",
-                     .doc = "with --slurm: tasks of the array; default: 16"},
-                    {.name = "timeout",
-                     .kind = CLI_LENGTH,
-                     .value = "SECONDS",
-                     .doc = "end runs that take longer; default: none"},
-                    {.name = "retry", .kind = CLI_FLAG, .doc = "repeat runs that failed before"},
-                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
-                    JSON_OPTION},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FOLDER,
+              .value = "DIR",
+              .doc = "folder of the results; default: results/ and the study's name"},
+             {.name = "jobs",
+              .letter = 'j',
+              .kind = CLI_COUNT,
+              .value = "N",
+              .doc = "execute N runs at a time; default: one for each core"},
+             {.name = "chunk",
+              .kind = CLI_TEXT,
+              .value = "K/N",
+              .doc = "execute the K-th of N equal chunks; the chunk that ends last writes the table"},
+             {.name = "slurm",
+              .kind = CLI_FLAG,
+              .doc = "write DIR/job.sh, a Slurm job array of chunks, and submit it with sbatch"},
+             {.name = "chunks", .kind = CLI_COUNT, .value = "N", .doc = "with --slurm: number of chunks; default: 16"},
+             {.name = "timeout",
+              .kind = CLI_LENGTH,
+              .value = "SECONDS",
+              .doc = "end runs that take more wall time; default: no limit"},
+             {.name = "retry", .kind = CLI_FLAG, .doc = "repeat the runs that failed"},
+             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"},
+             JSON_OPTION},
         .examples = "pellicle sweep examples/studies/indent.yaml\n"
                     "pellicle sweep study.yaml -o results/study --jobs 4\n"
                     "pellicle sweep study.yaml -o /shared/study --slurm --chunks 64",
@@ -501,9 +513,9 @@ static const cli_command commands[] = {
         .name = "calibrate",
         .summary = "fit parameters of a scene to measured curves",
         .text = "Reads the fit FIT (YAML or JSON): a scene, the parameters with start values and bounds, and measured "
-                "curves (CSV). Finds the parameters whose runs fit the curves best (bounded least squares) and writes "
-                "fit.json with the values and their confidence intervals, curves.csv, and fit.svg. It runs the Python "
-                "package, which needs scipy. docs/sweeps.md explains the keys.",
+                "curves (CSV). Finds the parameters with which the results fit the curves best (bounded least squares) "
+                "and writes fit.json with the values and their confidence intervals, curves.csv, and fit.svg. It runs "
+                "the Python package, which needs scipy. docs/sweeps.md explains the keys.",
         .slots = {{.name = "FIT", .kind = CLI_SCENE}},
         .options = {{.name = "output",
                      .letter = 'o',
@@ -517,15 +529,15 @@ static const cli_command commands[] = {
     },
     {
         .name = "bench",
-        .summary = "measure the speed of this machine on known jobs",
-        .text = "Runs one benchmark or all of them, and prints the least and median time of its repeats beside the "
+        .summary = "measure the speed of this machine",
+        .text = "Runs one benchmark or all of them, and prints the minimum and the median of the measured times, and a "
                 "reference time.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "benchmark", .words = cli_bench_names}},
         .options = {{.name = "list", .kind = CLI_FLAG, .doc = "print the benchmarks"},
                     {.name = "repeats",
                      .kind = CLI_COUNT,
                      .value = "N",
-                     .doc = "time each N times; default: chosen by the benchmark"},
+                     .doc = "measure each benchmark N times; default: chosen by the benchmark"},
                     JSON_OPTION},
         .more_help = cli_bench_help,
         .examples = "pellicle bench\npellicle bench read-ply --repeats 20\npellicle bench --json > bench.json",
@@ -533,9 +545,9 @@ static const cli_command commands[] = {
     },
     {
         .name = "presets",
-        .summary = "print the materials that scenes may name, with their sources",
-        .text = "Prints the name, law, numbers and source of each material that 'membrane: { preset: NAME }' takes in "
-                "a scene. Keys beside 'preset' override them.",
+        .summary = "print the materials for scenes, with their sources",
+        .text = "Prints the name, law, numbers and source of each material. A scene uses one by 'membrane: { preset: "
+                "NAME }'; further keys of 'membrane' override its numbers.",
         .options = {JSON_OPTION},
         .examples = "pellicle presets\npellicle presets --json | jq '.presets[].name'",
         .run = cli_presets,
@@ -567,8 +579,8 @@ static const cli_command commands[] = {
     },
     {
         .name = "help",
-        .summary = "explain a command",
-        .text = "Prints the page of a command, or the list of commands.",
+        .summary = "print the help of a command",
+        .text = "Prints the help of a command, or the list of commands.",
         .slots =
             {{.name = "COMMAND", .kind = CLI_WORD, .optional = true, .noun = "command", .words = cli_command_names}},
         .options = {{.name = "man", .kind = CLI_FLAG, .doc = "print the manual page pellicle(1) of all commands"}},

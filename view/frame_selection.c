@@ -57,7 +57,7 @@ static pel_status walk_ranges(const view_run *run, const pel_frame_range *ranges
         if (!resolve(&last, frame_count))
             return fail_frame(run, ranges[r].last, error);
         if (last < first || step < 1 || *count > INT32_MAX / 2) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "frames %d to %d by steps of %d are none", (int)first, (int)last,
+            pel_fail(error, PEL_BAD_ARGUMENT, "there is no frame from %d to %d with steps of %d", (int)first, (int)last,
                      (int)step);
             pel_fail_place(error, run->path, 0, 0);
             pel_fail_remedy(error, "write FIRST:LAST:STEP with FIRST before LAST and a step from 1");

@@ -13,8 +13,8 @@ extern "C" {
 /* Closest points. Each function returns the squared distance and writes the weights of the end points or corners, in
    the order of the arguments: all in 0 .. 1, those of one object sum to 1, the closest point is the weighted sum.
    Degenerate segments and triangles (all points equal or on a line) are treated as points and lines. Nearly parallel
-   and thin cases choose the nearest of several candidates, so the distance is right even where the place is
-   ill-determined. NaN or infinite input gives NaN or infinity, with weights that are still in range. */
+   and thin cases choose the nearest of several candidates, so the distance is right even where the closest points
+   are ill-determined. NaN or infinite input gives NaN or infinity, with weights that are still in range. */
 
 /* Point p and segment a, b: weights (2) of a, b. */
 PEL_API double pel_closest_point_segment(const double p[3], const double a[3], const double b[3], double weights[2]);
@@ -52,7 +52,7 @@ typedef struct pel_ccd_hit {
     double time_of_impact; /* never later than the true one: until then the features are more than min_separation apart.
                               At this time they are at most min_separation + tolerance apart, rounding as above, or
                               0 where the pair starts near enough (pel_ccd_batch) */
-    double weight[4];      /* of the four points at the closest place: 1, then minus the barycentric coordinates
+    double weight[4];      /* of the four points, closest approach: 1, then minus the barycentric coordinates
                               (vertex-face), or (1-s), s, -(1-u), -u (edge-edge): their sum is 0, and
                               sum weight[i] x[i] is the vector from the face (edge 2,3) to the vertex (edge 0,1) */
     double normal[3];      /* unit vector from the face (edge 2,3) to the vertex (edge 0,1), on the side where they were

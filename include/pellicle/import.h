@@ -10,9 +10,9 @@ extern "C" {
 
 /* Reads a mesh file. OBJ, PLY, STL and OFF go to pel_mesh_read. Everything else (glTF, FBX, 3MF, Collada, ...) goes
    through the assimp library: all meshes of the scene, each placed by its node and in the units of the file, are
-   joined, polygons are cut into triangles, and vertices at exactly equal positions are welded, because such files split
-   them where normals or texture coordinates differ. Points, lines, materials, bones and animation are left out. log
-   (nullable) receives notes on what was joined, welded and left out. On failure *mesh is null; free with
+   joined, polygons are split into triangles, and vertices at exactly equal positions are welded, because such files
+   split them where normals or texture coordinates differ. Points, lines, materials, bones and animation are omitted.
+   log (nullable) receives notes on what was joined, welded and omitted. On failure *mesh is null; free with
    pel_mesh_destroy.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT (unknown format, damaged, no triangles),
    PEL_OUT_OF_MEMORY. The bound on memory that pel_mesh_read keeps does not hold for formats that assimp reads. */

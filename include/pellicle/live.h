@@ -140,7 +140,7 @@ typedef struct pel_drag_reading {
    PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffness, double reach,
                                   pel_drag **drag, pel_error *error);
-/* Sets the target [m]; call before each step. The point follows until spring and surface are in balance. */
+/* Sets the target [m]; call before each step. The held point follows until spring and surface are in equilibrium. */
 PEL_API pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
 PEL_API void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);
 /* Releases the vertices and frees the drag, also on errors; after PEL_OUT_OF_MEMORY its tool remains but holds nothing.

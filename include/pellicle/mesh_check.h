@@ -114,8 +114,8 @@ PEL_API void pel_mesh_report_destroy(pel_mesh_report *report);
 
 /* Null options mean the defaults: everything, tolerance 0. */
 typedef struct pel_repair_options {
-    bool weld;             /* merge vertices at the same place; position and fields of the first are kept */
-    double weld_tolerance; /* m; vertices linked by steps of at most this are one place; 0 = exactly equal */
+    bool weld;             /* merge vertices at the same position; position and fields of the first are kept */
+    double weld_tolerance; /* m; vertices linked by steps of at most this are merged; 0 = exactly equal */
     bool drop_degenerate;  /* triangles with a vertex twice or without area (see PEL_FLAT_TRIANGLE) */
     bool drop_duplicates;  /* all but the first of the triangles with the same three vertices */
     bool close_slits;    /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge is

@@ -11,8 +11,8 @@
        set PATH VALUE                     a parameter as in pel_set_parameter_text
        grab OX OY OZ DX DY DZ K REACH     grasp a body where the ray from O along D meets it: spring K [N/m], vertices
                                           within REACH [m]
-       press SHAPE R X Y Z QX QY QZ QW    a tool at a place [m] with a rotation; SHAPE sphere, box (half edge R),
-                                          capsule (radius R, half length 2 R); where the scene has contact a mesh that
+       press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation; SHAPE sphere, box (half edge R),
+                                          capsule (radius R, half length 2 R); if the scene has contact, a mesh that
                                           the sphere of radius R holds: torus, cylinder, blend, or a mesh file with
                                           %20 for spaces, relative to the folder of the scene (absolute in the record)
        move X Y Z                         target of the hand [m]: end of the spring, or the tool

@@ -22,19 +22,19 @@ extern "C" {
 
 typedef enum pel_method {
     PEL_METHOD_QUASI_STATIC, /* x += alpha F dt^2 / m (paper A, eq. A-5) */
-    PEL_METHOD_EXPLICIT,     /* Euler's method on m a = F (paper A's baseline); symplectic it is the leapfrog */
+    PEL_METHOD_EXPLICIT,     /* Euler's method on m a = F (paper A's baseline); the symplectic form is leapfrog */
     PEL_METHOD_PBD,          /* paper B: each energy is a constraint, solved by `iterations` Gauss-Seidel sweeps */
     PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths only */
     PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
     PEL_METHOD_DESCENT, /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
-    PEL_METHOD_STATIC,  /* states of rest by Newton's method, under tools and contacts */
+    PEL_METHOD_STATIC,  /* static equilibria by Newton's method, under tools and contacts */
     PEL_METHOD_IMPLICIT /* m a = F at the end of a step (BDF2, implicit midpoint), by Newton's method */
 } pel_method;
 
 /* A choice; PEL_AUTO leaves it to the library. */
 typedef enum pel_choice { PEL_AUTO = -1, PEL_NO = 0, PEL_YES = 1 } pel_choice;
 
-/* static: analysis of the state of rest */
+/* static: analysis of the equilibrium */
 typedef enum pel_analysis {
     PEL_ANALYSIS_NONE,
     PEL_ANALYSIS_MODAL,   /* step n shows the mode of the n-th lowest frequency around the loaded state */
@@ -386,7 +386,7 @@ PEL_API void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading
 /* Load of a body on its supports: pinned vertices, tools of PEL_TOOL_SUPPORT, and supports of the def.
 
    Position-based methods: the multipliers of the constraints at the pinned vertices and the loads on them, mean of the
-   last step. Methods static and implicit: the forces of the balance at the end of the last step. Other methods: the
+   last step. Methods static and implicit: the forces of the equilibrium at the end of the last step. Other methods: the
    forces of the body and the loads at the pinned vertices in the present state. All include the weight of the pinned
    vertices and contacts on them in the last step. */
 typedef struct pel_support_reading {
@@ -437,7 +437,7 @@ typedef struct pel_solver_reading {
     int32_t evaluations; /* of energy and forces */
     double energy;       /* J, with the potential of loads and pressure */
     double residual;     /* N, root of the sum of squares of the forces, contact included, on all free components */
-    bool unstable;       /* static: the state is a balance but no minimum of the energy, and none was found nearby */
+    bool unstable;       /* static: an equilibrium that is no minimum of the energy; none was found nearby */
     int32_t stray_body;  /* static, descent: a body held only by contact that moved farther than all tools by at least
                             half its size; -1 = none */
     double stray_way;    /* m, its displacement */
@@ -495,11 +495,11 @@ typedef struct pel_adjoint {
 
 /* Derivatives of a function of the positions with respect to parameters of the model, from one linear system with the
    matrix of the present state (adjoint method: Strang, Computational Science and Engineering, section 8.7).
-   PEL_METHOD_STATIC: of the state of rest, which must have converged; free bodies are fixed at three of their vertices.
+   PEL_METHOD_STATIC: of the equilibrium, which must have converged; free bodies are fixed at three of their vertices.
    PEL_METHOD_IMPLICIT: of the end of the last step for a constant state at its start, not along time.
 
    Without tools and contact; pressure with a potential. PEL_BAD_ARGUMENT for unsupported features, if the state is no
-   stable balance, and under the method implicit before the first step after the start or pel_sim_load;
+   stable equilibrium, and under the method implicit before the first step after the start or pel_sim_load;
    PEL_OUT_OF_MEMORY. Does not change the simulation. */
 PEL_API pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error);
 

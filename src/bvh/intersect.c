@@ -119,10 +119,11 @@ static pel_status fail_limit(const certificate *it, pel_error *error)
     for (int32_t v = 1; v < it->mesh->vertex_count; v++)
         worst = valence[v] > valence[worst] ? v : worst;
     pel_fail(error, PEL_BAD_MESH,
-             "more than %lld pairs of triangles overlap: too many to look for those that intersect; vertex %d has %d "
-             "triangles",
+             "the boxes of more than %lld pairs of triangles overlap: too many to test for intersections; vertex %d "
+             "has %d triangles",
              (long long)test_limit(it), (int)worst, (int)valence[worst]);
-    pel_fail_remedy(error, "divide the triangles around that vertex, or leave self-intersections out");
+    pel_fail_remedy(error,
+                    "divide the triangles around that vertex, or omit the test (pellicle check --no-intersections)");
     pel_fail_element(error, "vertex", worst);
     pel_free(valence);
     return PEL_BAD_MESH;

@@ -222,7 +222,7 @@ pel_status pel_haptic_sync(pel_haptic *haptic, pel_error *error)
     pel_sim *sim = haptic->sim;
     if (haptic->tool >= sim->tool_count || strcmp(sim->tools[haptic->tool].name, haptic->tool_name) != 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' was removed", haptic->tool_name);
-        pel_fail_remedy(error, "create the haptic loop anew when tools change");
+        pel_fail_remedy(error, "create a new haptic loop when tools change");
         return PEL_BAD_ARGUMENT;
     }
     if (haptic->model_step != pel_sim_step_count(sim))
@@ -314,7 +314,7 @@ pel_status pel_haptic_update(pel_haptic *haptic, const double position[3], const
         pel_fail(error, PEL_BAD_ARGUMENT,
                  "the position of the device is not finite or its rotation is not a unit "
                  "quaternion");
-        pel_fail_remedy(error, "leave the force at 0 until the device has a pose");
+        pel_fail_remedy(error, "set the force to 0 until the pose of the device is valid");
         return PEL_BAD_ARGUMENT;
     }
     pel_vec3_copy(haptic->proxy.force, force);

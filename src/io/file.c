@@ -125,7 +125,8 @@ pel_status pel_file_check_inside(const char *folder, const char *path, pel_error
     free(inner);
     if (inside)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_FORMAT, "the file lies outside the run's folder, in which a link or a name leads to it");
+    pel_fail(error, PEL_BAD_FORMAT,
+             "the file is outside the folder of the run: a link or a name in the folder leads to it");
     pel_fail_remedy(error, "copy the file into the folder in place of the link");
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FORMAT;

@@ -150,7 +150,8 @@ static pel_status read_format(const vtp_reader *reader, const pel_xml_tag *tag, 
         array->offset = (size_t)offset;
         return PEL_OK;
     }
-    return fail_at(reader, tag->start, "an array has no format that is known, or no place in the appended section");
+    return fail_at(reader, tag->start,
+                   "the format of an array is unknown, or its offset in the appended section is missing");
 }
 
 /* takes the text between two tags as an array's, unless it has some */
@@ -358,7 +359,7 @@ static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, size_t 
     /* four characters of base64 encode three bytes */
     size_t taken = array->form != FORM_APPENDED ? 0 : reader->data_is_base64 ? extent + extent / 3 : extent;
     if (status == PEL_OK && (extent == 0 || taken > reader->unused))
-        return fail_at(reader, place_of(reader, array), "an array has not the size that its head tells");
+        return fail_at(reader, place_of(reader, array), "the size of an array differs from that in its header");
     if (status == PEL_OK)
         status = load_bytes(reader, array, extent, &stored, &got);
     if (status != PEL_OK)
@@ -375,7 +376,7 @@ static pel_status take_bytes(vtp_reader *reader, const vtp_array *array, size_t 
     if (whole)
         *bytes = pel_allocate(size, 1);
     if (!whole)
-        status = fail_at(reader, place_of(reader, array), "an array has not the size that its head tells");
+        status = fail_at(reader, place_of(reader, array), "the size of an array differs from that in its header");
     else if (*bytes == NULL)
         status = pel_fail_memory(reader->error);
     else if (!reader->packed)
@@ -431,7 +432,7 @@ static pel_status read_text(const vtp_reader *reader, const vtp_array *array, do
             at++;
         const char *next = pel_number_parse(at, array->end, &values[i]);
         if (next == NULL || (next < array->end && !pel_is_space(*next)))
-            return fail_at(reader, at, "an array has fewer numbers than its head tells");
+            return fail_at(reader, at, "an array has fewer numbers than its header says");
         at = next;
     }
     return PEL_OK;
@@ -442,7 +443,7 @@ static pel_status read_binary(vtp_reader *reader, const vtp_array *array, double
     unsigned char *bytes;
     size_t width = type_sizes[array->type];
     if (count > SIZE_MAX / sizeof(double))
-        return fail_at(reader, place_of(reader, array), "an array has not the size that its head tells");
+        return fail_at(reader, place_of(reader, array), "the size of an array differs from that in its header");
     pel_status status = take_bytes(reader, array, count * width, &bytes);
     for (size_t i = 0; status == PEL_OK && i < count; i++) {
         if (reader->swapped)
@@ -472,7 +473,7 @@ static pel_status take_reals(vtp_reader *reader, const vtp_array *array, int64_t
     *values = NULL;
     if (!can_hold(reader, array, tuple_count))
         return fail_at(reader, place_of(reader, array),
-                       "an array holds fewer numbers than its head tells, or more than a file of this size should");
+                       "an array has fewer numbers than its header says, or more than fit into the file");
     size_t count = (size_t)tuple_count * (size_t)array->component_count;
     reader->numbers_left -= count;
     double *taken = pel_allocate(count, sizeof *taken);
@@ -525,7 +526,7 @@ static pel_status take_faces(vtp_reader *reader, vtp_section section, int64_t fa
     for (int64_t f = 0; status == PEL_OK && f < face_count; f++) {
         double end = faces->ends[f];
         if (!(end >= before && end <= (double)INT32_MAX && end == floor(end)))
-            status = fail_at(reader, place_of(reader, ends), "a polygon does not end behind the one before it");
+            status = fail_at(reader, place_of(reader, ends), "the offsets of the polygons do not increase");
         before = end;
     }
     faces->corner_count = (int64_t)before;

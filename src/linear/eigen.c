@@ -38,7 +38,7 @@ pel_status pel_eigen_create(int32_t unknown_count, int32_t wanted, pel_eigen **e
         fits &= (*arrays[i] = pel_allocate(sizes[i], sizeof(double))) != NULL;
     if (!fits) {
         pel_eigen_destroy(made);
-        pel_fail(error, PEL_OUT_OF_MEMORY, "no memory for %d modes, which take %.3g GB", (int)wanted,
+        pel_fail(error, PEL_OUT_OF_MEMORY, "%d modes need %.3g GB, and this memory is not available", (int)wanted,
                  2e-9 * (double)(room * count * sizeof(double)));
         pel_fail_remedy(error, "ask for fewer modes or use a coarser mesh");
         return PEL_OUT_OF_MEMORY;

@@ -27,9 +27,9 @@ static pel_status check_memory(const pel_factor_plan *plan, pel_factor_precision
     double limit = pel_memory_limit();
     if (needed <= limit)
         return PEL_OK;
-    pel_fail(error, PEL_OUT_OF_MEMORY, "the factor of a matrix of %d unknowns needs %.3g GB, and there are %.3g GB",
+    pel_fail(error, PEL_OUT_OF_MEMORY, "the factor of a matrix of %d unknowns needs %.3g GB; %.3g GB are available",
              (int)plan->unknown_count, 1e-9 * needed, 1e-9 * limit);
-    pel_fail_remedy(error, "take a coarser mesh, or the method xpbd or explicit, which have no matrix");
+    pel_fail_remedy(error, "use a coarser mesh, or the method xpbd or explicit, which need no matrix");
     return PEL_OUT_OF_MEMORY;
 }
 

@@ -248,10 +248,10 @@ static pel_status listen_for_pages(server *s, pel_error *error)
         char place[HOST_SIZE];
         snprintf(place, sizeof place, "%s:%d", host, (int)def->port);
         pel_fail(error, PEL_BAD_FILE,
-                 def->port > 0 ? "the port is taken, or the address is none of this machine"
+                 def->port > 0 ? "the port is in use, or the address does not belong to this machine"
                                : "the address is none of this machine");
-        pel_fail_remedy(error, def->port > 0 ? "leave --port out, which takes a free one, or name another"
-                                             : "leave --host out, or name an address that `ip address` lists");
+        pel_fail_remedy(error, def->port > 0 ? "omit --port to use a free one, or name another"
+                                             : "omit --host, or name an address that `ip address` lists");
         pel_fail_place(error, place, 0, 0);
         return PEL_BAD_FILE;
     }

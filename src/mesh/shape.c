@@ -27,14 +27,14 @@ static const char *const body_names[] = {"head", "animal", "liver", NULL};
     }
 
 static const pel_shape_parameter geodesic_sphere_parameters[] = {
-    COUNT(frequency, 1, 5000, 5, "parts of each side of the icosahedron: 10 f^2 + 2 vertices"),
+    COUNT(frequency, 1, 5000, 5, "divisions of each edge of the icosahedron: 10 f^2 + 2 vertices"),
     LENGTH(radius, 1, "radius of the sphere"),
 };
 
 static const pel_shape_parameter uv_sphere_parameters[] = {
     LENGTH(radius, 1, "radius of the sphere"),
-    COUNT(slices, 3, 1000000, 32, "parts around the z axis"),
-    COUNT(rings, 2, 1000000, 16, "parts from pole to pole"),
+    COUNT(slices, 3, 1000000, 32, "divisions around the z axis"),
+    COUNT(rings, 2, 1000000, 16, "divisions from pole to pole"),
 };
 
 static const pel_shape_parameter grid_parameters[] = {
@@ -42,48 +42,48 @@ static const pel_shape_parameter grid_parameters[] = {
     COUNT(ny, 1, 1000000, 10, "cells along y"),
     LENGTH(size_x, 1, "width along x"),
     LENGTH(size_y, 1, "width along y"),
-    {"diagonals", "how the cells are cut into triangles", "", PEL_SHAPE_CHOICE, MEMBER(diagonals), 0, 2, false, 0,
+    {"diagonals", "how the cells are divided into triangles", "", PEL_SHAPE_CHOICE, MEMBER(diagonals), 0, 2, false, 0,
      diagonal_names},
 };
 
 static const pel_shape_parameter cylinder_parameters[] = {
     LENGTH(radius, 1, "radius of the cylinder"),
     LENGTH(height, 2, "length along the z axis"),
-    COUNT(slices, 3, 1000000, 32, "parts around the z axis"),
-    COUNT(segments, 1, 1000000, 10, "parts along the z axis"),
-    {"capped", "close both ends with flat discs", "", PEL_SHAPE_BOOLEAN, MEMBER(capped), 0, 1, false, 1, NULL},
+    COUNT(slices, 3, 1000000, 32, "divisions around the z axis"),
+    COUNT(segments, 1, 1000000, 10, "divisions along the z axis"),
+    {"capped", "true: flat disks close both ends", "", PEL_SHAPE_BOOLEAN, MEMBER(capped), 0, 1, false, 1, NULL},
 };
 
 static const pel_shape_parameter torus_parameters[] = {
-    LENGTH(major_radius, 1, "from the z axis to the middle of the tube"),
+    LENGTH(major_radius, 1, "distance from the z axis to the center line of the tube"),
     LENGTH(minor_radius, 0.25, "radius of the tube, less than major_radius"),
-    COUNT(slices, 3, 1000000, 48, "parts around the z axis"),
-    COUNT(rings, 3, 1000000, 12, "parts around the tube"),
+    COUNT(slices, 3, 1000000, 48, "divisions around the z axis"),
+    COUNT(rings, 3, 1000000, 12, "divisions around the tube"),
 };
 
 static const pel_shape_parameter capsule_parameters[] = {
-    LENGTH(radius, 0.5, "radius of the cylinder and its half spheres"),
-    {"height", "length of the straight side", "m", PEL_SHAPE_NUMBER, MEMBER(height), 0, LARGEST_LENGTH, false, 1, NULL},
-    COUNT(slices, 3, 1000000, 32, "parts around the z axis"),
-    COUNT(rings, 1, 1000000, 8, "parts of each half sphere from its pole to its rim"),
-    COUNT(segments, 1, 1000000, 10, "parts of the straight side"),
+    LENGTH(radius, 0.5, "radius of the cylinder and of its hemispheres"),
+    {"height", "length of the cylinder", "m", PEL_SHAPE_NUMBER, MEMBER(height), 0, LARGEST_LENGTH, false, 1, NULL},
+    COUNT(slices, 3, 1000000, 32, "divisions around the z axis"),
+    COUNT(rings, 1, 1000000, 8, "divisions of each hemisphere from its pole to its rim"),
+    COUNT(segments, 1, 1000000, 10, "divisions of the cylinder along its axis"),
 };
 
 static const pel_shape_parameter lens_capsule_parameters[] = {
-    {"age", "11, 29 or 45: the ages with a published outline", "years", PEL_SHAPE_INTEGER, MEMBER(age), 11, 45, false,
-     29, NULL},
-    COUNT(frequency, 1, 5000, 16, "fineness, as of a geodesic sphere: 10 f^2 + 2 vertices"),
+    {"age", "11, 29 or 45: the ages for which an outline is published", "years", PEL_SHAPE_INTEGER, MEMBER(age), 11, 45,
+     false, 29, NULL},
+    COUNT(frequency, 1, 5000, 16, "fineness, as for a geodesic sphere: 10 f^2 + 2 vertices"),
 };
 
 static const pel_shape_parameter disk_parameters[] = {
     LENGTH(radius, 1, "radius of the disk"),
-    COUNT(rings, 1, 10000, 10, "rings about the middle: 6 rings^2 triangles"),
+    COUNT(rings, 1, 10000, 10, "rings of triangles around the center: 6 rings^2 triangles"),
 };
 
 static const pel_shape_parameter blend_parameters[] = {
-    {"body", "which body", "", PEL_SHAPE_CHOICE, MEMBER(body), 0, 2, false, PEL_BLEND_LIVER, body_names},
-    LENGTH(size, 0.25, "longest side of its box"),
-    LENGTH(edge, 0.006, "about the length of all edges, 0.0005 to 0.03 of size (liver: 0.06)"),
+    {"body", "the body", "", PEL_SHAPE_CHOICE, MEMBER(body), 0, 2, false, PEL_BLEND_LIVER, body_names},
+    LENGTH(size, 0.25, "longest side of the bounding box"),
+    LENGTH(edge, 0.006, "approximate length of the edges: 0.0005 to 0.03 times size (liver: 0.06)"),
 };
 
 #define INFO(kind, name, doc, parameters)                                                                              \
@@ -92,17 +92,18 @@ static const pel_shape_parameter blend_parameters[] = {
     }
 
 static const pel_shape_info infos[PEL_SHAPE_COUNT] = {
-    INFO(PEL_SHAPE_GEODESIC_SPHERE, "geodesic-sphere", "icosahedron with cut sides, pushed out to a sphere",
+    INFO(PEL_SHAPE_GEODESIC_SPHERE, "geodesic-sphere", "icosahedron with subdivided faces, projected to a sphere",
          geodesic_sphere_parameters),
-    INFO(PEL_SHAPE_UV_SPHERE, "uv-sphere", "sphere of meridians and parallels about the z axis", uv_sphere_parameters),
+    INFO(PEL_SHAPE_UV_SPHERE, "uv-sphere", "sphere with meridians and parallels about the z axis",
+         uv_sphere_parameters),
     INFO(PEL_SHAPE_GRID, "grid", "rectangle in the plane z = 0 with normal +z", grid_parameters),
-    INFO(PEL_SHAPE_CYLINDER, "cylinder", "cylinder about the z axis, open or closed by discs", cylinder_parameters),
+    INFO(PEL_SHAPE_CYLINDER, "cylinder", "cylinder about the z axis, open or closed by disks", cylinder_parameters),
     INFO(PEL_SHAPE_TORUS, "torus", "ring about the z axis", torus_parameters),
-    INFO(PEL_SHAPE_CAPSULE, "capsule", "cylinder about the z axis with half spheres on its ends", capsule_parameters),
+    INFO(PEL_SHAPE_CAPSULE, "capsule", "cylinder about the z axis with hemispheres at its ends", capsule_parameters),
     INFO(PEL_SHAPE_LENS_CAPSULE, "lens-capsule",
-         "capsule of the human eye lens with its thickness, after Burd et al. 2002", lens_capsule_parameters),
+         "capsule of the human eye lens with its thickness as a field (Burd et al. 2002)", lens_capsule_parameters),
     INFO(PEL_SHAPE_DISK, "disk", "disk in the plane z = 0 with normal +z", disk_parameters),
-    INFO(PEL_SHAPE_BLEND, "blend", "head, animal or liver of rounded parts that run into each other", blend_parameters),
+    INFO(PEL_SHAPE_BLEND, "blend", "head, animal or liver: a smooth blend of rounded parts", blend_parameters),
 };
 
 const pel_shape_info *pel_shape_info_of(pel_shape_kind kind)

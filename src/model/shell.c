@@ -90,7 +90,7 @@ static pel_status check_choice(int value, int count, int32_t body, const char *n
 {
     if (!PEL_IS_NO_CHOICE(value, count))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %d, which is none", name, value);
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %d, which is no valid choice", name, value);
     pel_fail_element(error, "body", body);
     pel_fail_remedy(error, "give one of the choices of the header");
     return PEL_BAD_ARGUMENT;

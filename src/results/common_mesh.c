@@ -430,7 +430,7 @@ static pel_status visit_triangles(pel_common_mesh *common, const frame_view *vie
         if (status == PEL_OUT_OF_MEMORY)
             return pel_fail_memory(error);
         if (status != PEL_OK) {
-            fail_frame(view, "the triangle is none of a mesh that was refined", error);
+            fail_frame(view, "the triangle does not belong to a refined mesh", error);
             pel_fail_element(error, "triangle", t);
             return status;
         }
@@ -472,12 +472,11 @@ static pel_status count_body_vertices(pel_common_mesh *common, const frame_view 
     for (int32_t row = 0; row < view->mesh->vertex_count; row++) {
         double body = view->bodies != NULL ? view->bodies[row] : 0;
         if (!(body >= 0 && body < common->body_count))
-            return fail_frame(view, "the field body names a body that no vertex of the first frame is of", error);
+            return fail_frame(view, "the field body names a body that has no vertex in the first frame", error);
         for (int i = 0; i < 3; i++) {
             double corner = view->corners[3 * (size_t)row + (size_t)i];
             if (!(corner >= 0 && corner < (1 << 24)))
-                return fail_frame(view, "the field mesh_vertices holds something that is not a number of a vertex",
-                                  error);
+                return fail_frame(view, "a value of the field mesh_vertices is not the number of a vertex", error);
             int32_t *count = &common->body_begin[(int32_t)body + 1];
             *count = (int32_t)corner + 1 > *count ? (int32_t)corner + 1 : *count;
         }

@@ -191,7 +191,7 @@ pel_status pel_export_read(const pel_export_source *source, int32_t frame, pel_m
 pel_status pel_export_fail_changed(const pel_frames *frames, int32_t frame, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FORMAT, "the triangles of this frame are not those of the first");
-    pel_fail_remedy(error, "let no other program write into the folder meanwhile");
+    pel_fail_remedy(error, "make sure that no other program writes into the folder");
     pel_fail_place(error, frames->paths[frame], 0, 0);
     return PEL_BAD_FORMAT;
 }

@@ -127,7 +127,7 @@ static pel_status append_tool(pel_frames *frames, const data_set *set, const cha
 {
     int64_t f = frames->frame_count - 1, tool = set->part - 1;
     if (f < 0 || set->time != frames->times[f])
-        return fail_list(path, "a tool stands behind no frame of its time", "run the scene again", error);
+        return fail_list(path, "a tool has no frame of its time", "run the scene again", error);
     char **name = &frames->tool_names[tool], **file = &frames->tool_paths[f * frames->tool_count + tool];
     if (*name == NULL)
         *name = pel_copy_string(set->name);
@@ -162,7 +162,7 @@ static pel_status parse_list(pel_frames *frames, const char *path, const char *a
     if (status != PEL_OK)
         return status;
     if (count == 0)
-        return fail_list(path, "it names no frame", "name a folder whose run has begun", error);
+        return fail_list(path, "it names no frame", "name the folder of a run that has written frames", error);
     frames->paths = pel_allocate(count, sizeof *frames->paths);
     frames->times = pel_allocate(count, sizeof *frames->times);
     frames->tool_names = pel_allocate((size_t)frames->tool_count, sizeof *frames->tool_names);

@@ -72,8 +72,8 @@ static size_t pack_limit(const pel_report_def *def, size_t page_size, pel_report
     left = left * 3 / 4 / def->folder_count;
     if (left >= 1)
         return (size_t)left;
-    pel_fail(error, PEL_BAD_ARGUMENT, "the page and the texts of the runs alone are larger than the report may be");
-    pel_fail_remedy(error, "allow a larger report");
+    pel_fail(error, PEL_BAD_ARGUMENT, "the page and the texts of the runs alone exceed the limit of the report");
+    pel_fail_remedy(error, "raise the limit (--limit)");
     return 0;
 }
 

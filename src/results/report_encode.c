@@ -247,8 +247,8 @@ pel_status pel_report_run_pack(pel_report_run *run, size_t limit, pel_error *err
     pel_status status = pack_frames(run, limit, &estimate, error);
     while (status == PEL_OK && run->pack.full) {
         if (!shrink_plan(run, estimate, (double)limit)) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "the first and the last frame alone are larger than the report may be");
-            pel_fail_remedy(error, "allow a larger report, or take fewer fields");
+            pel_fail(error, PEL_BAD_ARGUMENT, "the first and the last frame alone exceed the limit of the report");
+            pel_fail_remedy(error, "raise the limit (--limit), or include fewer fields (--field)");
             pel_fail_place(error, run->folder, 0, 0);
             return PEL_BAD_ARGUMENT;
         }

@@ -136,7 +136,7 @@ static void suggest_field(const pel_mesh *mesh, const char *name, pel_error *err
     else if (list[0] != '\0')
         pel_fail_remedy(error, "choose one of %s", list);
     else
-        pel_fail_remedy(error, "it has none; ask for some under output.fields in the scene");
+        pel_fail_remedy(error, "it has no fields; list fields in output.fields of the scene");
     pel_free(names);
 }
 

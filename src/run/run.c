@@ -186,7 +186,7 @@ static void print_remedy(const pel_run_state *run, char *text, size_t size)
     const pel_solver_def *solver = &run->scene->sim.solver;
     pel_solver_reading reading;
     pel_sim_get_solver(run->sim, &reading);
-    snprintf(text, size, "use %s >= %d, or method implicit (static for states of rest)",
+    snprintf(text, size, "use %s >= %d, or method implicit (static for equilibria)",
              solver->substeps > 0 ? "substeps" : "max_substeps", (int)reading.needed_substeps);
 }
 

@@ -190,13 +190,13 @@ static bool is_supported(const pel_scene *scene, int32_t b)
     return is_held;
 }
 
-/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not fall */
+/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not move freely */
 static void check_filling(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
     double stiffness = mean_of(&body->volumetric_stiffness, body->mesh->vertex_count);
-    double gravity = pel_vec3_length(run->scene->model.gravity);
-    if (stiffness > 0 && gravity > 0 && !is_supported(run->scene, b))
+    double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
+    if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
         flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
 }
 
@@ -389,11 +389,10 @@ static void tell_coarseness(const text_context *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_COARSE, &name);
-    snprintf(
-        at->text, at->size,
-        "the edges of body '%s' are %.3g m long on average, but its shell bends over sqrt(R h) = %.3g m. subdivide "
-        "the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
-        name, flagged->value, flagged->limit, fmax(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
+    snprintf(at->text, at->size,
+             "the edges of body '%s' are %.3g m long on average, but its shell bends within a length of sqrt(R h) = "
+             "%.3g m. subdivide the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
+             name, flagged->value, flagged->limit, fmax(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
 }
 
 static void tell_millimetres(const text_context *at)
@@ -419,19 +418,18 @@ static void tell_held_in_place(const text_context *at)
 {
     const char *name;
     flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
-    snprintf(
-        at->text, at->size,
-        "body '%s' does not fall under gravity: its volumetric springs pull each vertex back to its place at rest. "
-        "for a body that falls, leave out volumetric and use a membrane, with pressure: { volume: { target: 1, bulk: "
-        "1e5 } } if it is filled",
-        name);
+    snprintf(at->text, at->size,
+             "body '%s' does not move freely: its volumetric springs pull each vertex back to its rest position. for a "
+             "body that falls or flies, omit volumetric and use a membrane, with pressure: { volume: { target: "
+             "1, bulk: 1e5 } } if it is filled",
+             name);
 }
 
 static void tell_inverted_volume(const text_context *at)
 {
     snprintf(at->text, at->size,
-             "a body turned inside out: its volume is %.3g of that at rest. lower the pressure, switch contact on or "
-             "stop earlier (stop: volume_ratio_below)",
+             "a body turned inside out: its volume is %.3g times that at rest. use smaller loads, switch contact on, "
+             "or stop earlier (stop: volume_ratio_below)",
              -at->tally->worst);
 }
 
@@ -455,8 +453,8 @@ static void tell_unconverged(const text_context *at)
     if (pel_sim_get_path_end(at->run->sim) == PEL_PATH_END_LOST) {
         snprintf(
             at->text, at->size,
-            "the path ends at load factor %.6g: no step however short finds a balance beyond it. two paths may cross "
-            "there (buckling): add a small load that chooses one, or find the factor with analysis: buckling",
+            "the path ends at load factor %.6g: even the shortest step finds no equilibrium beyond it. two paths may "
+            "cross there (buckling): add a small load that selects one, or find the factor with analysis: buckling",
             pel_sim_load_factor(at->run->sim));
         return;
     }
@@ -464,7 +462,7 @@ static void tell_unconverged(const text_context *at)
     char remedy[96];
     write_remedy(&sim->solver, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
-             "%" PRId64 " of %" PRId64 " steps did not converge: a residual of up to %.3g N is left. %s, or let loads "
+             "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N. %s, or let loads "
              "and tools move over more steps",
              at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst, remedy);
 }
@@ -472,9 +470,8 @@ static void tell_unconverged(const text_context *at)
 static void tell_unstable(const text_context *at)
 {
     snprintf(at->text, at->size,
-             "%" PRId64 " of %" PRId64
-             " states are balances that the smallest push makes the body leave (buckling), and "
-             "no stable one was found near them. add a small load that says where it goes, or use path: arc-length",
+             "%" PRId64 " of %" PRId64 " states are unstable equilibria (buckling), and no stable one was found near "
+             "them. add a small load that selects a direction, or use path: arc-length",
              at->tally->count, pel_sim_step_count(at->run->sim));
 }
 
@@ -483,9 +480,8 @@ static void tell_stray(const text_context *at)
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_STRAY, &name);
     snprintf(at->text, at->size,
-             "only contact holds body '%s', and it slid away by %.3g m, farther than the tools went: without "
-             "friction many places are states of rest. set contact.friction, pin it against sliding, or use the method "
-             "implicit",
+             "only contact holds body '%s', and it slid by %.3g m, farther than the tools moved: without friction it "
+             "can rest at many positions. set contact.friction, pin it against sliding, or use the method implicit",
              name, flagged->value);
 }
 
@@ -519,7 +515,8 @@ static void tell_energy(const text_context *at)
 static void tell_jam(const text_context *at)
 {
     snprintf(at->text, at->size,
-             "contact stepped back up to %.0f %% of all vertices, in %" PRId64 " steps at least a tenth: bodies are "
+             "contact stepped back up to %.0f %% of all vertices, and in %" PRId64
+             " steps at least a tenth: bodies are "
              "jammed. use a smaller solver.dt, or slower tools and loads",
              100 * at->tally->worst, at->tally->count);
 }
@@ -568,8 +565,8 @@ static void tell_tool(const text_context *at)
     char others[40];
     first_tool first = find_first_tool(at->run->sim, false);
     snprintf(at->text, at->size,
-             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because a body could not give way. "
-             "move it more slowly or less far, or use a smaller solver.dt",
+             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because it trapped a body. move it "
+             "more slowly or less far, or use a smaller solver.dt",
              first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
 }
 
@@ -678,11 +675,10 @@ static void tell_idle_tool(const text_context *at)
 
 static void tell_unsettled(const text_context *at)
 {
-    snprintf(
-        at->text, at->size,
-        "the run ended before it settled: %.3g N are out of balance, %.0f %% of the largest force that acted. use a "
-        "longer duration, or method static",
-        at->run->measures.unbalanced_force, 100 * at->tally->worst);
+    snprintf(at->text, at->size,
+             "the run ended before it settled: a net force of %.3g N remains, %.0f %% of the largest force. use a "
+             "longer duration, or method static",
+             at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {

@@ -20,7 +20,8 @@ pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value 
         if (k > 0 && !(taken[k].time > taken[k - 1].time)) {
             pel_scene_fail(reader, &pair->place, "the times of the keys do not increase: %g after %g", taken[k].time,
                            taken[k - 1].time);
-            pel_fail_remedy(reader->error, "put the keys in order of time; for a jump let two keys be a little apart");
+            pel_fail_remedy(reader->error,
+                            "order the keys by time; for a jump use two keys with slightly different times");
             return PEL_BAD_SCENE;
         }
     }
@@ -73,7 +74,7 @@ static pel_status read_field(const pel_scene_body_source *source, const pel_scen
         char path[160], range[80];
         pel_scene_fail(reader, &name->place, "%s is %g at vertex %d, out of range",
                        pel_scene_value_path(value, path, sizeof path), numbers[v], (int)v);
-        pel_fail_remedy(reader->error, "it must be %s %s; `map: [lo, hi]` turns field values 0 and 1 into others",
+        pel_fail_remedy(reader->error, "it must be %s %s; `map: [a, b]` maps the field values 0 and 1 to a and b",
                         pel_scene_range_text(row->range, range, sizeof range), row->unit);
         return PEL_BAD_SCENE;
     }
@@ -139,7 +140,7 @@ static pel_status read_thresholds(const pel_scene_body_source *source, const pel
     if (*below < *above)
         return PEL_OK;
     pel_scene_fail(source->reader, &low->place, "below (%g) is not less than above (%g)", *below, *above);
-    pel_fail_remedy(source->reader->error, "give a smaller one, or leave it out for half of above");
+    pel_fail_remedy(source->reader->error, "use a smaller value, or omit it (default: half of above)");
     return PEL_BAD_SCENE;
 }
 

@@ -118,7 +118,7 @@ static pel_status read_stiffness(const pel_scene_body_source *source, const pel_
     if (fibres->mode == PEL_FIBRE_CURL)
         return PEL_OK;
     pel_scene_fail(source->reader, &value->place, "the stiffness of the fibres is not known");
-    pel_fail_remedy(source->reader->error, "give `stiffness` [N/m], or the body a membrane");
+    pel_fail_remedy(source->reader->error, "set `stiffness` [N/m], or give the body a membrane");
     return PEL_BAD_SCENE;
 }
 
@@ -142,7 +142,8 @@ static pel_status read_fibres(const pel_scene_body_source *source, const pel_sce
         status = pel_scene_build_quantity(source, value, "rest_length", "<anisotropy>", &fibres->rest_length);
     if (status == PEL_OK && fibres->rest_length.field != NULL) {
         pel_scene_fail(source->reader, &value->place, "rest_length cannot vary over the body");
-        pel_fail_remedy(source->reader->error, "give a number or keys, and a region with falloff");
+        pel_fail_remedy(source->reader->error,
+                        "use a number or keys; to vary the effect over the body use a region with falloff");
         return PEL_BAD_SCENE;
     }
     if (status == PEL_OK)
@@ -201,7 +202,7 @@ static pel_status read_outside(const pel_scene_body_source *source, const pel_sc
     if (status != PEL_OK || pressure->outside.field == NULL)
         return status;
     pel_scene_fail(source->reader, &pel_scene_value_entry(value, "outside")->place,
-                   "the pressure outside cannot vary over the body beside a gas or a target volume");
+                   "with a gas or a target volume the outside pressure cannot vary over the body");
     pel_fail_remedy(source->reader->error, "give a number or keys");
     return PEL_BAD_SCENE;
 }
@@ -217,7 +218,7 @@ static pel_status read_target(const pel_scene_body_source *source, const pel_sce
         return status;
     if (pressure->target.field == NULL)
         return read_outside(source, value, "bodies[].pressure.volume", pressure);
-    pel_scene_fail(source->reader, &value->place, "the target of the volume cannot vary over the body");
+    pel_scene_fail(source->reader, &value->place, "the target volume is one number; it cannot vary over the body");
     pel_fail_remedy(source->reader->error, "give a number or keys");
     return PEL_BAD_SCENE;
 }

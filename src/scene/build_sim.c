@@ -57,7 +57,7 @@ static pel_status read_times(pel_scene_reader *reader, const pel_scene_value *va
     if (*until > *from)
         return PEL_OK;
     pel_scene_fail(reader, &until_value->place, "`until` %g is not after `from` %g", *until, *from);
-    pel_fail_remedy(reader->error, "give a later time, or leave it out for the end of the run");
+    pel_fail_remedy(reader->error, "use a later time, or omit it (default: the end of the run)");
     return PEL_BAD_SCENE;
 }
 
@@ -310,8 +310,8 @@ static void note_ignored(pel_scene_reader *reader, const pel_scene_value *body)
     }
     if (place != NULL)
         pel_log_line(reader->log,
-                     "%s:%d:%d: pbd-distance moves by the lengths of edges alone: %s is ignored. use pbd, or "
-                     "xpbd for the material",
+                     "%s:%d:%d: pbd-distance constrains edge lengths only and ignores %s. use pbd, or xpbd for the "
+                     "response of the material",
                      place->source, (int)place->line, (int)place->column, names);
 }
 

@@ -46,7 +46,7 @@ static pel_status read_axes(pel_scene_reader *reader, const pel_scene_value *x, 
     pel_vec3_along(axes[1], -pel_vec3_dot(axes[0], axes[1]), axes[0], axes[1]);
     if (pel_vec3_length(axes[1]) < 1e-6) {
         pel_scene_fail(reader, &y->place, "y is parallel to x");
-        pel_fail_remedy(reader->error, "give another direction, or leave it out");
+        pel_fail_remedy(reader->error, "give another direction, or omit it");
         return PEL_BAD_SCENE;
     }
     pel_vec3_normalize(axes[1]);

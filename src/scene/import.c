@@ -41,7 +41,7 @@ typedef struct importer {
 static pel_status fail_import(const importer *state, pel_error *error, const char *what)
 {
     pel_fail(error, PEL_BAD_FORMAT, "%s", what[0] != '\0' ? what : "assimp cannot read the file");
-    pel_fail_remedy(error, "export the mesh again, best as PLY or OBJ");
+    pel_fail_remedy(error, "export the mesh again, preferably as PLY or OBJ");
     pel_fail_place(error, state->path, 0, 0);
     return PEL_BAD_FORMAT;
 }

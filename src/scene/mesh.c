@@ -44,7 +44,7 @@ static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, 
     if (length >= (int)sizeof joined || realpath(joined, absolute) == NULL) {
         const char *why = strerror(errno);
         pel_fail(reader->error, PEL_BAD_FILE, "cannot open the mesh '%.150s': %s", file->text, why);
-        pel_fail_remedy(reader->error, "check the path; relative ones start at the folder of the scene, %.150s",
+        pel_fail_remedy(reader->error, "check the path; relative paths start at the folder of the scene, %.150s",
                         folder);
         return pel_scene_fail_at(reader, &file->place);
     }

@@ -91,7 +91,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
         return PEL_OK;
     const char *feature = find_edge_feature(scene);
     if (feature != NULL) {
-        pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not know", feature);
+        pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not support", feature);
         set_method(root, scene, PEL_METHOD_IMPLICIT);
         return PEL_OK;
     }

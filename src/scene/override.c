@@ -69,7 +69,7 @@ static pel_status fail_element(override_walk *walk, const char *segment)
         return pel_scene_fail_name(walk->reader, &walk->place, "element", segment, names, count);
     pel_scene_fail(walk->reader, &walk->place, "%s has no element '%s'",
                    pel_scene_value_path(walk->value, path, sizeof path), segment);
-    pel_fail_remedy(walk->reader->error, "it has %d; count from 0", (int)element_count);
+    pel_fail_remedy(walk->reader->error, "it has %d, numbered from 0", (int)element_count);
     return PEL_BAD_SCENE;
 }
 
@@ -150,7 +150,7 @@ static pel_status enter(override_walk *walk, const char *segment)
     bool may_be_map = value->parent == NULL || (walk->row != NULL && (walk->row->forms & PEL_FORM_MAP) != 0);
     if (!may_be_map) {
         char path[160];
-        pel_scene_fail(walk->reader, &walk->place, "%s has nothing below it",
+        pel_scene_fail(walk->reader, &walk->place, "%s has no keys below it",
                        pel_scene_value_path(value, path, sizeof path));
         pel_fail_remedy(walk->reader->error, "give the whole value, such as [0, 0, 1] for a vector");
         return PEL_BAD_SCENE;
@@ -207,7 +207,7 @@ pel_status pel_scene_override(pel_scene_reader *reader, pel_scene_value *root, c
     const char *equals = strchr(text, '=');
     override_walk walk = {reader, {source, 0, 0}, text, equals, root, NULL};
     if (equals == NULL || equals == text) {
-        pel_scene_fail(reader, &walk.place, "this is not a key=value");
+        pel_scene_fail(reader, &walk.place, "this is not of the form KEY=VALUE");
         pel_fail_remedy(reader->error, "write it as solver.dt=0.005");
         return PEL_BAD_SCENE;
     }

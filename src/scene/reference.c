@@ -56,7 +56,9 @@ static bool has_other_alternative(const pel_scene_table *table, const char *pref
 
 static void write_default(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
 {
-    if (row->preset != NULL)
+    if (row->varies)
+        fputs("by the scene", file);
+    else if (row->preset != NULL)
         fprintf(file, "`%s`", row->preset);
     else if (row->alternative && has_other_alternative(table, prefix, row))
         fputs("one of these", file);
@@ -116,10 +118,9 @@ static void write_section(FILE *file, const pel_scene_table *table, const pel_sc
 
 static void write_fields(FILE *file)
 {
-    fputs("\n## fields\n\n"
-          "What `output.fields` may name, beside the fields of the meshes, which these hide where names are equal.\n"
-          "[measures](../measures.md) says how those from `area` on are computed.\n\n"
-          "| field | numbers | unit | meaning |\n|---|---|---|---|\n",
+    fputs("\n## fields\n\n`output.fields` may name these fields and the fields of the meshes. If a field of a mesh has "
+          "the same name, the field of this list is used.\n[Measures](../measures.md) defines the fields from `area` "
+          "on.\n\n| field | numbers | unit | meaning |\n|---|---|---|---|\n",
           file);
     for (int32_t f = 0; f < PEL_FIELD_COUNT; f++) {
         const pel_field_info *field = pel_field_at(f);
@@ -129,10 +130,10 @@ static void write_fields(FILE *file)
 
 void pel_scene_put_reference(FILE *file, const pel_scene_table *table)
 {
-    fputs("# Scene files\n\n"
-          "A scene is a YAML 1.2 (or JSON) file. Units are SI. A key that is left out, or has no value, takes its\n"
-          "default. `--set bodies.0.springs.stiffness=5` on the command line sets any of these keys; elements of\n"
-          "lists go by number from 0 or by name.\n",
+    fputs("# Scene files\n\nA scene is a YAML 1.2 (or JSON) file. Units are SI. A key that is omitted, or has no "
+          "value, has its\ndefault; `by the scene` means that the default depends on other keys. `--set "
+          "bodies.0.springs.stiffness=5` on the command line sets any\nof these keys; elements of lists are addressed "
+          "by number from 0 or by name.\n",
           file);
     write_section(file, table, NULL);
     for (size_t i = 0; i < table->row_count; i++)

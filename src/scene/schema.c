@@ -239,7 +239,7 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
 static void write_preset(schema_writer *out, const pel_scene_row *row)
 {
     double number;
-    if (row->preset == NULL || strchr(row->preset, '#') != NULL || row->preset[0] == '{')
+    if (row->preset == NULL || row->varies || strchr(row->preset, '#') != NULL || row->preset[0] == '{')
         return;
     write(out, "\"default\":");
     if (row->preset[0] == '[' || row->forms == PEL_FORM_BOOLEAN || pel_scene_parse_number(row->preset, &number))

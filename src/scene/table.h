@@ -33,6 +33,7 @@ typedef struct pel_scene_row {
     const char *unit; /* null = none */
     pel_scene_range range;
     const char *preset;     /* default, as YAML; # is the element's number from 1; null = none */
+    bool varies;            /* other keys of the scene may imply another default, see `doc` */
     bool required;          /* required */
     const char *supplied;   /* required, but for this key of the same map, which fills it in; "" = keys elsewhere do */
     bool alternative;       /* exactly one of the alternatives of a map is given */

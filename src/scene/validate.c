@@ -65,7 +65,7 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
 {
     const char *prefix = pel_scene_row_prefix(row);
     if (value->kind == PEL_SCENE_SCALAR && has_unit(value->text) && row->unit != NULL) {
-        pel_fail_remedy(reader->error, "write the number alone, it is taken in %s", row->unit);
+        pel_fail_remedy(reader->error, "write the number without a unit; it is in %s", row->unit);
         return;
     }
     char names[200] = "";
@@ -154,8 +154,8 @@ static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const p
 {
     const pel_scene_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
     if (row != NULL && pel_scene_value_entry(entry->parent, row->needs) == NULL) {
-        pel_scene_fail(reader, &entry->key_place, "key '%s' goes only with: %s", entry->key, row->needs);
-        pel_fail_remedy(reader->error, "give that beside it, or remove it");
+        pel_scene_fail(reader, &entry->key_place, "key '%s' is allowed only with: %s", entry->key, row->needs);
+        pel_fail_remedy(reader->error, "add that key, or remove this one");
         return PEL_BAD_SCENE;
     }
     const char *names[MOST_NAMES];

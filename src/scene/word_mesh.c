@@ -95,12 +95,13 @@ static pel_status read_file(const pel_scene *scene, const char *word, pel_mesh *
     snprintf(joined, sizeof joined, "%s%s%s", folder, folder[0] != '\0' ? "/" : "", path);
     if (realpath(joined, absolute) == NULL) {
         pel_fail(error, PEL_BAD_FILE, "cannot open the mesh '%.150s': %s", path, strerror(errno));
-        pel_fail_remedy(error, "check the path; relative ones start at the folder of the scene, %.150s", folder);
+        pel_fail_remedy(error, "check the path; relative paths start at the folder of the scene, %.150s", folder);
         return PEL_BAD_FILE;
     }
     if (!encode(absolute, full, size))
         return pel_fail(error, PEL_BAD_ARGUMENT,
-                        "the path of '%.150s' is too long for a command, or holds other than printable ASCII", path);
+                        "the path of '%.150s' is too long for a command, or has characters other than printable ASCII",
+                        path);
     return pel_mesh_import(absolute, NULL, mesh, error);
 }
 

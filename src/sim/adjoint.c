@@ -32,7 +32,7 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
         if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
             (body->shell != NULL && body->shell->region_count > 0))
             return refuse(
-                error, "derivatives by rest positions are those of membranes and mid-edge bending",
+                error, "derivatives with respect to rest positions exist only for membranes and mid-edge bending",
                 "remove springs, fibres, enclosed gas and target volume, use bending model midedge, or do not "
                 "ask for rest_positions");
     }
@@ -52,10 +52,10 @@ pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error)
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     if (!sim->stepper->turns_edges || sim->modes != NULL)
-        return refuse(error, "derivatives are those of the methods static and implicit",
+        return refuse(error, "derivatives exist only for the methods static and implicit",
                       "use one of them, without an analysis");
     if (sim->tool_count > 0 || sim->contacts != NULL)
-        return refuse(error, "derivatives are those of bodies without tools and contact", "remove tools and contact");
+        return refuse(error, "derivatives exist only without tools and contact", "remove tools and contact");
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
             return refuse(error, "pressure on a part of a surface, or in the form vertex-normal, has no potential",
@@ -269,11 +269,12 @@ static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_er
 {
     pel_status status = pel_adjoint_check(sim, def, error);
     if (status == PEL_OK && def->positions == NULL)
-        return refuse(error, "the derivative of the function by the positions is missing", "fill positions");
+        return refuse(error, "the derivative of the function with respect to the positions is missing",
+                      "fill positions");
     const pel_sim_newton *newton = sim->descent != NULL ? sim->descent->newton : NULL;
     bool has_no_step = newton != NULL && newton->point_stiffness != NULL && !newton->has_stepped;
     if (status == PEL_OK && (sim->state->step == 0 || has_no_step))
-        return refuse(error, "there is no state to take derivatives of yet", "step first");
+        return refuse(error, "there is no state yet whose derivatives could be computed", "step first");
     return status;
 }
 

@@ -62,13 +62,13 @@ static bool has_moments(const pel_sim *sim)
 static pel_status check(const pel_sim *sim, const pel_adjoint_steps *def, pel_error *error)
 {
     if (sim->solver.method != PEL_METHOD_IMPLICIT)
-        return refuse(error, "derivatives of several steps are those of the method implicit",
-                      "use it, or pel_sim_adjoint after a state of rest of the method static");
+        return refuse(error, "derivatives of several steps exist only for the method implicit",
+                      "use it, or pel_sim_adjoint after an equilibrium of the method static");
     pel_status status = pel_adjoint_check(sim, &def->results, error);
     if (status != PEL_OK)
         return status;
     if (def->step_count < 1 || def->gradient == NULL)
-        return refuse(error, "derivatives of steps need a number of them and the derivative of the function",
+        return refuse(error, "derivatives of steps need the number of steps and the gradient of the function",
                       "give step_count of at least 1, and gradient");
     if (sim->active != NULL)
         return refuse(error, "steps of a body that refines have no derivatives", "leave refine out");
@@ -83,7 +83,7 @@ static pel_status check(const pel_sim *sim, const pel_adjoint_steps *def, pel_er
     if (sim->solver.budget > 0)
         return refuse(error, "steps that end by a budget of time have no derivatives", "leave budget out");
     if (sim->parts.now.size != PEL_PART_LIMIT)
-        return refuse(error, "the last step was done in parts", "make dt smaller");
+        return refuse(error, "the last step was divided into parts", "make dt smaller");
     return PEL_OK;
 }
 
@@ -161,7 +161,7 @@ static pel_status ask(path *p, int64_t number, pel_error *error)
     memset(p->by_velocities, 0, 3 * p->row_count * sizeof(double));
     const pel_adjoint_point point = {number, p->positions, p->velocities, p->by_positions, p->by_velocities};
     if (!p->def->gradient(p->def->user, &point))
-        return pel_fail(error, PEL_STOPPED, "stopped at step %lld of the way back", (long long)number);
+        return pel_fail(error, PEL_STOPPED, "stopped at step %lld on the way back", (long long)number);
     size_t row = 0;
     for (int32_t b = 0; b < model->body_count; b++)
         for (int32_t r = 0; r < model->bodies[b].mesh->vertex_count; r++, row++)

@@ -27,11 +27,15 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 
 /* forces are balanced when the residual is this share of the forces that act */
 #define LOAD_SHARE 1e-6
+/* at most, where that share is less than rounding leaves */
+#define LOST_SHARE 1e-3
 /* The same share in motion, of the loads and of the rate of change of momentum. A share of momentum over dt would stop
    a spinning body. */
 #define DYNAMIC_SHARE 1e-3
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
+/* strain of a body by forces that no step lowers, because they are lost in the rounding of its energy */
+#define STUCK_STRAIN 1e-10
 /* of the mean edge that a vertex goes in one iteration at most */
 #define MOVE_SHARE 0.3
 /* of the size of the bodies: who would go no farther than this is there; forces of stiff bodies round to more */
@@ -303,15 +307,14 @@ static double rounding_force(const pel_sim *sim)
     return ROUNDING_ERRORS * DBL_EPSILON * sim->descent->stiff_force;
 }
 
-/* Relative to the acting forces. If none acts now, a body recovers from earlier ones; if none ever did, it is at rest,
-   to the rounding of its forces. */
+/* Relative to the acting forces, or to the rounding of the forces of a body where those are lost in it. If none acts
+   now, a body recovers from earlier ones; if none ever did, it is at rest. */
 static double tolerance_of(const pel_sim *sim, double loads)
 {
-    const pel_sim_descent *descent = sim->descent;
-    double acting = acting_force(sim, loads);
+    double acting = acting_force(sim, loads), rounding = rounding_force(sim);
     if (acting == 0)
-        acting = descent->step_acted;
-    return acting > 0 ? LOAD_SHARE * acting : rounding_force(sim);
+        acting = sim->descent->step_acted;
+    return acting > 0 ? fmax(LOAD_SHARE * acting, fmin(rounding, LOST_SHARE * acting)) : rounding;
 }
 
 double pel_descent_tolerance(pel_sim *sim, double time)
@@ -349,6 +352,9 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
 /* not relative to the initial forces of the round: forces of closing gaps are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
+    /* what rounding leaves is too little to strain a body: one that tools push about freely resists them by no more */
+    if (round->stuck && round->residual <= STUCK_STRAIN * sim->descent->stiff_force)
+        return true;
     double tolerance = pel_sim_has_velocity(sim)
                            ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
                            : tolerance_of(sim, loads);

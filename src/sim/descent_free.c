@@ -48,8 +48,7 @@ static bool is_held(const pel_sim *sim, int32_t body)
 static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
 {
     pel_fail(error, PEL_BAD_ARGUMENT,
-             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: there is no state "
-             "of rest to find",
+             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: it has no equilibrium",
              sim->model->bodies[body].name, net[0], net[1], net[2], time);
     pel_fail_element(error, "body", body);
     pel_fail_remedy(error, "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "

@@ -41,7 +41,7 @@ struct pel_drag {
 
 static pel_status fail_drag(const pel_drag *drag, pel_error *error)
 {
-    return pel_fail(error, PEL_BAD_ARGUMENT, "the tool '%s' of the drag is gone", drag->name);
+    return pel_fail(error, PEL_BAD_ARGUMENT, "the tool '%s' of the drag was removed", drag->name);
 }
 
 /* "drag", or the first of "drag-2", "drag-3", ... that is free */
@@ -82,7 +82,7 @@ static pel_status check(const pel_sim *sim, const pel_pick_hit *hit, double stif
         return pel_fail(error, PEL_BAD_ARGUMENT, "there is nothing to drag: the ray met no body");
     for (int c = 0; c < 3; c++)
         if (hit->vertices[c] < 0 || hit->vertices[c] >= pel_output_count(sim, hit->body) || !isfinite(hit->point[c])) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "the hit is of another surface than the present one");
+            pel_fail(error, PEL_BAD_ARGUMENT, "the hit belongs to an earlier surface of the body");
             pel_fail_remedy(error, "pick again after a step that refined the body");
             return PEL_BAD_ARGUMENT;
         }

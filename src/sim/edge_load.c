@@ -33,8 +33,8 @@ static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_
     }
     if (sim->edge_load_count > before)
         return PEL_OK;
-    return refuse(error, l, "moment acts on no boundary edge with a rotation",
-                  "choose a region with both ends of boundary edges, on a body with bending model midedge");
+    return refuse(error, l, "moment acts on no boundary edge of a body with bending model midedge",
+                  "choose a region with both ends of boundary edges of such a body");
 }
 
 pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -46,7 +46,8 @@ pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error
         return PEL_OK;
     for (int32_t l = 0; !sim->stepper->turns_edges && l < def->load_count; l++)
         if (def->loads[l].kind == PEL_LOAD_MOMENT)
-            return refuse(error, l, "this method has no moments on edges", "use the method static or implicit");
+            return refuse(error, l, "this method does not support moments on edges",
+                          "use the method static or implicit");
     for (int32_t l = 0; l < def->load_count; l++)
         if (def->loads[l].kind == PEL_LOAD_MOMENT && sim->model->bodies[def->loads[l].body].detail != NULL)
             return refuse(error, l, "moments act on edges of a body that refines", "leave out refine of the body");

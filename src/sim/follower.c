@@ -98,11 +98,11 @@ pel_status pel_followers_create(pel_sim *sim, const pel_sim_def *def, pel_error 
         if (!load->follower)
             continue;
         if (load->kind != PEL_LOAD_PER_LENGTH)
-            return refuse(error, l, "a load follows that is not a force per length",
+            return refuse(error, l, "a follower load must be a force per length",
                           "give it per length of boundary edges (`per: length`), or leave out `follower`");
         const pel_body *body = &sim->model->bodies[load->body];
         if (body->shell == NULL && body->plain_spring == 0)
-            return refuse(error, l, "a load follows edges of a body without elements",
+            return refuse(error, l, "a follower load acts on a body without elements",
                           "give the body a membrane, bending or springs");
         most += 3 * (size_t)sim->model->bodies[load->body].mesh->triangle_count;
     }

@@ -474,12 +474,12 @@ static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motio
             foot[k] = fabs(foot[k]) < 1e-6 * m->size ? 0 : foot[k];
         pel_fail(error, PEL_BAD_ARGUMENT,
                  "supports leave body '%s' free to turn about the axis (%.3g, %.3g, %.3g) through (%.3g, %.3g, %.3g): "
-                 "statics has no answer",
+                 "it has no equilibrium",
                  name, turn[0] / length, turn[1] / length, turn[2] / length, foot[0], foot[1], foot[2]);
     } else {
         pel_vec3_normalize(way);
         pel_fail(error, PEL_BAD_ARGUMENT,
-                 "supports leave body '%s' free to move along (%.3g, %.3g, %.3g): statics has no answer", name, way[0],
+                 "supports leave body '%s' free to move along (%.3g, %.3g, %.3g): it has no equilibrium", name, way[0],
                  way[1], way[2]);
     }
     pel_fail_element(error, "body", body);

@@ -169,7 +169,8 @@ static pel_status find_place(defs all, const char *path, pel_parameter_place *fo
     if (nearest[0] != '\0')
         pel_fail_remedy(error, "did you mean '%s'?", nearest);
     else
-        pel_fail_remedy(error, "take a path of pel_parameter_at; what the scene leaves out, and meshes, have none");
+        pel_fail_remedy(error,
+                        "use a path of pel_parameter_at; meshes and parts that the scene omits have no parameters");
     return PEL_BAD_ARGUMENT;
 }
 

@@ -506,7 +506,7 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
     commit(sim, body);
     if (sim->contacts == NULL || own->front->change_count == 0 || pel_contacts_accept_event(sim, body))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' would cut itself or another surface on that level", b->name);
-    pel_fail_remedy(error, "ask again when there is more room around vertex %d", (int)vertex);
+    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' would intersect itself or another surface on that level", b->name);
+    pel_fail_remedy(error, "try again when there is more space around vertex %d", (int)vertex);
     return PEL_BAD_ARGUMENT;
 }

@@ -268,7 +268,7 @@ pel_status pel_restitution_create(pel_sim *sim, pel_error *error)
         }
     if (!pel_sim_has_velocity(sim)) {
         pel_fail(error, PEL_BAD_ARGUMENT, "restitution needs velocities, which this method does not have");
-        pel_fail_remedy(error, "leave it out, or use the method xpbd, pbd or explicit");
+        pel_fail_remedy(error, "omit it, or use the method xpbd, implicit, pbd or explicit");
         return PEL_BAD_ARGUMENT;
     }
     size_t count = (size_t)sim->model->body_count * (size_t)sim->contact_forces.group_count;

@@ -51,7 +51,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     }
     if (!(solver->alpha >= 0 && isfinite(solver->alpha))) {
         pel_fail(error, PEL_BAD_ARGUMENT, "solver alpha is %g", solver->alpha);
-        pel_fail_remedy(error, "give a number above 0, or leave it out for a safe one");
+        pel_fail_remedy(error, "give a number above 0, or omit it for a stable value");
         return PEL_BAD_ARGUMENT;
     }
     if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_IMPLICIT + 1))
@@ -168,7 +168,7 @@ static pel_status check_start(const pel_sim *sim, pel_error *error)
             continue;
         pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has a velocity at the start, but this method has no velocities",
                  sim->model->bodies[b].name);
-        pel_fail_remedy(error, "take the method implicit, xpbd, pbd or explicit, or leave the velocity out");
+        pel_fail_remedy(error, "use the method implicit, xpbd, pbd or explicit, or omit the velocity");
         return PEL_BAD_ARGUMENT;
     }
     return PEL_OK;

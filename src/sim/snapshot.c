@@ -562,7 +562,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !restore_refinement(sim, b))
-            return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not fit its places");
+            return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not match its positions");
     sim->contact_forces.is_short = false;
     transfer_sim(&place, sim);
     sim->held_is_listed = false;
@@ -580,7 +580,8 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     bool has_tools = restore_tools(sim);
     pel_ledger_follow(sim);
     if (!has_tools)
-        return refuse(error, damage_remedy, "the snapshot is damaged: a tool holds or touches what is not there");
+        return refuse(error, damage_remedy,
+                      "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
     if (!restore_parts(sim))
         return refuse(error, damage_remedy, "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))

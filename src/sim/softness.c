@@ -236,7 +236,7 @@ double pel_sim_softness(const pel_sim *sim)
 
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error)
 {
-    pel_fail_remedy(error, "use %s >= %d, or method implicit (static for states of rest)",
+    pel_fail_remedy(error, "use %s >= %d, or method implicit (static for equilibria)",
                     sim->substeps.is_automatic ? "max_substeps" : "substeps", (int)needed_substeps(sim));
 }
 

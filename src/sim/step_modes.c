@@ -33,15 +33,14 @@ pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
 pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
 {
     if (sim->active != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies that do not refine");
+        pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support bodies that refine");
         pel_fail_remedy(error, "leave refine out, and subdivide the mesh (pellicle subdivide)");
         return PEL_BAD_ARGUMENT;
     }
     if (sim->tool_count == 0 && sim->contacts == NULL)
         return pel_followers_refuse(sim, "modes and buckling need", error);
-    pel_fail(error, PEL_BAD_ARGUMENT, "modes are those of bodies without %s",
-             sim->tool_count > 0 ? "tools" : "contact");
-    pel_fail_remedy(error, "take the %s out, or leave out the analysis", sim->tool_count > 0 ? "tools" : "contact");
+    pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support %s", sim->tool_count > 0 ? "tools" : "contact");
+    pel_fail_remedy(error, "remove the %s or the analysis", sim->tool_count > 0 ? "tools" : "contact");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -76,7 +75,7 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
     state->step = step;
     if (status != PEL_OK || result->diverged || sim->descent->result.converged)
         return status;
-    pel_fail(error, PEL_BAD_ARGUMENT, "no state of rest under the loads was found to take modes of");
+    pel_fail(error, PEL_BAD_ARGUMENT, "no equilibrium under the loads was found, so there are no modes");
     pel_fail_remedy(error, "make the loads smaller");
     return PEL_BAD_ARGUMENT;
 }

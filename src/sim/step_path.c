@@ -62,8 +62,9 @@ static bool is_keyed(const pel_sim *sim)
 pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
 {
     if (sim->tool_count > 0 || sim->contacts != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length has no %s", sim->tool_count > 0 ? "tools" : "contact");
-        pel_fail_remedy(error, "remove the %s, or take path: time", sim->tool_count > 0 ? "tools" : "contact");
+        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length does not support %s",
+                 sim->tool_count > 0 ? "tools" : "contact");
+        pel_fail_remedy(error, "remove the %s, or use path: time", sim->tool_count > 0 ? "tools" : "contact");
         return PEL_BAD_ARGUMENT;
     }
     if (!is_keyed(sim))

@@ -61,7 +61,8 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
         if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
             return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
         if (!(sim->model->inverse_mass[sim->model->bodies[def->body].model_index[v]] > 0))
-            return refuse(error, tool, "support holds a vertex that is pinned", "pin it or let the support hold it");
+            return refuse(error, tool, "support holds a vertex that is pinned",
+                          "remove it from the pins or from the support");
     }
     return PEL_OK;
 }

@@ -219,7 +219,7 @@ static pel_status fail_unstable(const pel_modes *modes, pel_error *error)
     if (pel_pool_is_stopped(modes->system.pool))
         return pel_pool_check(modes->system.pool, error);
     pel_fail(error, PEL_BAD_ARGUMENT, "the state under the loads is not stable: it has no frequencies");
-    pel_fail_remedy(error, "make the loads smaller, or find the load that it bears with analysis: buckling");
+    pel_fail_remedy(error, "make the loads smaller, or find the buckling load with analysis: buckling");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -289,7 +289,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
         most = u < 3 * modes->pattern->vertex_count ? fmax(most, fabs(modes->right[u])) : most;
     }
     if (!(most > rounding_force(modes))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "no load acts: there is no load factor to find");
+        pel_fail(error, PEL_BAD_ARGUMENT, "no load acts, so there is no load factor");
         pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle");
         return PEL_BAD_ARGUMENT;
     }
@@ -384,7 +384,7 @@ static pel_status take_modes(pel_modes *modes, int32_t found, pel_error *error)
     if (found == modes->count)
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "found %d of %d modes", (int)found, (int)modes->count);
-    pel_fail_remedy(error, buckles && found == 0 ? "no such load buckles the body: turn the loads round"
+    pel_fail_remedy(error, buckles && found == 0 ? "the loads do not buckle the body: reverse them"
                                                  : "ask for fewer modes, or use a finer mesh");
     return PEL_BAD_ARGUMENT;
 }

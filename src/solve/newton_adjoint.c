@@ -12,8 +12,8 @@ enum { MOST_PRODUCTS = 30 };
 
 static pel_status fail_unstable(pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "the state is not a stable balance: derivatives by its numbers do not exist");
-    pel_fail_remedy(error, "make the loads smaller, or hold what moves freely with supports");
+    pel_fail(error, PEL_BAD_ARGUMENT, "the state is not a stable equilibrium: its derivatives do not exist");
+    pel_fail_remedy(error, "make the loads smaller, or support the bodies that can move freely");
     return PEL_BAD_ARGUMENT;
 }
 

@@ -122,5 +122,5 @@ pel_status pel_newton_run_beside(pel_newton *newton, const pel_newton_problem *p
     if (load_factor != NULL)
         *load_factor = run.factor;
     pel_newton_frames_turn_back(&problem->frames, newton->gradient);
-    return result->converged ? PEL_OK : fail(error, "a change of the numbers leads to a state that is not nearby");
+    return result->converged ? PEL_OK : fail(error, "a small change of the parameters leads to a distant state");
 }

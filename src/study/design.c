@@ -181,7 +181,7 @@ static pel_status read_range(pel_scene_reader *reader, const pel_scene_value *ma
                        "write count: 10 for even steps, sobol: 64 or latin: 64 for samples");
     const pel_scene_value *seed = pel_scene_value_entry(map, "seed");
     if (status == PEL_OK && seed != NULL && s->kind != SAMPLE_LATIN)
-        return fail_at(reader, seed, "seed goes with latin only", "remove it");
+        return fail_at(reader, seed, "seed is allowed only with latin", "remove it");
     if (status == PEL_OK && seed != NULL)
         status = pel_study_need_integer(reader, seed, 0, 4294967295.0, &s->seed);
     return status;
@@ -221,9 +221,9 @@ static pel_status join_group(design *d, const pel_scene_value *entry, sample_kin
         study->group_sizes[group] = axis->count;
     if (study->group_sizes[group] == axis->count)
         return PEL_OK;
-    pel_scene_fail(d->reader, &entry->place, "%lld values go together with %lld of other keys", (long long)axis->count,
-                   (long long)study->group_sizes[group]);
-    pel_fail_remedy(d->reader->error, "give as many values to each of them");
+    pel_scene_fail(d->reader, &entry->place, "%lld values vary together with %lld values of other keys",
+                   (long long)axis->count, (long long)study->group_sizes[group]);
+    pel_fail_remedy(d->reader->error, "give the same number of values to each key");
     return PEL_BAD_SCENE;
 }
 

@@ -26,7 +26,7 @@ static pel_status check_once(pel_scene_reader *reader, const pel_scene_value *en
 {
     for (const pel_scene_value *other = entry->parent->first; other != entry; other = other->next)
         if (strcmp(other->key, entry->key) == 0) {
-            pel_scene_fail(reader, &entry->key_place, "the key '%.100s' stands twice", entry->key);
+            pel_scene_fail(reader, &entry->key_place, "the key '%.100s' is given twice", entry->key);
             pel_fail_remedy(reader->error, "keep one of them");
             return PEL_BAD_SCENE;
         }
@@ -104,7 +104,7 @@ pel_status pel_study_need_word(pel_scene_reader *reader, const pel_scene_value *
         size_t length = strlen(list);
         snprintf(list + length, sizeof list - length, "%s%s", i > 0 ? ", " : "", words[i]);
     }
-    pel_scene_fail(reader, &value->place, "'%.60s' is none of the words here", value->text);
+    pel_scene_fail(reader, &value->place, "'%.60s' is not one of the choices", value->text);
     pel_fail_remedy(reader->error, "write one of %s", list);
     return PEL_BAD_SCENE;
 }

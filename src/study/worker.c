@@ -97,7 +97,7 @@ static _Noreturn void work(const pel_study *study, const char *folder, int chann
 static pel_status fail_start(int number, pel_error *error)
 {
     pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start a process: %s", strerror(number));
-    pel_fail_remedy(error, "do fewer runs at a time; the same study continues");
+    pel_fail_remedy(error, "execute fewer runs at a time (--jobs); the same command continues");
     return PEL_OUT_OF_MEMORY;
 }
 

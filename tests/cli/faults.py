@@ -271,7 +271,7 @@ def links(f):
     frame.unlink()
     frame.symlink_to(outside / "secret.vtp")
     status, _, errors = f.run("convert", "run", "out.obj")
-    assert status == 2 and "outside the run's folder" in errors, errors
+    assert status == 2 and "outside the folder of the run" in errors, errors
     frame.unlink()
     frame.write_bytes((outside / "secret.vtp").read_bytes())
     for name in ("series.csv", "summary.json", "scene.yaml"):

@@ -390,7 +390,7 @@ static void test_too_large(void **unused)
     plan->cost.bytes[PEL_FACTOR_DOUBLE] = 2000000000000000;
     assert_int_equal(pel_factor_create(plan, PEL_FACTOR_DOUBLE, &factor, &error), PEL_OUT_OF_MEMORY);
     assert_null(factor);
-    assert_non_null(strstr(error.what, "needs 2e+06 GB, and there are "));
+    assert_non_null(strstr(error.what, "needs 2e+06 GB; "));
     assert_int_equal(pel_factor_create(plan, PEL_FACTOR_FLOAT, &factor, &error), PEL_OK);
     pel_factor_destroy(factor);
     pel_factor_plan_destroy(plan);

@@ -343,9 +343,9 @@ static void test_ignored(void **unused)
         const char *text, *told;
     } cases[] = {
         {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd-distance}\n",
-         "a.yaml:5:5: pbd-distance moves by the lengths of edges alone: membrane, bending is ignored. use pbd"},
+         "a.yaml:5:5: pbd-distance constrains edge lengths only and ignores membrane, bending. use pbd"},
         {BALL "    mass: {total: 1}\n    anisotropy: {strength: 1, stiffness: 1}\nsolver: {method: pbd-distance}\n",
-         "a.yaml:6:5: pbd-distance moves by the lengths of edges alone: anisotropy is ignored. use pbd"},
+         "a.yaml:6:5: pbd-distance constrains edge lengths only and ignores anisotropy. use pbd"},
         {BALL "    pressure: {outside: 1}\nsolver: {method: pbd-distance}\n", NULL},
         {BALL "    membrane: {preset: skin}\n    bending: {}\nsolver: {method: pbd}\n", NULL},
     };

@@ -86,6 +86,19 @@ static void test_documents_have_every_row(void **unused)
     free(reference);
 }
 
+/* a default that other keys may change is given in words only */
+static void test_default_by_the_scene(void **unused)
+{
+    (void)unused;
+    char *schema = document(pel_scene_write_schema), *reference = document(pel_scene_write_reference);
+    const char *row = strstr(reference, "| `method` | `quasi-static`");
+    assert_non_null(row);
+    assert_memory_equal(strstr(row, "|  |  | "), "|  |  | by the scene |", strlen("|  |  | by the scene |"));
+    assert_null(strstr(schema, "\"default\":\"quasi-static\""));
+    free(schema);
+    free(reference);
+}
+
 static void test_schema_is_json(void **unused)
 {
     (void)unused;
@@ -225,10 +238,15 @@ static void test_write_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rows_are_whole),  cmocka_unit_test(test_documents_have_every_row),
-        cmocka_unit_test(test_schema_is_json),  cmocka_unit_test(test_locale),
-        cmocka_unit_test(test_parameter_paths), cmocka_unit_test(test_presets_are_valid),
-        cmocka_unit_test(test_numbers),         cmocka_unit_test(test_write_failures),
+        cmocka_unit_test(test_rows_are_whole),
+        cmocka_unit_test(test_documents_have_every_row),
+        cmocka_unit_test(test_default_by_the_scene),
+        cmocka_unit_test(test_schema_is_json),
+        cmocka_unit_test(test_locale),
+        cmocka_unit_test(test_parameter_paths),
+        cmocka_unit_test(test_presets_are_valid),
+        cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_write_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

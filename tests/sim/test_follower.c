@@ -248,7 +248,7 @@ static void test_refusals(void **unused)
     cantilever c;
     begin(&c, 4, PEL_METHOD_STATIC, force);
     c.load.kind = PEL_LOAD_TOTAL;
-    expect_refused(&c, "a load follows that is not a force per length");
+    expect_refused(&c, "a follower load must be a force per length");
     c.load.kind = PEL_LOAD_PER_LENGTH;
     c.def.solver.path = PEL_PATH_ARC_LENGTH;
     expect_refused(&c, "no potential");

@@ -261,11 +261,11 @@ static void test_refusals(void **unused)
     def.tools = &tool;
     def.tool_count = 1;
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "a path by arc length has no tools"));
+    assert_non_null(strstr(error.what, "a path by arc length does not support tools"));
     def.tool_count = 0;
     def.contact.enabled = true;
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "a path by arc length has no contact"));
+    assert_non_null(strstr(error.what, "a path by arc length does not support contact"));
     end_stage(&s);
 }
 

@@ -532,7 +532,7 @@ static void test_bad_studies(void **unused)
         {"scene: scene.yaml\nvary: { solver.dt: { from: 0, to: 1, count: 2, scale: log } }\n", "study.yaml:2:20",
          "log"},
         {"scene: scene.yaml\nvary: { solver.dt: { from: 0, to: 1, count: 0 } }\n", "study.yaml:2:45", "whole number"},
-        {"scene: scene.yaml\nvary: [{ solver.dt: [1, 2], solver.alpha: [1] }]\n", "study.yaml:2:43", "go together"},
+        {"scene: scene.yaml\nvary: [{ solver.dt: [1, 2], solver.alpha: [1] }]\n", "study.yaml:2:43", "vary together"},
         {"scene: scene.yaml\nvary: { solver.dt: [1], solver.dt: [2] }\n", "study.yaml:2:25", "twice"},
         {"scene: scene.yaml\nvary: { solver.dt: [0.01] }\nmeasure: [max_displacment]\n", "study.yaml:3:11",
          "did you mean 'max_displacement'"},

@@ -159,7 +159,7 @@ static void test_refuses(void **unused)
     check_refused((pel_frame_range){11, 11, 1}, 0, "there is no frame 11");
     check_refused((pel_frame_range){0, 100, 1}, 0, "there is no frame 100");
     check_refused((pel_frame_range){-12, -1, 1}, 0, "there is no frame -12");
-    check_refused((pel_frame_range){5, 4, 1}, 0, "frames 5 to 4 by steps of 1 are none");
+    check_refused((pel_frame_range){5, 4, 1}, 0, "there is no frame from 5 to 4 with steps of 1");
     check_refused((pel_frame_range){0, -1, 1}, 2, "11 pictures do not fit on the sheet");
 }
 
