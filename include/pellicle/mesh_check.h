@@ -122,6 +122,8 @@ typedef struct pel_repair_options {
                             merged into its neighbour there, which is split at that corner. No vertex moves */
     bool cut;            /* split non-manifold vertices and edges by duplicating vertices. Of several triangles at an
                             edge those stay connected that face each other through a body; others get a boundary */
+    int32_t drop_parts;  /* drop parts of at most this many triangles, but never the largest part (the first of equals):
+                            a part is connected across edges after welding. 0, the default: none */
     bool drop_isolated;  /* vertices in no triangle (those that are not finite go in any case) */
     bool orient;         /* give each component the winding of most of its triangles */
     bool outward;        /* turn closed components outward; also the inner walls of hollow bodies */
@@ -136,6 +138,7 @@ typedef struct pel_repair_summary {
     int32_t degenerate_triangles; /* dropped */
     int32_t duplicate_triangles;  /* dropped */
     int32_t welded_vertices;      /* merged into an earlier vertex */
+    int32_t dropped_parts;        /* see drop_parts; their vertices are not counted as isolated */
     int32_t isolated_vertices;    /* dropped */
     int32_t closed_slits;         /* triangles without area, merged into their neighbours */
     int32_t cut_vertices;         /* copies of vertices, for fans that were split */
@@ -146,11 +149,12 @@ typedef struct pel_repair_summary {
 } pel_repair_summary;
 
 /* A repaired copy: triangles with bad indices or vertices that are not finite are dropped, then the options are
-   applied: weld, drop, close, cut, orient. Vertices and triangles keep their order, copies of vertices come last,
-   fields are kept. Repairing again changes nothing, unless pieces were split. An edge in more than two triangles
+   applied: weld, drop, close, drop parts, cut, orient. Vertices and triangles keep their order, copies of vertices come
+   last, fields are kept. Repairing again changes nothing, unless pieces were split. An edge in more than two triangles
    remains if two pieces share both its vertices on every path around (see the report of the result). PEL_BAD_MESH when
    no triangle is left, PEL_BAD_ARGUMENT for a tolerance that is negative, beyond the resolution of the coordinates or
-   more than a twentieth of the mesh's size. summary is nullable. On failure *repaired is null. */
+   more than a twentieth of the mesh's size, or drop_parts below 0. summary is nullable. On failure *repaired is null.
+ */
 PEL_API pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                                    pel_repair_summary *summary, pel_error *error);
 

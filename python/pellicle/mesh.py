@@ -132,13 +132,14 @@ class Mesh:
         """Modified-butterfly subdivision: each level turns a triangle into four; vertices keep their places."""
         return Mesh._of_core(_core.subdivide(*self._arguments(), levels))
 
-    def repair(self, weld_tolerance: float = 0.0) -> tuple["Mesh", dict[str, Any]]:
+    def repair(self, weld_tolerance: float = 0.0, drop_parts: int = 0) -> tuple["Mesh", dict[str, Any]]:
         """A repaired copy, and counts of the repairs.
 
         Welds vertices within `weld_tolerance` [m], drops broken, flat and duplicate triangles, cuts non-manifold pieces
-        apart and turns all triangles outward.
+        apart and turns all triangles outward. Drops parts of at most `drop_parts` triangles that no edge connects with
+        the largest part.
         """
-        mesh, summary = _core.repair(*self._arguments(), float(weld_tolerance))
+        mesh, summary = _core.repair(*self._arguments(), float(weld_tolerance), drop_parts)
         return Mesh._of_core(mesh), summary
 
     # ---- questions ----
