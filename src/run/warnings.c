@@ -462,9 +462,10 @@ static void tell_unconverged(const text_context *at)
     char remedy[96];
     write_remedy(&sim->solver, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
-             "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N. %s, or let loads "
-             "and tools move over more steps",
-             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst, remedy);
+             "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N%s. %s, or let "
+             "loads and tools move over more steps",
+             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
+             in_rounds ? ", or contacts are not settled" : "", remedy);
 }
 
 static void tell_unstable(const text_context *at)

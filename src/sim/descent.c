@@ -352,8 +352,10 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
 /* not relative to the initial forces of the round: forces of closing gaps are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
-    /* what rounding leaves is too little to strain a body: one that tools push about freely resists them by no more */
-    if (round->stuck && round->residual <= STUCK_STRAIN * sim->descent->stiff_force)
+    /* a body that tools push about freely resists them by forces that are too small to strain it, and rounding leaves
+       some of these */
+    const double least = STUCK_STRAIN * sim->descent->stiff_force;
+    if (round->stuck && round->residual <= least && acting_force(sim, loads) <= 10 * least)
         return true;
     double tolerance = pel_sim_has_velocity(sim)
                            ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)

@@ -774,7 +774,12 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
     }
     if (run.status == PEL_OK && !result->converged && !problem->is_dynamic) {
         return_to_begin(&run);
-        go_in_parts(&run);
+        /* the residual of a part is not that of all loads */
+        if (!go_in_parts(&run) && run.status == PEL_OK) {
+            run.kind = PEL_TANGENT_EXACT;
+            run.has_stresses = false;
+            pel_newton_evaluate(&run);
+        }
     }
     if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK)
         leave_balance(&run);

@@ -227,6 +227,25 @@ static void test_pushed_about(void **unused)
     assert_true(summary.solver.iterations > 0 && summary.solver.iterations < 500);
 }
 
+/* a sheet above a ball that static steps do not bring down: the forces that are left are its weight, not a part of it
+ */
+static void test_left_forces(void **unused)
+{
+    (void)unused;
+    const char *text = "version: 1\nbodies:\n  - name: sheet\n"
+                       "    mesh: { shape: grid, nx: 8, ny: 8, size_x: 0.2, size_y: 0.2, translate: [0, 0, 0.03] }\n"
+                       "    membrane: { preset: paper }\ntools:\n"
+                       "  - { name: ball, shape: sphere, radius: 0.029, motion: [{ position: [0, 0, 0] }] }\n"
+                       "  - { name: floor, shape: box, size: [1, 1, 0.02], motion: [{ position: [0, 0, -0.06] }] }\n"
+                       "gravity: [0, 0, -9.81]\ncontact: { self: true }\nsolver: { method: static, steps: 1 }\n";
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    /* 81 vertices that share it */
+    double weight = 800 * 1e-4 * 0.2 * 0.2 * 9.81;
+    if (!summary.solver.converged)
+        assert_true(summary.solver.residual > weight / 81);
+}
+
 /* a grasp that tears out is reported with its tool, vertices and time; the count is kept in checkpoints */
 static void test_lost_grasp(void **unused)
 {
@@ -594,6 +613,7 @@ int main(void)
         cmocka_unit_test(test_unconverged),
         cmocka_unit_test(test_stray),
         cmocka_unit_test(test_pushed_about),
+        cmocka_unit_test(test_left_forces),
         cmocka_unit_test(test_twist),
         cmocka_unit_test(test_swing),
         cmocka_unit_test(test_lost_grasp),
