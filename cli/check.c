@@ -3,10 +3,12 @@
 #include "diagnostics.h"
 #include "intersections.h"
 #include "json.h"
+#include "parts.h"
 
 #include <pellicle/mesh_check.h>
 #include <pellicle/scene.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 /* findings of one kind that are printed one by one */
@@ -63,10 +65,6 @@ static void print_element(FILE *file, const pel_issue_info *info, const pel_issu
 static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_info *info, const pel_issue *issue)
 {
     const char *severity = severity_name(info->severity);
-    if (info->severity == PEL_SEVERITY_NOTE) {
-        fprintf(stderr, "%s: note: %s: %d of them\n", path, info->doc, (int)issue->count);
-        return;
-    }
     int32_t shown = issue->listed_count < SHOWN_MAX ? issue->listed_count : SHOWN_MAX;
     for (int32_t i = 0; i < shown; ++i) {
         fprintf(stderr, "%s: %s: ", path, severity);
@@ -82,24 +80,69 @@ static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_
         fprintf(stderr, "%s: %s: and %d more: %s\n", path, severity, (int)(issue->count - shown), info->doc);
 }
 
-static void print_issues(const char *path, const pel_mesh *mesh, const pel_mesh_report *report)
-{
-    for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
-        if (report->issues[kind].count > 0)
-            print_issue(path, mesh, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
-    }
-}
-
 /* findings of a mesh */
 typedef struct findings {
     pel_mesh_report *report;
     cli_cracks cracks;
+    cli_parts parts;
     cli_intersections intersections;
+    int32_t fill; /* --fill-holes with this number closes the mesh; 0 = nothing does, or it was not tried */
 } findings;
+
+static void print_issues(const char *path, const pel_mesh *mesh, const findings *found)
+{
+    for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
+        const pel_issue_info *info = pel_issue_info_of((pel_issue_kind)kind);
+        const pel_issue *issue = &found->report->issues[kind];
+        if (issue->count > 0 && info->severity != PEL_SEVERITY_NOTE) {
+            print_issue(path, mesh, info, issue);
+        } else if (issue->count > 0) {
+            fprintf(stderr, "%s: note: %s: %d of them", path, info->doc, (int)issue->count);
+            if (found->fill > 0)
+                fprintf(stderr, ". if it is meant to be closed, run `pellicle check FILE --fix OUT --fill-holes %d`",
+                        (int)found->fill);
+            fputc('\n', stderr);
+        }
+    }
+}
 
 static int64_t count_warnings(const findings *found)
 {
     return found->report->warning_count + (found->cracks.count > 0) + found->intersections.count;
+}
+
+/* edges that --fill-holes may close at most to be tried: it takes as long as the rest of the check */
+enum { FILLED_MAX = 1000 };
+
+/* fills the holes of a mesh that has no other finding: found->fill is set if the result is closed and does not cut
+   itself, unlike that of a flat sheet */
+static pel_status try_fill(const pel_mesh *mesh, findings *found, pel_error *error)
+{
+    const pel_mesh_report *report = found->report;
+    int32_t rim_edges = report->issues[PEL_ISSUE_BOUNDARY_EDGE].count, longest = 0;
+    if (report->error_count + count_warnings(found) > 0 || !found->intersections.looked || rim_edges == 0 ||
+        rim_edges > FILLED_MAX)
+        return PEL_OK;
+    for (int32_t c = 0; c < report->component_count; c++)
+        if (report->components[c].boundary_edge_count > longest)
+            longest = report->components[c].boundary_edge_count;
+    pel_mesh *filled = NULL;
+    pel_mesh_report *after = NULL;
+    cli_intersections *cuts = calloc(1, sizeof *cuts);
+    pel_status status = cuts != NULL ? PEL_OK : pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = pel_mesh_fill_holes(mesh, longest, &filled, NULL, error);
+    if (status == PEL_OK)
+        status = pel_mesh_check(filled, &after, error);
+    if (status == PEL_OK && after->closed && after->error_count == 0) {
+        status = cli_find_intersections(filled, after, cuts, error);
+        if (status == PEL_OK && cuts->looked && cuts->count == 0)
+            found->fill = longest;
+    }
+    pel_mesh_report_destroy(after);
+    pel_mesh_destroy(filled);
+    free(cuts);
+    return status;
 }
 
 static pel_status find_all(const pel_mesh *mesh, bool with_intersections, findings *found, pel_error *error)
@@ -111,13 +154,18 @@ static pel_status find_all(const pel_mesh *mesh, bool with_intersections, findin
     /* across a crack neighbours count as strangers that touch */
     if (status == PEL_OK && with_intersections && found->cracks.count == 0)
         status = cli_find_intersections(mesh, found->report, &found->intersections, error);
+    if (status == PEL_OK && found->cracks.count == 0)
+        cli_find_parts(found->report, &found->parts);
+    if (status == PEL_OK)
+        status = try_fill(mesh, found, error);
     return status;
 }
 
 static void print_findings(const char *path, const pel_mesh *mesh, const findings *found)
 {
-    print_issues(path, mesh, found->report);
+    print_issues(path, mesh, found);
     cli_print_cracks(path, &found->cracks);
+    cli_print_parts(path, mesh, &found->parts);
     cli_print_intersections(path, mesh, &found->intersections, SHOWN_MAX);
 }
 
@@ -167,6 +215,7 @@ static void write_issues(cli_json *json, const findings *found)
             write_issue(json, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
     }
     cli_write_cracks(json, &found->cracks);
+    cli_write_parts(json, &found->parts);
     cli_write_intersections(json, &found->intersections);
     cli_json_close(json, ']');
 }
@@ -196,6 +245,7 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         {"degenerate_triangles", "triangles without area dropped", summary->degenerate_triangles},
         {"duplicate_triangles", "duplicate triangles dropped", summary->duplicate_triangles},
         {"welded_vertices", "vertices welded into others", summary->welded_vertices},
+        {"dropped_parts", "parts dropped", summary->dropped_parts},
         {"isolated_vertices", "isolated vertices dropped", summary->isolated_vertices},
         {"closed_slits", "triangles without area merged into their neighbours", summary->closed_slits},
         {"cut_vertices", "vertices copied to cut pieces apart", summary->cut_vertices},
@@ -286,6 +336,8 @@ static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh
     pel_repair_options options = pel_repair_options_default();
     if (cli_has(call, "tolerance"))
         options.weld_tolerance = cli_number(call, "tolerance");
+    if (cli_has(call, "drop-parts"))
+        options.drop_parts = cli_count(call, "drop-parts");
     pel_mesh *repaired = NULL;
     pel_repair_summary summary;
     pel_error error;
@@ -411,7 +463,7 @@ int cli_check(const cli_call *call)
     pel_mesh_format format = PEL_FORMAT_AUTO;
     if (is_scene && out != NULL)
         return cli_complain("--fix repairs meshes, '%s' is a scene. edit it as 'pellicle check' says", path);
-    const char *const about_output[] = {"tolerance", "fill-holes", "format"};
+    const char *const about_output[] = {"tolerance", "drop-parts", "fill-holes", "format"};
     for (size_t i = 0; out == NULL && i < sizeof about_output / sizeof *about_output; ++i)
         if (cli_has(call, about_output[i]))
             return cli_complain("option '--%s' is about the mesh that is written. add '--fix OUT.ply'",

@@ -8,6 +8,7 @@
 
 #include <pellicle/frames.h>
 #include <pellicle/run.h>
+#include <pellicle/topology.h>
 
 enum {
     CLI_EXPERIMENT_NUMBERS = 320,
@@ -55,9 +56,11 @@ typedef enum cli_verdict {
 /* A closed surface that experiments of paper B shrink. */
 typedef struct cli_body {
     char name[40];
-    char mesh[CLI_EXPERIMENT_PATH + 160]; /* value of bodies.0.mesh: about 2 m long, z up */
-    char cap[160];                        /* region of a sphere about its roundest part, as in a scene */
-    double cap_center[3], cap_radius;     /* the same */
+    char mesh[CLI_EXPERIMENT_PATH + 160]; /* the setting of bodies.0.mesh: about 2 m long, z up */
+    double pressure;                      /* outside, in proportion to the length of the edges [Pa] */
+    char *cap;                            /* the setting of the region of fibres: the part of the surface about its
+                                             roundest vertex */
+    double cap_center[3], cap_radius;     /* that vertex, and the ball that the part lies in */
 } cli_body;
 
 typedef struct cli_image {
@@ -168,6 +171,13 @@ pel_status cli_experiment_draw(cli_experiment *experiment, const cli_picture *pi
 /* The mesh file that is given, whose axis `up` ('x', 'y' or 'z') points up; the scans in the folder that is given; or
    blends: bodies (CLI_BODIES). */
 pel_status cli_bodies_find(const char *mesh, char up, const char *data, cli_body *bodies, int *count, pel_error *error);
+/* Frees what cli_bodies_find left in bodies (CLI_BODIES), also when it failed; zeroed ones are fine. */
+void cli_bodies_free(cli_body *bodies);
+
+/* Marks the cap of a body at rest: vertices that edges within the ball connect with the vertex nearest to its centre.
+   marked: (vertex_count). */
+pel_status cli_body_cap(const cli_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
+                        pel_error *error);
 
 /* ---- the page ---- */
 

@@ -1,8 +1,9 @@
 /* The closed surfaces that the experiments of paper B shrink: scans in a folder that the user has, blends that the
-   program makes itself, or a mesh of the user. All are turned upright, centred and scaled to 2 m, so that one pressure
-   suits them; each gets a cap, the region of its surface that is most like a part of a sphere. */
+   program makes itself, or a mesh of the user. All are turned upright, centred and scaled to 2 m; each gets a pressure
+   that suits the length of its edges, and a cap, the part of its surface that is most like a part of a sphere. */
 #include "experiment.h"
 
+#include <pellicle/mesh_check.h>
 #include <pellicle/mesh_io.h>
 #include <pellicle/shape.h>
 
@@ -13,6 +14,9 @@
 /* longest side, and radius of the cap [m] */
 #define SIZE 2.0
 #define CAP 0.35
+/* pbd is scale covariant (b-figure13): what a pressure does to a triangle depends on pressure over edge length. With
+   one pressure for all, bodies of fine triangles collapse in the same number of sweeps [Pa/m] */
+#define PRESSURE_PER_EDGE (3 / 0.05)
 
 /* rotations as a scene writes them: none, y up to z up, the same and turned to the front, x up to z up */
 static const struct {
@@ -31,7 +35,8 @@ static const struct {
     const char *name;
     int turn;
 } scans[] = {
-    {"goat-head", Y_UP}, {"koala", UPRIGHT}, {"spot", Y_UP_BACK}, {"cat", Y_UP}, {"liver-coarse", UPRIGHT},
+    {"goat-head", Y_UP},      {"koala", UPRIGHT},       {"spot", Y_UP_BACK},       {"cat", Y_UP},
+    {"nefertiti-head", Y_UP}, {"gallbladder", UPRIGHT}, {"liver-coarse", UPRIGHT},
 };
 
 static const char *const blends[] = {"head", "animal", "liver"};
@@ -79,22 +84,76 @@ static bool is_seen(const double normal[3])
     return along > 0.3 * sqrt(length);
 }
 
-/* distance of the vertices about v from the sphere that fits them best, over how far that sphere bulges there; infinite
-   where it bulges inward */
-static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
+/* The part of a surface about a vertex. */
+typedef struct patch {
+    int32_t *vertices; /* (count), of (vertex_count); the vertex comes first */
+    int32_t count;
+    bool *marked; /* (vertex_count) true for these */
+} patch;
+
+static void destroy_patch(patch *part)
+{
+    free(part->vertices);
+    free(part->marked);
+}
+
+static pel_status create_patch(int32_t vertex_count, patch *part, pel_error *error)
+{
+    *part = (patch){.vertices = calloc((size_t)vertex_count, sizeof *part->vertices),
+                    .marked = calloc((size_t)vertex_count, sizeof *part->marked)};
+    if (part->vertices != NULL && part->marked != NULL)
+        return PEL_OK;
+    destroy_patch(part);
+    return pel_fail_memory(error);
+}
+
+static double square_distance(const double a[3], const double b[3])
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    return square;
+}
+
+static void add_vertex(patch *part, int32_t v)
+{
+    part->marked[v] = true;
+    part->vertices[part->count++] = v;
+}
+
+/* the vertices that edges within the ball connect with its middle v: not those of another wall nearby */
+static void gather(const pel_topology *topology, const double (*x)[3], int32_t v, double radius, patch *part)
+{
+    for (int32_t i = 0; i < part->count; i++)
+        part->marked[part->vertices[i]] = false;
+    part->count = 0;
+    add_vertex(part, v);
+    for (int32_t i = 0; i < part->count; i++) {
+        int32_t first = topology->corner_of_vertex[part->vertices[i]], h = first;
+        while (h >= 0) {
+            int32_t w = pel_half_edge_target(topology, h);
+            if (!part->marked[w] && square_distance(x[w], x[v]) <= radius * radius)
+                add_vertex(part, w);
+            h = pel_half_edge_turn(topology, h);
+            if (h == first)
+                break;
+        }
+    }
+}
+
+/* distance of a part about v from the sphere that fits it best, over how far that sphere bulges there; infinite where
+   it bulges inward */
+static double roundness(const pel_mesh *mesh, const patch *part, const double normal[3])
 {
     double a[4][5] = {{0}}, far = 0;
-    const double *at = mesh->positions[v];
-    int count = 0;
+    const double *at = mesh->positions[part->vertices[0]];
     for (int pass = 0; pass < 2; pass++) {
-        for (int32_t w = 0; w < mesh->vertex_count; w++) {
+        for (int32_t p = 0; p < part->count; p++) {
             double x[4] = {0, 0, 0, 1}, square = 0;
             for (int i = 0; i < 3; i++) {
-                x[i] = mesh->positions[w][i] - at[i];
+                x[i] = mesh->positions[part->vertices[p]][i] - at[i];
                 square += x[i] * x[i];
             }
-            if (square > CAP * CAP)
-                continue;
             if (pass == 1) {
                 double off = square - a[3][4];
                 for (int i = 0; i < 3; i++)
@@ -102,14 +161,13 @@ static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
                 far += off * off;
                 continue;
             }
-            count++;
             for (int i = 0; i < 4; i++) {
                 a[i][4] += x[i] * square;
                 for (int k = 0; k < 4; k++)
                     a[i][k] += x[i] * x[k];
             }
         }
-        if (pass == 0 && (count < 12 || !solve_4(a)))
+        if (pass == 0 && (part->count < 12 || !solve_4(a)))
             return (double)HUGE_VAL;
     }
     /* |x|^2 = 2 c x + k: twice the centre, and k */
@@ -121,16 +179,12 @@ static double roundness(const pel_mesh *mesh, const double normal[3], int32_t v)
     radius = sqrt(radius + a[3][4]);
     if (!(outward > 0) || !(radius > 0.7 * CAP))
         return (double)HUGE_VAL;
-    return sqrt(far / count) / (2 * radius) / (CAP * CAP / (2 * radius));
+    return sqrt(far / part->count) / (2 * radius) / (CAP * CAP / (2 * radius));
 }
 
-static pel_status find_cap(const pel_mesh *mesh, cli_body *body, pel_error *error)
+/* normals times twice the area */
+static void sum_normals(const pel_mesh *mesh, double (*normals)[3])
 {
-    enum { CANDIDATES = 300 };
-    double(*normals)[3] = calloc((size_t)mesh->vertex_count, sizeof *normals), best = (double)HUGE_VAL;
-    int32_t chosen = 0, stride = mesh->vertex_count / CANDIDATES + 1;
-    if (normals == NULL)
-        return pel_fail_memory(error);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const double *x[3];
         for (int k = 0; k < 3; k++)
@@ -142,20 +196,91 @@ static pel_status find_cap(const pel_mesh *mesh, cli_body *body, pel_error *erro
                 normals[mesh->triangles[t][c]][i] += area;
         }
     }
+}
+
+/* the vertex about which the surface is roundest: one that the camera sees, if there is one */
+static int32_t find_roundest(const pel_mesh *mesh, const pel_topology *topology, const double (*normals)[3],
+                             patch *part)
+{
+    enum { CANDIDATES = 300 };
+    double best = (double)HUGE_VAL;
+    int32_t chosen = 0, stride = mesh->vertex_count / CANDIDATES + 1;
+    const double(*x)[3] = (const double(*)[3])mesh->positions;
     for (int32_t v = 0; v < mesh->vertex_count; v += stride) {
         if (!is_seen(normals[v]) && isfinite(best))
             continue;
-        double off = roundness(mesh, normals[v], v) + (is_seen(normals[v]) ? 0 : 1e3);
+        gather(topology, x, v, CAP, part);
+        double off = roundness(mesh, part, normals[v]) + (is_seen(normals[v]) ? 0 : 1e3);
         if (off < best) {
             best = off;
             chosen = v;
         }
     }
+    return chosen;
+}
+
+/* all vertices of the ball as a ball, else their numbers */
+static pel_status write_cap(const pel_mesh *mesh, const patch *part, cli_body *body, pel_error *error)
+{
+    static const char key[] = "bodies.0.anisotropy.region=";
+    const double *at = body->cap_center;
+    int32_t inside = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        inside += square_distance(mesh->positions[v], at) <= CAP * CAP;
+    size_t size = 160 + 12 * (size_t)part->count;
+    body->cap = malloc(size);
+    if (body->cap == NULL)
+        return pel_fail_memory(error);
+    if (inside == part->count) {
+        snprintf(body->cap, size, "%s{ sphere: { center: [%.6g, %.6g, %.6g], radius: %g } }", key, at[0], at[1], at[2],
+                 CAP);
+        return PEL_OK;
+    }
+    size_t length = (size_t)snprintf(body->cap, size, "%s{ vertices: ", key);
+    for (int32_t v = 0, written = 0; v < mesh->vertex_count; v++)
+        if (part->marked[v])
+            length += (size_t)snprintf(body->cap + length, size - length, "%s%d", written++ > 0 ? "," : "[", (int)v);
+    snprintf(body->cap + length, size - length, "] }");
+    return PEL_OK;
+}
+
+static pel_status find_cap(const pel_mesh *mesh, cli_body *body, pel_error *error)
+{
+    pel_topology *topology;
+    patch part = {0};
+    pel_status status = pel_topology_create(mesh, &topology, error);
+    if (status != PEL_OK)
+        return status;
+    double(*normals)[3] = calloc((size_t)mesh->vertex_count, sizeof *normals);
+    status = normals != NULL ? create_patch(mesh->vertex_count, &part, error) : pel_fail_memory(error);
+    if (status == PEL_OK) {
+        sum_normals(mesh, normals);
+        int32_t chosen = find_roundest(mesh, topology, (const double(*)[3])normals, &part);
+        gather(topology, (const double(*)[3])mesh->positions, chosen, CAP, &part);
+        memcpy(body->cap_center, mesh->positions[chosen], sizeof body->cap_center);
+        body->cap_radius = CAP;
+        status = write_cap(mesh, &part, body, error);
+    }
+    destroy_patch(&part);
     free(normals);
-    const double *at = mesh->positions[chosen];
-    memcpy(body->cap_center, at, sizeof body->cap_center);
-    body->cap_radius = CAP;
-    snprintf(body->cap, sizeof body->cap, "{ center: [%.6g, %.6g, %.6g], radius: %g }", at[0], at[1], at[2], CAP);
+    pel_topology_destroy(topology);
+    return status;
+}
+
+pel_status cli_body_cap(const cli_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
+                        pel_error *error)
+{
+    patch part;
+    int32_t nearest = 0;
+    pel_status status = create_patch(topology->vertex_count, &part, error);
+    if (status != PEL_OK)
+        return status;
+    for (int32_t v = 1; v < topology->vertex_count; v++)
+        if (square_distance(rest[v], body->cap_center) < square_distance(rest[nearest], body->cap_center))
+            nearest = v;
+    gather(topology, rest, nearest, body->cap_radius, &part);
+    memcpy(marked, part.marked, (size_t)topology->vertex_count * sizeof *marked);
+    destroy_patch(&part);
     return PEL_OK;
 }
 
@@ -204,6 +329,16 @@ static void quote(const char *path, char *text, size_t size)
     snprintf(text + length, size - length, "\"");
 }
 
+static pel_status choose_pressure(const pel_mesh *mesh, cli_body *body, pel_error *error)
+{
+    pel_mesh_report *report;
+    pel_status status = pel_mesh_check(mesh, &report, error);
+    if (status == PEL_OK)
+        body->pressure = PRESSURE_PER_EDGE * report->edge_length_median;
+    pel_mesh_report_destroy(report);
+    return status;
+}
+
 static pel_status read_body(const char *path, int turn, cli_body *body, pel_error *error)
 {
     char source[CLI_EXPERIMENT_PATH];
@@ -212,6 +347,8 @@ static pel_status read_body(const char *path, int turn, cli_body *body, pel_erro
     quote(path, source, sizeof source);
     if (status == PEL_OK)
         status = fit(mesh, source, turn, body, error);
+    if (status == PEL_OK)
+        status = choose_pressure(mesh, body, error);
     pel_mesh_destroy(mesh);
     return status;
 }
@@ -227,6 +364,7 @@ static pel_status make_blend(int index, cli_body *body, pel_error *error)
     pel_status status = pel_shape_create(&def, &mesh, error);
     snprintf(source, sizeof source, "shape: blend, body: %s, size: %g, edge: %g", blends[index], def.size, def.edge);
     snprintf(body->name, sizeof body->name, "%s", blends[index]);
+    body->pressure = PRESSURE_PER_EDGE * def.edge;
     if (status == PEL_OK)
         status = fit(mesh, source, UPRIGHT, body, error);
     pel_mesh_destroy(mesh);
@@ -262,8 +400,8 @@ static pel_status find_scans(const char *data, cli_body *bodies, int *count, pel
     }
     if (status == PEL_OK && *count == 0) {
         status = pel_fail(error, PEL_BAD_FILE, "no scan is in the folder");
-        pel_fail_remedy(error, "put goat-head.obj, koala.obj, spot.obj, cat.obj or liver-coarse.obj there, or omit the "
-                               "folder: the program then generates the bodies");
+        pel_fail_remedy(error, "put goat-head.obj, koala.obj, spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj "
+                               "or liver-coarse.obj there, or omit the folder: the program then generates the bodies");
         cli_name_file(error, data);
     }
     return status;
@@ -283,4 +421,12 @@ pel_status cli_bodies_find(const char *mesh, char up, const char *data, cli_body
     for (int i = 0; status == PEL_OK && i < BLENDS; i++)
         status = make_blend(i, &bodies[(*count)++], error);
     return status;
+}
+
+void cli_bodies_free(cli_body *bodies)
+{
+    for (int i = 0; i < CLI_BODIES; i++) {
+        free(bodies[i].cap);
+        bodies[i].cap = NULL;
+    }
 }

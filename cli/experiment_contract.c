@@ -23,18 +23,19 @@ static int shown(const cli_experiment *experiment)
 static pel_status run_figure_1(cli_experiment *experiment)
 {
     static const char *const stages[5] = {"pressure", "stretch", "bending", "fibres", "contact"};
-    char fibres[512], names[5][64], label[96];
+    char fibres[64], names[5][64], label[96];
+    const char *cap = experiment->bodies[0].cap;
     cli_shrunk shapes[5] = {{0}};
     double intersections = 0;
-    cli_shrink_fibres(experiment, 0, "arap", fibres);
+    cli_shrink_fibres("arap", fibres);
     const char *settings[5][5] = {
         /* nothing holds: springs that are as good as none */
         {"bodies.0.membrane=", "bodies.0.bending=", "bodies.0.springs={ stiffness: 1.0e-9, damping: 0 }",
          "contact.self=false", "solver={ method: explicit, dt: 0.0166666667 }"},
         {"bodies.0.bending.weight=0", "contact.self=false"},
         {"contact.self=false"},
-        {fibres, "contact.self=false"},
-        {fibres},
+        {fibres, cap, "contact.self=false"},
+        {fibres, cap},
     };
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < 5; i++) {
@@ -166,7 +167,7 @@ static pel_status run_figure_2(cli_experiment *experiment)
         if (status == PEL_OK)
             status = cli_shrink_read(experiment, names[body], 0, &mesh);
         if (status == PEL_OK)
-            status = check_pressure(mesh, 3, off[body], experiment->error);
+            status = check_pressure(mesh, experiment->bodies[body].pressure, off[body], experiment->error);
         pel_mesh_destroy(mesh);
         force.labels[body] = experiment->bodies[body].name;
     }
@@ -206,9 +207,9 @@ static pel_status run_sequence(cli_experiment *experiment, const char *what, boo
 {
     pel_status status = PEL_OK;
     for (int body = 0; status == PEL_OK && body < shown(experiment); body++) {
-        char region[512], name[64];
-        const char *settings[] = {"stop.frames=200",
-                                  fibres ? cli_shrink_fibres(experiment, body, "arap", region) : NULL, NULL};
+        char energy[64], name[64];
+        const char *settings[] = {"stop.frames=200", fibres ? cli_shrink_fibres("arap", energy) : NULL,
+                                  experiment->bodies[body].cap, NULL};
         status = cli_shrink(experiment, body, what, settings, &summaries[body]);
         if (status == PEL_OK)
             status =
@@ -309,18 +310,20 @@ const cli_experiment_case cli_b_figure_9 = {
 static pel_status run_figure_6(cli_experiment *experiment)
 {
     /* a ball, for any choice of bodies */
+    static char cap[] = "bodies.0.anisotropy.region={ sphere: { center: [0, 0, 1], radius: 0.5 } }";
     static const cli_body ball = {.name = "ball",
                                   .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
-                                  .cap = "{ center: [0, 0, 1], radius: 0.5 }",
+                                  .pressure = 10,
+                                  .cap = cap,
                                   .cap_center = {0, 0, 1},
                                   .cap_radius = 0.5};
     const cli_body *bodies = experiment->bodies;
     experiment->bodies = &ball;
-    char region[512];
+    char energy[64];
     cli_shrunk plain, caved;
     pel_run_summary summary;
-    const char *without[] = {"bodies.0.pressure.outside=10", "stop.frames=40", NULL};
-    const char *with[] = {cli_shrink_fibres(experiment, 0, "arap", region), without[0], without[1], NULL};
+    const char *without[] = {"stop.frames=40", NULL};
+    const char *with[] = {cli_shrink_fibres("arap", energy), cap, without[0], NULL};
     pel_status status = cli_shrink(experiment, 0, isotropic, without, &summary);
     if (status == PEL_OK)
         status = cli_shrink(experiment, 0, fibred, with, &summary);
@@ -392,13 +395,15 @@ static pel_status draw_figure_8(cli_experiment *experiment, char names[WAYS][64]
 
 static pel_status run_figure_8(cli_experiment *experiment)
 {
-    char names[WAYS][64], region[512];
+    char names[WAYS][64], energy[64];
     cli_shrunk shapes[WAYS] = {{0}};
     double volumes[WAYS] = {0};
     static const char fields[] = "output.fields=[displacement, mean_curvature, membrane_energy_density]";
-    cli_shrink_fibres(experiment, 0, "arap", region);
-    const char *settings[WAYS][4] = {
-        {"bodies.0.bending.weight=0", fields}, {"bodies.0.bending.weight=1", fields}, {fields}, {region, fields}};
+    cli_shrink_fibres("arap", energy);
+    const char *settings[WAYS][4] = {{"bodies.0.bending.weight=0", fields},
+                                     {"bodies.0.bending.weight=1", fields},
+                                     {fields},
+                                     {energy, experiment->bodies[0].cap, fields}};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < WAYS; i++) {
         pel_run_summary summary;
@@ -476,8 +481,8 @@ static pel_status run_figure_10(cli_experiment *experiment)
     pel_run_summary summaries[CLI_BODIES];
     pel_status status = PEL_OK;
     for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
-        char region[512];
-        const char *settings[] = {cli_shrink_fibres(experiment, body, "arap", region),
+        char energy[64];
+        const char *settings[] = {cli_shrink_fibres("arap", energy), experiment->bodies[body].cap,
                                   "output.fields=[displacement, pressure, mean_curvature, gaussian_curvature]", NULL};
         status = cli_shrink(experiment, body, fibred, settings, &summaries[body]);
         cli_shrink_name(experiment, body, fibred, names[body]);

@@ -213,10 +213,10 @@ enum { SIZES = 3, BARS = 4, FRAMES = 100 };
 static const double parts[SIZES] = {1, 0.25, 0.0625};
 static const char *const size_names[SIZES] = {"V0", "V0-4", "V0-16"};
 
-/* the first body at a part of its volume; pressure 3 Pa, or proportional to its size */
+/* the first body at a part of its volume; its pressure as it is, or proportional to its size */
 static pel_status run_size(cli_experiment *experiment, int size, int material, bool scaled, double volumes[FRAMES + 1])
 {
-    char name[64], what[64], setting[64], pressure[64], mesh[sizeof experiment->bodies[0].mesh];
+    char name[64], what[64], setting[64], mesh[sizeof experiment->bodies[0].mesh];
     cli_body body = experiment->bodies[0];
     const cli_body *bodies = experiment->bodies;
     double factor = cbrt(parts[size]);
@@ -233,10 +233,10 @@ static pel_status run_size(cli_experiment *experiment, int size, int material, b
     snprintf(body.mesh, sizeof body.mesh, "%.*s, scale: %.9g%.*s, translate: [%.9g, %.9g, %.9g] }", head, mesh,
              was * factor, turn, rest, at[0] * factor, at[1] * factor, at[2] * factor);
     snprintf(setting, sizeof setting, "bodies.0.membrane.material=%s", materials[material]);
-    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", scaled ? 3 * factor : 3.0);
+    body.pressure *= scaled ? factor : 1;
     snprintf(what, sizeof what, "%s%s%s%s", materials[material], size > 0 ? "-" : "", size > 0 ? size_names[size] : "",
              scaled ? "-scaled" : "");
-    const char *settings[] = {setting, pressure, NULL};
+    const char *settings[] = {setting, NULL};
     experiment->bodies = &body;
     pel_status status = cli_shrink(experiment, 0, what, settings, &summary);
     cli_shrink_name(experiment, 0, what, name);

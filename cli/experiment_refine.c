@@ -14,7 +14,8 @@
 static pel_status measure_table(void *inner, cli_bench_result *result, pel_error *error)
 {
     pel_status status = PEL_OK;
-    for (int n = 0; status == PEL_OK && n < cli_bench_table1.repeats; n++) {
+    /* two seconds: other load leaves some of the repeats alone */
+    for (int n = 0; status == PEL_OK && n < 300; n++) {
         status = cli_bench_table1.rewind(inner, error);
         if (status == PEL_OK)
             status = cli_bench_table1.once(inner, error);
@@ -53,8 +54,7 @@ static pel_status run_table_1(cli_experiment *experiment)
     if (status != PEL_OK)
         return status;
     double global = number_of(&result, "everywhere_over_base"), local = number_of(&result, "local_over_base");
-    cli_experiment_claim(experiment, CLI_PAPER, "refining locally costs little more than the base",
-                         "runs of about a millisecond on a busy machine");
+    cli_experiment_claim(experiment, CLI_PAPER, "refining locally costs little more than the base", NULL);
     cli_experiment_limit(experiment, "local / base", local, 1.3, "paper A, table 1: 1.1; 1.3 is ours");
     cli_experiment_claim(experiment, CLI_PAPER, "refining everywhere costs about three times the base",
                          "here it costs what its springs cost, four times those of the base; the paper's times hold a "

@@ -1,6 +1,6 @@
 /* Paper B gives neither its time step nor its pressure and masses. Ours: a frame of 1/60 s and p / (rho h) = 0.3 m/s2
-   on bodies of 2 m, so that bodies lose about half of their volume in 100 frames (the scale of figures 17, 18 and 20)
-   and are crushed in 200. */
+   on bodies of 2 m with edges of 5 cm, so that bodies lose about half of their volume in 100 frames (the scale of
+   figures 17, 18 and 20) and are crushed in 200; in proportion to the edges on others. */
 #include "experiment_shrink.h"
 
 #include <pellicle/measure.h>
@@ -18,7 +18,7 @@ static const char scene[] = "version: 1\n"
                             "    mass: { density: 1000, thickness: 0.01 }\n"
                             "    membrane: { young: 1.0e5 }\n"
                             "    bending: { model: isometric, weight: 0.01 }\n"
-                            "    pressure: { outside: 3 }\n"
+                            "    pressure: { outside: 0 }\n"
                             "contact: { self: true }\n"
                             "solver: { method: pbd, dt: 0.0166666667, iterations: 5 }\n"
                             "stop: { frames: 100, volume_ratio_below: 0.1 }\n"
@@ -32,7 +32,7 @@ const char *cli_shrink_name(const cli_experiment *experiment, int body, const ch
 
 const char *cli_shrink_label(const cli_experiment *experiment, int body, const char *text, char *name)
 {
-    snprintf(name, 96, "%.36s: %.56s", experiment->bodies[body].name, text);
+    snprintf(name, 96, "%.30s: %.63s", experiment->bodies[body].name, text);
     return name;
 }
 
@@ -40,10 +40,11 @@ pel_status cli_shrink(cli_experiment *experiment, int body, const char *what, co
                       pel_run_summary *summary)
 {
     enum { SETTINGS = 12 };
-    char name[64];
-    const char *overrides[SETTINGS + 2] = {experiment->bodies[body].mesh};
+    char name[64], pressure[64];
+    const char *overrides[SETTINGS + 3] = {experiment->bodies[body].mesh, pressure};
+    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", experiment->bodies[body].pressure);
     for (int i = 0; settings != NULL && settings[i] != NULL && i < SETTINGS; i++)
-        overrides[i + 1] = settings[i];
+        overrides[i + 2] = settings[i];
     return cli_experiment_run(experiment, cli_shrink_name(experiment, body, what, name), scene, overrides, summary);
 }
 
@@ -106,10 +107,9 @@ pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const 
     return status;
 }
 
-const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const char *energy, char *text)
+const char *cli_shrink_fibres(const char *energy, char *text)
 {
-    snprintf(text, 512, "bodies.0.anisotropy={ energy: %s, strength: 0.3, region: { sphere: %s } }", energy,
-             experiment->bodies[body].cap);
+    snprintf(text, 64, "bodies.0.anisotropy={ energy: %s, strength: 0.3 }", energy);
     return text;
 }
 
@@ -143,19 +143,11 @@ static double unevenness(const pel_topology *topology, const double *curvature, 
     return curvature[v] - sum / count;
 }
 
-static bool is_in_cap(const cli_body *body, const double x[3])
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++)
-        square += (x[i] - body->cap_center[i]) * (x[i] - body->cap_center[i]);
-    return square < body->cap_radius * body->cap_radius;
-}
-
-static void measure_ways(const cli_body *body, const pel_mesh *rest, const pel_mesh *mesh, const double *normals,
+static void measure_ways(const bool *in_cap, const pel_mesh *rest, const pel_mesh *mesh, const double *normals,
                          const double *curvature, cli_shrunk *shape)
 {
     double cap = 0, all = 0, depth = 0, bend = 0;
-    int in_cap = 0;
+    int count = 0;
     for (int32_t v = 0; v < rest->vertex_count; v++) {
         double square = 0, inward = 0;
         for (int i = 0; i < 3; i++) {
@@ -164,17 +156,17 @@ static void measure_ways(const cli_body *body, const pel_mesh *rest, const pel_m
             inward -= way * normals[3 * v + i];
         }
         all += square;
-        if (!is_in_cap(body, rest->positions[v]))
+        if (!in_cap[v])
             continue;
-        in_cap++;
+        count++;
         cap += square;
         depth += inward;
         bend += curvature[v];
     }
     shape->body_way = sqrt(all / rest->vertex_count);
-    shape->cap_way = sqrt(cap / in_cap);
-    shape->cap_depth = depth / in_cap;
-    shape->cap_curvature = bend / in_cap;
+    shape->cap_way = sqrt(cap / count);
+    shape->cap_depth = depth / count;
+    shape->cap_curvature = bend / count;
 }
 
 static double edge_length(const pel_mesh *mesh, int32_t t, int corner)
@@ -253,9 +245,15 @@ pel_status cli_shrink_compare(const cli_body *body, const pel_mesh *rest, const 
         return status;
     size_t count = (size_t)mesh->vertex_count;
     double *normals = calloc(5 * count, sizeof *normals);
-    if (normals == NULL) {
+    bool *in_cap = calloc(count, sizeof *in_cap);
+    status = normals == NULL || in_cap == NULL
+                 ? pel_fail_memory(error)
+                 : cli_body_cap(body, topology, (const double(*)[3])rest->positions, in_cap, error);
+    if (status != PEL_OK) {
+        free(normals);
+        free(in_cap);
         pel_topology_destroy(topology);
-        return pel_fail_memory(error);
+        return status;
     }
     double *curvature = normals + 3 * count, *areas = curvature + count, noise = 0, size = 0;
     pel_surface_normals(topology, rest->positions[0], PEL_NORMAL_ANGLE, normals);
@@ -266,9 +264,10 @@ pel_status cli_shrink_compare(const cli_body *body, const pel_mesh *rest, const 
         size += areas[v] * curvature[v] * curvature[v];
     }
     shape->roughness = sqrt(noise / size);
-    measure_ways(body, rest, mesh, normals, curvature, shape);
+    measure_ways(in_cap, rest, mesh, normals, curvature, shape);
     measure_stretch(rest, mesh, shape);
     free(normals);
+    free(in_cap);
     pel_topology_destroy(topology);
     return PEL_OK;
 }

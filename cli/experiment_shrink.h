@@ -30,8 +30,8 @@ pel_status cli_shrink_last(const cli_experiment *experiment, const char *run, co
 pel_status cli_shrink_plot(cli_experiment *experiment, const char *title, const char *const *runs,
                            const char *const *labels, int count);
 
-/* The region of fibres (E_A) at the cap of a body, as a setting; text (512 bytes). */
-const char *cli_shrink_fibres(const cli_experiment *experiment, int body, const char *energy, char *text);
+/* A setting for fibres (E_A), before that of their region (cap of a body); returns text (64 bytes). */
+const char *cli_shrink_fibres(const char *energy, char *text);
 
 /* a frame of a run, or its last one */
 pel_status cli_shrink_read(const cli_experiment *experiment, const char *run, int frame, pel_mesh **mesh);

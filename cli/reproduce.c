@@ -298,5 +298,6 @@ int cli_reproduce(const cli_call *call)
         cli_json_close(&json, '}');
     for (int i = 0; i < work.done_count; i++)
         free(work.done[i]);
+    cli_bodies_free(work.bodies);
     return status;
 }

@@ -141,7 +141,8 @@ static const cli_command commands[] = {
             "triangles and unused vertices; divides the neighbour of a flat triangle if a slit would remain; splits "
             "non-manifold edges and vertices by duplicating vertices (a later check warns of the duplicates; write "
             ".obj, .ply or .off, because reading .stl welds them again); and orients triangles consistently and "
-            "outward. Only welded vertices move. Holes remain unless --fill-holes closes them.",
+            "outward. Only welded vertices move. Holes remain unless --fill-holes closes them, and stray parts unless "
+            "--drop-parts drops them.",
         .slots = {{.name = "FILE", .kind = CLI_FILE}},
         .options = {{.name = "fix",
                      .kind = CLI_FILE,
@@ -152,6 +153,11 @@ static const cli_command commands[] = {
                      .value = "LENGTH",
                      .doc = "with --fix: weld vertices up to this distance apart [units of the file]; default: 0, only "
                             "vertices at exactly the same position"},
+                    {.name = "drop-parts",
+                     .kind = CLI_COUNT,
+                     .value = "N",
+                     .doc =
+                         "with --fix: drop parts of at most N triangles that no edge connects with the largest part"},
                     {.name = "fill-holes",
                      .kind = CLI_COUNT,
                      .value = "N",
@@ -425,7 +431,8 @@ static const cli_command commands[] = {
             "numbers, and each number has an expected value, a tolerance and a source. The verdict is 'holds'; "
             "'differs' with a reason if a paper's claim does not hold here; or 'fails'.\n\nThe experiments of paper B "
             "shrink bodies that the program generates, or with --data the scans in a folder (goat-head.obj, koala.obj, "
-            "spot.obj, cat.obj, liver-coarse.obj), or with --mesh your own mesh, for which the papers' claims need not "
+            "spot.obj, cat.obj, nefertiti-head.obj, gallbladder.obj, liver-coarse.obj), or with --mesh your own mesh, "
+            "for which the papers' claims need not "
             "hold.\n\nExit status 0: no claim fails; 1: a claim fails.",
         .slots = {{.name = "NAME",
                    .kind = CLI_WORD,

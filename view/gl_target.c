@@ -151,7 +151,9 @@ static const char fragment_source[] =
     "    vec3 n = normalize(direction + vec3(0.0, 0.0, 1e-20));\n"
     "#ifdef GROUND\n"
     "    float missing = 0.28 * (1.0 - light_from_above()) + 0.16 * (1.0 - key_light(key_place, 3, 0.006));\n"
-    "    vec2 inside = min(gl_FragCoord.xy, size - gl_FragCoord.xy) / (0.12 * min(size.x, size.y));\n"
+    /* shadows fall to the right: in narrow pictures they end at the border, and a short fade would be seen as an edge
+     */
+    "    vec2 inside = min(gl_FragCoord.xy, size - gl_FragCoord.xy) / vec2(0.3 * size.x, 0.12 * min(size.x, size.y));\n"
     "    missing *= smoothstep(0.0, 1.0, min(inside.x, inside.y));\n"
     "    color = vec4(0.0, 0.0, 0.0, occlusion * shade * missing);\n"
     "#else\n"

@@ -115,15 +115,16 @@ PEL_API void pel_mesh_report_destroy(pel_mesh_report *report);
 
 /* Steps of a repair. Null options mean the defaults: all steps, tolerance 0. */
 typedef struct pel_repair_options {
-    bool weld; /* merges vertices at the same position; keeps position and fields of the first */
-    double
-        weld_tolerance;   /* m; merges vertices that are connected by steps of at most this length; 0 = exactly equal */
-    bool drop_degenerate; /* removes triangles with a vertex twice or without area (see PEL_FLAT_TRIANGLE) */
-    bool drop_duplicates; /* removes all but the first of several triangles with the same three vertices */
+    bool weld;             /* merges vertices at the same position; keeps position and fields of the first */
+    double weld_tolerance; /* m; vertices that are linked by steps of at most this are merged; 0 = exactly equal */
+    bool drop_degenerate;  /* removes triangles with a vertex twice or without area (see PEL_FLAT_TRIANGLE) */
+    bool drop_duplicates;  /* removes all but the first of several triangles with the same three vertices */
     bool close_slits;    /* with drop_degenerate: a triangle without area whose third corner lies on its longest edge is
                             merged into its neighbour there, which is split at that corner. No vertex moves */
     bool cut;            /* splits non-manifold vertices and edges by duplicating vertices. Of several triangles at an
                             edge, those that enclose the same body stay connected; the others get a boundary */
+    int32_t drop_parts;  /* removes parts of at most this many triangles, but never the largest part (the first of
+                            several equal ones); a part is connected across edges after welding. 0 (default): none */
     bool drop_isolated;  /* removes vertices in no triangle (vertices that are not finite are always removed) */
     bool orient;         /* gives each component the winding of most of its triangles */
     bool outward;        /* turns closed components outward, also the inner walls of hollow bodies */
@@ -138,6 +139,7 @@ typedef struct pel_repair_summary {
     int32_t degenerate_triangles; /* removed */
     int32_t duplicate_triangles;  /* removed */
     int32_t welded_vertices;      /* merged into an earlier vertex */
+    int32_t dropped_parts;        /* removed, see drop_parts; their vertices do not count as isolated */
     int32_t isolated_vertices;    /* removed */
     int32_t closed_slits;         /* triangles without area, merged into their neighbours */
     int32_t cut_vertices;         /* copies of vertices, for fans that were split */
@@ -148,12 +150,12 @@ typedef struct pel_repair_summary {
 } pel_repair_summary;
 
 /* Makes a repaired copy: removes triangles with bad indices or vertices that are not finite, then applies the options
-   in this order: weld, drop, close, cut, orient. Vertices and triangles keep their order, copies of vertices come last,
-   and fields are kept. A second repair changes nothing, unless the first one split edges or vertices. An edge in more
-   than two triangles remains if two parts of the surface share both its vertices on every path around it
-   (pel_mesh_check of the result lists it). PEL_BAD_MESH if no triangle remains; PEL_BAD_ARGUMENT for a tolerance that
-   is negative, smaller than the resolution of the coordinates, or larger than a twentieth of the mesh's size. summary
-   is nullable. On failure *repaired is null. */
+   in this order: weld, drop, close, drop parts, cut, orient. Vertices and triangles keep their order, copies of
+   vertices come last, and fields are kept. A second repair changes nothing, unless the first one split edges or
+   vertices. An edge in more than two triangles remains if two parts of the surface share both its vertices on every
+   path around it (pel_mesh_check of the result lists it). PEL_BAD_MESH if no triangle remains; PEL_BAD_ARGUMENT for a
+   tolerance that is negative, smaller than the resolution of the coordinates, or larger than a twentieth of the mesh's
+   size, and for drop_parts below 0. summary is nullable. On failure *repaired is null. */
 PEL_API pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *options, pel_mesh **repaired,
                                    pel_repair_summary *summary, pel_error *error);
 

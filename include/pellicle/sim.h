@@ -229,6 +229,10 @@ typedef struct pel_sim_def {
        thread; returning false ends the step with PEL_STOPPED. Must be fast, such as reading a flag. Nullable. */
     bool (*wanted)(void *user);
     void *user; /* passed to `wanted`; both must live as long as the simulation */
+    /* True: `wanted` is also called in short steps with contact, PEL_METHOD_PBD or PEL_METHOD_XPBD. Such a step takes
+       no snapshot, so after PEL_STOPPED the caller must load one. For callers that keep snapshots, such as sessions;
+       default: false. */
+    bool stops_short_steps;
     uint32_t cookie;
 } pel_sim_def;
 
@@ -246,10 +250,11 @@ PEL_API void pel_sim_destroy(pel_sim *sim);
 PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
 
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) restores the state before
-   the step. PEL_STOPPED (`wanted` returned false) restores it too, and later steps have the same bits as without the
-   stop. A step allocates no memory, with these exceptions: a snapshot in the first step that calls `wanted`; with
-   contact, records of contacts, or tools under PEL_METHOD_DESCENT, in a step with more pairs than any before, after
-   refinement and while surfaces are tangled. PEL_BAD_ARGUMENT for too many candidate pairs, PEL_OUT_OF_MEMORY. */
+   the step. PEL_STOPPED (`wanted` returned false in a long step) restores it too, and later steps have the same bits as
+   without the stop. A step allocates no memory, with these exceptions: a snapshot in the first step that calls
+   `wanted`; with contact, records of contacts, or tools under PEL_METHOD_DESCENT, in a step with more pairs than any
+   before, after refinement and while surfaces are tangled. PEL_BAD_ARGUMENT for too many candidate pairs,
+   PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */

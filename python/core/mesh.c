@@ -387,20 +387,15 @@ static PyObject *check(PyObject *module, PyObject *const *arguments, Py_ssize_t 
 
 #define REPAIR(member, kind) CORE_MEMBER(pel_repair_summary, member, kind)
 static const core_member repair_members[] = {
-    REPAIR(bad_triangles, CORE_INT32),
-    REPAIR(degenerate_triangles, CORE_INT32),
-    REPAIR(duplicate_triangles, CORE_INT32),
-    REPAIR(welded_vertices, CORE_INT32),
-    REPAIR(isolated_vertices, CORE_INT32),
-    REPAIR(closed_slits, CORE_INT32),
-    REPAIR(cut_vertices, CORE_INT32),
-    REPAIR(turned_triangles, CORE_INT32),
-    REPAIR(outward_components, CORE_INT32),
-    REPAIR(non_orientable, CORE_INT32),
-    REPAIR(changed, CORE_BOOL),
+    REPAIR(bad_triangles, CORE_INT32),       REPAIR(degenerate_triangles, CORE_INT32),
+    REPAIR(duplicate_triangles, CORE_INT32), REPAIR(welded_vertices, CORE_INT32),
+    REPAIR(dropped_parts, CORE_INT32),       REPAIR(isolated_vertices, CORE_INT32),
+    REPAIR(closed_slits, CORE_INT32),        REPAIR(cut_vertices, CORE_INT32),
+    REPAIR(turned_triangles, CORE_INT32),    REPAIR(outward_components, CORE_INT32),
+    REPAIR(non_orientable, CORE_INT32),      REPAIR(changed, CORE_BOOL),
 };
 
-/* (positions, triangles, fields, weld_tolerance) */
+/* (positions, triangles, fields, weld_tolerance, drop_parts) */
 static PyObject *repair(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
 {
     (void)module;
@@ -409,7 +404,8 @@ static PyObject *repair(PyObject *module, PyObject *const *arguments, Py_ssize_t
     pel_repair_summary summary;
     pel_error error;
     pel_repair_options options = pel_repair_options_default();
-    if (core_check_count("repair", count, 4) < 0)
+    if (core_check_count("repair", count, 5) < 0 ||
+        core_get_index(arguments[4], "drop_parts", 0, INT32_MAX, &options.drop_parts) < 0)
         return NULL;
     options.weld_tolerance = PyFloat_AsDouble(arguments[3]);
     if (PyErr_Occurred() || borrow_mesh(arguments, &m) < 0)

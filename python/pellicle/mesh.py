@@ -142,14 +142,15 @@ class Mesh:
         """Modified butterfly subdivision: each level splits every triangle into four. Existing vertices do not move."""
         return Mesh._of_core(_core.subdivide(*self._arguments(), levels))
 
-    def repair(self, weld_tolerance: float = 0.0) -> tuple["Mesh", dict[str, Any]]:
+    def repair(self, weld_tolerance: float = 0.0, drop_parts: int = 0) -> tuple["Mesh", dict[str, Any]]:
         """A repaired copy, and the number of changes of each kind.
 
         Welds vertices within `weld_tolerance` [m]; 0: vertices at exactly equal positions. Removes triangles with bad indices,
-        without area, or with the same vertices as another, and vertices without triangles. Splits non-manifold edges and
-        vertices, makes the winding consistent and turns closed components outward.
+        without area, or with the same vertices as another, and vertices without triangles. Removes parts of at most `drop_parts`
+        triangles that no edge connects with the largest part. Splits non-manifold edges and vertices, makes the winding
+        consistent and turns closed components outward.
         """
-        mesh, summary = _core.repair(*self._arguments(), float(weld_tolerance))
+        mesh, summary = _core.repair(*self._arguments(), float(weld_tolerance), drop_parts)
         return Mesh._of_core(mesh), summary
 
     # ---- checks and measures ----

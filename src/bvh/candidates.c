@@ -159,7 +159,7 @@ static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *erro
             c->kept_boxes[v] = pel_box_join(before, roomy_box(c, v));
         c->vertex_boxes[v] = before;
     }
-    pel_tree_refit_changed(c->tree, c->kept_boxes, c->left, c->node_grew);
+    pel_tree_refit_changed(c->tree, c->left, c->node_grew);
     c->counts.extensions++;
     return pel_find_new_pairs(c->tree, both_kinds, &growth, pool, &c->search, error);
 }

@@ -33,6 +33,7 @@ typedef struct search_plan {
     bool within;                   /* a and b are one surface */
     const pel_pair_growth *growth; /* null = all pairs */
     pel_pair_search *search;
+    const pel_pool *pool;
     atomic_llong found; /* pairs found, for the limit */
     task tasks[TASK_LIMIT];
     int32_t task_count;
@@ -499,7 +500,9 @@ static void search_chunk(void *context, int32_t chunk)
         at_hand[i / LEAVES_AT_HAND][i % LEAVES_AT_HAND].leaf = -1;
     for (int kind = 0; kind < PEL_PAIR_KIND_COUNT; kind++)
         w.chunk->lists[kind].count = plan->growth != NULL ? w.chunk->lists[kind].count : 0;
-    w.chunk->status = PEL_OK;
+    w.chunk->status = pel_pool_is_stopped(plan->pool) ? PEL_STOPPED : PEL_OK;
+    if (w.chunk->status != PEL_OK)
+        return;
     int64_t count = plan->task_count;
     int32_t begin = (int32_t)(count * chunk / PEL_SEARCH_CHUNKS);
     int32_t end = (int32_t)(count * (chunk + 1) / PEL_SEARCH_CHUNKS);
@@ -513,10 +516,11 @@ static void search_chunk(void *context, int32_t chunk)
 static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error)
 {
     pel_pair_search *search = plan->search;
+    plan->pool = pool;
     if (plan->within && plan->kinds & 1u << PEL_PAIR_VERTEX_FACE)
         plan->kinds |= 1u << PEL_PAIR_FACE_VERTEX; /* both go into one list */
     plan->tasks[0] = (task){whole_tree(plan->a), whole_tree(plan->b)};
-    plan->task_count = may_touch(plan, &plan->tasks[0]);
+    plan->task_count = 1;
     while (cut_tasks(plan))
         ;
     pel_pool_run(pool, PEL_SEARCH_CHUNKS, search_chunk, plan);
@@ -525,6 +529,8 @@ static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error
         status = search->chunks[chunk].status != PEL_OK ? search->chunks[chunk].status : status;
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(error);
+    if (status == PEL_STOPPED)
+        return pel_pool_check(pool, error);
     if (status != PEL_OK) {
         pel_fail(error, status, "more than %lld pairs come near each other in a step: the memory limit is reached",
                  (long long)search->limit);

@@ -343,11 +343,9 @@ static void refit_changed(const fit *f, int32_t node, int32_t begin, int32_t end
     tree->nodes[node] = pel_box_join(tree->nodes[left], tree->nodes[right]);
 }
 
-void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const uint8_t *vertex_changed,
-                            uint8_t *node_changed)
+void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8_t *node_changed)
 {
-    fit f = {tree, vertex_boxes, vertex_changed, node_changed};
-    tree->vertex_boxes = vertex_boxes;
+    const fit f = {tree, tree->vertex_boxes, vertex_changed, node_changed};
     refit_changed(&f, 0, 0, tree->leaf_count);
 }
 

@@ -54,9 +54,9 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3]);
    nullable. */
 void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool);
 
-/* The same where a vertex changed (vertex_count, 1 = it did); marks the nodes that were fitted (node_count). */
-void pel_tree_refit_changed(pel_tree *tree, const pel_box *vertex_boxes, const uint8_t *vertex_changed,
-                            uint8_t *node_changed);
+/* The same after some of those boxes have changed (vertex_count, 1 = it did); marks the nodes that were fitted
+   (node_count). */
+void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8_t *node_changed);
 
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);

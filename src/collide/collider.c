@@ -318,6 +318,7 @@ typedef struct narrow {
     const pel_pair *pairs;
     size_t pair_count;
     part *parts; /* (PARTS) */
+    const pel_pool *pool;
 } narrow;
 
 static void set_points(const narrow *n, pel_pair pair, int32_t points[4])
@@ -367,7 +368,7 @@ static void solve_part(void *context, int32_t number)
     part *p = &n->parts[number];
     size_t begin = n->pair_count * (size_t)number / PARTS, end = n->pair_count * ((size_t)number + 1) / PARTS;
     p->list.count = 0;
-    p->status = PEL_OK;
+    p->status = pel_pool_is_stopped(n->pool) ? PEL_STOPPED : PEL_OK;
     p->statistics = (pel_ccd_statistics){0};
     for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK)
         p->status = solve_block(n, n->pairs + i, (int32_t)(end - i < BLOCK ? end - i : BLOCK), p);
@@ -385,7 +386,7 @@ PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 
 /* solves the pairs of one kind and adds the hits */
 static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
-                             const pel_pair_list *pairs, pel_ccd_statistics *statistics)
+                             const pel_pair_list *pairs, pel_ccd_statistics *statistics, pel_error *error)
 {
     if (pairs->count == 0)
         return PEL_OK;
@@ -395,14 +396,17 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
                 .edge_edge = edge_edge,
                 .pairs = pairs->pairs,
                 .pair_count = pairs->count,
-                .parts = collider->parts};
+                .parts = collider->parts,
+                .pool = collider->pool};
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
     size_t before = all->count;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
+        if (p->status == PEL_STOPPED)
+            return pel_pool_check(collider->pool, error);
         if (p->status != PEL_OK || !pel_reserve((void **)&all->collisions, &all->capacity, all->count + p->list.count,
                                                 sizeof *all->collisions))
-            return PEL_OUT_OF_MEMORY;
+            return pel_fail_memory(error);
         if (p->list.count > 0)
             memcpy(all->collisions + all->count, p->list.collisions, p->list.count * sizeof *all->collisions);
         all->count += p->list.count;
@@ -468,12 +472,13 @@ pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query
     collider->collisions.count = 0;
     pel_pair_list vertex_face, edge_edge;
     pel_status status = find_pairs(collider, query, &vertex_face, &edge_edge, error);
-    if (status != PEL_OK)
-        return status;
-    if (solve_kind(collider, query, false, &vertex_face, &result->vertex_face) != PEL_OK ||
-        solve_kind(collider, query, true, &edge_edge, &result->edge_edge) != PEL_OK) {
+    if (status == PEL_OK)
+        status = solve_kind(collider, query, false, &vertex_face, &result->vertex_face, error);
+    if (status == PEL_OK)
+        status = solve_kind(collider, query, true, &edge_edge, &result->edge_edge, error);
+    if (status != PEL_OK) {
         *result = (pel_collision_result){0};
-        return pel_fail_memory(error);
+        return status;
     }
     result->collisions = collider->collisions.collisions;
     result->collision_count = (int64_t)collider->collisions.count;

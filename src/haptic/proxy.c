@@ -182,9 +182,8 @@ bool pel_proxy_find(const pel_haptic_plane *planes, int32_t count, double coupli
 static void observe(pel_proxy *proxy, const double move[3], bool touches)
 {
     bool is_free = !proxy->touches && !touches;
-    if (is_free && !(proxy->energy > 0))
-        return;
-    proxy->energy += pel_vec3_dot(proxy->force, move) - proxy->taken * pel_vec3_squared_length(move);
+    if (!is_free || proxy->energy > 0)
+        proxy->energy += pel_vec3_dot(proxy->force, move) - proxy->taken * pel_vec3_squared_length(move);
     proxy->most_energy = fmax(proxy->most_energy, proxy->energy);
     /* energy taken by a contact is no credit for the next one */
     if (is_free)

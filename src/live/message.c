@@ -172,13 +172,13 @@ static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
     return most > 0 ? most : 1;
 }
 
-unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *size)
+unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_sim *sim, size_t *size)
 {
     pel_json json = {0};
     pel_json_print(&json, "{");
     put_string(&json, "type", "hello");
     put_string(&json, "title", scene->title);
-    put_string(&json, "path", scene->path);
+    put_string(&json, "path", path);
     put_number(&json, "dt", scene->sim.solver.dt);
     put_number(&json, "stiffness", suit_stiffness(sim, scene));
     put_box(&json, &scene->model);

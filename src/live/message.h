@@ -17,7 +17,8 @@ typedef struct pel_pace {
 } pel_pace;
 
 /* Each returns a new message (pel_allocate), null when out of memory. */
-unsigned char *pel_message_hello(const pel_scene *scene, pel_sim *sim, size_t *size);
+/* path: of the scene's file, "" = it came as text */
+unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_sim *sim, size_t *size);
 unsigned char *pel_message_parameters(const pel_sim *sim, const pel_session *session, const pel_scene *scene,
                                       size_t *size);
 /* field -1 = none */

@@ -25,6 +25,13 @@
 #define PACE_SECONDS 0.5
 /* steps a second of methods that look for rest */
 #define REST_STEP_SECONDS (1.0 / 60)
+/* s that a step may take after an interaction; for slow scenes the ratio to the longest of the last steps. A
+   thoughtless number makes steps of minutes; steps grow gradually as a tool comes deeper (5,120 triangles, implicit: 15
+   times as long over 20 steps, 4 times at once). */
+#define STEP_SECONDS 1.0
+#define STEP_RATIO 20
+/* the longest step counts this much after another one */
+#define STEP_DECAY 0.95
 /* s in a row that are slow before it is told: browsers compile the first steps in a hurry */
 #define SLOW_SECONDS 1.5
 
@@ -33,6 +40,7 @@ struct pel_player {
     pel_mailbox *box;
     const pel_scene *scene;
     pel_scene *own_scene; /* one that was opened; else null */
+    bool is_opened;       /* it is not that of the file, with contact or without */
     pel_model *model;
     pel_sim *sim;
     pel_session *session;
@@ -46,6 +54,8 @@ struct pel_player {
     uint32_t echo;
     double step_seconds; /* of the clock for a step */
     double due;          /* clock of the next step */
+    double longest_step; /* s of the clock, of the last steps */
+    double step_end;     /* clock at which the present step has taken too long; 0 = never */
     double pictured_at, measured_at;
     /* of the present interval, and the result of the last one */
     double interval_at, interval_time, interval_stepping, interval_serving;
@@ -53,6 +63,7 @@ struct pel_player {
     double pace, step_ms, serving;
     double slow_seconds; /* in a row */
     bool has_told_slow;
+    struct pel_player *self; /* where it stays: a scene is opened in a copy */
 };
 
 static double clock_now(void)
@@ -116,7 +127,8 @@ static void tell_not_opened(pel_player *player, const pel_scene *scene, pel_erro
 static void post_hello(pel_player *player)
 {
     size_t size = 0;
-    unsigned char *bytes = pel_message_hello(player->scene, player->sim, &size);
+    unsigned char *bytes =
+        pel_message_hello(player->scene, player->is_opened ? "" : player->scene->path, player->sim, &size);
     pel_mailbox_post(player->box, PEL_POST_HELLO, bytes, size);
 }
 
@@ -193,10 +205,16 @@ static void close_scene(pel_player *player)
     player->own_scene = NULL;
 }
 
-/* asked within long steps */
-static bool is_wanted(void *box)
+static bool is_too_long(const pel_player *player)
 {
-    return !atomic_load(&((pel_mailbox *)box)->ended);
+    return player->step_end > 0 && clock_now() > player->step_end;
+}
+
+/* asked within long steps */
+static bool is_wanted(void *user)
+{
+    const pel_player *player = user;
+    return !atomic_load(&player->box->ended) && !is_too_long(player);
 }
 
 /* model, simulation and session of the player's scene */
@@ -210,7 +228,8 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     if (player->def->thread_count > 0)
         def.thread_count = player->def->thread_count;
     def.wanted = is_wanted;
-    def.user = player->box;
+    def.user = player->self;
+    def.stops_short_steps = true;
     status = pel_sim_create(&def, &player->sim, error);
     if (status == PEL_OK)
         status = pel_session_create(player->scene, player->sim, &player->session, error);
@@ -221,7 +240,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
-    player->slow_seconds = 0;
+    player->slow_seconds = player->longest_step = 0;
     player->has_told_slow = false;
     return PEL_OK;
 }
@@ -252,6 +271,7 @@ static void open_scene(pel_player *player, const char *text, const char *setting
         close_scene(&next);
         return;
     }
+    next.is_opened |= setting == NULL;
     close_scene(player);
     *player = next;
     post_scene(player);
@@ -340,23 +360,56 @@ static void end_interval(pel_player *player, double now)
     begin_interval(player, now);
 }
 
+/* undoes the last interaction, after a step that failed; the session itself does so after one that diverged */
+static pel_status return_to_mark(pel_player *player, pel_status failed, pel_error *error)
+{
+    bool done = true;
+    if (failed == PEL_DIVERGED)
+        return PEL_OK;
+    pel_status status = pel_session_undo(player->session, &done, error);
+    return status == PEL_OK && !done ? pel_session_reset(player->session, error) : status;
+}
+
+/* a step that failed or took too long */
+static void end_at_mark(pel_player *player, pel_status failed, double seconds, pel_error *error)
+{
+    pel_error later;
+    if (failed == PEL_STOPPED) {
+        pel_fail(error, failed, "after the last command a step would take more than %.2g s (before: %.3g ms at most)",
+                 seconds, 1e3 * player->longest_step);
+        pel_fail_remedy(error, "change less at once");
+    }
+    if (return_to_mark(player, failed, &later) == PEL_OK)
+        tell_error(player, "error", "the last good state is back: ", error);
+    else
+        tell_error(player, "error", "", &later);
+}
+
 /* false if the simulation cannot continue */
 static bool do_step(pel_player *player)
 {
     pel_error error;
-    double start = clock_now();
-    pel_status status = pel_session_repeat(player->session, &error);
+    double start = clock_now(), limit = fmax(STEP_SECONDS, STEP_RATIO * player->longest_step);
+    player->step_end = pel_session_undo_count(player->session) > 0 ? start + limit : 0;
+    pel_status repeated = pel_session_repeat(player->session, &error), status = repeated;
     if (status == PEL_OK)
         status = pel_session_step(player->session, &error);
-    player->interval_stepping += clock_now() - start;
+    double seconds = clock_now() - start;
+    player->step_end = 0;
+    player->interval_stepping += seconds;
     player->interval_steps++;
     player->changed = true;
     player->answers |= player->touched;
     player->touched = false;
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        player->longest_step = fmax(seconds, STEP_DECAY * player->longest_step);
         return true;
+    }
     player->has_new_parameters = player->has_new_surface = true;
-    tell_error(player, "error", status == PEL_DIVERGED ? "the last good state is back: " : "", &error);
+    if (repeated != PEL_OK)
+        tell_error(player, "error", "", &error);
+    else if (!atomic_load(&player->box->ended))
+        end_at_mark(player, status, limit, &error);
     play(player, false);
     return false;
 }
@@ -415,7 +468,6 @@ static void apply(pel_player *player, const char *line)
 {
     pel_error error;
     pel_status status = pel_session_apply(player->session, line, &error);
-    bool moves = strncmp(line, "move ", 5) == 0;
     bool sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
     if (status != PEL_OK)
         tell_error(player, sets ? "refused" : "error", "", &error);
@@ -423,10 +475,6 @@ static void apply(pel_player *player, const char *line)
         player->has_new_parameters = true;
     if (strncmp(line, "pin ", 4) == 0 || strncmp(line, "unpin ", 6) == 0 || strncmp(line, "press ", 6) == 0)
         player->has_new_surface = true;
-    if (moves && status == PEL_OK)
-        return;
-    /* show interactions while the simulation is paused */
-    player->changed = true;
 }
 
 static void do_line(pel_player *player, const char *line)
@@ -498,6 +546,7 @@ pel_status pel_player_create(const pel_server_def *def, pel_mailbox *box, pel_pl
     made->def = def;
     made->box = box;
     made->scene = def->scene;
+    made->self = made;
     pel_status status = start_scene(made, error);
     if (status != PEL_OK) {
         pel_player_destroy(made);

@@ -13,6 +13,7 @@
 #include "mesh/flat_triangle.h"
 #include "mesh/patch.h"
 #include "mesh/slit.h"
+#include "mesh/union_find.h"
 #include "mesh/weld.h"
 
 #include <math.h>
@@ -300,6 +301,72 @@ static pel_status drop_flat_triangles(work *w)
     return status == PEL_OK ? drop_duplicate_triangles(w) : status;
 }
 
+/* the first triangle of the part of each triangle, and the number of triangles of that part at sizes[first] */
+static pel_status find_parts(const work *w, int32_t *first_of_part, int32_t *sizes)
+{
+    int32_t triangle_count = w->mesh->triangle_count;
+    pel_edge_table edges = {0};
+    pel_status status = pel_edge_table_build((const int32_t(*)[3])w->triangles, triangle_count, w->mesh->vertex_count,
+                                             w->dropped, &edges);
+    pel_union_find_reset(first_of_part, triangle_count);
+    for (int32_t e = 0; e < edges.edge_count; e++) {
+        int32_t first = edges.half_edge_of_edge[e];
+        for (int32_t h = edges.next_in_edge[first]; h >= 0; h = edges.next_in_edge[h])
+            pel_union_find_join(first_of_part, first / 3, h / 3);
+    }
+    pel_edge_table_clear(&edges);
+    for (int32_t t = 0; t < triangle_count; t++) {
+        first_of_part[t] = pel_union_find_root(first_of_part, t);
+        if (!w->dropped[t])
+            sizes[first_of_part[t]]++;
+    }
+    return status;
+}
+
+/* drops parts of few triangles; lost: vertices that no other triangle has */
+static void drop_marked_parts(work *w, const int32_t *first_of_part, const int32_t *sizes, int32_t largest,
+                              uint8_t *lost)
+{
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++) {
+        int32_t part = first_of_part[t];
+        if (w->dropped[t] || part == largest || sizes[part] > w->options.drop_parts)
+            continue;
+        w->dropped[t] = 1;
+        w->summary.dropped_parts += part == t;
+        for (int i = 0; i < 3; i++)
+            lost[w->triangles[t][i]] = 1;
+    }
+    for (int32_t t = 0; t < w->mesh->triangle_count; t++)
+        for (int i = 0; i < 3 && !w->dropped[t]; i++)
+            lost[w->triangles[t][i]] = 0;
+}
+
+/* such as stray pieces of a scan */
+static pel_status drop_small_parts(work *w)
+{
+    size_t vertex_count = (size_t)w->mesh->vertex_count, triangle_count = (size_t)w->mesh->triangle_count;
+    int32_t largest = 0;
+    if (w->options.drop_parts == 0)
+        return PEL_OK;
+    int32_t *first_of_part = pel_allocate(triangle_count, sizeof *first_of_part),
+            *sizes = pel_allocate(triangle_count, sizeof *sizes);
+    uint8_t *lost = pel_allocate(vertex_count, 1);
+    pel_status status = first_of_part != NULL && sizes != NULL && lost != NULL ? find_parts(w, first_of_part, sizes)
+                                                                               : PEL_OUT_OF_MEMORY;
+    if (status == PEL_OK) {
+        for (int32_t t = 0; t < w->mesh->triangle_count; t++)
+            if (sizes[t] > sizes[largest])
+                largest = t;
+        drop_marked_parts(w, first_of_part, sizes, largest, lost);
+        for (size_t v = 0; v < vertex_count && w->options.drop_isolated; v++)
+            w->summary.isolated_vertices -= lost[v];
+    }
+    pel_free(first_of_part);
+    pel_free(sizes);
+    pel_free(lost);
+    return status;
+}
+
 /* split non-manifold vertices and edges */
 static pel_status cut_apart(work *w)
 {
@@ -409,6 +476,8 @@ static pel_status mark(work *w)
     if (status == PEL_OK)
         status = drop_flat_triangles(w);
     if (status == PEL_OK)
+        status = drop_small_parts(w);
+    if (status == PEL_OK)
         status = cut_apart(w);
     if (status == PEL_OK)
         status = orient(w, w->options.outward);
@@ -465,6 +534,11 @@ pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *optio
         pel_fail(error, PEL_BAD_ARGUMENT, "weld tolerance is %g", tolerance);
         pel_fail_remedy(error,
                         "give 0 for exactly equal positions, or a length well below the shortest edge to be kept");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (w.options.drop_parts < 0) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "drop_parts is %d", (int)w.options.drop_parts);
+        pel_fail_remedy(error, "give the number of triangles of the largest part to be dropped, or 0");
         return PEL_BAD_ARGUMENT;
     }
     pel_status status = repair(&w, repaired, error);

@@ -267,6 +267,7 @@ const pel_member pel_sim_members[] = {
     OTHER(pel_sim_def, thread_count),
     OTHER(pel_sim_def, wanted),
     OTHER(pel_sim_def, user),
+    OTHER(pel_sim_def, stops_short_steps),
     OTHER(pel_sim_def, cookie),
     END,
 };

@@ -190,13 +190,13 @@ static bool is_supported(const pel_scene *scene, int32_t b)
     return is_held;
 }
 
-/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not fall */
+/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not move freely */
 static void check_filling(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
     double stiffness = mean_of(&body->volumetric_stiffness, body->mesh->vertex_count);
-    double gravity = pel_vec3_length(run->scene->model.gravity);
-    if (stiffness > 0 && gravity > 0 && !is_supported(run->scene, b))
+    double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
+    if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
         flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
 }
 
@@ -419,8 +419,8 @@ static void tell_held_in_place(const text_context *at)
     const char *name;
     flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
     snprintf(at->text, at->size,
-             "body '%s' does not fall under gravity: its volumetric springs pull each vertex back to its rest "
-             "position. for a body that falls, omit volumetric and use a membrane, with pressure: { volume: { target: "
+             "body '%s' does not move freely: its volumetric springs pull each vertex back to its rest position. for a "
+             "body that falls or flies, omit volumetric and use a membrane, with pressure: { volume: { target: "
              "1, bulk: 1e5 } } if it is filled",
              name);
 }

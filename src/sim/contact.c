@@ -445,6 +445,8 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = pel_contact_set_search_way(contacts, &found, error);
+        if (status == PEL_OK)
+            status = pel_pool_check(sim->pool, error);
         if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
             return status;
         /* without conflicts, the contacts of the solver need no correction */

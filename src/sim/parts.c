@@ -53,12 +53,15 @@ static bool is_long(const pel_sim *sim)
     return sim->stepper->get_solver != NULL || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
 }
 
+/* Contact or many iterations make steps long that are short as a rule: a snapshot may take longer than these. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
 {
-    bool asks = sim->def.wanted != NULL && is_long(sim);
-    pel_status status = asks ? save_before(sim, error) : PEL_OK;
-    sim->parts.is_kept = asks && status == PEL_OK;
-    pel_pool_watch(sim->pool, sim->parts.is_kept ? sim->def.wanted : NULL, sim->def.user);
+    bool keeps = sim->def.wanted != NULL && is_long(sim);
+    bool can_be_long = sim->contacts != NULL || pel_sim_is_projected(sim);
+    bool asks = keeps || (sim->def.stops_short_steps && can_be_long);
+    pel_status status = keeps ? save_before(sim, error) : PEL_OK;
+    sim->parts.is_kept = keeps && status == PEL_OK;
+    pel_pool_watch(sim->pool, asks && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
     return status;
 }
 
@@ -145,8 +148,7 @@ void pel_parts_end(pel_sim *sim, pel_status status)
 {
     pel_sim_parts *parts = &sim->parts;
     bool is_whole = parts->step_size == PEL_PART_LIMIT;
-    /* a stop is asked for only where the state before is kept */
-    bool goes_back = status == PEL_STOPPED || (status != PEL_OK && !is_whole);
+    bool goes_back = status != PEL_OK && (!is_whole || (status == PEL_STOPPED && parts->is_kept));
     parts->at = 0;
     parts->is_kept = false;
     pel_pool_watch(sim->pool, NULL, NULL);

@@ -113,7 +113,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     }
     if (sim->solids != NULL)
         pel_contacts_begin(&sim->solids->list);
-    for (int32_t i = 0; i < sim->solver.iterations; i++)
+    for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
         sweep(sim, start);
     double rate = 1 / (projector->tau * projector->tau * count);
     if (pairs != NULL)

@@ -643,25 +643,41 @@ static void transfer_front(cursor *at, const pel_sim *sim, int32_t body)
     transfer_refinement(at, sim, body);
 }
 
-/* a budget may change where the surface fits it and the places of fine vertices stay as many as they are */
+/* The places of fine vertices are laid out once: as many as the budget needs, or, from some budget on, as all levels
+   have. From there on a budget can change as long as the surface fits it. */
+static pel_status refuse_room(const pel_refined_body *now, pel_error *error)
+{
+    const pel_lod_forest *forest = now->front->forest;
+    const int32_t base = forest->levels[0]->vertex_count, all = forest->levels[forest->depth]->vertex_count - base;
+    const int32_t least = forest->levels[0]->triangle_count + all / 2;
+    const bool is_less = now->fine_limit - now->fine_begin < all;
+    pel_fail(error, PEL_BAD_ARGUMENT,
+             "refine: the simulation has room for %d finer vertices, which cannot change while it runs; the new budget "
+             "needs %s",
+             (int)(now->fine_limit - now->fine_begin), is_less ? "another number" : "fewer");
+    if (is_less)
+        pel_fail_remedy(error, "start with the new budget, or with 0 (no limit), from which it can change down to %d",
+                        (int)least);
+    else
+        pel_fail_remedy(error, "give at least %d, or 0 for no limit; start with a lower budget", (int)least);
+    return PEL_BAD_ARGUMENT;
+}
+
 static pel_status check_room(const pel_sim *from, const pel_sim *to, int32_t body, pel_error *error)
 {
     const pel_refined_body *old = &from->active->bodies[body], *new = &to->active->bodies[body];
     const int32_t needed = pel_sim_triangle_count(from, body);
-    const bool fits = needed <= new->triangle_limit;
-    if (fits && old->fine_limit - old->fine_begin == new->fine_limit - new->fine_begin)
-        return PEL_OK;
-    if (fits) {
-        pel_fail(error, PEL_BAD_ARGUMENT,
-                 "refine: the new budget needs room for another number of vertices than the simulation has");
-        pel_fail_remedy(error, "make a simulation with the new budget; large budgets can change");
-    } else {
-        pel_fail(error, PEL_BAD_ARGUMENT, "refine: the budget is %d triangles, the surface has %d now",
-                 (int)new->triangle_limit, (int)needed);
+    pel_status status = PEL_OK;
+    if (old->fine_limit - old->fine_begin != new->fine_limit - new->fine_begin)
+        status = refuse_room(old, error);
+    else if (needed > new->triangle_limit) {
+        status = pel_fail(error, PEL_BAD_ARGUMENT, "refine: the budget is %d triangles, the surface has %d now",
+                          (int)new->triangle_limit, (int)needed);
         pel_fail_remedy(error, "give at least %d, or wait until the surface is coarse again", (int)needed);
     }
-    pel_fail_element(error, "body", body);
-    return PEL_BAD_ARGUMENT;
+    if (status != PEL_OK)
+        pel_fail_element(error, "body", body);
+    return status;
 }
 
 static pel_status carry_surfaces(carrier *c, pel_error *error)

@@ -138,7 +138,7 @@ const pel_wasm_text *pel_wasm_sim_notes(pel_wasm_sim *sim)
 const pel_wasm_text *pel_wasm_sim_hello(pel_wasm_sim *sim)
 {
     size_t size = 0;
-    void *text = pel_message_hello(sim->scene, sim->sim, &size);
+    void *text = pel_message_hello(sim->scene, sim->scene->path, sim->sim, &size);
     return keep(sim, text, size);
 }
 

@@ -277,6 +277,39 @@ static void test_numbers(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* each vertex of a surface that caves in goes by the mean of its triangles, weighted by area: their shares of it sum to
+   1. A body that does not refine keeps nothing of what laid out its elements. */
+static void test_shares(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(4);
+    pel_anisotropy_def regions[2];
+    pel_body_def def = full_body(mesh, regions, NULL);
+    regions[1].mode = PEL_FIBRE_CAVE;
+    regions[1].strength = 0.1;
+    pel_model *model = make_model(&def);
+    pel_batches *batches = make_batches(model, PEL_METHOD_XPBD);
+    const pel_body_batches *own = &batches->bodies[0];
+    double *sums = calloc((size_t)model->vertex_count, sizeof *sums);
+    assert_null(own->scratch);
+    int32_t triangles = 0;
+    for (int32_t i = 0; i < own->batch_count; i++) {
+        const pel_batch *batch = &own->batches[i];
+        for (int32_t b = 0; batch->kind == PEL_CONSTRAINT_CAVE && b < batch->block_count; b++)
+            for (int32_t lane = 0; lane < batch->lane_counts[b]; lane++, triangles++)
+                for (int k = 0; k < 3; k++)
+                    sums[place_at(batch, b, k, lane)] +=
+                        (double)*pel_batch_number(batch, b * PEL_BLOCK + lane, PEL_CAVE_SHARE + k);
+    }
+    assert_int_equal(triangles, mesh->triangle_count);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        assert_near(sums[model->bodies[0].model_index[v]], 1, sizeof(pel_real) == 8 ? 1e-12 : 1e-5);
+    free(sums);
+    pel_batches_destroy(batches);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 /* ---- refinement ---- */
 
 static void compare_batches(const pel_batch *a, const pel_batch *b, int32_t bundles)
@@ -368,8 +401,8 @@ static void test_every_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_layout),  cmocka_unit_test(test_sharing),          cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_rebuild), cmocka_unit_test(test_every_allocation),
+        cmocka_unit_test(test_layout),  cmocka_unit_test(test_sharing), cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_rebuild), cmocka_unit_test(test_shares),  cmocka_unit_test(test_every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,6 +136,36 @@ static void test_open_and_hollow(void **unused)
     pel_mesh_destroy(hollow);
 }
 
+/* a cylinder along x: a trifle beyond its ends, within the rounding of their boxes, is outside */
+static void test_beside_ends(void **unused)
+{
+    (void)unused;
+    const double half = 0.65, trifle = 1e-10;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_CYLINDER);
+    def.height = 2 * half;
+    def.capped = true;
+    pel_mesh *mesh;
+    pel_mesh_query *query;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double *x = mesh->positions[v], z = x[2];
+        x[2] = x[1];
+        x[1] = x[0];
+        x[0] = z;
+    }
+    assert_int_equal(pel_mesh_query_create(mesh, &query, NULL), PEL_OK);
+    random_state random = {3};
+    for (int n = 0; n < 100; n++) {
+        double y = random_between(&random, -0.6, 0.6), z = random_between(&random, -0.6, 0.6);
+        for (int end = -1; end <= 1; end += 2) {
+            assert_int_equal(pel_mesh_query_winding(query, (const double[3]){end * (half + trifle), y, z}), 0);
+            assert_int_equal(pel_mesh_query_winding(query, (const double[3]){end * (half - trifle), y, z}), 1);
+        }
+    }
+    pel_mesh_query_destroy(query);
+    pel_mesh_destroy(mesh);
+}
+
 static pel_status query_case(const void *data, pel_error *error)
 {
     pel_mesh_query *query;
@@ -156,6 +186,7 @@ static void test_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_beside_ends),
         cmocka_unit_test(test_closed),
         cmocka_unit_test(test_open_and_hollow),
         cmocka_unit_test(test_allocation),

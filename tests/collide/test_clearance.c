@@ -249,6 +249,11 @@ static void test_worth(void **unused)
     assert_false(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
     assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
     assert_int_equal(p.candidates->counts.searches, 2);
+    /* pairs that served often are replaced at once, those that came then have served nothing yet */
+    for (int i = 0; i < 8; i++)
+        assert_true(pel_clearance_serves(&p.clearance, rest, rest, needed, NULL));
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    assert_false(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
     free(moved);
     end(&p);
 }

@@ -385,6 +385,33 @@ static void test_degenerate_triangles(void **unused)
     }
 }
 
+/* a triangle that is too flat for the parts nearest to its corners is shared out evenly */
+static void test_area_of_sliver(void **unused)
+{
+    (void)unused;
+    const int32_t triangle[3] = {0, 1, 2};
+    const double height = 0.5 * PEL_FLAT_TRIANGLE, x[9] = {0, 0, 0, 1, 0, 0, 0.3, height, 0};
+    double areas[3];
+    curved_mesh curved = make_triangles(x, 3, triangle, 1);
+    pel_surface_vertex_areas(curved.topology, curved.mesh->positions[0], areas);
+    for (int v = 0; v < 3; v++)
+        assert_near(areas[v] / height, 1.0 / 6, 1e-12);
+    destroy_mesh(&curved);
+}
+
+/* a vertex that the mesh does not have changes nothing, nor does a null measure */
+static void test_no_vertex(void **unused)
+{
+    (void)unused;
+    curved_mesh curved = make_sphere(1, 1);
+    pel_vertex_measure measure = {.area = -7};
+    pel_vertex_measure_fill(curved.topology, curved.positions, -1, &measure);
+    pel_vertex_measure_fill(curved.topology, curved.positions, curved.mesh->vertex_count, &measure);
+    pel_vertex_measure_fill(curved.topology, curved.positions, 0, NULL);
+    assert_true(measure.area == -7);
+    destroy_mesh(&curved);
+}
+
 static void test_arrays_and_summary(void **unused)
 {
     (void)unused;
@@ -491,6 +518,8 @@ static void test_pressure_direction_on_sphere(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_vertex),
+        cmocka_unit_test(test_area_of_sliver),
         cmocka_unit_test(test_areas_are_those_of_nearest_points),
         cmocka_unit_test(test_areas_of_obtuse_triangle),
         cmocka_unit_test(test_areas_sum_up),

@@ -3,10 +3,13 @@
 #include "failing_malloc.h"
 #include "haptic/idle_device.h"
 #include "haptic/proxy.h"
+#include "math/vec3.h"
 #include "pellicle/haptic.h"
 #include "pellicle/live.h"
 #include "sim/fixture.h"
 
+#include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <time.h>
 
@@ -43,6 +46,7 @@ static stage make_tissue(double dt, const pel_tool_def *tool)
     pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, dt);
     def.tools = tool;
     def.tool_count = 1;
+    def.contact.enabled = tool->shape == PEL_TOOL_MESH;
     s.sim = make_sim(&def);
     return s;
 }
@@ -256,6 +260,91 @@ static void test_planes_of_a_groove(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* in an open box with four walls and a floor only four planes fit: that of the farthest wall goes */
+static void test_planes_of_a_box(void **unused)
+{
+    (void)unused;
+    static const double half = 0.0145;
+    static const int32_t triangles[10][3] = {{4, 0, 3}, {4, 3, 7}, {5, 1, 0}, {5, 0, 4}, {6, 2, 1},
+                                             {6, 1, 5}, {7, 3, 2}, {7, 2, 6}, {0, 1, 2}, {0, 2, 3}};
+    double positions[8][3];
+    for (int v = 0; v < 8; v++)
+        pel_vec3_set(positions[v], v % 4 == 0 || v % 4 == 3 ? -half : half, v % 4 < 2 ? -half : half, v < 4 ? 0 : 0.04);
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(positions[0], 8, triangles[0], 10, &mesh, NULL), PEL_OK);
+    pel_body_def body = ball_body(mesh);
+    pel_model *model = make_model(&body);
+    const pel_pose_key key = {.position = {0.001, 0.0005, half}, .rotation = {0, 0, 0, 1}};
+    pel_tool_def tip = make_tip(&key);
+    tip.radius = 0.012;
+    pel_sim_def def = lone_sim(model, PEL_METHOD_QUASI_STATIC, 0.01);
+    def.tools = &tip;
+    def.tool_count = 1;
+    pel_sim *sim = make_sim(&def);
+    pel_haptic_def haptic_def = pel_haptic_def_default();
+    haptic_def.sim = sim;
+    pel_haptic *haptic = make_haptic(&haptic_def);
+    double force[3], sum[3] = {0, 0, 0};
+    pel_haptic_reading reading;
+    assert_int_equal(pel_haptic_sync(haptic, NULL), PEL_OK);
+    assert_int_equal(pel_haptic_update(haptic, key.position, NULL, force, NULL), PEL_OK);
+    pel_haptic_get(haptic, &reading);
+    assert_int_equal(reading.plane_count, 4);
+    /* gaps of 1.5 mm at +x, 2 and 3 mm at both y, 2.5 mm at the floor; not 3.5 mm at -x */
+    for (int i = 0; i < 4; i++) {
+        const pel_haptic_plane *plane = &reading.planes[i];
+        assert_near(pel_vec3_dot(plane->normal, key.position) - plane->offset, 0.0015 + 0.0005 * i, 1e-9);
+        pel_vec3_add(sum, plane->normal, sum);
+    }
+    assert_near(sum[0], -1, 1e-9);
+    assert_near(sum[1], 0, 1e-9);
+    assert_near(sum[2], 1, 1e-9);
+    pel_haptic_destroy(haptic);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* under a tool given as a mesh one plane carries all of its force */
+static void test_mesh_tool(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    shape.frequency = 3;
+    shape.radius = TIP;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    const pel_pose_key above = {.position = {0, 0, BALL + 1.3 * TIP}, .rotation = {0, 0, 0, 1}};
+    pel_tool_def tip = make_tip(&above);
+    tip.shape = PEL_TOOL_MESH;
+    tip.mesh = mesh;
+    stage s = make_tissue(0.01, &tip);
+    pel_haptic_def def = pel_haptic_def_default();
+    def.sim = s.sim;
+    pel_haptic *haptic = make_haptic(&def);
+    double force[3];
+    pel_tool_reading felt;
+    pel_haptic_reading reading;
+    for (int update = 0; update < 1000; update++) {
+        const double hand[3] = {0, 0, BALL + TIP * (1.3 - 0.6 * fmin(update / 500.0, 1))};
+        step_between(haptic, s.sim, update);
+        assert_int_equal(pel_haptic_update(haptic, hand, NULL, force, NULL), PEL_OK);
+    }
+    assert_int_equal(pel_haptic_sync(haptic, NULL), PEL_OK);
+    const double rest[3] = {0, 0, BALL + 0.7 * TIP};
+    assert_int_equal(pel_haptic_update(haptic, rest, NULL, force, NULL), PEL_OK);
+    pel_sim_get_tool(s.sim, 0, &felt);
+    pel_haptic_get(haptic, &reading);
+    assert_true(reading.touches && felt.force[2] > 0.005);
+    assert_int_equal(reading.plane_count, 1);
+    for (int k = 0; k < 3; k++)
+        assert_near(reading.planes[0].normal[k] * length(felt.force), felt.force[k], 1e-12);
+    assert_near(force[2], felt.force[2], 0.05 * felt.force[2]);
+    pel_haptic_destroy(haptic);
+    end_stage(&s);
+    pel_mesh_destroy(mesh);
+}
+
 /* a grasp pulls: lifted, the hand feels the ball hold back */
 static void test_grasp_pulls(void **unused)
 {
@@ -365,6 +454,39 @@ static void write_hand(void *user, const double force[3])
     memcpy(h->last, force, sizeof h->last);
 }
 
+/* the policy of the thread that reads the device, -1 before */
+static bool read_policy(void *user, double position[3], double rotation[4])
+{
+    (void)position;
+    (void)rotation;
+    struct sched_param unused;
+    int policy = -1;
+    pthread_getschedparam(pthread_self(), &policy, &unused);
+    atomic_store((atomic_int *)user, policy);
+    return false;
+}
+
+/* the loop says whether it runs above the usual threads */
+static void test_priority(void **unused)
+{
+    (void)unused;
+    stage s = make_press(0.01);
+    pel_haptic_def def = pel_haptic_def_default();
+    def.sim = s.sim;
+    pel_haptic *haptic = make_haptic(&def);
+    atomic_int policy = -1;
+    const pel_haptic_device device = {read_policy, write_nothing, &policy};
+    assert_int_equal(pel_haptic_start(haptic, &device, NULL), PEL_OK);
+    while (atomic_load(&policy) < 0)
+        nanosleep(&(struct timespec){0, 1000000}, NULL);
+    pel_haptic_stop(haptic);
+    pel_haptic_reading reading;
+    pel_haptic_get(haptic, &reading);
+    assert_int_equal(reading.latency.is_real_time, atomic_load(&policy) == SCHED_FIFO);
+    pel_haptic_destroy(haptic);
+    end_stage(&s);
+}
+
 /* two threads: under the thread sanitizer this tests their shared data */
 static void test_thread(void **unused)
 {
@@ -419,6 +541,9 @@ static void test_quantiles(void **unused)
     assert_near(pel_haptic_latency_quantile(&late, 0.6), 5e-5, 1e-12);
     assert_near(pel_haptic_latency_quantile(&late, 0.99), 5e-5, 1e-12);
     assert_near(pel_haptic_latency_quantile(&late, 0.999), 0.0021, 1e-12);
+    const pel_haptic_latency two = {.count = 2, .most = 1e-4, .bins = {[3] = 1, [7] = 1}};
+    assert_near(pel_haptic_latency_quantile(&two, 0.5), 4e-5, 1e-12);
+    assert_near(pel_haptic_latency_quantile(&two, 1), 8e-5, 1e-12);
 }
 
 /* ---- memory ---- */
@@ -456,7 +581,10 @@ static void test_out_of_memory(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_force_error),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_mesh_tool),
+                                       cmocka_unit_test(test_planes_of_a_box),
+                                       cmocka_unit_test(test_priority),
+                                       cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),
                                        cmocka_unit_test(test_deterministic_without_memory),
                                        cmocka_unit_test(test_planes_of_a_groove),

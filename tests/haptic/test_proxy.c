@@ -151,6 +151,66 @@ static void test_static_planes_give_no_energy(void **unused)
     }
 }
 
+/* J, observed over one stroke into a rigid wall and out: the held force gives K m^2, the device's damping takes at each
+   stroke what holding needs and half of what it has beyond that */
+static void test_energy_of_a_stroke(void **unused)
+{
+    (void)unused;
+    const double stroke = 0.01, limit = pel_haptic_passive_stiffness(0.5, 0, 1000);
+    for (int half = 0; half < 2; half++) {
+        pel_haptic_def def = make_def(half ? limit / 2 : limit, false);
+        def.device_damping = 0.5;
+        def.rate = 1000;
+        pel_proxy proxy;
+        pel_proxy_create(&proxy, &def);
+        pel_local_model wall = {.plane_count = 1, .planes = {{.normal = {0, 0, 1}, .stiffness = 1e12}}, .reach = 1};
+        pel_proxy_set_model(&proxy, &wall);
+        for (int update = 0; update < 3; update++)
+            pel_proxy_update(&proxy, (const double[3]){0, 0, update == 1 ? -stroke : 0});
+        assert_near(proxy.energy, half ? -limit * stroke * stroke / 4 : 0, 1e-9);
+    }
+}
+
+/* J that the second of two contacts supplies: the device was pushed in and out of a wall for long, which its damping
+   paid for, and left; then, in a soft wall, it meets a stiff one that comes late */
+static double supply_of_second_contact(int strokes)
+{
+    const double stroke = 0.01;
+    pel_haptic_def def = make_def(0.5 * pel_haptic_passive_stiffness(0.5, 0, 1000), true);
+    pel_proxy proxy;
+    pel_proxy_create(&proxy, &def);
+    pel_local_model soft = {.plane_count = 1, .planes = {{.normal = {0, 0, 1}, .stiffness = 1}}, .reach = 1},
+                    hard = soft;
+    hard.planes[0].stiffness = 1e6;
+    pel_proxy_set_model(&proxy, &hard);
+    for (int update = 0; update < 2 * strokes; update++)
+        pel_proxy_update(&proxy, (const double[3]){0, 0, update % 2 == 0 ? 0.001 : -stroke});
+    pel_proxy_set_model(&proxy, &soft);
+    for (int update = 0; update < 300; update++)
+        pel_proxy_update(&proxy, (const double[3]){0, 0, 0.001});
+    /* work on the device less what its damping took; in slowly, out at once */
+    double supply = 0, z = 0.001, force = 0, most = 0;
+    for (int update = 0; update < 2200; update++) {
+        double next = update < 1000 ? 0.001 - 1.1e-5 * update : update < 2000 ? z : fmin(z + 1e-4, 0.001);
+        if (update == 1000)
+            pel_proxy_set_model(&proxy, &hard);
+        supply += force * (next - z) - proxy.taken * (next - z) * (next - z);
+        z = next;
+        pel_proxy_update(&proxy, (const double[3]){0, 0, z});
+        force = proxy.force[2];
+        most = fmax(most, supply);
+    }
+    return most;
+}
+
+/* what the damping took in one contact is no credit for the next one */
+static void test_each_contact_is_bounded(void **unused)
+{
+    (void)unused;
+    assert_true(supply_of_second_contact(0) <= ROUNDING);
+    assert_true(supply_of_second_contact(1000) <= ROUNDING);
+}
+
 /* models that change at random put energy in; the control withdraws planes until they do not */
 static void test_control_bounds_energy_of_changes(void **unused)
 {
@@ -286,7 +346,9 @@ static void test_coupling_damping(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_proxy_is_in_balance),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_each_contact_is_bounded),
+                                       cmocka_unit_test(test_energy_of_a_stroke),
+                                       cmocka_unit_test(test_proxy_is_in_balance),
                                        cmocka_unit_test(test_springs_in_series),
                                        cmocka_unit_test(test_god_object_on_an_edge),
                                        cmocka_unit_test(test_static_planes_give_no_energy),

@@ -134,6 +134,66 @@ static void test_refusals(void **unused)
     stop(&f);
 }
 
+/* pages hear of parameters that a command changed or was refused, not of each command */
+static void test_parameters_told(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *line;
+        bool told;
+    } cases[] = {{"grab 0 0 5 0 0 -1 1 0.3", false}, {"move 0 0 2", false},      {"release", false},
+                 {"set gravity [0, 0, -1]", true},   {"inflate ball 2", true},   {"set gravity [0, 0, here]", true},
+                 {"inflate nobody 2", true},         {"grab 0 0 5 0 0 0", true}, {"mark", false}};
+    fixture f;
+    start(&f);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        uint32_t before = f.box.posts[PEL_POST_PARAMETERS].revision;
+        say(&f, cases[i].line);
+        bool told = f.box.posts[PEL_POST_PARAMETERS].revision != before;
+        if (told != cases[i].told)
+            print_error("%s\n", cases[i].line);
+        assert_int_equal(told, cases[i].told);
+    }
+    stop(&f);
+}
+
+/* the greeting names the tools of the scene with their sizes */
+static void test_tools_told(void **unused)
+{
+    (void)unused;
+    char scene[sizeof text + 200];
+    snprintf(scene, sizeof scene,
+             "%stools: [{ name: probe, shape: sphere, radius: 0.25, motion: [{ position: [0, 0, 2] }] }]\n", text);
+    fixture f;
+    start_scene(&f, scene);
+    assert_true(holds(&f, PEL_POST_HELLO, "\"tools\":[{\"name\":\"probe\",\"shape\":\"sphere\",\"radius\":0.25,"));
+    stop(&f);
+}
+
+/* of a vector a page gets the length: in free fall that of the velocity is the same everywhere, 9 m/s after 1 s */
+static void test_length_of_vectors(void **unused)
+{
+    (void)unused;
+    static const char falling[] =
+        "version: 1\nbodies:\n"
+        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 2 }, mass: { density: 1000 },\n"
+        "      membrane: { preset: rubber, thickness: 0.001 } }\n"
+        "gravity: [1, 4, 8]\nsolver: { method: implicit, dt: 1 }\nduration: 10\n";
+    enum { VERTICES = 42 };
+    fixture f;
+    start_scene(&f, falling);
+    say(&f, "field velocity");
+    assert_int_equal(say_and_see(&f, "step"), 1);
+    const pel_post *post = &f.box.posts[PEL_POST_FRAME];
+    const unsigned char *head = (const unsigned char *)post->bytes;
+    size_t length = (size_t)head[0] | (size_t)head[1] << 8;
+    float speeds[VERTICES];
+    memcpy(speeds, head + 4 + length + VERTICES * 3 * sizeof(float), sizeof speeds);
+    for (int v = 0; v < VERTICES; v++)
+        assert_near((double)speeds[v], 9, 1e-4);
+    stop(&f);
+}
+
 /* an opened text has lines, and no file: that of the first scene is another */
 static void test_not_opened(void **unused)
 {
@@ -147,6 +207,24 @@ static void test_not_opened(void **unused)
     memcpy(strstr(wrong, "frequency: 2"), "frequency: 0", 12);
     say(&f, wrong);
     assert_true(holds(&f, PEL_POST_NOTICE, "\"the scene was not opened. line 3, column "));
+    stop(&f);
+}
+
+/* a text that is opened has no file, and stays so when contact begins */
+static void test_opened(void **unused)
+{
+    (void)unused;
+    fixture f;
+    start(&f);
+    char line[sizeof text + 10];
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"ball.yaml\""));
+    snprintf(line, sizeof line, "open %s", text);
+    say(&f, line);
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
+    say(&f, "contact");
+    assert_true(holds(&f, PEL_POST_HELLO, "\"path\":\"\""));
     stop(&f);
 }
 
@@ -174,9 +252,59 @@ static void test_slow(void **unused)
     }
 }
 
+#define SHELL "material: stvk, young: 1.0e5, poisson: 0.3"
+
+/* shape, membrane, contact and solver, and a command that makes a step of minutes */
+static const char *const absurd[][4] = {
+    {"torus, major_radius: 1, minor_radius: 0.4, slices: 64, rings: 24", SHELL,
+     "contact: { self: true }\nsolver: { method: pbd, dt: 0.0166666667, iterations: 5 }", "inflate ball 1e9"},
+    {"geodesic-sphere, frequency: 12", SHELL, "solver: { method: pbd, dt: 0.01, substeps: 1 }",
+     "set solver.iterations 1000000"},
+    {"geodesic-sphere, frequency: 12", SHELL, "contact: { self: true }\nsolver: { method: xpbd, dt: 0.01 }",
+     "inflate ball 1e9"},
+    {"capsule, radius: 0.02, height: 0.03, slices: 32, rings: 8, segments: 10", "preset: latex-balloon",
+     "solver: { method: implicit, dt: 0.02 }", "inflate ball 1e9"},
+};
+
+/* the page gets an answer soon, and the state before */
+static void test_absurd(void **unused)
+{
+    (void)unused;
+    for (size_t i = 0; i < sizeof absurd / sizeof *absurd; i++) {
+        fixture f;
+        char scene[600];
+        struct timespec start, end;
+        snprintf(scene, sizeof scene,
+                 "version: 1\nbodies:\n"
+                 "  - { name: ball, mesh: { shape: %s }, mass: { density: 1000, thickness: 0.002 },\n"
+                 "      membrane: { %s }, bending: { model: hinge } }\n%s\nduration: 1\n",
+                 absurd[i][0], absurd[i][1], absurd[i][2]);
+        start_scene(&f, scene);
+        assert_int_equal(say_and_see(&f, "step"), 1);
+        say(&f, "mark");
+        say(&f, absurd[i][3]);
+        clock_gettime(CLOCK_MONOTONIC, &start);
+        for (int step = 0; step < 200 && f.box.posts[PEL_POST_NOTICE].revision == 0; step++)
+            say(&f, "step");
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        assert_true(holds(&f, PEL_POST_NOTICE, "the last good state is back"));
+        assert_true(holds(&f, PEL_POST_NOTICE, "a step would take more than "));
+        assert_true(end.tv_sec - start.tv_sec <= 20);
+        assert_int_equal(say_and_see(&f, "pause"), 1);
+        stop(&f);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_answer), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_not_opened), cmocka_unit_test(test_slow)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parameters_told),
+                                       cmocka_unit_test(test_tools_told),
+                                       cmocka_unit_test(test_length_of_vectors),
+                                       cmocka_unit_test(test_answer),
+                                       cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_not_opened),
+                                       cmocka_unit_test(test_opened),
+                                       cmocka_unit_test(test_slow),
+                                       cmocka_unit_test(test_absurd)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

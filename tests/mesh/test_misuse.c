@@ -180,6 +180,9 @@ static void test_meshes(void **unused)
     REFUSED("repaired", pel_mesh_repair(mesh, NULL, NULL, NULL, &error));
     options.weld_tolerance = nan_value;
     REFUSED("tolerance", pel_mesh_repair(mesh, &options, &made, NULL, &error));
+    options = pel_repair_options_default();
+    options.drop_parts = -1;
+    REFUSED("drop_parts", pel_mesh_repair(mesh, &options, &made, NULL, &error));
     REFUSED("mesh", pel_mesh_fill_holes(NULL, 10, &made, NULL, &error));
     REFUSED("filled", pel_mesh_fill_holes(mesh, 10, NULL, NULL, &error));
     REFUSED("edge_limit", pel_mesh_fill_holes(mesh, -1, &made, NULL, &error));

@@ -461,6 +461,70 @@ static void test_allocation_failures(void **unused)
     pel_mesh_destroy(touching);
 }
 
+/* parts of 80, 4 and 2 triangles: by their size, with their vertices but not other ones */
+static void test_drop_parts(void **unused)
+{
+    (void)unused;
+    static const double far_off[8][3] = {{3, 0, 0}, {4, 0, 0}, {3, 1, 0}, {3, 0, 1},
+                                         {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {7, 7, 7}};
+    static const int32_t corners[6][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {4, 5, 6}, {6, 5, 3}};
+    enum { SPHERE = 42 };
+    pel_mesh *sphere = sample_sphere(2), *messy;
+    double positions[SPHERE + 9][3];
+    int32_t triangles[86][3];
+    assert_int_equal(sphere->vertex_count, SPHERE);
+    assert_int_equal(sphere->triangle_count, 80);
+    memcpy(positions, sphere->positions, SPHERE * sizeof *positions);
+    memcpy(positions + SPHERE, far_off, sizeof far_off);
+    memcpy(triangles, sphere->triangles, 80 * sizeof *triangles);
+    for (int t = 0; t < 6; t++)
+        for (int i = 0; i < 3; i++)
+            triangles[80 + t][i] = SPHERE + corners[t][i];
+    /* the two triangles have a corner at one of the tetrahedron, but no edge in common with it */
+    memcpy(positions[SPHERE + 8], far_off[3], sizeof *positions);
+    triangles[85][2] = SPHERE + 8;
+    assert_int_equal(pel_mesh_create(positions[0], SPHERE + 9, triangles[0], 86, &messy, NULL), PEL_OK);
+    static const int32_t limits[] = {1, 2, 3, 4, 79, 1000}, parts[] = {0, 1, 1, 2, 2, 2};
+    static const int32_t triangle_counts[] = {86, 84, 80}, vertex_counts[] = {SPHERE + 7, SPHERE + 4, SPHERE};
+    for (int i = 0; i < 6; i++) {
+        pel_repair_options options = pel_repair_options_default();
+        options.drop_parts = limits[i];
+        options.cut = false;
+        pel_repair_summary summary;
+        pel_mesh *repaired = repair(messy, &options, &summary);
+        assert_int_equal(summary.dropped_parts, parts[i]);
+        assert_int_equal(summary.isolated_vertices, 1);
+        assert_int_equal(repaired->triangle_count, triangle_counts[parts[i]]);
+        assert_int_equal(repaired->vertex_count, vertex_counts[parts[i]]);
+        pel_mesh *again = repair(repaired, &options, &summary);
+        assert_same_mesh(repaired, again);
+        pel_mesh_destroy(again);
+        pel_mesh_destroy(repaired);
+    }
+    pel_mesh_destroy(messy);
+    pel_mesh_destroy(sphere);
+}
+
+static pel_status drop_parts_case(const void *mesh, pel_error *error)
+{
+    pel_mesh *repaired;
+    pel_repair_options options = pel_repair_options_default();
+    options.drop_parts = 4;
+    pel_status status = pel_mesh_repair(mesh, &options, &repaired, NULL, error);
+    if (status != PEL_OK)
+        assert_null(repaired);
+    pel_mesh_destroy(repaired);
+    return status;
+}
+
+static void test_drop_parts_without_memory(void **unused)
+{
+    (void)unused;
+    pel_mesh *sphere = sample_sphere(2);
+    assert_true(for_every_allocation_failure(drop_parts_case, sphere) > 15);
+    pel_mesh_destroy(sphere);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -477,6 +541,8 @@ int main(void)
         cmocka_unit_test(test_nothing_left),
         cmocka_unit_test(test_random_messes),
         cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_drop_parts),
+        cmocka_unit_test(test_drop_parts_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

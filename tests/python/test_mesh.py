@@ -69,6 +69,11 @@ class Questions(unittest.TestCase):
         repaired, summary = soup.repair()
         self.assertTrue(repaired.check()["closed"])
         self.assertEqual(summary["welded_vertices"], len(soup.positions) - len(mesh.positions))
+        piece = Mesh.shape("geodesic-sphere", frequency=1)
+        both = Mesh(np.concatenate([mesh.positions, piece.positions + 5]),
+                    np.concatenate([mesh.triangles, piece.triangles + len(mesh.positions)]))
+        whole, summary = both.repair(drop_parts=len(piece.triangles))
+        self.assertEqual((len(whole.triangles), summary["dropped_parts"]), (len(mesh.triangles), 1))
 
     def test_self_intersections(self):
         mesh = Mesh.shape("geodesic-sphere", frequency=3)

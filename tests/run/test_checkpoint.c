@@ -30,6 +30,24 @@ static void test_resume_after_stop(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* stopped before its first step, resumed and stopped there again, with no frame that is due: measured all the same */
+static void test_stops_at_start(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case test = {.run = "start", .stop_at = -1};
+    check_run(scene, &test, PEL_STOPPED);
+    assert_int_equal(test.summary.steps, 0);
+    assert_near(test.summary.volume_ratio_final, 1, 1e-12);
+    assert_near(test.summary.area_ratio_final, 1, 1e-12);
+    test.resume = "checkpoint";
+    check_run(scene, &test, PEL_STOPPED);
+    assert_int_equal(test.summary.steps, 0);
+    assert_near(test.summary.volume_ratio_final, 1, 1e-12);
+    assert_near(test.summary.area_ratio_final, 1, 1e-12);
+    pel_scene_destroy(scene);
+}
+
 /* returns to an older checkpoint: later frames are replaced */
 static void test_resume_from_older(void **unused)
 {
@@ -277,7 +295,7 @@ int main(void)
         cmocka_unit_test(test_resume_at_end),        cmocka_unit_test(test_kill),
         cmocka_unit_test(test_resume_leaks_nothing), cmocka_unit_test(test_changed_mesh),
         cmocka_unit_test(test_kept_state),           cmocka_unit_test(test_state_not_kept),
-        cmocka_unit_test(test_refuses_checkpoints),
+        cmocka_unit_test(test_refuses_checkpoints),  cmocka_unit_test(test_stops_at_start),
     };
     int failed = 0;
     /* two threads give the results of one */

@@ -210,6 +210,29 @@ static void test_run_repeats(void **unused)
     pel_session_free_text(repeated);
 }
 
+/* the hand holds the solid that was named, and presses with it: no mesh of the same name, which would need contact */
+static void test_solid_tools(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *name;
+        pel_tool_shape shape;
+    } solids[] = {{"sphere", PEL_TOOL_SPHERE}, {"capsule", PEL_TOOL_CAPSULE}, {"box", PEL_TOOL_BOX}};
+    play made = begin(text);
+    pel_hand_reading hand;
+    for (size_t i = 0; i < sizeof solids / sizeof *solids; i++) {
+        char line[64];
+        snprintf(line, sizeof line, "press %s 0.2  -2 0 0  0 0 0 1", solids[i].name);
+        apply(&made, line);
+        pel_session_get_hand(made.session, &hand);
+        assert_int_equal(hand.kind, PEL_HAND_PRESS);
+        assert_int_equal(hand.shape, solids[i].shape);
+        assert_null(pel_session_tool_mesh(made.session));
+        apply(&made, "release");
+    }
+    end(&made);
+}
+
 /* a mesh presses where there is contact, as large as asked for; commands with a file in the scene's folder are repeated
    from another folder */
 static void test_mesh_tool(void **unused)
@@ -432,8 +455,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks),  cmocka_unit_test(test_run_repeats),
-        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_bad_lines),   cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_divergence),     cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_solid_tools), cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_divergence),  cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -420,7 +420,8 @@ static void test_idle_tool(void **unused)
     assert_null(find_warning(&summary, "tool-touches-nothing"));
 }
 
-/* volumetric springs under gravity: the body does not fall, unless it is held in any case */
+/* volumetric springs: under gravity, or with a velocity, the body does not move freely, unless it is held in any case
+ */
 static void test_held_in_place(void **unused)
 {
     (void)unused;
@@ -438,7 +439,11 @@ static void test_held_in_place(void **unused)
     const pel_run_warning *warning = find_warning(&summary, "held-in-place");
     assert_non_null(warning);
     assert_true(warning->first_frame == 0 && warning->count == 1);
-    assert_non_null(strstr(warning->text, "body 'organ' does not fall"));
+    const char *flies[] = {"solver={ method: explicit, dt: 0.0001 }", "bodies.0.velocity=[1, 0, 0]"};
+    run_scene(organ, flies, 2, NULL, 0, &summary);
+    warning = find_warning(&summary, "held-in-place");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "body 'organ' does not move freely"));
 }
 
 /* a ball that touches too few vertices is told with the refinement under it that helps */

@@ -219,7 +219,6 @@ static void test_allocation(void **unused)
     for_every_allocation_failure(create, SHEET STEEL);
 }
 
-/* bending that names no model: mid-edge where the method knows the edges */
 /* static without a duration: steps for keys, for modes, along a path */
 static void test_static_times(void **unused)
 {
@@ -234,6 +233,8 @@ static void test_static_times(void **unused)
         {"solver: {method: static, analysis: modal, modes: 4}\n", 4, 1},
         {"solver: {method: static, analysis: modal, modes: 4, dt: 0.5}\n", 2, 0.5},
         {"solver: {method: static, path: arc-length, steps: 20}\n", 20, 1},
+        {"solver: {method: static, path: arc-length}\n", 100, 1},
+        {"solver: {method: static, path: arc-length, steps: 20, dt: 0.5}\n", 10, 0.5},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1000];
@@ -248,6 +249,7 @@ static void test_static_times(void **unused)
     }
 }
 
+/* bending that names no model: mid-edge where the method knows the edges */
 static void test_bending(void **unused)
 {
     (void)unused;

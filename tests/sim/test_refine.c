@@ -478,18 +478,44 @@ static void test_budget(void **unused)
     assert_true(most > body.refine.budget - 100 && most <= body.refine.budget);
     assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
     pel_error error;
-    /* while it runs: refused where the surface has more triangles, or where there is no room, and told */
-    char words[40];
+    /* while it runs the room stays: no other small budget, told with what helps */
     const int32_t count = pel_sim_triangle_count(made.sim, 0);
-    snprintf(words, sizeof words, "give at least %d", (int)count);
-    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", count - 1, &error), PEL_BAD_ARGUMENT);
-    assert_string_equal(error.element_kind, "body");
-    assert_non_null(strstr(error.remedy, words));
-    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", 4 * count, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "room"));
+    const int32_t others[] = {count - 1, count, 4 * count, 0};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", others[i], &error), PEL_BAD_ARGUMENT);
+        assert_string_equal(error.element_kind, "body");
+        assert_non_null(strstr(error.what, "room"));
+        assert_non_null(strstr(error.remedy, "or with 0 (no limit), from which it can change down to"));
+    }
     assert_int_equal(pel_sim_triangle_count(made.sim, 0), count);
     assert_int_equal(pel_sim_refine(made.sim, 0, 600, 3, &error), PEL_BAD_ARGUMENT);
     assert_true(pel_front_is_valid(made.sim->model->bodies[0].front));
+    end(&made);
+}
+
+/* without a budget at first: the number of the remedy is taken */
+static void test_budget_changes(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(8);
+    pel_body_def body = ball(mesh, 2);
+    body.refine.above = 1e-9;
+    body.refine.below = 0;
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    pel_error error;
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", mesh->triangle_count, &error),
+                     PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "fewer"));
+    int least = 0;
+    assert_int_equal(sscanf(error.remedy, "give at least %d, or 0", &least), 1);
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", least, &error), PEL_OK);
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", 0, &error), PEL_OK);
+    assert_int_equal(pel_sim_refine(made.sim, 0, 0, 2, &error), PEL_OK);
+    const int32_t fine = pel_sim_triangle_count(made.sim, 0);
+    assert_true(fine > mesh->triangle_count);
+    assert_int_equal(pel_set_parameter(made.sim, "bodies.0.refine.budget", least, &error), PEL_OK);
+    run_steps(made.sim, 5);
     end(&made);
 }
 
@@ -872,6 +898,7 @@ int main(void)
         cmocka_unit_test(test_criterion),
         cmocka_unit_test(test_hysteresis),
         cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_budget_changes),
         cmocka_unit_test(test_snapshot),
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_tool_stays_outside),

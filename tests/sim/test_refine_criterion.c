@@ -576,6 +576,43 @@ static void test_portions(void **unused)
     end(&made);
 }
 
+/* The whole ball is pushed aside and back: a candidate that has to wait for its portion and becomes weak meanwhile is
+   not refined. */
+static void test_weak_while_waiting(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(20);
+    pel_body_def body = ball(mesh, 1);
+    body.refine.above = 5e-3;
+    body.refine.below = 2.5e-3;
+    body.refine.interval = 1;
+    pel_load_def loads[2] = {pel_load_def_default(), pel_load_def_default()};
+    loads[0].force[2] = -5;
+    loads[1].force[2] = 5;
+    loads[0].until = loads[1].from = 0.055;
+    loads[1].until = 0.115;
+    pel_sim_def def = pel_sim_def_default();
+    def.loads = loads;
+    def.load_count = 2;
+    bench made = begin(mesh, &body, &def);
+    const pel_refine_body *refine = &made.sim->refine[0];
+    uint8_t *before = malloc((size_t)mesh->vertex_count);
+    int refined = 0, dropped = 0;
+    for (int n = 0; n < 15; n++) {
+        memcpy(before, refine->requests, (size_t)mesh->vertex_count);
+        run_steps(made.sim, 1);
+        for (int32_t v = 0; v < mesh->vertex_count; v++) {
+            bool is_new = before[v] != PEL_REQUEST_MADE && refine->requests[v] == PEL_REQUEST_MADE;
+            assert_true(!is_new || refine->strengths[v] > 1);
+            refined += is_new;
+            dropped += before[v] == PEL_REQUEST_WAITING && refine->requests[v] == PEL_REQUEST_NONE;
+        }
+    }
+    assert_true(refined > 0 && dropped > 0);
+    free(before);
+    end(&made);
+}
+
 /* ---- all together, saved and restored ---- */
 
 static bench busy_body(const int32_t *region)
@@ -713,6 +750,7 @@ int main(void)
         cmocka_unit_test(test_dwell),
         cmocka_unit_test(test_interval),
         cmocka_unit_test(test_portions),
+        cmocka_unit_test(test_weak_while_waiting),
         cmocka_unit_test(test_snapshot),
         cmocka_unit_test(test_refusals),
     };

@@ -43,7 +43,7 @@ typedef struct stop_scene {
 } stop_scene;
 
 /* a ball that a tool presses, or, where a tool has no part, a load from all sides */
-static pel_sim *begin(stop_scene *s, const method_case *c, int32_t threads)
+static pel_sim *begin_with(stop_scene *s, const method_case *c, int32_t threads, bool stops_short_steps)
 {
     *s = (stop_scene){.patience = {0, INT64_MAX}};
     press_begin(&s->press, FREQUENCY, 1e5);
@@ -66,7 +66,13 @@ static pel_sim *begin(stop_scene *s, const method_case *c, int32_t threads)
     def->thread_count = threads;
     def->wanted = is_wanted;
     def->user = &s->patience;
+    def->stops_short_steps = stops_short_steps;
     return press_create(&s->press);
+}
+
+static pel_sim *begin(stop_scene *s, const method_case *c, int32_t threads)
+{
+    return begin_with(s, c, threads, false);
 }
 
 static void step_on(pel_sim *sim, uint64_t hashes[STEPS])
@@ -126,6 +132,37 @@ static void test_stops(void **context)
     }
 }
 
+/* Short steps ask only if the caller says so; a snapshot leads to the bits of steps that were not stopped. */
+static void test_short_steps(void **context)
+{
+    (void)context;
+    const method_case pbd = {"pbd, contact", PEL_METHOD_PBD, 1, PEL_ANALYSIS_NONE, PEL_PATH_TIME, true, false};
+    for (int32_t threads = 1; threads <= 2; threads++) {
+        stop_scene s;
+        uint64_t hashes[STEPS];
+        pel_sim *sim = begin(&s, &pbd, threads);
+        step_on(sim, hashes);
+        assert_int_equal(s.patience.asked, 0);
+        press_end(&s.press, sim);
+        sim = begin_with(&s, &pbd, threads, true);
+        size_t size = pel_sim_save_size(sim);
+        void *saved = malloc(size);
+        pel_sim_save(sim, saved);
+        for (int64_t last = 0; last < 60; last += 7) {
+            s.patience = (patience){0, last};
+            assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
+            assert_int_equal(pel_sim_load(sim, saved, size, NULL), PEL_OK);
+        }
+        s.patience.last = INT64_MAX;
+        for (int i = 0; i < STEPS; i++) {
+            assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+            assert_true(pel_sim_hash(sim) == hashes[i]);
+        }
+        free(saved);
+        press_end(&s.press, sim);
+    }
+}
+
 /* each method that asks along its steps, at its start */
 static void for_each_long(void (*check)(stop_scene *s, pel_sim *sim))
 {
@@ -182,7 +219,7 @@ static void test_soon(void **context)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stops), cmocka_unit_test(test_one_no),
-                                       cmocka_unit_test(test_soon)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stops), cmocka_unit_test(test_short_steps),
+                                       cmocka_unit_test(test_one_no), cmocka_unit_test(test_soon)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

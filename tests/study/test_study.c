@@ -253,6 +253,23 @@ static void test_measures(void **unused)
     pel_study_destroy(study);
 }
 
+/* a column that the series of a run does not have leaves its cell empty */
+static void test_column_of_some_runs(void **unused)
+{
+    (void)unused;
+    char row[8192];
+    pel_study *study = make_study(
+        "scene: scene.yaml\n"
+        "vary:\n  tools: [[{ name: probe, shape: sphere, radius: 0.2, motion: [{ position: [0, 0, 1.3] }] }],\n"
+        "          [{ name: tip, shape: sphere, radius: 0.2, motion: [{ position: [0, 0, 1.3] }] }]]\n"
+        "measure: { force: { column: probe_force }, end: { column: time } }\n");
+    row_of(study, 0, row);
+    assert_non_null(strstr(row, "]\",0,0.2,done,"));
+    row_of(study, 1, row);
+    assert_non_null(strstr(row, "]\",,0.2,done,"));
+    pel_study_destroy(study);
+}
+
 static void test_kept_runs(void **unused)
 {
     (void)unused;
@@ -427,6 +444,23 @@ static void test_a_crash_is_a_row(void **unused)
     assert_non_null(strstr(table, "\n1,1e9,,timeout,"));
     pel_free(table);
     pel_study_destroy(study);
+}
+
+/* a run of many that a worker was given ahead crashes: each row is that of its run */
+static void test_a_crash_behind_others(void **unused)
+{
+    (void)unused;
+    workers.milliseconds = 800;
+    pel_study_summary summary = execute(
+        "scene: scene.yaml\nvary: { duration: [0.01, 0.02, 0.03, 0.04, 1e9, 0.05, 0.06, 0.07] }\nmeasure: [steps]\n",
+        "behind", 1, 1, 1);
+    workers.milliseconds = 0;
+    assert_int_equal(summary.done, 8);
+    assert_int_equal(summary.failed, 1);
+    char *table = read_file("behind/runs.csv");
+    assert_non_null(strstr(table, "\n0,0.01,1,done,\n1,0.02,2,done,\n2,0.03,3,done,\n3,0.04,4,done,\n4,1e9,,crashed,"));
+    assert_non_null(strstr(table, "\n5,0.05,5,done,\n6,0.06,6,done,\n7,0.07,7,done,\n"));
+    pel_free(table);
 }
 
 static void test_a_late_run_is_a_row(void **unused)
@@ -684,6 +718,8 @@ int main(void)
 {
     pthread_atfork(NULL, NULL, in_worker);
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_crash_behind_others),
+        cmocka_unit_test(test_column_of_some_runs),
         cmocka_unit_test(test_design),
         cmocka_unit_test(test_latin),
         cmocka_unit_test(test_failed_runs_are_rows),

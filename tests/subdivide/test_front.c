@@ -281,6 +281,18 @@ static void test_validity(void **unused)
     front->red_counts[3] ^= 1;
     assert_false(pel_front_is_valid(front));
     front->red_counts[3] ^= 1;
+    /* a place of a triangle that is not there, and a second one of a whole triangle */
+    for (int32_t node = 0, seen = 0; seen != 3; node++) {
+        int kind = front->shapes[node] == PEL_FRONT_ABSENT ? 1 : front->shapes[node] == PEL_FRONT_WHOLE ? 2 : 0;
+        for (int k = kind == 1 ? 0 : 1; kind != 0 && k < 2; k++) {
+            kept = front->place_of_node[node][k];
+            front->place_of_node[node][k] = 0;
+            assert_false(pel_front_is_valid(front));
+            front->place_of_node[node][k] = kept;
+        }
+        seen |= kind;
+    }
+    assert_true(pel_front_is_valid(front));
     front->edges[0] = front->edges[1];
     assert_false(pel_front_is_valid(front));
     end_scene(&made);

@@ -339,6 +339,7 @@ static void test_plate(void **unused)
     const char *run = "plate-run", *frame = "f0.vtp";
     double time = 0;
     mkdir(run, 0777);
+    remove("plate-run/f0.vtp");
     assert_int_equal(link("render-run/f0.vtp", "plate-run/f0.vtp"), 0);
     assert_int_equal(pel_pvd_write("plate-run/frames.pvd", &frame, &time, 1, NULL), PEL_OK);
     write_text("plate-run/scene.yaml", "version: 1\n"
@@ -516,6 +517,41 @@ static void test_ground(void **unused)
     assert_int_equal(dark[1], 0);
 }
 
+/* in a narrow picture, whose border the shadow reaches, no step of brightness is seen on the ground */
+static void test_ground_of_narrow_picture(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    enum { NARROW = 120, TALL = 240 };
+    const char *ball = "render-ball.ply";
+    pel_render_def def = make_def(&ball, 1, "render-narrow.png");
+    uint8_t *pixels[2];
+    int steepest = 0, darkest = 255;
+    def.width = NARROW;
+    def.height = TALL;
+    for (int hidden = 0; hidden < 2; ++hidden) {
+        size_t size;
+        def.hide_ground = hidden != 0;
+        draw(&def);
+        pixels[hidden] = read_png("render-narrow.png", &size);
+        assert_int_equal(size, 4 * NARROW * TALL);
+    }
+    for (int y = 0; y < TALL; ++y)
+        for (int x = 4 * NARROW / 5; x + 1 < NARROW; ++x) {
+            const uint8_t *at = pixels[0] + 4 * (y * NARROW + x), *alone = pixels[1] + 4 * (y * NARROW + x);
+            if (alone[0] < 255 || alone[4] < 255)
+                continue;
+            steepest = abs(at[4] - at[0]) > steepest ? abs(at[4] - at[0]) : steepest;
+            darkest = at[0] < darkest ? at[0] : darkest;
+        }
+    print_message("darkest %d, steepest %d\n", darkest, steepest);
+    assert_in_range(darkest, 0, 250);
+    assert_in_range(steepest, 0, 6);
+    free(pixels[0]);
+    free(pixels[1]);
+}
+
 /* ---- stops ---- */
 
 typedef struct patience {
@@ -571,11 +607,13 @@ static void test_stops(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_golden),     cmocka_unit_test(test_fields),        cmocka_unit_test(test_peak),
-        cmocka_unit_test(test_zero_field), cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder),
-        cmocka_unit_test(test_bad_defs),   cmocka_unit_test(test_film),          cmocka_unit_test(test_ground),
-        cmocka_unit_test(test_plate),      cmocka_unit_test(test_not_finite),    cmocka_unit_test(test_out_of_memory),
-        cmocka_unit_test(test_stops)};
+        cmocka_unit_test(test_golden),        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_peak),          cmocka_unit_test(test_zero_field),
+        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder),
+        cmocka_unit_test(test_bad_defs),      cmocka_unit_test(test_film),
+        cmocka_unit_test(test_ground),        cmocka_unit_test(test_ground_of_narrow_picture),
+        cmocka_unit_test(test_plate),         cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");

@@ -425,10 +425,20 @@ async function saving(page, name = ".") {
     return file;
 }
 
+// a scene without a title is named by its file, not by the scene before
+async function naming(page) {
+    const untitled = join(folder, "untitled one.yaml");
+    writeFileSync(untitled, readFileSync(scene, "utf8").replace(/^title:.*\n/m, ""));
+    await page.setInputFiles("#file", untitled);
+    await until(page, () => document.getElementById("title").textContent === "untitled one.yaml");
+    assert.match(await page.title(), /^untitled one\.yaml/);
+}
+
 // the same bits again, step by step on the page
 async function opening(page, file, hash, last) {
     await page.setInputFiles("#file", file);
     await until(page, () => globalThis.pellicle.frame?.step === 0);
+    assert.match(await page.textContent("#title"), /^a ball of tissue$/);
     for (let step = 0; step < last; ) {
         const count = Math.min(100, last - step);
         await page.evaluate((count) => {
@@ -510,6 +520,7 @@ try {
     const { hash, step } = (await pause(page), await frame(page));
     const file = await saving(page);
     await opening(page, file, hash, step);
+    await naming(page);
     assert.deepEqual(errors, []);
     ({ page, errors } = await comingBack(browser, server.address, page));
     assert.deepEqual(errors, []);

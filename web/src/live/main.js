@@ -53,7 +53,7 @@ function start(message) {
     $("notice").hidden = true;
     stage.setScene(message);
     makeOptions();
-    $("title").textContent = message.title || message.path.split("/").pop();
+    $("title").textContent = message.title || message.path.split("/").pop() || fileName;
     document.title = `${$("title").textContent} – Pellicle live`;
     const known = message.fields.map(({ name }) => name);
     if (!known.includes(state.field)) state.field = "";
@@ -604,9 +604,13 @@ function saveScene({ text }) {
     asked = false;
 }
 
+let fileName = "opened scene"; // of the last one that this page opened
 async function openScene() {
     const file = $("file").files[0];
-    if (file) send(`open ${await file.text()}`);
+    if (file) {
+        fileName = file.name;
+        send(`open ${await file.text()}`);
+    }
     $("file").value = "";
 }
 
