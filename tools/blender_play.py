@@ -66,7 +66,7 @@ def check(body, path):
     print(f"blender {bpy.app.version_string}: {scene.frame_end + 1} frames, {len(seen)} vertices, "
           f"largest motion {moved:.6g} m, largest difference {largest:.3g} m")
     if largest > 1e-6 * max(1.0, moved) or moved == 0:
-        sys.exit("Blender does not show what the run wrote")
+        sys.exit("error: the vertices in Blender differ from those of the run")
 
 
 def draw(body, path):

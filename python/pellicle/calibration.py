@@ -48,8 +48,8 @@ class _Curve:
             self.vertices = vertices.astype(int)
             if (self.vertices != vertices).any():
                 raise _core.Error(
-                    f"{entry['file']}: error: the column vertex must contain whole numbers. write the vertex numbers of the mesh, "
-                    "from 0"
+                    f"{entry['file']}: error: the column vertex must contain whole numbers. write the vertex numbers of the "
+                    "mesh, from 0"
                 )
             self.x = np.arange(3 * len(self.vertices), dtype=float)
             self.y = np.column_stack([_pick(entry["file"], names, columns, axis) for axis in "xyz"]).ravel()
@@ -77,8 +77,8 @@ class _Curve:
         if self.body is not None:
             if self.vertices.min() < 0 or self.vertices.max() >= len(positions):
                 raise _core.Error(
-                    f"{self.entry['file']}: error: the column vertex has values {self.vertices.min()} .. {self.vertices.max()}, but "
-                    f"the body {self.body!r} has the vertices 0 .. {len(positions) - 1}. correct the column vertex"
+                    f"{self.entry['file']}: error: the column vertex has values {self.vertices.min()} .. {self.vertices.max()}, "
+                    f"but the body {self.body!r} has the vertices 0 .. {len(positions) - 1}. correct the column vertex"
                 )
             return positions[self.vertices].ravel()
         for key in ("x", "y"):
@@ -122,8 +122,8 @@ def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
                 raise _core.Error(f"{place}a number is not finite. correct or remove the line")
     if len(rows) < 2:
         raise _core.Error(
-            f"{path}: error: no table of numbers: {len(rows)} lines of numbers. write one line with names, then at least two lines "
-            "of numbers"
+            f"{path}: error: no table of numbers: {len(rows)} lines of numbers. write one line with names, then at least two "
+            "lines of numbers"
         )
     return names, np.array(rows).T
 
@@ -163,8 +163,8 @@ class Fit:
         Root mean square of the weighted residuals. Each residual is relative to the largest value of its curve; for markers, to
         the range of their coordinates.
     warnings : list of str
-        Reasons to doubt the fit: the data do not determine a parameter or do not distinguish two parameters, a parameter is at its
-        bound, a run does not cover the measured x, or the fit did not converge.
+        Reasons to doubt the fit: the data do not determine a parameter or do not distinguish two parameters, a parameter is at
+        its bound, a run does not cover the measured x, or the fit did not converge.
     curves : list of dict
         For each entry of the data: name, x, measured, fitted.
     evaluations : int
@@ -394,7 +394,8 @@ def calibrate(
     if found.status == 0:
         limit = int(fit.get("max_evaluations", 100))
         members["warnings"].append(
-            f"the fit did not converge within {limit} evaluations: increase max_evaluations, or use start values closer to the fit"
+            f"the fit did not converge within {limit} evaluations: increase max_evaluations, or use start values closer to the "
+            "solution"
         )
     points = problem.run(found.x)[0]
     result = Fit(

@@ -241,7 +241,8 @@ class Simulation:
             if name in names:
                 return names.index(name)
             known = ", ".join(map(repr, names))
-            raise KeyError(f"{what}: there is no {what} {name!r}" + (f". use one of {known}" if known else " (the scene has none)"))
+            advice = f". use one of {known}" if known else " (the scene has none)"
+            raise KeyError(f"{what}: there is no {what} {name!r}{advice}")
         return name
 
     # ---- time ----

@@ -145,7 +145,8 @@ def sweep(
     Parameters
     ----------
     study : path or mapping
-        A study file, or a dict with its keys (docs/sweeps.md). In a dict, the path of the scene is relative to the current folder.
+        A study file, or a dict with its keys (docs/sweeps.md). In a dict, the path of the scene is relative to the current
+        folder.
     folder : path
         Folder of the study; created if it does not exist.
     jobs : int
