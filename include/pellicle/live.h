@@ -78,8 +78,8 @@ PEL_API pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const 
 /* ---- loads, tools, pins, forces ---- */
 
 /* Adds a load or tool, validated as by pel_sim_create for the present state: a tool that would start inside a body is
-   refused. Names are unique among loads and among tools. The new one has the last index, such as pel_sim_tool_count
-   - 1. Keys use the time of the simulation. */
+   refused. Names are unique among loads and among tools. The new one has the last index, which is one less than
+   the new count. Keys use the time of the simulation. */
 PEL_API pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error);
 PEL_API pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *error);
 /* Removes a load or tool; a tool releases its vertices. Later indices decrease by one. PEL_BAD_ARGUMENT for an index

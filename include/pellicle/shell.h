@@ -36,8 +36,8 @@ typedef struct pel_membrane_def {
     double mooney_ratio;    /* default: 0.2 */
     double extension_limit; /* gent; default: 50 */
     double stiffening;      /* fung; default: 10 */
-    double strain_limit;    /* 0 <= strain_limit < 1; pbd, xpbd: limits principal stretches to 1 - strain_limit ..
-                               1 + strain_limit; 0 = no limit (Provot 1995). Other methods refuse it */
+    double strain_limit;    /* 0 to less than 1; pbd, xpbd: principal stretches differ from 1 by at most this (Provot
+                               1995); 0 = no limit. Other methods refuse it */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

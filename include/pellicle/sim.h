@@ -574,8 +574,9 @@ PEL_API bool pel_sim_has_shells(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.
 
-     energy_error - dissipated_solver = elastic + kinetic - elastic_start - kinetic_start
-                                        - work_tools - ... - work_setters + dissipated_drag
+     energy_error - dissipated_solver = change + dissipated_drag - work
+     change = elastic + kinetic - elastic_start - kinetic_start
+     work = work_tools + work_loads + ... + work_setters
 
    A negative remainder is dissipation by friction, contact, and the numerical damping of implicit, quasi-static and
    position-based methods. A positive one is energy that appeared: the step is too long, the method does not follow the
