@@ -1,4 +1,4 @@
-# The front door. Everything is built under build/, results go to results/.
+# Targets for users and developers. Everything is built in build/; results are in results/.
 PRESET  ?= release
 OPTIONS ?=
 COUNT   ?= 60
@@ -12,7 +12,7 @@ QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
 
-help: ## this list
+help: ## print this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
 
 # the program and its libraries, without the tests
@@ -25,10 +25,10 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh (SCAL
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
 
-nightly: packages ## run what takes hours: long runs, 2,000 random scenes, all frames of contact, sanitizers, fuzzing, mutation
+nightly: packages ## run checks that take hours: long runs, 2,000 random scenes, all frames with contact, sanitizers, fuzzing, mutations
 	@tools/nightly
 
-mutate: packages ## change the library in single places and list what no test notices (tools/mutate --help; COUNT=60)
+mutate: packages ## change the library in single places and list changes that no test detects (tools/mutate --help; COUNT=60)
 	@tools/mutate --count $(COUNT)
 
 bench: program ## run the benchmarks
@@ -36,14 +36,14 @@ bench: program ## run the benchmarks
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
 
-bench-peers: packages ## compare subdivision with VTK and OpenMesh (takes libvtk9-dev, libopenmesh-dev; MESH=file)
+bench-peers: packages ## compare subdivision with VTK and OpenMesh (needs libvtk9-dev, libopenmesh-dev; MESH=file)
 	@cmake --preset release -B build/peers -DPELLICLE_PEERS=ON -DPELLICLE_TESTS=OFF -DPELLICLE_PROGRAM=OFF >/dev/null
 	@cmake --build build/peers --target bench_peers $(QUIET)
 	@build/peers/bench/peers/bench_peers $(MESH)
 
-web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (takes Node.js and the npm registry)
+web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (needs Node.js and the npm registry)
 
-wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (takes emscripten and npm)
+wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (needs emscripten and npm)
 	@tools/install-packages emscripten dpkg-dev
 	@tools/fetch-sources build/wasm/sources
 	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
@@ -58,12 +58,12 @@ python: packages ## build the Python package and install it into build/venv (REA
 format: packages ## format the sources
 	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
 
-docs: program ## write docs/reference from the program's own tables
+docs: program ## write docs/reference from the tables of the program
 	@mkdir -p docs/reference
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
 
-site: program wasm ## make the documentation as web pages in build/site, with scenes that play in the browser (installs MkDocs, Doxygen, emscripten)
+site: program wasm ## build the documentation as web pages in build/site, with scenes that run in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/install-packages mkdocs doxygen
 	@tools/site $(PROGRAM)
 
@@ -77,16 +77,16 @@ install: program ## install library, headers and program (PREFIX=/usr/local)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
 
-deb: packages ## make a Debian package of program, library and headers: build/deb/pellicle_*.deb
+deb: packages ## build a Debian package of program, library and headers: build/deb/pellicle_*.deb
 	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_SHARED=OFF -DPELLICLE_PYTHON=OFF -DPELLICLE_TESTS=OFF >/dev/null
 	@cmake --build build/deb $(QUIET)
 	@cd build/deb && cpack -G DEB >cpack.log || { cat cpack.log; exit 1; }
 	@ls build/deb/*.deb
 
-clean: ## remove everything that was built (results/ stays)
+clean: ## remove build/ (results/ is kept)
 	rm -rf build
 
-# Node.js may come from elsewhere than Debian
+# Node.js does not have to be Debian's
 build/web/report.html: web/node_modules/.package-lock.json web/index.html web/live.html web/vite.config.js $(wildcard web/src/* web/src/live/*)
 	@cd web && npm run --silent build
 

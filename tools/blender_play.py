@@ -1,11 +1,11 @@
 """Plays a run in Blender: a mesh with the point cache of `pellicle convert` in a Mesh Cache modifier.
 
-    pellicle convert results/ball ball.pc2          # and ball-bodies.obj
+    pellicle convert results/ball ball.pc2          # also writes ball-bodies.obj
     blender --python tools/blender_play.py -- ball-bodies.obj ball.pc2
 
-With --check ball.obj behind these, Blender says how far each frame is from the numbered file of the same frame
-(pellicle convert results/ball ball.obj: ball_00000.obj, ...), and
-with --picture out.png it draws the last frame; both also without a window (blender --background ...).
+Options after the two files: --check ball.obj prints the largest distance between the frames in Blender and the numbered files
+ball_00000.obj, ... of `pellicle convert results/ball ball.obj`; --picture out.png draws the last frame. Both also work without
+a window (blender --background ...).
 """
 import argparse
 import struct
@@ -36,9 +36,9 @@ def make_object(mesh_path, cache_path):
     cache.cache_format = "PC2"
     cache.filepath = cache_path
     cache.play_mode = "SCENE"
-    # Blender's first frame is 1 unless told otherwise
+    # the first frame of Blender is 1 by default
     cache.frame_start = 0
-    # both files are as the run wrote them: z up
+    # both files have z up, like the run
     cache.forward_axis = "POS_Y"
     cache.up_axis = "POS_Z"
     with open(cache_path, "rb") as file:
@@ -52,7 +52,7 @@ def make_object(mesh_path, cache_path):
 
 
 def check(body, path):
-    """the largest distance, over all frames, between a vertex as Blender has it and the numbered file's"""
+    """Largest distance, over all frames, between a vertex in Blender and in the numbered file."""
     scene, largest, moved = bpy.context.scene, 0.0, 0.0
     stem, first = path.removesuffix(".obj"), None
     for frame in range(scene.frame_end + 1):
@@ -66,7 +66,7 @@ def check(body, path):
     print(f"blender {bpy.app.version_string}: {scene.frame_end + 1} frames, {len(seen)} vertices, "
           f"largest motion {moved:.6g} m, largest difference {largest:.3g} m")
     if largest > 1e-6 * max(1.0, moved) or moved == 0:
-        sys.exit("Blender does not show what the run wrote")
+        sys.exit("error: the vertices in Blender differ from those of the run")
 
 
 def draw(body, path):

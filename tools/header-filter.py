@@ -1,4 +1,4 @@
-"""Doxygen filter: turns plain comments of a header into documentation, with every character taken literally."""
+"""Doxygen filter: converts the comments of a header to documentation; special characters of Doxygen are escaped."""
 import re
 import sys
 

@@ -1,5 +1,5 @@
-"""MkDocs hook: links to files outside of docs/ become their paths, because the site has the pages alone; scenes of the
-gallery get a link to the page that plays them, where tools/site makes those pages."""
+"""MkDocs hook: replaces links to files outside of docs/ by their paths, because the site contains only the pages. If tools/site
+built pages that play the scenes of the gallery, adds links to them."""
 import os
 import re
 

@@ -1,9 +1,9 @@
-# Stages of .ci/run and tools/nightly, sourced from the root of the tree with $logs set. The log of each stage is
-# $logs/STAGE.log; a stage that fails prints the end of its log.
+# Stages of .ci/run and tools/nightly. Source this file in the root of the tree, with $logs set. The log of each stage is
+# $logs/STAGE.log; if a stage fails, the end of its log is printed.
 mkdir -p "$logs"
 rows=() waiting=() failures=0
 
-# name, command...: runs the command, keeps its output and its seconds
+# stage NAME COMMAND...: runs the command; stores its output, result and duration
 stage() {
     local name=$1 start=$SECONDS result=ok
     shift
@@ -11,7 +11,7 @@ stage() {
     end_stage "$name" "$result" $((SECONDS - start)) "$*"
 }
 
-# the same beside the stages that follow, until `join`: for what waits more than it works
+# beside NAME COMMAND...: the same in parallel to the following stages, until `join`; for commands that mostly wait
 beside() {
     local name=$1
     shift
@@ -23,7 +23,7 @@ beside() {
     waiting+=("$name")
 }
 
-# waits for the stages that run beside
+# join: waits for the stages that were started with `beside`
 join() {
     local name result seconds command
     wait
@@ -34,7 +34,7 @@ join() {
     waiting=()
 }
 
-# name, result, seconds, command
+# end_stage NAME RESULT SECONDS COMMAND: adds a row to the table; on failure, prints the end of the log
 end_stage() {
     rows+=("$(printf '%-12s %-6s %5d s' "$1" "$2" "$3")")
     if [ "$2" = FAILED ]; then
@@ -44,7 +44,7 @@ end_stage() {
     fi
 }
 
-# all stages with their seconds, then the slowest tests
+# print_stages: prints all stages with their durations [s], then the slowest tests
 print_stages() {
     echo
     printf '%s\n' "${rows[@]}"

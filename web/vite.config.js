@@ -4,13 +4,13 @@ import { fileURLToPath } from "node:url";
 import { deflateSync } from "node:zlib";
 import { defineConfig } from "vite";
 
-// three pages, built one after the other: PELLICLE_PAGE is report, live or play. play is live with the simulation in it
-// instead of a connection to the program; it takes the package of `make wasm`.
+// Three pages, built one after the other: PELLICLE_PAGE is report, live or play. play is the live page with the simulation inside
+// instead of a connection to the program; it needs the package of `make wasm`.
 const name = process.env.PELLICLE_PAGE ?? "report";
 const input = { report: "index.html", live: "live.html", play: "live.html" }[name];
 const core = join(dirname(fileURLToPath(import.meta.url)), "../build/wasm/pellicle");
 
-// puts the script and the style into the page, so that it is one file
+// puts script and style into the page, so the page is one file
 function inline() {
     return {
         name: "inline",
@@ -38,7 +38,7 @@ function inline() {
     };
 }
 
-// the page with the simulation in it: its own script, the module, and the place where the program puts scene and meshes
+// the page with the simulation inside: its own script, the module, and the place where the program inserts scene and meshes
 function play() {
     return {
         name: "play",

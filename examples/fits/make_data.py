@@ -1,4 +1,4 @@
-"""Makes the measurements of the fits beside this file: runs with known numbers, and noise with a fixed seed.
+"""Generates the measurements of the fits in this folder: runs with known parameters, and noise with a fixed seed.
 
     build/venv/bin/python examples/fits/make_data.py
 """
@@ -15,7 +15,7 @@ SHEET = HERE / "sheet.ply"
 
 
 def curve(scene, overrides, x, y):
-    """Two columns of the series of a run."""
+    """Run a scene and return two columns of its series."""
     with tempfile.TemporaryDirectory() as folder:
         series = pellicle.run(HERE / scene, folder, overrides).series
     return series[x], series[y]
@@ -29,7 +29,7 @@ def write(name, header, columns):
 
 
 def make_sheet():
-    """A sheet of 0.1 x 0.06 m with the field `inclusion`: 1 in a disc, 0 outside."""
+    """Write a sheet of 0.1 m x 0.06 m with the field `inclusion`: 1 in a disc, 0 outside."""
     grid = pellicle.Mesh.shape("grid", size_x=0.1, size_y=0.06, nx=20, ny=12)
     place = np.hypot(grid.positions[:, 0] - 0.01, grid.positions[:, 1])
     inclusion = np.clip((0.018 - place) / 0.004, 0, 1)

@@ -1,9 +1,10 @@
-/* spacemouse [MESH RADIUS]: presses a ball into a soft body with a SpaceMouse, through libspnav and the daemon
-   spacenavd
+/* spacemouse [MESH RADIUS]: presses a ball of a radius [m] into a soft body with a SpaceMouse, through libspnav and the
+   daemon spacenavd
 
-   A SpaceMouse tells how far its cap is deflected, and has no motors. The deflection is taken as a velocity and the
-   force of the loop as a velocity against it, force / damping: pressed with a steady hand, the ball stops where both
-   are the same, so the hand works against the tissue. Other devices replace read_device and write_device. */
+   A SpaceMouse reports the deflection of its cap and has no motors. The velocity of the ball is proportional to the
+   deflection, plus force / damping for the force of the loop. If the deflection is constant, the ball stops where both
+   velocities cancel out, so a larger deflection presses deeper. For another device, replace read_device and
+   write_device. */
 #include <math.h>
 #include <pellicle/pellicle.h>
 #include <signal.h>
@@ -14,7 +15,7 @@
 #include <time.h>
 
 enum { RATE = 1000, STEP_RATE = 100 };
-/* of libspnav, at full deflection */
+/* value of libspnav at full deflection */
 #define FULL 350.0
 /* s without an event after which the cap counts as released */
 #define SILENCE 0.1
@@ -36,7 +37,7 @@ static void check(pel_status status, const pel_error *error)
     exit(1);
 }
 
-/* what the loop's thread keeps of the device */
+/* state of the device in the thread of the loop */
 typedef struct device {
     double position[3];   /* m */
     double deflection[3]; /* -1 .. 1, in the axes of the scene */
@@ -46,7 +47,7 @@ typedef struct device {
     int quiet;            /* updates since the last event */
 } device;
 
-/* axes of the daemon: x right, y up, z towards the user; of the scene: z up */
+/* converts the axes of the daemon (x right, y up, z towards the user) to those of the scene (z up) */
 static bool read_device(void *user, double position[3], double rotation[4])
 {
     device *d = user;
@@ -88,7 +89,7 @@ int main(int argc, char **argv)
     pel_sim *sim;
     pel_haptic *haptic;
     if (spnav_open() != 0) {
-        fprintf(stderr, "no answer from spacenavd: start the daemon and attach the device\n");
+        fprintf(stderr, "error: spacenavd does not answer. start the daemon and connect the device\n");
         return 1;
     }
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);

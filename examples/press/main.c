@@ -1,9 +1,9 @@
-/* press [MESH RADIUS]: pushes a ball into a soft body, withdraws it and prints what the ball feels */
+/* press [MESH RADIUS]: presses a ball of a radius [m] into a soft body, withdraws it, and prints its depth and force */
 #include <pellicle/pellicle.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* whatever can fail returns a status and fills the error with what is wrong, where, and what to do */
+/* functions that can fail return a status and fill the error: problem, place and remedy */
 static void check(pel_status status, const pel_error *error)
 {
     char text[800];
@@ -22,7 +22,7 @@ int main(int argc, char **argv)
                    : pel_shape_create(&def, &mesh, &error),
           &error);
 
-    /* the model never changes: meshes, masses, springs; the default body is soft and has volumetric springs */
+    /* the model is constant: meshes, masses and springs. The default body is soft and has volumetric springs */
     pel_body_def body = pel_body_def_default();
     body.name = "body";
     body.mesh = mesh;
@@ -32,7 +32,7 @@ int main(int argc, char **argv)
     pel_model *model;
     check(pel_model_create(&model_def, &model, &error), &error);
 
-    /* the ball touches the highest vertex, goes down by half its radius in a second and up again in another */
+    /* the ball starts just above the highest vertex, moves down by half its radius in 1 s, and up again in 1 s */
     const double *top = mesh->positions[0];
     for (int32_t v = 1; v < mesh->vertex_count; v++)
         top = mesh->positions[v][2] > top[2] ? mesh->positions[v] : top;
@@ -40,7 +40,7 @@ int main(int argc, char **argv)
     pel_pose_key keys[] = {
         {0, {x, y, z}, {0, 0, 0, 1}, {0}}, {1, {x, y, low}, {0, 0, 0, 1}, {0}}, {2, {x, y, z}, {0, 0, 0, 1}, {0}}};
     const pel_tool_def ball = {.name = "ball", .radius = r, .keys = keys, .key_count = 3, .body = 0, .press = true};
-    /* the simulation changes: one state of the model under tools and loads */
+    /* the simulation: the state of the model, which changes under tools and loads */
     pel_sim_def sim_def = pel_sim_def_default();
     sim_def.model = model;
     sim_def.tools = &ball;
@@ -52,7 +52,7 @@ int main(int argc, char **argv)
         pel_tool_reading felt;
         pel_sim_get_tool(sim, 0, &felt);
         if (step % 25 == 0)
-            printf("%.2f s: pushed %7.4f m, force %7.4f N\n", pel_sim_time(sim), z - felt.position[2], felt.force[2]);
+            printf("%.2f s: depth %7.4f m, force %7.4f N\n", pel_sim_time(sim), z - felt.position[2], felt.force[2]);
     }
     pel_sim_destroy(sim);
     pel_model_destroy(model);

@@ -1,4 +1,4 @@
-"""Fit a balloon's Mooney-Rivlin constants to its pressure curve.
+"""Fit the Mooney-Rivlin constants of a balloon to its pressure curve.
 
     build/venv/bin/python examples/python/fit.py
 """
@@ -19,4 +19,4 @@ def main(folder="results/balloon-fit"):
 
 if __name__ == "__main__":
     c1, c2 = main()
-    print(f"c1 = {c1:.0f} Pa (data were made with 181818), c2 = {c2:.0f} Pa (18182)")
+    print(f"c1 = {c1:.0f} Pa (the data were generated with 181818 Pa), c2 = {c2:.0f} Pa (18182 Pa)")

@@ -1,9 +1,9 @@
-"""Inflate a rubber balloon past its maximum of pressure.
+"""Inflate a rubber balloon past its maximum pressure.
 
     build/venv/bin/python examples/python/inflate.py
 
-The volume is driven, because no pressure beyond the maximum could be held. The pressure is read from the force that it has
-on the surface, and compared with the closed form of a sphere of Mooney-Rivlin rubber.
+The scene prescribes the volume, because past the maximum pressure there is no equilibrium at a larger pressure. The pressure is
+computed from its force on the surface, and compared with the closed-form solution of a sphere of Mooney-Rivlin rubber.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def closed_form(stretch):
 
 
 def inflate(frequency=8, volume=8.0, steps=28):
-    """Stretches and pressures [Pa] of a sphere that is blown up to `volume` times its own."""
+    """Stretches and pressures [Pa] of a sphere that is inflated to `volume` times its volume at rest."""
     sim = pellicle.load_scene(
         {
             "bodies": [
@@ -28,7 +28,7 @@ def inflate(frequency=8, volume=8.0, steps=28):
                     "mesh": pellicle.Mesh.shape("geodesic-sphere", frequency=frequency, radius=RADIUS),
                     "mass": {"density": 950, "thickness": THICKNESS},
                     "membrane": {"material": "mooney-rivlin", "young": YOUNG, "poisson": 0.5, "mooney_ratio": RATIO},
-                    "bending": {"model": "none"},  # the closed form is that of a membrane
+                    "bending": {"model": "none"},  # the closed form is that of a membrane without bending
                     "pressure": {"volume": {"target": {"keys": [[0, 1], [1, volume]]}, "bulk": 1e6}},
                 }
             ],
@@ -40,7 +40,7 @@ def inflate(frequency=8, volume=8.0, steps=28):
         sim.step()
         mesh = sim.mesh()
         normals = mesh.measure()["normal"]
-        # the force of a pressure is the pressure times the area that a vertex stands for, along the normal
+        # the force of the pressure on a vertex is the pressure times the vertex's area, along the normal
         force = np.einsum("ij,ij->", sim.field("balloon", "pressure"), normals)
         stretches.append(sim.summary()["volume_ratio"] ** (1 / 3))
         pressures.append(force / mesh.area)

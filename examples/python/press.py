@@ -1,8 +1,8 @@
-"""Press a hollow ball with a spherical probe and plot force over depth.
+"""Press a spherical probe into a hollow ball and plot the force over the depth.
 
     build/venv/bin/python examples/python/press.py [press.png]
 
-Without matplotlib the numbers are printed only.
+Without matplotlib, the script only prints the numbers.
 """
 
 import sys
@@ -11,7 +11,10 @@ import pellicle
 
 
 def press():
-    """Depths [m], forces [N] and residuals [N] of a probe that goes 12 mm into a ball of 50 mm, at rest at each depth."""
+    """Depths [m], forces [N] and residuals [N] of a probe that moves 12 mm into a ball of 50 mm radius.
+
+    The ball is in equilibrium at each depth.
+    """
     ball = pellicle.Mesh.shape("geodesic-sphere", frequency=8, radius=0.05)
     sim = pellicle.load_scene(
         {
@@ -53,7 +56,7 @@ def plot(path, depths, forces):
         matplotlib.use("Agg")
         import matplotlib.pyplot as plot
     except ImportError:
-        print("no matplotlib: no picture (Debian: python3-matplotlib)")
+        print("matplotlib is not installed, so no picture is drawn. install it (Debian: python3-matplotlib)")
         return
     plot.plot([1e3 * depth for depth in depths], forces, "o-")
     plot.xlabel("depth / mm")
@@ -64,6 +67,6 @@ def plot(path, depths, forces):
 if __name__ == "__main__":
     depths, forces, residuals = press()
     for depth, force, residual in zip(depths, forces, residuals):
-        print(f"{1e3 * depth:6.2f} mm  {force:8.4f} N  (left over {residual:.1e} N)")
+        print(f"{1e3 * depth:6.2f} mm  {force:8.4f} N  (residual {residual:.1e} N)")
     if len(sys.argv) > 1:
         plot(sys.argv[1], depths, forces)

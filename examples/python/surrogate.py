@@ -1,8 +1,8 @@
-"""A study of 200 runs, and a small neural network in numpy that learns its table.
+"""Execute a study of 200 runs, and train a small neural network in numpy on its table.
 
     build/venv/bin/python examples/python/surrogate.py
 
-The network has one hidden layer and is trained by Adam (Kingma, Ba, 2015) on 160 runs; the other 40 test it.
+The network has one hidden layer. It is trained with Adam (Kingma, Ba, 2015) on 160 runs and tested on the other 40.
 """
 
 import pathlib
@@ -16,7 +16,7 @@ INPUTS = ["bodies.ball.springs.stiffness", "bodies.ball.volumetric.stiffness"]
 
 
 def learn(inputs, outputs, hidden=24, rounds=6000, seed=0):
-    """A function that predicts outputs (n,) from inputs (n, k), both in units of their spread."""
+    """A function that predicts outputs (n,) from inputs (n, k). Both must be scaled to standard deviation 1."""
     draw = np.random.default_rng(seed)
     weights = [draw.standard_normal((inputs.shape[1], hidden)), np.zeros(hidden), draw.standard_normal(hidden) / hidden**0.5, 0.0]
     first, second = [0 * w for w in weights], [0 * w for w in weights]
@@ -48,4 +48,4 @@ def main(folder):
 
 if __name__ == "__main__":
     mean, largest = main(sys.argv[1] if len(sys.argv) > 1 else "results/surrogate")
-    print(f"depth of 40 runs that the network has not seen: mean error {100 * mean:.2f} %, largest {100 * largest:.2f} %")
+    print(f"depth in the 40 test runs: mean error {100 * mean:.2f} %, largest error {100 * largest:.2f} %")

@@ -1,5 +1,5 @@
 /* Pellicle: status codes, errors and basic types that every other header uses.
-   SI units unless said otherwise. Nothing here keeps state; all functions may be called from any thread. */
+   SI units unless stated otherwise. Nothing here keeps state; any thread may call all functions. */
 #ifndef PELLICLE_BASE_H
 #define PELLICLE_BASE_H
 
@@ -40,38 +40,38 @@ typedef enum pel_status {
     PEL_OK = 0,
     PEL_OUT_OF_MEMORY, /* an allocation failed */
     PEL_BAD_ARGUMENT,  /* an argument or a member of a def is missing, NaN, infinite or out of range */
-    PEL_BAD_FILE,      /* a file cannot be opened, read or written (see errno text in the message) */
+    PEL_BAD_FILE,      /* a file cannot be opened, read or written (the message has the reason of the system) */
     PEL_BAD_FORMAT,    /* the content of a file violates its format */
     PEL_BAD_MESH,      /* a mesh has a topology or geometry that cannot be simulated */
     PEL_BAD_SCENE,     /* a scene file has an unknown key, a wrong type or a value out of range */
-    PEL_UNSTABLE,      /* a parameter lies beyond the stability limit of this mesh */
-    PEL_DIVERGED,      /* the state became NaN, infinite or absurdly large during a step */
-    PEL_STOPPED,       /* a hook asked to stop (Ctrl-C) */
+    PEL_UNSTABLE,      /* a parameter exceeds the stability limit of this mesh */
+    PEL_DIVERGED,      /* the state became NaN, infinite or extremely large during a step */
+    PEL_STOPPED,       /* a callback requested the stop, for example after Ctrl-C */
     PEL_STATUS_COUNT
 } pel_status;
 
-/* PEL_VERSION of the library in use, which may be newer than that of the header. Never null; lives forever. */
+/* PEL_VERSION of the library in use, which may be newer than the header. Never null; lives forever. */
 PEL_API const char *pel_version(void);
 
-/* Instructions that the library uses on this machine: "avx2" or "baseline". The results do not depend on it. Built
-   without PELLICLE_NATIVE the library has both, and PELLICLE_KERNELS=baseline in the environment, before the program
-   starts, takes the second. Lives forever. */
+/* Instruction set that the library uses on this machine: "avx2" or "baseline". The results do not depend on it. A
+   library built without PELLICLE_NATIVE contains both; the environment variable PELLICLE_KERNELS=baseline, set before
+   the program starts, selects the second. Lives forever. */
 PEL_API const char *pel_kernels(void);
 
 /* Short English name of a status, such as "out of memory". Never null; lives forever. */
 PEL_API const char *pel_status_text(pel_status status);
 
-/* Details of a failure. Every function that takes a `pel_error *` accepts null; on success it leaves the error alone.
-   Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
+/* Details of a failure. Every function that takes a `pel_error *` accepts null; on success it does not change the
+   error. Members that do not apply are zero or empty; `element` and `byte_offset` are -1 then. */
 typedef struct pel_error {
     pel_status status;
-    char file[256];                   /* file the failure is about */
+    char file[256];                   /* the file that contains the problem */
     int32_t line, column;             /* place in that file, from 1 */
     int64_t byte_offset;              /* place in a binary file, from 0; -1 = does not apply */
     char element_kind[24];            /* "vertex", "triangle", "edge", "tool", ... */
     int64_t element;                  /* its number, from 0; -1 = does not apply */
-    char element_name[PEL_NAME_SIZE]; /* its name in the scene, which the text gives instead of the number */
-    char what[320];                   /* what is wrong, one sentence without a full stop */
+    char element_name[PEL_NAME_SIZE]; /* its name in the scene, which replaces the number in the text */
+    char what[320];                   /* the problem, one sentence without a full stop */
     char remedy[320];                 /* what to do about it, one sentence without a full stop */
 } pel_error;
 
@@ -79,9 +79,9 @@ typedef struct pel_error {
    Returns text. */
 PEL_API const char *pel_error_text(const pel_error *error, char *text, size_t size);
 
-/* The name (of count) with the smallest edit distance to `name`, the first of several; upper and lower case, '-' and
-   '_' count as equal. Null if all differ by more than a third of the letters and by more than two. For remedies: "did
-   you mean ...?". */
+/* The name (of count) with the smallest edit distance to `name`, or the first of several such names; case is ignored,
+   and '-' equals '_'. Null if all differ by more than two letters and by more than a third of the letters. For remedies
+   such as "did you mean ...?". */
 PEL_API const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 
 /* For writers of JSON: writes the first letter of `text` (not empty), escaped for a JSON string and zero-terminated,

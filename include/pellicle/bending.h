@@ -9,8 +9,8 @@
             \ | /            every convex body), in [-pi, pi]
              x0
 
-   Neither energy converges to a plate on all meshes: cylindrical bending is right, the bending Poisson ratio is not the
-   material's (-1/3 on equilateral meshes; theory page, section 5). */
+   Neither energy converges to that of a plate on all meshes: cylindrical bending is right, but Poisson's ratio in
+   bending is that of the mesh, not of the material (-1/3 on equilateral meshes; theory page, section 5). */
 #ifndef PELLICLE_BENDING_H
 #define PELLICLE_BENDING_H
 
@@ -20,12 +20,12 @@
 extern "C" {
 #endif
 
-/* D = young thickness^3 / (12 (1 - poisson^2)) [N m], the bending stiffness of a plate. */
+/* D = young thickness^3 / (12 (1 - poisson^2)) [N m], the flexural rigidity of a plate. */
 PEL_API double pel_bending_stiffness(double young, double poisson, double thickness);
 
 /* Quadratic isometric bending (Bergou et al. 2006; paper B, equation 3): E = factor / 2 |sum_a weight[a] x_a|^2 with
-   the cotangent weights of the rest shape, which sum to zero, and factor = 3 / (A0 + A1). Dimensionless: multiply by
-   the paper's k_B, or by D / 3 to stand for a plate of bending stiffness D [J]. */
+   the cotangent weights of the rest shape, which sum to zero, and factor = 3 / (A0 + A1). E has no unit: multiply it by
+   the paper's k_B, or by D / 3 for the energy [J] of a plate with the flexural rigidity D. */
 typedef struct pel_bending_isometric {
     double weight[4];
     double factor;      /* 1/m2 */
@@ -36,13 +36,13 @@ typedef struct pel_bending_isometric {
 PEL_API bool pel_bending_isometric_setup(const double rest[4][3], pel_bending_isometric *stencil);
 
 typedef enum pel_bending_form {
-    PEL_BENDING_LITERAL,        /* E: the paper's; pulls a curved rest shape flat */
-    PEL_BENDING_REST_SUBTRACTED /* E - E(rest): as a constraint it is met by the rest shape. As an energy it is E, less
-                                   a constant: the same forces */
+    PEL_BENDING_LITERAL,        /* E, as in the paper; flattens a curved rest shape */
+    PEL_BENDING_REST_SUBTRACTED /* E - E(rest): as a constraint, the rest shape satisfies it. As an energy it differs
+                                   from E by a constant, so it has the same forces */
 } pel_bending_form;
 
-/* Energy in units of the stiffness that it is multiplied by, and its gradient on the four points [1/m]; gradient may be
-   null. Invariant under rigid motion; no net force, no net torque. */
+/* Energy E without the stiffness factor [1], and its gradient on the four points [1/m]; gradient may be null. Invariant
+   under rigid motion; no net force, no net torque. */
 PEL_API double pel_bending_isometric_energy(const pel_bending_isometric *stencil, pel_bending_form form,
                                             const double x[4][3], double gradient[4][3]);
 
@@ -55,7 +55,7 @@ PEL_API double pel_dihedral_angle(const double x[4][3], double gradient[4][3]);
    to pi, or along the shorter arc if the rest angle is sharper than a quarter turn. */
 typedef struct pel_hinge {
     double factor;
-    double rest_angle; /* rad; its negative makes the rest shape cave in */
+    double rest_angle; /* rad; reverse its sign to make the surface cave in */
 } pel_hinge;
 
 /* From the rest positions (4 x 3). False, and all zero, when one of the triangles has no area. */

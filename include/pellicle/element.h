@@ -20,8 +20,9 @@ typedef struct pel_rest_triangle {
 /* From rest positions in space (3 x 3). False, and all zero, when the triangle has no area. */
 PEL_API bool pel_rest_triangle_setup(const double rest[3][3], pel_rest_triangle *triangle);
 
-/* The direction of a vector in space within the plane of the rest triangle, as a unit vector in its frame, for fibres.
-   False, and direction (1, 0), when the vector is null or normal to the triangle or the triangle has no area. */
+/* For fibres: projects a vector in space into the plane of the rest triangle and normalizes it, in the frame of the
+   triangle. False, and direction (1, 0), if the vector is zero or normal to the triangle, or if the triangle has no
+   area. */
 PEL_API bool pel_rest_triangle_direction(const double rest[3][3], const double vector[3], double direction[2]);
 
 /* F = D_s D_m^-1 (3 x 2) row-major, D_s = [x0 - x2, x1 - x2]. */

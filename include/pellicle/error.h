@@ -1,7 +1,7 @@
-/* Pellicle: filling a pel_error, for all who write functions that return a pel_status: this library, the program, and
-   hooks of yours. Every function accepts a null error, so that a failure is one line:
+/* Pellicle: filling a pel_error, in functions that return a pel_status: those of this library, of the program, and your
+   own. Every function accepts a null error, so a failure takes one line:
        return pel_fail(error, PEL_BAD_MESH, "triangle %d has no area", t);
-   Texts that are too long are cut. */
+   Texts that are too long are truncated. */
 #ifndef PELLICLE_ERROR_H
 #define PELLICLE_ERROR_H
 
@@ -23,14 +23,14 @@ PEL_API pel_status pel_fail(pel_error *error, pel_status status, const char *wha
 /* "out of memory" with the usual remedy; returns PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_fail_memory(pel_error *error);
 
-/* Additions to an error that was just filled: the remedy; the element it is about; the file (null leaves it out) with
-   line and column (0 = none) or with a place in bytes. */
+/* Add to an error that was just filled: the remedy; the element with the problem; the file (null omits it) with line
+   and column (0 = none), or with an offset in bytes. */
 PEL_API void pel_fail_remedy(pel_error *error, const char *format, ...) PEL_PRINTF(2, 3);
 PEL_API void pel_fail_element(pel_error *error, const char *kind, int64_t element);
 PEL_API void pel_fail_place(pel_error *error, const char *file, int32_t line, int32_t column);
 PEL_API void pel_fail_offset(pel_error *error, const char *file, int64_t byte_offset);
 
-/* One formatted line to a log that may be null. */
+/* Writes one formatted line to a log, which may be null. */
 PEL_API void pel_log_line(const pel_log *log, const char *format, ...) PEL_PRINTF(2, 3);
 
 #ifdef __cplusplus

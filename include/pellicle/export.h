@@ -1,10 +1,12 @@
-/* Pellicle: runs for other programs: point caches, glTF with morph targets, numbered mesh files. All read the frames
-   twice, first to find damage, so that nothing is written when a frame is bad; memory holds a few frames at a time.
+/* Pellicle: export of runs to other programs: point caches, glTF with morph targets, numbered mesh files. Each export
+   reads the frames twice: first to find damage, so that nothing is written if a frame is damaged. At any time, memory
+   contains only a few frames.
 
-   Bodies that refine have other triangles in other frames. All exports then put every frame on the finest common mesh:
-   each triangle that any frame splits is split, and the surface of each frame does not change. The vertices of the
-   bodies' meshes come first, body by body; fields are interpolated; level, mesh_vertices and mesh_weights are omitted.
-   Tools are separate parts after the bodies, posed as in each frame; a tool that was added later rests until then. */
+   The triangles of bodies that refine change between frames. The exports then convert every frame to the finest common
+   mesh: a triangle that is split in any frame is split in all frames, and the surface of each frame does not change.
+   The vertices of the bodies' meshes come first, body by body; fields are interpolated; the fields level, mesh_vertices
+   and mesh_weights are omitted. Tools are separate parts after the bodies, with their pose in each frame. A tool that
+   was added during the run has its first pose in the frames before. */
 #ifndef PELLICLE_EXPORT_H
 #define PELLICLE_EXPORT_H
 
@@ -15,21 +17,21 @@
 extern "C" {
 #endif
 
-/* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): the positions of the bodies in all frames,
-   one sample a frame from frame 0, and next to OUT.pc2 the mesh for it, OUT-bodies.obj. Each tool has its own cache and
+/* Writes a point cache PC2 (Blender's Mesh Cache modifier, Maya, 3ds Max): OUT.pc2 has the positions of the bodies in
+   all frames, one sample per frame from frame 0, and OUT-bodies.obj the mesh for it. Each tool has its own cache and
    mesh, OUT-NAME.pc2 and OUT-NAME.obj; characters of its name other than letters, digits, - and _ become _, and its
-   number is added. Without refinement the cache of the bodies fits final.ply too. Errors: those of pel_frames_read;
-   PEL_BAD_FORMAT when the triangles change and a frame does not say where its vertices lie in the mesh (fields
-   mesh_vertices and mesh_weights), naming the frame; PEL_BAD_FILE. */
+   number is added. Without refinement the cache of the bodies also fits final.ply. Errors: those of pel_frames_read;
+   PEL_BAD_FORMAT with the frame, if the triangles change and a frame lacks the fields mesh_vertices and mesh_weights,
+   which contain the places of its vertices in the mesh; PEL_BAD_FILE. */
 PEL_API pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error *error);
 
 /* Writes a binary glTF 2.0 file with a node for each body and each tool: frame 0 as a mesh with normals, every further
-   frame as a morph target, and one animation in which the weights go from frame to frame at the times of the frames.
-   Nodes of tools have their names, those of several bodies "body 0", "body 1", ...; all turn the z axis up.
-   Errors: as above, and PEL_BAD_ARGUMENT when the file would pass the format's 4 GiB. */
+   frame as a morph target, and one animation that blends from frame to frame at the times of the frames.
+   Nodes of tools have their names, nodes of several bodies are "body 0", "body 1", ...; all nodes convert from z up to
+   the y up of glTF. Errors: as above, and PEL_BAD_ARGUMENT if the file would exceed the format's limit of 4 GiB. */
 PEL_API pel_status pel_export_glb(const char *path, const pel_frames *frames, pel_error *error);
 
-/* The same of one mesh that does not move; a node for each number of its field `body`. */
+/* The same for one mesh without motion; a node for each number of its field `body`. */
 PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
 
 /* Longest path of a numbered file, terminating zero included. */

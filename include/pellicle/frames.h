@@ -1,4 +1,4 @@
-/* Pellicle: reading the folder of a run: the frames, one at a time, and columns of the series. */
+/* Pellicle: reading the folder of a run: the frames, one at a time, and columns of series.csv. */
 #ifndef PELLICLE_FRAMES_H
 #define PELLICLE_FRAMES_H
 
@@ -19,19 +19,19 @@ typedef enum pel_run_file {
     PEL_RUN_FILE_COUNT
 } pel_run_file;
 
-/* "series.csv" and the like; lives forever, null for an unknown number. */
+/* The name of a file, such as "series.csv"; lives forever. Null for an unknown number. */
 PEL_API const char *pel_run_file_name(pel_run_file file);
 
 /* The frames that frames.pvd names, in its order. Plain data, owned by the list, not to be changed. */
 typedef struct pel_frames {
     int32_t frame_count;
-    char **paths;  /* (frame_count) each a .vtp file, the folder in front */
+    char **paths;  /* (frame_count) .vtp files, with the folder */
     double *times; /* (frame_count) s */
     char *folder;
     /* tools: further parts of a frame, in files of their own */
     int32_t tool_count;
     char **tool_names; /* (tool_count) */
-    char **tool_paths; /* (frame_count x tool_count) null = the tool was not there */
+    char **tool_paths; /* (frame_count x tool_count) null = the frame does not have the tool */
 } pel_frames;
 
 /* Opens a folder of pel_run, finished or not. On failure *frames is null. Free with pel_frames_close. Errors:
@@ -39,7 +39,7 @@ typedef struct pel_frames {
    newer version than this library), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_frames_open(const char *folder, pel_frames **frames, pel_error *error);
 
-/* null is fine */
+/* Null is permitted. */
 PEL_API void pel_frames_close(pel_frames *frames);
 
 /* Reads frame `frame` (0 .. frame_count - 1) with its fields. On failure *mesh is null. Free with pel_mesh_destroy.
@@ -65,19 +65,19 @@ PEL_API pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline
 /* Some columns of a series.csv. */
 typedef struct pel_series {
     int32_t column_count;
-    int64_t row_count; /* whole rows; one that is being written has no end yet and does not count */
-    double *values;    /* (column_count x row_count) NaN for a cell that is missing or no number */
+    int64_t row_count; /* complete rows; a row that is being written does not count */
+    double *values;    /* (column_count x row_count); NaN for a cell that is missing or not a number */
 } pel_series;
 
-/* Reads the columns of these names (name_count >= 1); one that the file lacks is all NaN. On failure *series is null.
-   Free with pel_series_destroy. Errors: PEL_BAD_ARGUMENT (no names), PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+/* Reads the columns with these names (name_count >= 1); a column that the file lacks is all NaN. On failure *series is
+   null. Free with pel_series_destroy. Errors: PEL_BAD_ARGUMENT (no names), PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_series_read(const char *path, const char *const *names, int32_t name_count, pel_series **series,
                                    pel_error *error);
 
-/* null is fine */
+/* Null is permitted. */
 PEL_API void pel_series_destroy(pel_series *series);
 
-/* One value; NaN beyond the rows or columns that are there. */
+/* One value; NaN for a row or column that does not exist. */
 PEL_API double pel_series_value(const pel_series *series, int32_t column, int64_t row);
 
 #ifdef __cplusplus

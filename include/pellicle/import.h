@@ -1,4 +1,4 @@
-/* Pellicle: meshes from any file. Links with pellicle::scene. */
+/* Pellicle: reading mesh files of many formats. In the library pellicle_scene (CMake target pellicle::scene). */
 #ifndef PELLICLE_IMPORT_H
 #define PELLICLE_IMPORT_H
 
@@ -15,7 +15,7 @@ extern "C" {
    log (nullable) receives notes on what was joined, welded and omitted. On failure *mesh is null; free with
    pel_mesh_destroy.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT (unknown format, damaged, no triangles),
-   PEL_OUT_OF_MEMORY. The bound on memory that pel_mesh_read keeps does not hold for formats that assimp reads. */
+   PEL_OUT_OF_MEMORY. For formats that assimp reads, memory use is not bounded as in pel_mesh_read. */
 PEL_API pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
 
 #ifdef __cplusplus

@@ -78,8 +78,8 @@ PEL_API pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const 
 /* ---- loads, tools, pins, forces ---- */
 
 /* Adds a load or tool, validated as by pel_sim_create for the present state: a tool that would start inside a body is
-   refused. Names are unique among loads and among tools. The new one has the last index, such as pel_sim_tool_count
-   - 1. Keys use the time of the simulation. */
+   refused. Names are unique among loads and among tools. The new one has the last index, which is one less than
+   the new count. Keys use the time of the simulation. */
 PEL_API pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error);
 PEL_API pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *error);
 /* Removes a load or tool; a tool releases its vertices. Later indices decrease by one. PEL_BAD_ARGUMENT for an index
@@ -125,13 +125,13 @@ typedef struct pel_pick_hit {
 PEL_API pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction[3], pel_pick_hit *hit,
                             pel_error *error);
 
-/* A hand that holds a part of a surface through a spring. */
+/* A spring that holds vertices of a surface. */
 typedef struct pel_drag pel_drag;
 typedef struct pel_drag_reading {
     double point[3];    /* m, the held point of the surface */
     double target[3];   /* m, the other end of the spring */
     double force[3];    /* N, of the spring on the surface: stiffness times (target - point) */
-    double reaction[3]; /* N, of the surface on the hand in the last step; at rest it is minus the force */
+    double reaction[3]; /* N, of the surface on the spring in the last step; at rest it is minus the force */
     int32_t held_count; /* vertices */
 } pel_drag_reading;
 
@@ -143,13 +143,13 @@ PEL_API pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double 
 /* Sets the target [m]; call before each step. The held point follows until spring and surface are in equilibrium. */
 PEL_API pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
 PEL_API void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);
-/* Releases the vertices and frees the drag, also on errors; after PEL_OUT_OF_MEMORY its tool remains but holds nothing.
+/* Releases the vertices and frees the drag, also on errors. After PEL_OUT_OF_MEMORY its tool remains, without vertices.
  */
 PEL_API pel_status pel_drag_end(pel_drag *drag, pel_error *error);
 
 /* ---- snapshots ---- */
 
-/* A simulation at a time, with its parameters, loads and tools, for reset and undo. */
+/* The state of a simulation with its parameters, loads and tools, for reset and undo. */
 typedef struct pel_snapshot pel_snapshot;
 
 /* PEL_OUT_OF_MEMORY. Free with pel_snapshot_destroy, before or after the simulation. */
@@ -159,7 +159,7 @@ PEL_API void pel_snapshot_destroy(pel_snapshot *snapshot);
    steps are equal. End open drags first. PEL_BAD_ARGUMENT for another simulation, PEL_OUT_OF_MEMORY; errors leave the
    simulation unchanged. */
 PEL_API pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error);
-/* size in bytes */
+/* Size in bytes. */
 PEL_API size_t pel_snapshot_size(const pel_snapshot *snapshot);
 
 #ifdef __cplusplus

@@ -36,8 +36,8 @@
 extern "C" {
 #endif
 
-/* The laws: enumerator, name of the functions in src/law, name in scene files. A law is its file there and a row here.
- */
+/* The laws: enumerator, name of the functions in src/law, name in scene files. To add a law, add its file in src/law
+   and a row here. */
 #define PEL_MEMBRANE_LAWS(ROW)                                                                                         \
     ROW(STVK, stvk, "stvk")                                                                                            \
     ROW(COROTATED, corotated, "corotated")                                                                             \
@@ -60,37 +60,38 @@ enum { PEL_MEMBRANE_COUNT = 0 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ONE) }; /* number o
 typedef struct pel_membrane_material {
     pel_membrane_kind kind;
     double young;           /* Young's modulus at small strain [Pa], > 0 */
-    double poisson;         /* Poisson's ratio, -1 < poisson < 1; above 0.5 only a sheet that is no solid has it */
+    double poisson;         /* Poisson's ratio, -1 < poisson < 1; above 0.5 only for sheets that are not solids */
     double thickness;       /* [m], > 0 */
     double mooney_ratio;    /* c2 / c1, >= 0; read by mooney-rivlin only */
     double extension_limit; /* Jm, the I1 - 3 at which chains end, > 0; read by gent only */
     double stiffening;      /* b, > 0; read by fung only */
 } pel_membrane_material;
 
-/* The name of a law in scene files; "unknown" for a number that is no law. */
+/* The name of a law in scene files; "unknown" for any other number. */
 PEL_API const char *pel_membrane_kind_name(pel_membrane_kind kind);
 
 /* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
-   the same function, as the sign of its I4 is always 1. Stiffness against stretch at rest: k, 4 k, k. */
+   the same function, because the sign of I4 is always 1. Their stiffness at rest is k, 4 k and k. */
 typedef enum pel_fibre_kind {
     PEL_FIBRE_ARAP, /* k/2 (sqrt I5 - sign I4)^2 */
     PEL_FIBRE_STVK, /* k/2 (I5 - 1)^2 */
     PEL_FIBRE_SQRT  /* k/2 (sqrt I5 - 1)^2 */
 } pel_fibre_kind;
 
-/* Refuses NaN, infinity and numbers out of the ranges above that the law reads (PEL_BAD_ARGUMENT naming the member). */
+/* Refuses NaN, infinity and values out of the ranges above, for the members that the law reads (PEL_BAD_ARGUMENT with
+   the member). */
 PEL_API pel_status pel_membrane_material_check(const pel_membrane_material *material, pel_error *error);
 
 /* Plane-stress Lame parameters with the thickness included [N/m], theory page section 1. */
 PEL_API void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda);
 
 /* Energy per unit rest area psi [J/m2]; first_piola (3 x 2) row-major, may be null. The stress is the exact derivative
-   of psi; for PEL_MEMBRANE_LINEAR the turning of the frame is in it. The material must be valid. */
+   of psi, including the rotation of the frame for PEL_MEMBRANE_LINEAR. The material must be valid. */
 PEL_API double pel_membrane_density(const pel_membrane_material *material, const double deformation_gradient[6],
                                     double first_piola[6]);
 
-/* Energy per unit rest area of fibres along the unit vector direction of the rest frame; first_piola may be null. A
-   fibre that was crushed to length 0 exerts no force. */
+/* Energy [J/m2] per unit rest area of fibres along the unit vector `direction` in the rest frame; first_piola may be
+   null. A fibre compressed to length 0 exerts no force. */
 PEL_API double pel_fibre_density(pel_fibre_kind kind, double stiffness, const double direction[2],
                                  const double deformation_gradient[6], double first_piola[6]);
 

@@ -16,8 +16,9 @@ typedef struct pel_field {
     double *values;          /* (vertex_count x component_count) */
 } pel_field;
 
-/* An indexed triangle mesh: plain arrays, readable by anyone, owned by the mesh, not to be changed after creation.
-   Positions are metres unless the user says otherwise; triangles are counter-clockwise seen from outside. */
+/* An indexed triangle mesh: plain arrays, owned by the mesh. Read them directly; do not change them after creation.
+   Positions are in metres, unless the file or the caller uses another unit; triangles are counter-clockwise seen from
+   outside. */
 typedef struct pel_mesh {
     int32_t vertex_count;
     int32_t triangle_count;
@@ -29,22 +30,22 @@ typedef struct pel_mesh {
 
 /* Copies positions (vertex_count x 3) and triangles (triangle_count x 3) into a new mesh.
    Refuses NaN, infinity, indices out of range and counts below 1 (PEL_BAD_ARGUMENT with the element).
-   Topology is not looked at: see pel_mesh_check. On failure *mesh is null. Free with pel_mesh_destroy. */
+   The topology is not checked: see pel_mesh_check. On failure *mesh is null. Free with pel_mesh_destroy. */
 PEL_API pel_status pel_mesh_create(const double *positions, int32_t vertex_count, const int32_t *triangles,
                                    int32_t triangle_count, pel_mesh **mesh, pel_error *error);
 
-/* Frees a mesh and its fields; null is fine. */
+/* Frees a mesh and its fields; null is permitted. */
 PEL_API void pel_mesh_destroy(pel_mesh *mesh);
 
-/* Adds (or replaces) the field `name`; values (vertex_count x component_count) are copied, null fills zeros.
-   The only change allowed to a mesh, for use right after creation. */
+/* Adds (or replaces) the field `name`; values (vertex_count x component_count) are copied, null means zeros. Use it
+   right after creation, before other code reads the mesh. */
 PEL_API pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
                                       pel_error *error);
 
-/* The field of that name, or null. Lives as long as the mesh. */
+/* The field with this name, or null. Lives as long as the mesh. */
 PEL_API const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
 
-/* Moves points by x -> rotation (scale x) + translation. */
+/* The map x -> rotation (scale x) + translation. */
 typedef struct pel_transform {
     double scale[3];       /* factor along each axis, not 0; an odd number of negative ones mirrors */
     double rotation[4];    /* quaternion x, y, z, w, normalized when used */
@@ -54,9 +55,9 @@ typedef struct pel_transform {
 /* Scale 1, no rotation, no translation. */
 PEL_API pel_transform pel_transform_default(void);
 
-/* Moves all vertices, for use right after creation; fields stay as they are. A mirroring transform also turns the
-   triangles around, so that outside stays outside. PEL_BAD_ARGUMENT (mesh unchanged): a number that is NaN or infinite,
-   a zero scale or rotation, a vertex that would not be finite. */
+/* Moves all vertices; use it right after creation. Fields do not change. A transform that mirrors also reverses the
+   winding of the triangles, so their outer side stays outside. PEL_BAD_ARGUMENT (mesh unchanged): a number that is NaN
+   or infinite, a zero scale or rotation, a vertex that would not be finite. */
 PEL_API pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pel_error *error);
 
 #ifdef __cplusplus

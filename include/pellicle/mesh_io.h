@@ -1,14 +1,15 @@
 /* Pellicle: reading and writing mesh files: OBJ, PLY (ASCII, binary little and big endian), STL (ASCII, binary), OFF,
-   VTK PolyData (.vtp). Vertex order and connectivity survive. Faces of more than three corners are cut into triangles
-   that keep their winding. Numbers are read exactly, in any locale; NaN, infinity and indices that do not exist are
-   refused.
-   - OBJ: v and f with all kinds of indices; colours, weights, normals, texture coordinates, points, lines ignored.
-   - PLY: scalar vertex properties other than x, y, z become fields, those named n_0, n_1, ... one vector field n; list
-     properties of vertices and elements other than vertex and face ignored.
+   VTK PolyData (.vtp). Vertex order and connectivity are kept. Faces with more than three corners are split into
+   triangles with the same winding. Numbers are read exactly, in any locale; NaN, infinity and indices that do not exist
+   are refused.
+   - OBJ: v and f with all kinds of indices. Colours, weights, normals, texture coordinates, points and lines are
+     ignored.
+   - PLY: scalar vertex properties other than x, y, z become fields; properties named n_0, n_1, ... become one vector
+     field n. List properties of vertices, and elements other than vertex and face, are ignored.
    - STL: corners at exactly equal positions are welded in the order of their first appearance; triangles with two equal
-     corners are dropped.
+     corners are removed.
    - VTP: see pel_vtp_read; point data become fields.
-   - OFF: also COFF, NOFF, ... whose colours and normals are ignored; not the binary kind. */
+   - OFF: also COFF, NOFF, ..., whose colours and normals are ignored; not the binary variant. */
 #ifndef PELLICLE_MESH_IO_H
 #define PELLICLE_MESH_IO_H
 
@@ -31,7 +32,7 @@ typedef enum pel_mesh_format {
     PEL_FORMAT_COUNT
 } pel_mesh_format;
 
-/* The format that a path's extension names, PEL_FORMAT_AUTO when it names none of the above. */
+/* The format of a path's extension; PEL_FORMAT_AUTO for another extension. */
 PEL_API pel_mesh_format pel_mesh_format_of_path(const char *path);
 
 /* Reads a mesh file. log (nullable) receives notes: polygons triangulated, vertices welded, data ignored. Errors:
@@ -40,17 +41,17 @@ PEL_API pel_mesh_format pel_mesh_format_of_path(const char *path);
 PEL_API pel_status pel_mesh_read(const char *path, pel_mesh_format format, const pel_log *log, pel_mesh **mesh,
                                  pel_error *error);
 
-/* The same from memory; `name` stands for the file in messages and gives the extension when format is AUTO. */
+/* The same from memory. `name` is the file name in messages; its extension is used if format is PEL_FORMAT_AUTO. */
 PEL_API pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format,
                                   const pel_log *log, pel_mesh **mesh, pel_error *error);
 
-/* Writes a mesh. Coordinates survive a round trip bit for bit in all formats but binary STL, which holds floats.
-   Fields go into VTP as they are and into PLY (as vertex properties, `name` or `name_0`, `name_1`, ... for vectors,
-   doubles; red, green, blue and alpha as bytes when they fit); other formats drop them, and PLY those whose name it
-   cannot hold, with a note in log (nullable). Written to a temporary file that is renamed at the end, so a failure
-   leaves no half file and an older file as it was. format AUTO: by extension, PLY and STL binary. Errors:
-   PEL_BAD_ARGUMENT (unknown extension, a value that is not finite or too large for binary STL), PEL_BAD_FILE (not
-   writable, disk full), PEL_OUT_OF_MEMORY. */
+/* Writes a mesh. A round trip keeps coordinates bit for bit in all formats except binary STL, which stores floats. VTP
+   files contain all fields. PLY files contain fields as vertex properties of type double, `name` or, for vectors,
+   `name_0`, `name_1`, ...; red, green, blue and alpha are bytes if their values fit. Other formats omit fields, and PLY
+   those whose names it cannot represent, with a note in log (nullable). The mesh is written to a temporary file, which
+   is renamed at the end: after a failure there is no partial file, and an older file is unchanged. PEL_FORMAT_AUTO: by
+   extension; PLY and STL binary. Errors: PEL_BAD_ARGUMENT (unknown extension, a value that is not finite or too large
+   for binary STL), PEL_BAD_FILE (not writable, disk full), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_mesh_write(const char *path, pel_mesh_format format, const pel_mesh *mesh, const pel_log *log,
                                   pel_error *error);
 

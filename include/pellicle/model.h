@@ -1,5 +1,5 @@
-/* Pellicle: the model (constant during a simulation) and the state (variable).
-   A model joins all bodies into one set of arrays; a state belongs to one model.
+/* Pellicle: the model, which is constant during a simulation. The state of a simulation (pellicle/sim.h) changes.
+   A model stores all bodies in one set of arrays; a state belongs to one model.
 
    Internally vertices are reordered for locality and padded to whole slices; the public interface uses the order of the
    body's mesh. */
@@ -32,7 +32,7 @@ typedef enum pel_refine_springs {
    triangles between two levels are bisected. Mass, damping and volumetric springs are distributed by area, which
    conserves mass and linear momentum and makes the stiffness independent of the level. */
 typedef struct pel_refine_def {
-    int32_t levels;  /* number of levels; each one halves the edges. 0 (default) = no refinement */
+    int32_t levels;  /* number of levels; each level halves the edges. 0 (default) = no refinement */
     bool everywhere; /* the whole body on the finest level from the start; no criterion is used */
     /* Any number of criteria; none = only requests of pel_sim_refine. A vertex above one of the thresholds refines the
        triangles around it; a vertex below all of them for `dwell` steps coarsens. For smooth deformations no measure
@@ -60,7 +60,8 @@ typedef struct pel_refine_def {
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */
 typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
-    const pel_mesh *mesh; /* oriented manifold, boundary allowed, no degenerate triangle; outward or inward */
+    const pel_mesh *mesh; /* oriented manifold with or without boundary, no degenerate triangle; facing outward or
+                             inward */
     pel_mass_kind mass_kind;
     double mass;                       /* kg, kg or kg/m3 by kind; > 0 */
     pel_quantity thickness;            /* m, for PEL_MASS_DENSITY; no keys */
@@ -91,7 +92,8 @@ typedef struct pel_body_def {
     uint32_t cookie;     /* set by pel_body_def_default */
 } pel_body_def;
 
-/* Paper A's numbers: mass 1 per vertex, k 3, d 0.5, k' 1.5, d' 0.5; no mesh and no name yet. */
+/* The numbers of paper A: 1 kg per vertex, k = 3 N/m, d = 0.5 N s/m, k' = 1.5 N/m, d' = 0.5 N s/m; no mesh and no name.
+ */
 PEL_API pel_body_def pel_body_def_default(void);
 
 typedef struct pel_model_def {
@@ -117,13 +119,14 @@ PEL_API int32_t pel_model_find_body(const pel_model *model, const char *name);
 /* The mesh of a body as given (rest positions, triangles, fields), with inside-out closed parts turned outward. Lives
    as long as the model. */
 PEL_API const pel_mesh *pel_model_mesh(const pel_model *model, int32_t body);
-/* Number of turned triangles: all triangles of each part (connected by edges) without boundary and with negative signed
-   volume, unless it is a cavity within the rest of the mesh. The order of triangles and vertices is kept; the last two
-   corners of these triangles are swapped. So pressure acts on the enclosed volume for any orientation of the mesh. */
+/* Number of triangles that pel_model_create turned: those of each component without boundary and with negative signed
+   volume, unless the component is a cavity within the rest of the mesh. The order of triangles and vertices is kept;
+   the last two corners of these triangles are swapped. So pressure acts on the enclosed volume for both orientations.
+ */
 PEL_API int32_t pel_model_turned_count(const pel_model *model, int32_t body);
 /* Number of pinned vertices of a body's mesh. */
 PEL_API int32_t pel_model_pinned_count(const pel_model *model, int32_t body);
-/* True if the body's mesh has no boundary: it encloses a volume. */
+/* True if the body's mesh has no boundary, so it encloses a volume. */
 PEL_API bool pel_model_is_closed(const pel_model *model, int32_t body);
 PEL_API const char *pel_model_body_name(const pel_model *model, int32_t body);
 

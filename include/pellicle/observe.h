@@ -1,11 +1,11 @@
-/* Pellicle: fields of a simulation by name: displacement, force, stress, curvature and the like. One table names them;
-   scene output, frames, reports and viewers read it.
+/* Pellicle: fields of a simulation by name, such as displacement, force, stress and curvature. One table defines them
+   for scene output, frames, reports and viewers.
 
        int32_t field = pel_field_find("von_mises_top");
        double *values = malloc(...);    (pel_sim_vertex_count x components)
        pel_observe(sim, field, body, values, &error);
 
-   Between steps, by the thread that steps the simulation. */
+   Call these functions between steps, from the thread that steps the simulation. */
 #ifndef PELLICLE_OBSERVE_H
 #define PELLICLE_OBSERVE_H
 
@@ -17,7 +17,7 @@ extern "C" {
 
 typedef enum pel_field_place {
     PEL_FIELD_ON_VERTICES,
-    PEL_FIELD_ON_BOTH /* on triangles, and smoothed on vertices: the mean of the triangles around, by area */
+    PEL_FIELD_ON_BOTH /* on triangles, and on vertices as the mean of the adjacent triangles, weighted by area */
 } pel_field_place;
 
 typedef struct pel_field_info {
@@ -28,18 +28,18 @@ typedef struct pel_field_info {
     const char *doc; /* one sentence without full stop */
 } pel_field_info;
 
-/* The table. */
+/* The table of fields, by number. */
 PEL_API int32_t pel_field_count(void);
 PEL_API const pel_field_info *pel_field_at(int32_t field);
-/* -1 when there is none of that name */
+/* The number of a field by name; -1 if there is none. */
 PEL_API int32_t pel_field_find(const char *name);
 
 /* Values of a field on the vertices of a body (pel_sim_vertex_count x component_count), rows as those of
-   pel_sim_get_positions. Intermediate results that several fields need are computed once for a state. PEL_BAD_ARGUMENT
+   pel_sim_get_positions. Intermediate results that several fields need are computed once per state. PEL_BAD_ARGUMENT
    for a field or body that does not exist, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_observe(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
 /* The same on triangles (pel_sim_triangle_count x component_count), in the order of pel_sim_get_triangles;
-   PEL_BAD_ARGUMENT for a field on vertices alone. */
+   PEL_BAD_ARGUMENT for a field that exists only on vertices. */
 PEL_API pel_status pel_observe_triangles(pel_sim *sim, int32_t field, int32_t body, double *values, pel_error *error);
 
 #ifdef __cplusplus

@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* Threads that a simulation uses when its thread_count is 0: the processors of this machine. */
+/* Number of threads of a simulation whose thread_count is 0: the processors of this machine. */
 PEL_API int pel_thread_limit(void);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Pellicle: everything of the core library. Scene files, foreign mesh formats and runs are in pellicle/scene.h,
+/* Pellicle: includes all headers of the core library. Scene files, other mesh formats and runs are in pellicle/scene.h,
    pellicle/import.h and pellicle/run.h. */
 #ifndef PELLICLE_H
 #define PELLICLE_H

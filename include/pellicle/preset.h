@@ -1,5 +1,5 @@
-/* Pellicle: materials of thin sheets that a scene may name (membrane: { preset: rubber }), with the sources of the
-   numbers. They are means of values that vary widely in nature: a start, not a measurement. */
+/* Pellicle: presets of materials of thin sheets, for scenes (membrane: { preset: rubber }), with the sources of the
+   numbers. The numbers are means of values that vary widely: use them as a first estimate, not as a measurement. */
 #ifndef PELLICLE_PRESET_H
 #define PELLICLE_PRESET_H
 
@@ -20,7 +20,7 @@ typedef struct pel_material_preset {
 /* All presets (*count of them); lives forever. */
 PEL_API const pel_material_preset *pel_material_presets(int32_t *count);
 
-/* The preset of that name, null when there is none. */
+/* The preset with this name; null if there is none. */
 PEL_API const pel_material_preset *pel_material_preset_find(const char *name);
 
 #ifdef __cplusplus

@@ -15,10 +15,10 @@ typedef enum pel_region_kind {
     PEL_REGION_BOX,      /* low <= position <= high */
     PEL_REGION_VERTICES, /* the listed vertices */
     PEL_REGION_FIELD,    /* where the scalar field `field` is greater than `above` */
-    PEL_REGION_BOUNDARY  /* the vertices on the border of an open mesh */
+    PEL_REGION_BOUNDARY  /* the vertices on the boundary of an open mesh */
 } pel_region_kind;
 
-/* A region. Members of other kinds are ignored; pointers need to live during the call only. */
+/* A region. Members of other kinds are ignored. Pointers must be valid only during the call. */
 typedef struct pel_region {
     pel_region_kind kind;
     double point[3];         /* m, nearest */
@@ -30,12 +30,12 @@ typedef struct pel_region {
     const char *field; /* name of a scalar field of the mesh */
     double above;      /* field; 0.5 by default */
     double falloff;    /* m, >= 0; nearest, sphere and box only: outside the region, up to this distance from it, the
-                          weight falls smoothly from 1 to 0 (cubic, level at both ends). The distance goes straight
-                          through space, to the sphere, the box or the nearest vertex */
+                          weight falls smoothly from 1 to 0 (cubic, with slope 0 at both ends). The distance is measured
+                          along a straight line in space to the sphere, the box or the nearest vertex */
     uint32_t cookie;   /* set by pel_region_default */
 } pel_region;
 
-/* Everything: kind PEL_REGION_ALL, no falloff. */
+/* All vertices: kind PEL_REGION_ALL, no falloff. */
 PEL_API pel_region pel_region_default(void);
 
 /* The vertices of a region in ascending order. */
@@ -45,13 +45,13 @@ typedef struct pel_selection {
     double *weights;   /* (count) 1 inside, less in the falloff; > 0 */
 } pel_selection;
 
-/* Finds the vertices of a region in linear time. PEL_BAD_ARGUMENT: nothing is selected (the message names the nearest
-   vertex and its distance, or the field's range), a number out of range, a vertex or field that does not exist, a field
-   of vectors. On failure *selection is null. Free with pel_selection_destroy. */
+/* Finds the vertices of a region in linear time. PEL_BAD_ARGUMENT: the region contains no vertex (the message has the
+   nearest vertex and its distance, or the range of the field), a number out of range, a vertex or field that does not
+   exist, a vector field. On failure *selection is null. Free with pel_selection_destroy. */
 PEL_API pel_status pel_mesh_select(const pel_mesh *mesh, const pel_region *region, pel_selection **selection,
                                    pel_error *error);
 
-/* Frees a selection; null is fine. */
+/* Frees a selection; null is permitted. */
 PEL_API void pel_selection_destroy(pel_selection *selection);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Pellicle: results as VTK PolyData (.vtp) with a .pvd series, for ParaView and for reading back. Every file is written
-   to a temporary name and renamed, so that the folder never holds a partial file. */
+/* Pellicle: results as VTK PolyData (.vtp) with a .pvd series, for ParaView and for other tools. Every file is written
+   under a temporary name and then renamed, so the folder never contains a partial file. */
 #ifndef PELLICLE_RESULTS_H
 #define PELLICLE_RESULTS_H
 
@@ -26,7 +26,7 @@ typedef struct pel_vtp {
     const pel_vtp_field *cell_fields; /* (cell_field_count) data on triangles; readers of Pellicle skip them */
     int32_t cell_field_count;
     double time;   /* s, stored as TimeValue */
-    bool compress; /* zlib; otherwise raw appended data */
+    bool compress; /* compress the appended data with zlib; otherwise they are raw */
     bool float64;  /* positions and fields as Float64 instead of Float32 */
 } pel_vtp;
 
@@ -34,30 +34,31 @@ typedef struct pel_vtp {
    Errors: PEL_BAD_ARGUMENT (counts, field names), PEL_BAD_FILE (folder missing, disk full), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_vtp_write(const char *path, const pel_vtp *vtp, pel_error *error);
 
-/* Writes the files of a series: memory is kept between them, and unchanged triangles are encoded and packed once. The
-   files are those of pel_vtp_write. For one thread at a time. */
+/* Writes the files of a series. It keeps its memory between files, and encodes and compresses unchanged triangles only
+   once. The files equal those of pel_vtp_write. One thread at a time may use a writer. */
 typedef struct pel_vtp_writer pel_vtp_writer;
 
-/* PEL_OUT_OF_MEMORY. Free with pel_vtp_writer_destroy; null is fine there. */
+/* PEL_OUT_OF_MEMORY. Free with pel_vtp_writer_destroy, which permits null. */
 PEL_API pel_status pel_vtp_writer_create(pel_vtp_writer **writer, pel_error *error);
 PEL_API void pel_vtp_writer_destroy(pel_vtp_writer *writer);
-/* Errors as above; after one the writer can be used again. */
+/* Errors as above. The writer can be used after an error. */
 PEL_API pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error);
 
-/* Reads a .vtp file of one piece as VTK and ParaView write it: arrays as text, in base64 or in the appended section,
-   raw or in base64, packed by zlib or not, in either byte order. Polygons are cut into triangles, strips are split,
-   vertices and lines are ignored. Point data become the fields of the mesh; time (nullable) gets TimeValue, 0 when
+/* Reads a .vtp file with one piece, as VTK and ParaView write it: arrays as text, in base64, or in the appended section
+   (raw or in base64), with or without zlib, in either byte order. Polygons and strips are split into triangles;
+   vertices and lines are ignored. Point data become the fields of the mesh. time (nullable) receives TimeValue, 0 if
    there is none. Memory use is bounded by a multiple of the file's size, independent of its header. On failure *mesh is
    null. Free with pel_mesh_destroy. Errors: PEL_BAD_FILE, PEL_BAD_FORMAT with the byte offset or element,
-   PEL_OUT_OF_MEMORY. */
+   PEL_OUT_OF_MEMORY.
+ */
 PEL_API pel_status pel_vtp_read(const char *path, pel_mesh **mesh, double *time, pel_error *error);
 
-/* The same from memory; `name` stands for the file in messages. */
+/* The same from memory; `name` is the file name in messages. */
 PEL_API pel_status pel_vtp_parse(const char *name, const void *bytes, size_t size, pel_mesh **mesh, double *time,
                                  pel_error *error);
 
-/* Writes the collection file that makes ParaView show a series: file_names (frame_count, relative to the .pvd) and
-   times (frame_count) [s]. Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+/* Writes the collection file (.pvd) that ParaView opens as a series: file_names (frame_count, relative to the .pvd
+   file) and times (frame_count) [s]. Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_pvd_write(const char *path, const char *const *file_names, const double *times,
                                  int32_t frame_count, pel_error *error);
 

@@ -1,4 +1,4 @@
-/* Pellicle: whole runs. A run steps a scene to its end and leaves a folder:
+/* Pellicle: runs. A run steps a scene to its end and writes a folder:
 
        scene.yaml         the resolved scene; comment lines at its end name the program version and the state's hash
        series.csv         one row per frame
@@ -12,9 +12,9 @@
 
    Files are written completely or not at all; series.csv always ends with a complete row. At any time, also after a
    kill, the contents of the folder are valid. With more than one thread, a separate thread writes the frames in order
-   from snapshots; the run is then at most three frames ahead of its folder, and returns to a frame that cannot be
-   written, so the results are the same for any number of threads. In a folder with an older run the files above are
-   removed or replaced, and other files are kept. In the library pellicle_scene. */
+   from snapshots; the run is then at most three frames ahead of its folder. If a frame cannot be written, the run
+   returns to it, so the results are the same for any number of threads. If the folder contains an older run, the files
+   above are removed or replaced; other files are kept. In the library pellicle_scene. */
 #ifndef PELLICLE_RUN_H
 #define PELLICLE_RUN_H
 
@@ -30,15 +30,15 @@ extern "C" {
 /* Progress of a run. */
 typedef struct pel_run_progress {
     int64_t step, step_total;   /* completed, and total unless the run stops earlier */
-    int64_t frame, frame_total; /* likewise for frames without frame 0; some may not be written yet */
+    int64_t frame, frame_total; /* the same for frames, without frame 0; some may not be written yet */
     double time;                /* s, simulated */
     double steps_per_second;    /* of this call of pel_run, 0 at its start */
-    double remaining;           /* s of wall time to the end at this speed; -1 = unknown */
+    double remaining;           /* s, wall time to the end at this speed; -1 = unknown */
     double max_force;           /* N, worst residual: largest vertex force at the last frame */
 } pel_run_progress;
 
-/* Runs beside a run, step by step (pel_sim_step_beside): scenes that differ from its scene by small changes of
-   numbers. */
+/* Further runs that are stepped together with a run (pel_sim_step_beside): scenes that differ from its scene by small
+   changes of numbers. */
 typedef struct pel_run_beside {
     const pel_scene *const *scenes;
     int32_t count;
@@ -67,7 +67,7 @@ typedef struct pel_run_def {
        it. Nullable. */
     void (*ended)(void *user, int32_t scene, pel_sim *sim);
     void *user;
-    const pel_run_beside *beside; /* without a folder and sessions; null = none */
+    const pel_run_beside *beside; /* only for runs without a folder, of scenes without a session; null = none */
     /* s of wall time between saves of the state in `checkpoint`, from which a killed run can resume; longer if saving
        would take more than 2 % of the time. 0 = never. A failed save is a note in the log. */
     double keep_seconds;

@@ -32,16 +32,16 @@ typedef struct pel_scene_command {
 /* A scene that was read, checked and resolved: defs ready for the library, arrays and meshes owned by it. */
 typedef struct pel_scene {
     const char *path;
-    const char *title; /* empty if there is none */
+    const char *title; /* "" if there is none */
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
     double duration;           /* s */
-    double rest_speed;         /* m/s; a run ends once loads and tools are done and no vertex is faster; 0 = never */
-    double least_volume_ratio; /* a run ends when volume over that at rest is less; 0 = never */
-    bool stop_at_contact;      /* a run ends when a body touches itself or another */
+    double rest_speed;         /* m/s; a run ends if loads and tools have ended and no vertex is faster; 0 = never */
+    double least_volume_ratio; /* a run ends if the ratio of the volume to that at rest is smaller; 0 = never */
+    bool stop_at_contact;      /* a run ends if a body touches itself or another body */
     int64_t frame_limit;       /* steps after which a run ends; 0 = no limit */
-    double time_limit;         /* s, likewise */
+    double time_limit;         /* s, simulated time after which a run ends; 0 = no limit */
     const pel_scene_command *session; /* (session_count) steps do not decrease; empty = none */
     int32_t session_count;
     const char *const *mesh_files; /* (mesh_file_count) absolute paths of the meshes that were read */
@@ -55,31 +55,31 @@ typedef struct pel_scene {
    others (bodies.0.mesh.file=x.ply replaces a shape); an empty value or null removes the key. log (nullable) receives
    the notes of the mesh reader. Errors: PEL_BAD_SCENE with file:line:column (or the override as file) and remedy;
    PEL_BAD_FILE for the scene itself and, at its place in the scene, for a mesh file; errors of the mesh reader;
-   PEL_OUT_OF_MEMORY. On failure *scene is null. Free with pel_scene_destroy; null is fine there. */
+   PEL_OUT_OF_MEMORY. On failure *scene is null. Free with pel_scene_destroy, which permits null. */
 PEL_API pel_status pel_scene_load(const char *path, const char *const *overrides, int32_t override_count,
                                   const pel_log *log, pel_scene **scene, pel_error *error);
 PEL_API void pel_scene_destroy(pel_scene *scene);
 
-/* The same from text (size bytes); path stands for it in messages and gives the folder of the meshes. */
+/* The same from text (size bytes). path is its name in messages; paths of meshes are relative to the folder of path. */
 PEL_API pel_status pel_scene_parse(const char *path, const char *text, size_t size, const char *const *overrides,
                                    int32_t override_count, const pel_log *log, pel_scene **scene, pel_error *error);
 
-/* The resolved scene as YAML: all defaults filled in, mesh paths absolute, so that it gives the same scene again from
-   any folder, and the same text. Zero-terminated; lives as long as the scene. */
+/* The resolved scene as YAML, with the values of all defaults and absolute paths of meshes: reading it from any folder
+   gives the same scene and the same text. Zero-terminated; lives as long as the scene. */
 PEL_API const char *pel_scene_text(const pel_scene *scene);
 
-/* Adds the place in the scene to an error of pel_model_create or pel_sim_create: the body, load or tool it names, alpha
-   or dt for PEL_UNSTABLE, otherwise the file alone. Other errors are left unchanged. */
+/* Adds the place in the scene to an error of pel_model_create or pel_sim_create: that of the body, load or tool in the
+   error, that of alpha or dt for PEL_UNSTABLE, otherwise only the file. Other errors do not change. */
 PEL_API void pel_scene_locate(const pel_scene *scene, pel_error *error);
 
-/* Listings of the table of parameters, for people and editors. Each writes to an open file and flushes it. Errors:
-   PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+/* Listings of the table of scene keys. Each function writes to an open file and flushes it. Errors: PEL_BAD_FILE,
+   PEL_OUT_OF_MEMORY. */
 
-/* JSON Schema (draft 7) of scene files, for editors that check and complete while typing. */
+/* JSON Schema (draft 7) of scene files, with which editors check and complete keys. */
 PEL_API pel_status pel_scene_write_schema(FILE *file, pel_error *error);
 /* The reference page of all keys in Markdown. */
 PEL_API pel_status pel_scene_write_reference(FILE *file, pel_error *error);
-/* All paths that --set takes, one a line, with 0 for list elements: for completion in a shell. */
+/* All paths for --set, one per line, with 0 for list elements: for completion in a shell. */
 PEL_API pel_status pel_scene_write_parameters(FILE *file, pel_error *error);
 
 #ifdef __cplusplus

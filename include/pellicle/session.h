@@ -1,25 +1,27 @@
-/* Pellicle: a session, an interactive simulation: text commands between steps, undo and reset, and a record that a
-   scene can contain and `pellicle run` repeats bit for bit. In the library pellicle_scene.
+/* Pellicle: sessions. A session is an interactive simulation, with text commands between steps, undo and reset. It
+   records its commands; a scene can contain this record, and `pellicle run` repeats it bit for bit. In the library
+   pellicle_scene.
 
        pel_session_create(scene, sim, &session, &error);
        pel_session_apply(session, "grab 0 0 1  0 0 -1  50 0.05", &error);
        pel_session_apply(session, "move 0 0 0.3", &error);
        pel_session_step(session, &error);
 
-   A command is one line: a word and its values, separated by single or several spaces. SI units.
+   A command is one line: a word and its values, separated by one or more spaces. SI units.
 
        set PATH VALUE                     a parameter as in pel_set_parameter_text
        grab OX OY OZ DX DY DZ K REACH     grasp a body where the ray from O along D meets it: spring K [N/m], vertices
                                           within REACH [m]
-       press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation; SHAPE sphere, box (half edge R),
-                                          capsule (radius R, half length 2 R); if the scene has contact, a mesh that
-                                          the sphere of radius R holds: torus, cylinder, blend, or a mesh file with
-                                          %20 for spaces, relative to the folder of the scene (absolute in the record)
+       press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation (unit quaternion). SHAPE: sphere, box
+                                          (half edge R), capsule (radius R, half length 2 R) with R [m]. If the scene
+                                          has contact, also a mesh, scaled to fit into the sphere of radius R: torus,
+                                          cylinder, blend, or a mesh file with %20 for spaces, relative to the folder of
+                                          the scene (absolute in the record)
        move X Y Z                         target of the hand [m]: end of the spring, or the tool
        release                            release the surface
        pin OX OY OZ DX DY DZ REACH        fix the vertices within REACH [m] of the hit at their positions
        unpin OX OY OZ DX DY DZ REACH      release them
-       inflate BODY P                     pressure [Pa] along the normals of a body, added to the scene's
+       inflate BODY P                     pressure [Pa] along the normals of a body, in addition to that of the scene
        mark                               start of an interaction: undo returns here
 
    One thread uses a session at a time. */
@@ -33,26 +35,26 @@
 extern "C" {
 #endif
 
-/* longest command, including the terminating zero */
+/* Size of the longest command in bytes, including the terminating zero. */
 enum { PEL_SESSION_LINE = 512 };
 
 typedef struct pel_session pel_session;
 
 typedef enum pel_hand_kind { PEL_HAND_FREE, PEL_HAND_GRAB, PEL_HAND_PRESS } pel_hand_kind;
 
-/* State of the hand. */
+/* State of the hand: the spring of `grab` or the tool of `press` that the user moves. */
 typedef struct pel_hand_reading {
     pel_hand_kind kind;
-    pel_tool_shape shape; /* of a pressing tool */
-    double radius;        /* m, likewise */
+    pel_tool_shape shape; /* of the tool */
+    double radius;        /* m, of the tool */
     double point[3];      /* m, the held point, or the position of the tool */
     double rotation[4];   /* of the tool */
     double target[3];     /* m, its target */
     double force[3];      /* N: of the hand's spring on the surface, or of the tool on the bodies */
 } pel_hand_reading;
 
-/* A session of a simulation created from the scene, before its first step; both must outlive it. Takes the snapshot for
-   reset. PEL_BAD_SCENE if the `session` of the scene has a line that is no command; PEL_OUT_OF_MEMORY. */
+/* Creates a session for a simulation of the scene, before its first step; scene and simulation must outlive it. Takes
+   the snapshot for reset. PEL_BAD_SCENE if a line of the scene's `session` is not a command; PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session **session, pel_error *error);
 PEL_API void pel_session_destroy(pel_session *session);
 
@@ -71,12 +73,11 @@ PEL_API pel_status pel_session_reset(pel_session *session, pel_error *error);
 PEL_API void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading);
 /* The mesh of the pressing tool, relative to its origin [m]; null if it has none. Lives until the hand is free. */
 PEL_API const pel_mesh *pel_session_tool_mesh(const pel_session *session);
-/* number of marks for undo */
+/* Number of marks for undo. */
 PEL_API int32_t pel_session_undo_count(const pel_session *session);
-/* 1 for pinned vertices of a body's mesh, else 0: (*count, the vertices of the mesh); lives until the
-   next command. */
+/* (*count, the vertices of the body's mesh) 1 for pinned vertices, otherwise 0; lives until the next command. */
 PEL_API const unsigned char *pel_session_pins(const pel_session *session, int32_t body, int32_t *count);
-/* Pa, of `inflate` */
+/* Pressure of `inflate` [Pa]. */
 PEL_API double pel_session_pressure(const pel_session *session, int32_t body);
 
 /* The record, lines "STEP COMMAND"; free it with pel_session_free_text. PEL_OUT_OF_MEMORY. */

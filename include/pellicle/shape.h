@@ -1,4 +1,4 @@
-/* Pellicle: generated triangle meshes. Every shape is an oriented manifold; closed ones are turned outward.
+/* Pellicle: generated triangle meshes. Every shape is an oriented manifold; closed shapes face outward.
 
        pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
        def.frequency = 10;
@@ -19,56 +19,58 @@ extern "C" {
 #endif
 
 typedef enum pel_shape_kind {
-    PEL_SHAPE_GEODESIC_SPHERE, /* each side of an icosahedron cut into `frequency` parts (class I), pushed out to the
-                                  sphere: 10 frequency^2 + 2 vertices, 20 frequency^2 triangles; an edge of the
-                                  icosahedron lies across the z axis. Frequency 5 = 252 / 500, the sphere of paper A */
+    PEL_SHAPE_GEODESIC_SPHERE, /* each edge of an icosahedron divided into `frequency` parts (class I), projected onto
+                                  the sphere: 10 frequency^2 + 2 vertices, 20 frequency^2 triangles; the middle of an
+                                  edge of the icosahedron is on the z axis. Frequency 5 gives 252 vertices and 500
+                                  triangles, the sphere of paper A */
     PEL_SHAPE_UV_SPHERE,       /* meridians and parallels about the z axis: slices (rings - 1) + 2 vertices; vertex 0 is
                                   (0, 0, radius), the last one the other pole */
     PEL_SHAPE_GRID,            /* rectangle in the plane z = 0 about the origin, normal +z; rows of constant y, lowest
                                   first */
-    PEL_SHAPE_CYLINDER,        /* about the z axis, from -height/2 to height/2; with `capped` closed by flat discs */
+    PEL_SHAPE_CYLINDER,        /* about the z axis, from -height/2 to height/2; `capped` closes it with flat discs */
     PEL_SHAPE_TORUS,           /* about the z axis: slices x rings vertices */
     PEL_SHAPE_CAPSULE,         /* cylinder of length `height` about the z axis with a half sphere on each end */
     PEL_SHAPE_LENS_CAPSULE,    /* capsule of the human eye lens (Burd et al. 2002, outlines of three ages), metres, axis
                                   z, front (anterior) +z, vertex 0 = anterior pole; field "thickness" [m] */
     PEL_SHAPE_DISK,  /* in the plane z = 0 about the origin, normal +z: `rings` rings about vertex 0, the k-th of 6 k
                         vertices: 3 rings (rings + 1) + 1 vertices, 6 rings^2 triangles of about the same size */
-    PEL_SHAPE_BLEND, /* a body like a scanned one, of rounded parts that run into each other: closed, genus 0, edges
-                        of about the same length, box about the origin, z up, looking along -y */
+    PEL_SHAPE_BLEND, /* a body that resembles a scanned one, smoothly joined from rounded parts: closed, genus 0, edges
+                        of about the same length, bounding box centred at the origin, z up, front towards -y */
     PEL_SHAPE_COUNT
 } pel_shape_kind;
 
-/* Bodies that a blend makes. */
+/* Bodies of PEL_SHAPE_BLEND. */
 typedef enum pel_blend_body {
     PEL_BLEND_HEAD,   /* of a horned animal */
     PEL_BLEND_ANIMAL, /* on four legs */
-    PEL_BLEND_LIVER   /* two lobes with a hollow below */
+    PEL_BLEND_LIVER   /* two lobes, concave below */
 } pel_blend_body;
 
-/* How the cells of a grid are cut. */
+/* Triangulation of the cells of a grid. */
 typedef enum pel_grid_diagonals {
-    PEL_GRID_ONE_DIAGONAL, /* all the same way: (nx + 1) (ny + 1) vertices, 2 nx ny triangles */
-    PEL_GRID_UNION_JACK,   /* alternating in both directions: vertices of 4 and 8 triangles; same counts */
-    PEL_GRID_EQUILATERAL   /* every other row shifted by half a cell: equilateral triangles (but the half ones at the
-                              two sides) when size_y / ny = sqrt(3)/2 size_x / nx; odd rows have one vertex more */
+    PEL_GRID_ONE_DIAGONAL, /* all diagonals in the same direction: (nx + 1) (ny + 1) vertices, 2 nx ny triangles */
+    PEL_GRID_UNION_JACK,   /* diagonals alternate along x and y: vertices with 4 and 8 triangles; same counts */
+    PEL_GRID_EQUILATERAL   /* every other row is shifted by half a cell. If size_y / ny = sqrt(3)/2 size_x / nx, the
+                              triangles are equilateral (except half triangles at two sides). Odd rows have one vertex
+                              more */
 } pel_grid_diagonals;
 
-/* Which shape and its parameters; a kind looks at its own ones only (see pel_shape_info_of for which, their ranges and
-   defaults). Lengths in metres. */
+/* A shape and its parameters. Each kind reads only its own parameters (pel_shape_info_of has their names, ranges and
+   defaults). Lengths are in metres. */
 typedef struct pel_shape_def {
     pel_shape_kind kind;
-    int32_t frequency; /* parts of an icosahedron's side */
+    int32_t frequency; /* geodesic-sphere: parts of each edge of the icosahedron */
     int32_t slices;    /* parts around the z axis */
     int32_t rings;     /* uv-sphere: parts from pole to pole; torus: around the tube; capsule: per half sphere;
-                          disk: about the middle */
+                          disk: rings around the middle */
     int32_t segments;  /* cylinder, capsule: parts along the straight side */
     int32_t nx, ny;    /* grid: cells */
     int32_t age;       /* lens-capsule: 11, 29 or 45 years */
     pel_grid_diagonals diagonals; /* grid */
     bool capped;                  /* cylinder */
     pel_blend_body body;          /* blend */
-    double size;                  /* blend: longest side of the box */
-    double edge;                  /* blend: about the length of all edges, 0.0005 to 0.03 of size (liver: 0.06) */
+    double size;                  /* blend: longest side of the bounding box */
+    double edge;                  /* blend: approximate length of the edges, 0.0005 to 0.03 times size (liver: 0.06) */
     double radius;
     double height;       /* cylinder; capsule: of the straight side, may be 0 */
     double size_x;       /* grid */
@@ -98,7 +100,7 @@ typedef struct pel_shape_parameter {
     const char *const *choices; /* names of a CHOICE in order (maximum + 1 of them), null otherwise */
 } pel_shape_parameter;
 
-/* One shape with its parameters. All of it lives forever. */
+/* One shape with its parameters. All its data live forever. */
 typedef struct pel_shape_info {
     pel_shape_kind kind;
     const char *name;                      /* "geodesic-sphere", ... */
@@ -110,24 +112,24 @@ typedef struct pel_shape_info {
 /* Null for a kind that does not exist. */
 PEL_API const pel_shape_info *pel_shape_info_of(pel_shape_kind kind);
 
-/* All defaults of that kind. */
+/* The defaults of this kind. */
 PEL_API pel_shape_def pel_shape_def_default(pel_shape_kind kind);
 
-/* The same by name; PEL_BAD_ARGUMENT names the nearest shape for an unknown one (*def is a geodesic sphere then). */
+/* The same by name. PEL_BAD_ARGUMENT for an unknown name, with the most similar one; *def is then a geodesic sphere. */
 PEL_API pel_status pel_shape_def_of_name(const char *name, pel_shape_def *def, pel_error *error);
 
 /* Sets one parameter of def->kind. The text is a number, "true" or "false", or the name of a choice.
-   PEL_BAD_ARGUMENT: unknown key (the remedy names the nearest one), not a number, out of range; def is unchanged then.
+   PEL_BAD_ARGUMENT, with def unchanged: unknown key (the remedy has the most similar one), not a number, out of range.
  */
 PEL_API pel_status pel_shape_set(pel_shape_def *def, const char *key, const char *text, pel_error *error);
-/* The same for a value that is a number already (0 or 1 for a BOOLEAN, the index of a CHOICE). */
+/* The same for a number (0 or 1 for a BOOLEAN, the index of a CHOICE). */
 PEL_API pel_status pel_shape_set_number(pel_shape_def *def, const char *key, double value, pel_error *error);
-/* Writes the value of `parameter` in def as pel_shape_set takes it (as few digits as give the same
-   number); 32 bytes are enough. Returns text. */
+/* Writes the value of `parameter` in def as a text for pel_shape_set, with the fewest digits that give the same number;
+   32 bytes are enough. Returns text. */
 PEL_API const char *pel_shape_get(const pel_shape_def *def, const pel_shape_parameter *parameter, char *text,
                                   size_t size);
 
-/* Makes the mesh. PEL_BAD_ARGUMENT: a def without cookie, a parameter out of range or more than 2^31 / 3 triangles.
+/* Creates the mesh. PEL_BAD_ARGUMENT: a def without cookie, a parameter out of range, or more than 2^31 / 3 triangles.
    The same def gives the same bits. On failure *mesh is null. Free with pel_mesh_destroy. */
 PEL_API pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 

@@ -1,5 +1,5 @@
-/* Pellicle: defs of a thin shell: membrane, bending, fibres and pressure (paper B). Plain members of a pel_body_def;
-   arrays are read only during pel_model_create. */
+/* Pellicle: defs of a thin shell: membrane, bending, fibres and pressure (paper B), as members of a pel_body_def.
+   Arrays are read only during pel_model_create. */
 #ifndef PELLICLE_SHELL_H
 #define PELLICLE_SHELL_H
 
@@ -36,8 +36,8 @@ typedef struct pel_membrane_def {
     double mooney_ratio;    /* default: 0.2 */
     double extension_limit; /* gent; default: 50 */
     double stiffening;      /* fung; default: 10 */
-    double strain_limit;    /* pbd, xpbd: limits principal stretches to 1 - strain_limit .. 1 + strain_limit, 0 <=
-                               strain_limit    < 1; 0 = no limit (Provot 1995). Other methods refuse it */
+    double strain_limit;    /* 0 to less than 1; pbd, xpbd: principal stretches differ from 1 by at most this (Provot
+                               1995); 0 = no limit. Other methods refuse it */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {
@@ -52,7 +52,7 @@ typedef struct pel_bending_def {
     pel_bending_model model;
     double weight; /* pbd: factor on the correction of the positions, the paper's k_B, 0 to 1; negative: automatic,
                       so that the volume falls without jitter */
-    pel_quantity stiffness; /* N m: plate stiffness D, for all methods except pbd; negative: from young, poisson and
+    pel_quantity stiffness; /* N m: flexural rigidity D, for all methods except pbd; negative: from young, poisson and
                                thickness of the membrane; no keys */
 } pel_bending_def;
 
@@ -98,12 +98,12 @@ typedef enum pel_pressure_kind {
 typedef struct pel_pressure_def {
     pel_pressure_kind kind;
     pel_pressure_form form;
-    pel_quantity outside;  /* Pa: positive pushes inward, negative inflates; adds to a gas or a target volume, then
-                              without  a field */
+    pel_quantity outside;  /* Pa: positive pushes inward, negative inflates. Acts in addition to a gas or a target
+                              volume; it may not be a field then */
     double value;          /* Pa, of the gas at rest */
     double gamma;          /* of the gas; 1 = isothermal; default: 1.4 */
     pel_quantity target;   /* of PEL_PRESSURE_VOLUME: volume relative to rest; may be keyed */
-    double bulk;           /* Pa: pressure per relative difference of volume, of PEL_PRESSURE_VOLUME */
+    double bulk;           /* Pa, of PEL_PRESSURE_VOLUME: pressure per relative difference from the target volume */
     const double *weights; /* (vertex_count) 0 to 1: region; null = the whole body */
 } pel_pressure_def;
 

@@ -6,10 +6,9 @@
        while (pel_sim_time(sim) < 5.0)
            if (pel_sim_step(sim, &error) != PEL_OK) ...
 
-   A pel_sim is used by one thread at a time (it uses threads of its own inside a step); different sims are independent.
-   Vertex numbers and arrays are in the order of the body's mesh. A refined body has more vertices than its mesh: rows
-   of arrays are the vertices of the mesh first, then the active finer ones, coarser levels first.
- */
+   One thread at a time may use a pel_sim (inside a step, it uses threads of its own); different sims are independent.
+   Vertex numbers and arrays are in the order of the body's mesh. A refined body has more vertices than its mesh: the
+   rows of arrays are first the vertices of the mesh, then the active vertices of finer levels, coarser levels first. */
 #ifndef PELLICLE_SIM_H
 #define PELLICLE_SIM_H
 
@@ -57,8 +56,8 @@ typedef struct pel_solver_def {
     double alpha;       /* quasi-static: step size; 0 = a stable value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
-    int32_t iterations; /* pbd, xpbd, descent: sweeps in a step or substep; 0 = 5, 1 and 500. descent with tools or
-                           contact: in each of up to 12 rounds of a step; 0 = 50 */
+    int32_t iterations; /* pbd, xpbd, descent: iterations per step or substep; 0 = 5, 1 and 500. descent with tools or
+                           contact: per round, with up to 12 rounds per step; 0 = 50 */
     int32_t substeps; /* pbd, xpbd: substeps of a step. 0 = 1 for pbd; for xpbd the number that keeps stretch within 5 %
                          of the material's, updated during the run (pel_sim_softness) */
     int32_t max_substeps;    /* xpbd: maximum of automatic substeps; 0 = 200 */
@@ -225,13 +224,14 @@ typedef struct pel_sim_def {
     int32_t support_count;
     pel_contact_def contact;
     bool record_contacts; /* stores contacts for pel_sim_get_contact_records; default: false */
-    int32_t thread_count; /* 0 = as many as the machine has; results do not depend on it */
+    int32_t thread_count; /* 0 = the processors of this machine; results do not depend on it */
     /* Called often during long steps (static, implicit, descent, and methods with 32 substeps or more), in the stepping
        thread; returning false ends the step with PEL_STOPPED. Must be fast, such as reading a flag. Nullable. */
     bool (*wanted)(void *user);
     void *user; /* passed to `wanted`; both must live as long as the simulation */
-    /* Calls `wanted` in all steps with contact, PEL_METHOD_PBD or PEL_METHOD_XPBD too: without a snapshot, so load one
-       after PEL_STOPPED. For callers that keep snapshots, such as sessions; default: false. */
+    /* True: `wanted` is also called in short steps with contact, PEL_METHOD_PBD or PEL_METHOD_XPBD. Such a step takes
+       no snapshot, so after PEL_STOPPED the caller must load one. For callers that keep snapshots, such as sessions;
+       default: false. */
     bool stops_short_steps;
     uint32_t cookie;
 } pel_sim_def;
@@ -258,9 +258,9 @@ PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *coun
 PEL_API pel_status pel_sim_step(pel_sim *sim, pel_error *error);
 
 PEL_API double pel_sim_time(const pel_sim *sim); /* s, step count x dt */
-/* bytes read and written by a step, each array counted once */
+/* Bytes that a step reads and writes; each array counts once. */
 PEL_API size_t pel_sim_step_bytes(const pel_sim *sim);
-PEL_API int64_t pel_sim_step_count(const pel_sim *sim); /* steps done */
+PEL_API int64_t pel_sim_step_count(const pel_sim *sim); /* steps since the start */
 PEL_API const pel_model *pel_sim_model(const pel_sim *sim);
 PEL_API double pel_sim_alpha(const pel_sim *sim);       /* the alpha in use; 0 for the explicit method */
 PEL_API double pel_sim_alpha_limit(const pel_sim *sim); /* stability limit of this mesh */
@@ -444,7 +444,7 @@ typedef struct pel_solver_reading {
     bool unstable;       /* static: an equilibrium that is no minimum of the energy; none was found nearby */
     int32_t stray_body;  /* static, descent: a body held only by contact that moved farther than all tools by at least
                             half its size; -1 = none */
-    double stray_way;    /* m, its displacement */
+    double stray_way;    /* m, displacement of this body */
     bool has_budget;     /* solver.budget is set */
     bool converged;   /* every gap is within tolerance, and residual is at most 1e-6 (2e-3 in float) of the forces that
                          act: loads, pressure, contacts, grasps; without any, of the largest earlier ones */
@@ -480,7 +480,7 @@ PEL_API pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 typedef struct pel_adjoint_material {
     double young, thickness; /* for a factor, 1 at present, on the whole body: df/dE = young / E for a uniform E */
     double poisson;          /* for the ratio */
-    double bending;          /* for a factor on the bending stiffness only */
+    double bending;          /* for a factor on the flexural rigidity only */
     double pressure;         /* for a factor on the pressure */
 } pel_adjoint_material;
 
@@ -541,12 +541,12 @@ PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *
 
 /* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
    small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
-   the end of its step, some two or three solutions instead of the factors of Newton's method
-   (src/solve/newton_beside.c). With two simulations whose number is a little smaller and a little larger, the
-   difference of a reading over the difference of the number is its derivative along the path of steps. For
-   PEL_METHOD_STATIC (arc length included) and PEL_METHOD_IMPLICIT, without tools, contact, refinement, analyses and a
-   time budget. A step is taken by all simulations; one that does not converge is refused. After a failure the
-   simulations may be at different steps. PEL_BAD_ARGUMENT for refused features, for simulations that do not match, and
+   the end of its step: two or three solutions per step instead of the factorizations of Newton's method
+   (src/solve/newton_beside.c). To get the derivative of a reading with respect to a number along the steps, use two
+   simulations, in which the number is slightly smaller and slightly larger, and divide the difference of the reading by
+   the difference of the number. For PEL_METHOD_STATIC (including arc length) and PEL_METHOD_IMPLICIT, without tools,
+   contact, refinement, analyses and a time budget. The call fails if a step does not converge; the simulations may then
+   be at different steps. PEL_BAD_ARGUMENT for unsupported features, for simulations that do not match, and
    for changes that are too large; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
 PEL_API pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
 
@@ -567,15 +567,16 @@ typedef struct pel_sim_measures {
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 PEL_API void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
-/* only volume_ratio, without the cost of forces */
+/* Only volume_ratio, without the cost of forces. */
 PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
-/* true if any body is a shell (membrane, bending, fibres or pressure) */
+/* True if any body is a shell (membrane, bending, fibres or pressure). */
 PEL_API bool pel_sim_has_shells(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.
 
-     energy_error - dissipated_solver = elastic + kinetic - elastic_start - kinetic_start
-                                        - work_tools - ... - work_setters + dissipated_drag
+     energy_error - dissipated_solver = change + dissipated_drag - work
+     change = elastic + kinetic - elastic_start - kinetic_start
+     work = work_tools + work_loads + ... + work_setters
 
    A negative remainder is dissipation by friction, contact, and the numerical damping of implicit, quasi-static and
    position-based methods. A positive one is energy that appeared: the step is too long, the method does not follow the
@@ -601,11 +602,11 @@ PEL_API void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);
 /* 64-bit hash of time, positions and velocities in mesh order: equal for equal bits. */
 PEL_API uint64_t pel_sim_hash(const pel_sim *sim);
 
-/* Snapshot: all data that pel_sim_load needs to continue with the same bits, including contact statistics and ledger,
-   in a buffer of pel_sim_save_size bytes (constant for one sim). Load refuses (PEL_BAD_FORMAT) a snapshot of other defs
-   and names the parts that differ ("made with other: gravity, tools"), of another version or precision, or a damaged
-   one, and leaves the state unchanged. Only a forged one, with a valid checksum and numbers out of range, may be loaded
-   partly before it is refused. */
+/* Saves all data with which pel_sim_load continues with the same bits, including contact statistics and ledger, into a
+   buffer of pel_sim_save_size bytes (constant for one sim). pel_sim_load refuses (PEL_BAD_FORMAT, state unchanged) a
+   snapshot that is damaged, of another version or precision, or of other defs, with the parts that differ ("made with
+   other: gravity, tools"). Only a forged snapshot, with a valid checksum and numbers out of range, may change the state
+   before it is refused. */
 PEL_API size_t pel_sim_save_size(const pel_sim *sim);
 PEL_API void pel_sim_save(const pel_sim *sim, void *bytes);
 PEL_API pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);

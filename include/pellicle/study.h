@@ -2,8 +2,8 @@
 
    A study file (YAML 1.2 or JSON):
 
-       scene: press.yaml                                   # beside the study
-       vary:                                               # keys as after --set of `pellicle run`
+       scene: press.yaml                                   # relative to the folder of the study
+       vary:                                               # keys as for --set of `pellicle run`
          bodies.ball.springs.stiffness: [1, 2, 5]          # a list of values, or
          solver.dt: { from: 0.001, to: 0.01, count: 4, scale: log }
        measure:
@@ -11,9 +11,10 @@
          peak: { column: probe_force, at: max }            # a column of series.csv: start, end, min, max or mean
        keep: false                                         # true keeps the folder of each run in runs/
 
-   Each entry of `vary` is combined with all others. `{ sobol: n, from: a, to: b }` and `{ latin: n, from: a, to: b }`
-   sample: all entries of one kind are the dimensions of the same n points. If `vary` is a list of maps, the entries of
-   one map vary together (the first values of all, then the second ones, ...), and the maps are combined.
+   All values of an entry of `vary` are combined with all values of the others. `{ sobol: n, from: a, to: b }` and
+   `{ latin: n, from: a, to: b }` sample the interval from a to b: all entries of the same kind are the dimensions of n
+   common points. If `vary` is a list of maps, the entries of one map vary together (the first values of all, then the
+   second ones, ...), and the maps are combined.
 
    The table does not depend on threads, chunks or machines. In the library pellicle_scene. */
 #ifndef PELLICLE_STUDY_H
@@ -35,7 +36,7 @@ typedef struct pel_study pel_study;
 PEL_API pel_status pel_study_load(const char *path, pel_study **study, pel_error *error);
 PEL_API void pel_study_destroy(pel_study *study);
 
-/* The same from text (size bytes); path names it in messages and gives the folder of the scene. */
+/* The same from text (size bytes). path is its name in messages; the scene is relative to the folder of path. */
 PEL_API pel_status pel_study_parse(const char *path, const char *text, size_t size, pel_study **study,
                                    pel_error *error);
 
@@ -45,14 +46,14 @@ PEL_API int64_t pel_study_run_count(const pel_study *study);
    Lives as long as the study. */
 PEL_API const char *pel_study_header(const pel_study *study);
 
-/* maximum bytes of a row, including the terminating zero */
+/* Maximum size of a row in bytes, including the terminating zero. */
 PEL_API size_t pel_study_row_size(const pel_study *study);
 
 /* Executes run 0 .. run_count - 1 with one thread and writes its row (pel_study_row_size bytes), without a newline. A
    run that fails also gives a row: its status is "diverged", "failed" or "refused" and its measures are empty. folder
-   (nullable) is that of the study, for a study that keeps the folders of its runs. wanted (nullable) is called after
-   each step; returning false stops the run. Any thread may call it. Errors: PEL_STOPPED, PEL_BAD_ARGUMENT (no such
-   run), PEL_OUT_OF_MEMORY. */
+   (nullable) is the folder of the study; it is needed if the study keeps the folders of its runs. wanted (nullable) is
+   called after each step; returning false stops the run. Any thread may call it. Errors: PEL_STOPPED, PEL_BAD_ARGUMENT
+   (no such run), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_study_run(const pel_study *study, int64_t run, const char *folder, bool (*wanted)(void *user),
                                  void *user, char *row, pel_error *error);
 
@@ -119,8 +120,8 @@ typedef struct pel_study_summary {
     int64_t done;    /* by this call */
     int64_t missing; /* missing rows of all chunks; 0: the table is written */
     int64_t failed;  /* rows of runs that failed */
-    /* with commas, as far as they fit: names of measures that the study asks for and that are 0 in every run, such as
-       the force on a tool that never touches; "" while runs are missing */
+    /* names, separated by commas as far as they fit, of the study's measures that are 0 in every run, such as the force
+       on a tool that never touches a body; "" while runs are missing */
     char zeros[PEL_STUDY_ZEROS_SIZE];
 } pel_study_summary;
 

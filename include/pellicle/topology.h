@@ -9,14 +9,14 @@
 extern "C" {
 #endif
 
-/* Immutable once created. Every neighbourhood query is constant time per element visited. */
+/* Immutable after creation. A query of neighbours takes constant time per visited element. */
 typedef struct pel_topology {
     int32_t vertex_count, triangle_count, edge_count;
     int32_t boundary_edge_count;
     int32_t (*triangles)[3];    /* (triangle_count x 3), a copy */
     int32_t *twin;              /* (3 triangle_count) opposite half-edge, -1 on the boundary */
-    int32_t *corner_of_vertex;  /* (vertex_count) an outgoing half-edge; -1 = isolated; on the boundary the one from
-                                   which turning by pel_half_edge_turn visits all outgoing half-edges of the vertex */
+    int32_t *corner_of_vertex;  /* (vertex_count) an outgoing half-edge; -1 = isolated. On the boundary it is the one
+                                   from which pel_half_edge_turn visits all outgoing half-edges of the vertex */
     int32_t *edge_of_half_edge; /* (3 triangle_count) */
     int32_t *half_edge_of_edge; /* (edge_count) the lower of its half-edges; edges are numbered by it */
 } pel_topology;
@@ -44,7 +44,7 @@ static inline int32_t pel_half_edge_target(const pel_topology *topology, int32_t
 {
     return pel_half_edge_origin(topology, pel_half_edge_next(h));
 }
-/* the next outgoing half-edge about the same origin, counter-clockwise; -1 past a boundary */
+/* The next outgoing half-edge around the same origin, counter-clockwise; -1 after the boundary. */
 static inline int32_t pel_half_edge_turn(const pel_topology *topology, int32_t h)
 {
     return topology->twin[pel_half_edge_previous(h)];

@@ -1,6 +1,6 @@
 #include "core.h"
 
-/* the format of the struct module that a native number of this type has */
+/* whether the elements of a view are native numbers of this type, by their format of the module struct */
 static int has_type(const Py_buffer *view, char type)
 {
     const char *format = view->format != NULL ? view->format : "B";
@@ -16,22 +16,22 @@ static int has_type(const Py_buffer *view, char type)
 int core_get_array(PyObject *object, const char *name, char type, Py_ssize_t count, int is_written, Py_buffer *view)
 {
     if (!PyObject_CheckBuffer(object)) {
-        PyErr_Format(PyExc_TypeError, "%s: an array is needed", name);
+        PyErr_Format(PyExc_TypeError, "%s: must be an array", name);
         return -1;
     }
     if (PyObject_GetBuffer(object, view, PyBUF_STRIDES | PyBUF_FORMAT) < 0) {
-        PyErr_Format(PyExc_ValueError, "%s: this array cannot be read", name);
+        PyErr_Format(PyExc_ValueError, "%s: the memory of this array cannot be accessed. pass a numpy array", name);
         return -1;
     }
     Py_ssize_t numbers = view->itemsize > 0 ? view->len / view->itemsize : 0;
     if (!has_type(view, type))
-        PyErr_Format(PyExc_TypeError, "%s: an array of %s is needed", name, type == 'd' ? "float64" : "int32");
+        PyErr_Format(PyExc_TypeError, "%s: must be an array of %s", name, type == 'd' ? "float64" : "int32");
     else if (is_written && view->readonly)
-        PyErr_Format(PyExc_ValueError, "%s: the array is read-only", name);
+        PyErr_Format(PyExc_ValueError, "%s: the array is read-only. pass a writable array", name);
     else if (!PyBuffer_IsContiguous(view, 'C'))
-        PyErr_Format(PyExc_ValueError, "%s: the array is not C-contiguous", name);
+        PyErr_Format(PyExc_ValueError, "%s: the array is not C-contiguous. pass a contiguous copy", name);
     else if (count >= 0 && numbers != count)
-        PyErr_Format(PyExc_ValueError, "%s: the array has %zd numbers instead of %zd", name, numbers, count);
+        PyErr_Format(PyExc_ValueError, "%s: must have %zd numbers, not %zd", name, count, numbers);
     else
         return 0;
     PyBuffer_Release(view);
@@ -50,7 +50,7 @@ int core_check_shape(const Py_buffer *view, const char *name, Py_ssize_t rows, P
     return -1;
 }
 
-/* numpy.empty, and the types of arrays */
+/* numpy.empty and the types of elements */
 static PyObject *empty, *float64, *int32;
 
 int core_import_numpy(void)
@@ -87,7 +87,7 @@ int core_get_index(PyObject *object, const char *name, int64_t least, int64_t mo
 {
     PyObject *number = PyNumber_Index(object);
     if (number == NULL) {
-        PyErr_Format(PyExc_TypeError, "%s: an integer is needed", name);
+        PyErr_Format(PyExc_TypeError, "%s: must be an integer", name);
         return -1;
     }
     int overflow = 0;

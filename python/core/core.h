@@ -1,7 +1,7 @@
 /* The extension module pellicle._core: simulations for Python, against the limited API, so that one binary serves
-   Python 3.11 and later. Arrays come in and go out through the buffer protocol; numpy is not needed to build it. What
-   users call is the package around it (python/pellicle), which checks, names and documents arguments; the checks here
-   make sure that no call, however wrong, reads or writes beyond an array. */
+   Python 3.11 and later. Arrays are passed through the buffer protocol; building needs no numpy. Users call the package
+   around it (python/pellicle), which checks, names and documents arguments. The checks here ensure that no call,
+   however wrong, reads or writes beyond an array. */
 #ifndef PELLICLE_PYTHON_CORE_H
 #define PELLICLE_PYTHON_CORE_H
 
@@ -22,15 +22,15 @@ PyObject *core_raise(const pel_error *error);
 
 /* ---- array.c ---- */
 
-/* A view of the array `object`, which has to be C-contiguous, of that type ('d' double, 'i' int32) and have `count`
-   numbers (-1: any number). Errors name the argument: TypeError for another type, ValueError else. Release with
+/* A view of the array `object`, which must be C-contiguous, have this type ('d' double, 'i' int32) and `count` numbers
+   (-1: any count). Errors name the argument: TypeError for another type, otherwise ValueError. Release with
    PyBuffer_Release. */
 int core_get_array(PyObject *object, const char *name, char type, Py_ssize_t count, int is_written, Py_buffer *view);
 /* -1 and ValueError unless a view has this shape: (rows), or (rows, columns) with more than one column */
 int core_check_shape(const Py_buffer *view, const char *name, Py_ssize_t rows, Py_ssize_t columns);
 /* a new numpy array of that type and shape */
 PyObject *core_new_array(char type, Py_ssize_t rows, Py_ssize_t columns);
-/* imports what core_new_array needs; -1 with an exception */
+/* imports numpy for core_new_array; -1 with an exception */
 int core_import_numpy(void);
 /* -1 and an exception unless the number of arguments is right */
 int core_check_count(const char *name, Py_ssize_t given, Py_ssize_t wanted);
@@ -66,8 +66,8 @@ extern PyMethodDef core_mesh_methods[];
 
 typedef struct core_scene {
     PyObject_HEAD pel_scene *scene;
-    pel_model *model; /* made when asked for first */
-    int is_busy;      /* a model is being made without the GIL */
+    pel_model *model; /* built on first use */
+    int is_busy;      /* a thread is building the model without the GIL */
 } core_scene;
 extern PyTypeObject *core_scene_type;
 extern PyType_Spec core_scene_spec;
@@ -75,32 +75,32 @@ extern PyMethodDef core_run_methods[];
 
 /* ---- sim.c ---- */
 
-/* `wanted` of the library: looks for Ctrl-C every 0.05 s. user: double, when to look next, 0 at first. Without the GIL;
-   when it returns false the exception is set. */
+/* `wanted` of the library: checks for Ctrl-C every 0.05 s. user: double, time of the next check, 0 at first. Without
+   the GIL; when it returns false the exception is set. */
 bool core_is_wanted(void *user);
 
 typedef struct core_sim {
     PyObject_HEAD pel_sim *sim;
-    core_scene *owner; /* of the model; kept alive */
+    core_scene *owner; /* owns the model; kept alive */
     PyObject *names;   /* dict of the bodies: name -> number */
     int32_t load_count;
     int records;              /* whether contacts are recorded */
-    pel_potential *potential; /* made when asked for first */
+    pel_potential *potential; /* created on first use */
     double next_look;         /* s, of core_is_wanted */
-    int is_busy;              /* it works without the GIL: other threads have to wait */
+    int is_busy;              /* a thread uses it without the GIL; other threads are refused */
 } core_sim;
 extern PyTypeObject *core_sim_type;
 extern PyType_Spec core_sim_spec;
 /* -1 and RuntimeError while another thread uses the simulation */
 int core_sim_check(core_sim *self);
-/* The number of a body given by name or number; -1 with an exception, also where core_sim_check fails. */
+/* The number of a body given by name or number; -1 with an exception, also if core_sim_check fails. */
 int32_t core_sim_body(core_sim *self, PyObject *body);
 /* a tuple of (name, components, unit, doc, is on triangles too): the table of fields, in its order */
 PyObject *core_field_table(void);
 /* a tuple of (name, type, components, is on triangles): what `get` can fill, in its order */
 PyObject *core_array_table(void);
 
-/* ---- sim_change.c: methods of a simulation that change it, or look at it elsewhere ---- */
+/* ---- sim_change.c: methods that change a simulation, and its potential at other positions ---- */
 
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize_t count);

@@ -6,19 +6,21 @@ PyObject *core_make_error_class(void)
 {
     return PyErr_NewExceptionWithDoc(
         "pellicle.Error",
-        "What Pellicle refuses, or what failed.\n\n"
+        "A refused input or a failed operation.\n\n"
         "The text is ``file:line:column: error: what. remedy``.\n\n"
         "Attributes\n----------\n"
         "status : str\n    Kind of failure, such as ``\"bad scene\"`` or ``\"diverged\"``.\n"
-        "what, remedy : str\n    What is wrong, and what to do about it.\n"
-        "file : str or None\n    File that it is about.\n"
-        "line, column : int or None\n    Place in that file, from 1.\n"
-        "element_kind, element_name : str or None\n    Such as ``\"vertex\"``, and its name in the scene.\n"
-        "element : int or None\n    Number of the element, from 0.\n",
+        "what : str\n    The problem.\n"
+        "remedy : str or None\n    What to do about it.\n"
+        "file : str or None\n    The file that contains the problem.\n"
+        "line, column : int or None\n    Place in this file, from 1.\n"
+        "element_kind : str or None\n    Kind of the element with the problem, such as ``\"vertex\"``.\n"
+        "element_name : str or None\n    Name of this element in the scene.\n"
+        "element : int or None\n    Number of this element, from 0.\n",
         PyExc_RuntimeError, NULL);
 }
 
-/* sets an attribute and drops the value; null is an exception that is passed on */
+/* sets an attribute and releases the value; if the value is null, an exception is already set: returns -1 */
 static int set(PyObject *exception, const char *name, PyObject *value)
 {
     int result = value == NULL ? -1 : PyObject_SetAttrString(exception, name, value);

@@ -4,7 +4,7 @@
 
 #include <pellicle/import.h>
 
-/* a mesh whose arrays are views of Python's */
+/* a mesh whose arrays are views of Python's arrays */
 typedef struct borrowed_mesh {
     pel_mesh mesh;
     Py_buffer positions, triangles, *values; /* values (mesh.field_count) */
@@ -27,13 +27,13 @@ static int borrow_field(borrowed_mesh *m, PyObject *item)
     int components;
     pel_field *field = &m->mesh.fields[m->mesh.field_count];
     if (!PyTuple_Check(item)) {
-        PyErr_SetString(PyExc_TypeError, "fields: tuples of name, components and values are needed");
+        PyErr_SetString(PyExc_TypeError, "fields: must be tuples of name, component count and values");
         return -1;
     }
     if (!PyArg_ParseTuple(item, "siO", &name, &components, &values))
         return -1;
     if (strlen(name) >= sizeof field->name || name[0] == '\0' || components < 1) {
-        PyErr_Format(PyExc_ValueError, "fields: the name '%s' is empty or too long", name);
+        PyErr_Format(PyExc_ValueError, "fields: the name '%s' must have 1 to %d bytes", name, PEL_NAME_SIZE - 1);
         return -1;
     }
     Py_buffer *view = &m->values[m->mesh.field_count];
@@ -49,7 +49,7 @@ static int borrow_field(borrowed_mesh *m, PyObject *item)
 static int borrow_fields(borrowed_mesh *m, PyObject *fields)
 {
     if (!PyTuple_Check(fields)) {
-        PyErr_SetString(PyExc_TypeError, "fields: a tuple is needed");
+        PyErr_SetString(PyExc_TypeError, "fields: must be a tuple");
         return -1;
     }
     Py_ssize_t count = PyTuple_Size(fields);
@@ -78,7 +78,7 @@ static int borrow_mesh(PyObject *const *arguments, borrowed_mesh *m)
     Py_ssize_t corners = m->triangles.len / (Py_ssize_t)sizeof(int32_t);
     int result = 0;
     if (coordinates % 3 != 0 || coordinates / 3 > INT32_MAX || corners % 3 != 0 || corners / 3 > INT32_MAX) {
-        PyErr_SetString(PyExc_ValueError, "positions, triangles: rows of three are needed");
+        PyErr_SetString(PyExc_ValueError, "positions, triangles: must have rows of three numbers");
         result = -1;
     }
     m->mesh.vertex_count = (int32_t)(coordinates / 3);
@@ -92,7 +92,7 @@ static int borrow_mesh(PyObject *const *arguments, borrowed_mesh *m)
     return result;
 }
 
-/* a checked copy, for functions that trust a mesh */
+/* a validated copy, for functions that do not check the mesh */
 static int copy_mesh(PyObject *const *arguments, pel_mesh **mesh)
 {
     borrowed_mesh m;
@@ -132,7 +132,7 @@ static PyObject *fields_of(const pel_mesh *mesh)
     return tuple;
 }
 
-/* as a tuple; the mesh is destroyed */
+/* converts a mesh to a tuple and destroys it */
 static PyObject *hand_over(pel_mesh *mesh)
 {
     PyObject *result = Py_BuildValue(
@@ -147,7 +147,7 @@ static PyObject *hand_over(pel_mesh *mesh)
 static void collect_note(void *user, const char *text)
 {
     PyObject *line = PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace");
-    /* a note that does not fit into memory changes nothing */
+    /* if there is no memory for the note, omit it */
     if (line == NULL || PyList_Append(user, line) < 0)
         PyErr_Clear();
     Py_XDECREF(line);
@@ -269,7 +269,7 @@ static PyObject *write_frame(PyObject *module, PyObject *const *arguments, Py_ss
     return result;
 }
 
-/* ---- made from others ---- */
+/* ---- generated and changed meshes ---- */
 
 /* (name, parameters): the parameters are a tuple of pairs of texts */
 static PyObject *make_shape(PyObject *module, PyObject *arguments)
@@ -418,7 +418,7 @@ static PyObject *repair(PyObject *module, PyObject *const *arguments, Py_ssize_t
                          core_record(&summary, repair_members, sizeof repair_members / sizeof *repair_members));
 }
 
-/* (positions, triangles, fields, limit): number of all pairs, and up to limit of them */
+/* (positions, triangles, fields, limit): the number of all pairs, and at most `limit` of the pairs */
 static PyObject *self_intersections(PyObject *module, PyObject *const *arguments, Py_ssize_t count)
 {
     (void)module;

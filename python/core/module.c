@@ -23,12 +23,12 @@ static PyMethodDef methods[] = {
 static struct PyModuleDef definition = {
     .m_base = PyModuleDef_HEAD_INIT,
     .m_name = "pellicle._core",
-    .m_doc = "What the package pellicle is built on; not for users.",
+    .m_doc = "Implementation of the package pellicle; not for direct use.",
     .m_size = -1,
     .m_methods = methods,
 };
 
-/* adds an object, whose reference it takes over */
+/* adds an object and takes over its reference */
 static int add(PyObject *module, const char *name, PyObject *object)
 {
     int result = object == NULL ? -1 : PyModule_AddObjectRef(module, name, object);

@@ -21,7 +21,7 @@ static PyObject *value_of(const char *at, const core_member *member)
     PyObject *tuple = PyTuple_New(member->count);
     for (int i = 0; tuple != NULL && i < member->count; i++) {
         PyObject *item = number(at, member->kind, i);
-        /* takes the item over, also when it fails */
+        /* takes over the reference of the item, also on failure */
         if (item == NULL || PyTuple_SetItem(tuple, i, item) < 0)
             Py_CLEAR(tuple);
     }

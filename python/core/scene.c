@@ -9,13 +9,13 @@ PyTypeObject *core_scene_type;
 static void collect_note(void *user, const char *text)
 {
     PyObject *line = PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace");
-    /* a note that does not fit into memory changes nothing */
+    /* if there is no memory for the note, omit it */
     if (line == NULL || PyList_Append(user, line) < 0)
         PyErr_Clear();
     Py_XDECREF(line);
 }
 
-/* the texts of a tuple, which lives on; free with PyMem_Free */
+/* the strings of a tuple, which must outlive the result; free with PyMem_Free */
 static const char **texts_of(PyObject *tuple, int32_t *count)
 {
     Py_ssize_t size = PyTuple_Size(tuple);
@@ -33,7 +33,7 @@ static const char **texts_of(PyObject *tuple, int32_t *count)
     return texts;
 }
 
-/* Scene(path, text, overrides, notes): text None reads the file */
+/* Scene(path, text, overrides, notes): if text is None, the file is read */
 static PyObject *scene_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords)
 {
     const char *path, *text;
@@ -71,14 +71,15 @@ static void scene_free(core_scene *self)
     Py_DECREF((PyObject *)type);
 }
 
-/* makes the model without the GIL, once */
+/* builds the model without the GIL, once */
 static int need_model(core_scene *self)
 {
     if (self->model != NULL)
         return 0;
     if (self->is_busy) {
-        PyErr_SetString(PyExc_RuntimeError,
-                        "another thread is making the model of this scene: ask for it before starting threads");
+        PyErr_SetString(
+            PyExc_RuntimeError,
+            "another thread is building the model of this scene. call Scene.prepare() before starting threads");
         return -1;
     }
     pel_error error;
@@ -102,7 +103,7 @@ static PyObject *scene_text(core_scene *self, PyObject *unused)
     return PyUnicode_FromString(pel_scene_text(self->scene));
 }
 
-/* what Python asks of a scene */
+/* properties of the scene, as a dict */
 static PyObject *scene_info(core_scene *self, PyObject *unused)
 {
     (void)unused;
@@ -125,14 +126,14 @@ static PyObject *scene_info(core_scene *self, PyObject *unused)
                          scene->sim.solver.method == PEL_METHOD_STATIC ? Py_True : Py_False);
 }
 
-/* makes the model now, before threads share it */
+/* builds the model now, before threads share it */
 static PyObject *scene_prepare(core_scene *self, PyObject *unused)
 {
     (void)unused;
     return need_model(self) < 0 ? NULL : Py_NewRef(Py_None);
 }
 
-/* name -> number of the bodies of a model */
+/* dict of the bodies of a model: name -> number */
 static PyObject *body_names(const pel_model *model)
 {
     PyObject *names = PyDict_New();
@@ -234,7 +235,7 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
-/* what runs beside each other leave */
+/* results of runs that are stepped together */
 typedef struct series_work {
     PyObject *runs; /* list of (lines, positions): the run, then those beside it */
     int failed;     /* an exception is set */

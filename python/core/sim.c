@@ -1,4 +1,4 @@
-/* A simulation: steps, and what can be read from it. */
+/* A simulation: steps and readings. */
 #include "core.h"
 
 #include <pellicle/observe.h>
@@ -23,7 +23,7 @@ int core_sim_check(core_sim *self)
 {
     if (!self->is_busy)
         return 0;
-    PyErr_SetString(PyExc_RuntimeError, "another thread uses this simulation: give each thread one of its own");
+    PyErr_SetString(PyExc_RuntimeError, "another thread is using this simulation. create one simulation per thread");
     return -1;
 }
 
@@ -31,7 +31,7 @@ static void refuse_name(core_sim *self, PyObject *body)
 {
     PyObject *names = PyDict_Keys(self->names);
     if (names != NULL)
-        PyErr_Format(PyExc_KeyError, "body: %R is none of the bodies %R", body, names);
+        PyErr_Format(PyExc_KeyError, "body: there is no body %R. use one of %R", body, names);
     Py_XDECREF(names);
 }
 
@@ -59,7 +59,7 @@ int32_t core_sim_body(core_sim *self, PyObject *body)
 
 /* ---- steps ---- */
 
-/* s between looks for Ctrl-C */
+/* s between two checks for Ctrl-C */
 #define LOOK_SECONDS 0.05
 
 static double seconds(void)
@@ -76,7 +76,7 @@ bool core_is_wanted(void *user)
         return true;
     *next = now + LOOK_SECONDS;
     PyGILState_STATE state = PyGILState_Ensure();
-    /* the signal is taken once, its exception stays */
+    /* the signal is handled once; its exception stays set */
     bool goes_on = !PyErr_Occurred() && PyErr_CheckSignals() == 0;
     PyGILState_Release(state);
     if (!goes_on)
@@ -230,7 +230,7 @@ static PyObject *sim_observe(core_sim *self, PyObject *const *arguments, Py_ssiz
     return fits ? core_raise(&error) : NULL;
 }
 
-/* counts(body): vertices, triangles, revision of the surface */
+/* counts(body): numbers of vertices and triangles, and the revision of the surface */
 static PyObject *sim_counts(core_sim *self, PyObject *argument)
 {
     int32_t body = core_sim_body(self, argument);
@@ -346,7 +346,7 @@ static PyObject *sim_contact(core_sim *self, PyObject *unused)
 
 _Static_assert(sizeof(pel_contact_record) == 144, "as simulation.py reads it");
 
-/* contact_records(): rows of pel_contact_record as bytes, None where none are kept */
+/* contact_records(): rows of pel_contact_record as bytes; None if contacts are not recorded */
 static PyObject *sim_contact_records(core_sim *self, PyObject *unused)
 {
     (void)unused;
@@ -377,7 +377,7 @@ static PyObject *sim_tool(core_sim *self, PyObject *argument)
     return RECORD(&reading, tool_members);
 }
 
-/* the reaction of all supports of a body */
+/* force and torque of a body on all its supports */
 static PyObject *sim_support(core_sim *self, PyObject *argument)
 {
     pel_support_reading reading;

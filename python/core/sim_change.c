@@ -2,7 +2,7 @@
 
 #include <pellicle/live.h>
 
-/* set(velocities instead of positions, body, values) */
+/* set(0: positions or 1: velocities, body, values) */
 PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     int32_t is_velocity;
@@ -22,7 +22,7 @@ PyObject *core_sim_set(core_sim *self, PyObject *const *arguments, Py_ssize_t co
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
-/* set_load(number, force); numbers are checked against the scene, whose loads these are */
+/* set_load(number, force); the number must be that of a load of the scene */
 PyObject *core_sim_set_load(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     int32_t load;
@@ -62,11 +62,11 @@ PyObject *core_sim_set_parameter(core_sim *self, PyObject *const *arguments, Py_
     const char *texts[2];
     for (int i = 0; i < 2; i++) {
         if (!PyUnicode_Check(arguments[i]))
-            return PyErr_SetString(PyExc_TypeError, "path, value: texts are needed"), NULL;
+            return PyErr_SetString(PyExc_TypeError, "path, value: must be str"), NULL;
         if ((texts[i] = PyUnicode_AsUTF8AndSize(arguments[i], NULL)) == NULL)
             return NULL;
     }
-    /* belongs to the model, which the change may replace */
+    /* the potential belongs to the model, which the change may replace */
     pel_potential_destroy(self->potential);
     self->potential = NULL;
     if (pel_set_parameter_text(self->sim, texts[0], texts[1], &error) != PEL_OK)
@@ -99,7 +99,7 @@ PyObject *core_sim_load(core_sim *self, PyObject *snapshot)
 
 /* ---- potential ---- */
 
-/* opens the array of positions of all bodies, and the potential */
+/* opens the array with the positions of all bodies, and creates the potential if there is none */
 static int open_potential(core_sim *self, PyObject *positions, Py_buffer *view)
 {
     pel_error error;
@@ -112,7 +112,7 @@ static int open_potential(core_sim *self, PyObject *positions, Py_buffer *view)
     return core_get_array(positions, "x", 'd', 3 * (Py_ssize_t)pel_potential_vertex_count(self->potential), 0, view);
 }
 
-/* evaluate(x, gradient to fill or None): the energy */
+/* evaluate(x, array for the gradient or None): the energy */
 PyObject *core_sim_evaluate(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     Py_buffer x, gradient = {0};

@@ -60,7 +60,7 @@ typedef struct core_drag {
 
 PyTypeObject *core_drag_type;
 
-/* drag(ray, stiffness, reach): a Drag, or None where the ray meets nothing */
+/* drag(ray, stiffness, reach): a Drag, or None if the ray meets no body */
 PyObject *core_sim_drag(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     pel_pick_hit hit;
@@ -87,7 +87,7 @@ PyObject *core_sim_drag(core_sim *self, PyObject *const *arguments, Py_ssize_t c
 static int drag_check(core_drag *self)
 {
     if (self->drag == NULL) {
-        PyErr_SetString(PyExc_ValueError, "the drag has ended");
+        PyErr_SetString(PyExc_ValueError, "this drag has ended. call Simulation.drag for a new one");
         return -1;
     }
     return core_sim_check(self->sim);
@@ -136,7 +136,7 @@ static PyObject *drag_end(core_drag *self, PyObject *unused)
 static void drag_free(core_drag *self)
 {
     PyTypeObject *type = Py_TYPE((PyObject *)self);
-    /* one that is left open during a step in another thread ends with the simulation */
+    /* a drag that is freed during a step in another thread ends with the simulation */
     if (self->drag != NULL && !self->sim->is_busy)
         pel_drag_end(self->drag, NULL);
     Py_XDECREF((PyObject *)self->sim);
@@ -180,7 +180,7 @@ enum {
 };
 _Static_assert(sizeof(pel_adjoint_material) == 5 * sizeof(double), "rows of five numbers");
 
-/* adjoint(gradient, forces, rest positions or None, loads, gravity, materials): fills all but the first */
+/* adjoint(gradient, forces, rest positions or None, loads, gravity, materials): fills all arrays except the first */
 PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
 {
     static const char *const names[ADJOINT_COUNT] = {"loss_gradient", "forces",  "rest_positions",
@@ -237,7 +237,7 @@ typedef struct asked {
     Py_buffer views[STEPS_COUNT];
 } asked;
 
-/* what the function is told of a state stands in two arrays, and its answer in two others */
+/* two arrays contain the state for the function, two others its derivatives */
 static bool ask_function(void *user, const pel_adjoint_point *point)
 {
     asked *a = user;

@@ -9,7 +9,7 @@ typedef struct core_study {
 
 typedef struct core_store {
     PyObject_HEAD pel_study_store *store;
-    core_study *owner; /* of the study; kept alive */
+    core_study *owner; /* owns the study; kept alive */
 } core_store;
 
 PyTypeObject *core_study_type, *core_store_type;
@@ -22,7 +22,7 @@ static void release(PyObject *self)
     Py_DECREF((PyObject *)type);
 }
 
-/* ---- Study(path, text): text None reads the file ---- */
+/* ---- Study(path, text): if text is None, the file is read ---- */
 
 static PyObject *study_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords)
 {
@@ -50,7 +50,7 @@ static void study_free(core_study *self)
     release((PyObject *)self);
 }
 
-/* number of runs, first line of the table */
+/* number of runs, and the first line of the table */
 static PyObject *study_info(core_study *self, PyObject *unused)
 {
     (void)unused;
@@ -77,7 +77,7 @@ static PyObject *study_run(core_study *self, PyObject *arguments)
     return status == PEL_OK ? text : core_raise(&error);
 }
 
-/* lost(number, status, what): the row of a run that left none */
+/* lost(number, status, what): the row of a run whose process wrote none */
 static PyObject *study_lost(core_study *self, PyObject *arguments)
 {
     long long run;
@@ -94,7 +94,7 @@ static PyObject *study_lost(core_study *self, PyObject *arguments)
     return status == PEL_OK ? text : core_raise(&error);
 }
 
-/* called without the GIL, by the thread that executes */
+/* called without the GIL, in the thread of `execute` */
 static bool look_for_signals(void *user)
 {
     (void)user;
@@ -104,7 +104,8 @@ static bool look_for_signals(void *user)
     return goes_on;
 }
 
-/* execute(folder, jobs, seconds of a run, do failed runs again): runs, present, done, missing, failed */
+/* execute(folder, jobs, time limit of a run [s], whether failed runs are repeated): runs, present, done, missing,
+ * failed */
 static PyObject *study_execute(core_study *self, PyObject *arguments)
 {
     pel_study_def def = pel_study_def_default();
@@ -189,7 +190,7 @@ static PyObject *store_add(core_store *self, PyObject *argument)
     return pel_study_store_add(self->store, row, &error) == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
 }
 
-/* missing and failed runs */
+/* numbers of missing and failed runs */
 static PyObject *store_collect(core_store *self, PyObject *unused)
 {
     (void)unused;

@@ -3,7 +3,7 @@
     import pellicle
     sim = pellicle.load_scene("scenes/balloon.yaml")
     sim.step(100)
-    sim.positions("balloon")        # (vertex_count, 3)
+    sim.positions("balloon")        # (vertex_count, 3) [m]
 
 docs/python.md is the guide.
 """
@@ -18,12 +18,15 @@ from .calibration import Fit, calibrate
 
 __version__: str = _core.version()
 
-#: Names that `Simulation.field` takes.
+#: Names of the fields that `Simulation.field` can read.
 field_names: tuple[str, ...] = tuple(row[0] for row in _core.FIELDS)
 
 
 def kernels() -> str:
-    """Instructions in use: "avx2" or "baseline". The results do not depend on it (PELLICLE_KERNELS=baseline takes the second)."""
+    """Instruction set in use: "avx2" or "baseline". The results do not depend on it.
+
+    To use "baseline", set the environment variable ``PELLICLE_KERNELS=baseline`` before Python starts.
+    """
     return _core.kernels()
 
 

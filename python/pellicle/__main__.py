@@ -1,4 +1,4 @@
-"""``python3 -m pellicle calibrate FIT``: called by the command `pellicle calibrate`."""
+"""``python3 -m pellicle calibrate FIT``: the command `pellicle calibrate` calls it."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Checks of array arguments: every refusal names the argument."""
+"""Checks of array arguments: every error message names the argument."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def indices(value: Any, name: str, shape: Shape, count: Optional[int] = None) ->
         raise TypeError(f"{name}: must hold integers, not {array.dtype}")
     _check_shape(array, name, shape)
     if array.size and (int(array.min()) < -(2**31) or int(array.max()) >= 2**31):
-        raise ValueError(f"{name}: an index is beyond 32 bits")
+        raise ValueError(f"{name}: every index must fit into 32 bits, within -2147483648 .. 2147483647")
     if count is not None and array.size and (array.min() < 0 or array.max() >= count):
         place = tuple(int(i) for i in np.argwhere((array < 0) | (array >= count))[0])
         raise ValueError(f"{name}: index {array[place]} at {place}; must be within 0 .. {count - 1}")
@@ -55,13 +55,13 @@ def indices(value: Any, name: str, shape: Shape, count: Optional[int] = None) ->
 
 
 def room(out: Optional[np.ndarray], shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
-    """`out` when it can take a result of that shape, else a new array."""
+    """A new array if `out` is None; otherwise `out`, after a check of its type and shape."""
     if out is None:
         return np.empty(shape, dtype)
     if not isinstance(out, np.ndarray):
         raise TypeError(f"out: must be a numpy array, not {type(out).__name__}")
     if out.dtype != dtype:
-        raise TypeError(f"out: must be of {np.dtype(dtype).name}, not {out.dtype}")
+        raise TypeError(f"out: must have the type {np.dtype(dtype).name}, not {out.dtype}")
     if out.shape != shape:
         raise ValueError(f"out: must have the shape {_show(shape)}, not {_show(out.shape)}")
     return out

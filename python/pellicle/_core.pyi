@@ -3,7 +3,7 @@
 from typing import Any, Optional
 
 class Error(RuntimeError):
-    """What Pellicle refuses, or what failed."""
+    """A refused input or a failed operation."""
 
     status: str
     what: str

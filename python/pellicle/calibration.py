@@ -1,11 +1,12 @@
-"""Parameters of a scene fitted to measured curves: bounded least squares with confidence intervals.
+"""Fit parameters of a scene to measured curves: least squares within bounds, with confidence intervals.
 
-The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t for n - p degrees of freedom, the residual's
-standard deviation s and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression, section 5.1).
+The interval of parameter k is p_k +- t s sqrt((J^T J)^-1_kk) with Student's t for n - p degrees of freedom (n values, p
+parameters), the standard deviation s of the residuals and the Jacobian J at the fit (Seber and Wild, Nonlinear Regression,
+section 5.1).
 
-Under the methods static and implicit the Jacobian goes forward along the steps: runs with each parameter a little smaller and
-a little larger are stepped together with the run and are solved with the matrix of its steps, so that each takes a few solutions a step
-where differences take whole runs (pel_sim_step_beside).
+Under the methods static and implicit the Jacobian is computed forward along the steps: simulations with a slightly smaller and
+a slightly larger value of each parameter accompany the run. Each of their steps is solved with the matrix of the run's step,
+which takes a few solutions per step instead of a whole run (pel_sim_step_beside).
 """
 
 from __future__ import annotations
@@ -26,16 +27,16 @@ from . import _core
 from .mesh import PathLike
 from .simulation import Scene
 
-#: Step of the differences, relative to the range of a parameter: far above the error of a curve by a solver's tolerance.
+#: Step of the differences, relative to the range of a parameter: far above the error of a curve due to the solver's tolerance.
 _STEP = 1e-3
-#: Two parameters whose correlation is beyond this cannot be told apart by the data.
+#: If the correlation of two parameters exceeds this, the data hardly distinguish them.
 _CORRELATED = 0.97
-#: Residual of a run that fails, in parts of the largest measured value: the fit turns back.
+#: Residual of a run that fails, relative to the largest measured value, so that the fit avoids its parameters.
 _FAILED = 10.0
 
 
 class _Curve:
-    """One entry of `data`: a measurement, and how to read the same quantity from a run."""
+    """An entry of `data`: the measurement, and the way to read the same quantity from a run."""
 
     def __init__(self, entry: Mapping[str, Any]) -> None:
         self.entry = entry
@@ -46,7 +47,10 @@ class _Curve:
             vertices = _pick(entry["file"], names, columns, "vertex")
             self.vertices = vertices.astype(int)
             if (self.vertices != vertices).any():
-                raise _core.Error(f"{entry['file']}: error: the column vertex must hold whole numbers. correct it")
+                raise _core.Error(
+                    f"{entry['file']}: error: the column vertex must contain whole numbers. write the vertex numbers of the "
+                    "mesh, from 0"
+                )
             self.x = np.arange(3 * len(self.vertices), dtype=float)
             self.y = np.column_stack([_pick(entry["file"], names, columns, axis) for axis in "xyz"]).ravel()
         else:
@@ -54,26 +58,27 @@ class _Curve:
             self.y = _pick_axis(entry, "y", 1, names, columns)
         size = float(np.ptp(self.y)) if self.body is not None else float(np.abs(self.y).max())
         if not size > 0:
-            raise _core.Error(f"{entry['file']}: error: all measured values are the same. measure more than one point")
+            same = "all measured values are 0" if self.body is None else "all coordinates of the markers are equal"
+            raise _core.Error(f"{entry['file']}: error: {same}. add rows with other values")
         self.unit = size
         self.scale = float(entry.get("weight", 1)) / size
         self.covered = True
 
     def place(self, scene: Scene, positions: list[np.ndarray]) -> Optional[np.ndarray]:
-        """The positions of the body that the entry is about, if any."""
+        """The positions of the entry's body, or None."""
         if self.body is None:
             return None
         if self.body not in scene.bodies:
-            raise _core.Error(f"error: there is no body {self.body!r} ({self.name}). it may be " + ", ".join(scene.bodies))
+            raise _core.Error(f"error: there is no body {self.body!r} ({self.name}). use one of " + ", ".join(scene.bodies))
         return positions[scene.bodies.index(self.body)]
 
     def read(self, series: Mapping[str, np.ndarray], positions: Optional[np.ndarray]) -> np.ndarray:
-        """The same points of a run."""
+        """The values of a run at the measured points."""
         if self.body is not None:
             if self.vertices.min() < 0 or self.vertices.max() >= len(positions):
                 raise _core.Error(
-                    f"{self.entry['file']}: error: the body {self.body!r} has vertices 0 .. {len(positions) - 1}. correct "
-                    "the column vertex"
+                    f"{self.entry['file']}: error: the column vertex has values {self.vertices.min()} .. {self.vertices.max()}, "
+                    f"but the body {self.body!r} has the vertices 0 .. {len(positions) - 1}. correct the column vertex"
                 )
             return positions[self.vertices].ravel()
         for key in ("x", "y"):
@@ -92,7 +97,7 @@ class _Curve:
 
 def _advise(name: str, names: list[str]) -> str:
     near = difflib.get_close_matches(name, names, 1)
-    return f"did you mean {near[0]!r}?" if near else "it has " + ", ".join(names)
+    return f"did you mean {near[0]!r}?" if near else "use one of " + ", ".join(names)
 
 
 def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
@@ -108,7 +113,7 @@ def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
                 continue
             place = f"{path}:{reader.line_num}: error: "
             if len(row) != len(names):
-                raise _core.Error(f"{place}{len(row)} cells below {len(names)} names. write one number for each name")
+                raise _core.Error(f"{place}{len(row)} cells below {len(names)} names. write one number per name")
             try:
                 rows.append([float(cell) for cell in row])
             except ValueError as error:
@@ -116,47 +121,58 @@ def _read_csv(path: str) -> tuple[list[str], np.ndarray]:
             if not np.isfinite(rows[-1]).all():
                 raise _core.Error(f"{place}a number is not finite. correct or remove the line")
     if len(rows) < 2:
-        raise _core.Error(f"{path}: error: no table of numbers. write one line with names, then at least two lines of numbers")
+        raise _core.Error(
+            f"{path}: error: no table of numbers: {len(rows)} lines of numbers. write one line with names, then at least two "
+            "lines of numbers"
+        )
     return names, np.array(rows).T
 
 
-def _pick(path: str, names: list[str], columns: np.ndarray, name: str, place: Optional[int] = None) -> np.ndarray:
+def _pick(
+    path: str, names: list[str], columns: np.ndarray, name: str, place: Optional[int] = None, axis: bool = False
+) -> np.ndarray:
     if name in names:
         return columns[names.index(name)]
     if place is not None and len(names) == 2:
         return columns[place]
-    raise _core.Error(f"{path}: error: there is no column {name!r}. name one of {', '.join(names)} as column_x and column_y")
+    known = ", ".join(names)
+    advice = f"name one of {known} as column_x or column_y" if axis else f"rename one of {known}"
+    raise _core.Error(f"{path}: error: there is no column {name!r}. {advice}")
 
 
 def _pick_axis(entry: Mapping[str, Any], axis: str, place: int, names: list[str], columns: np.ndarray) -> np.ndarray:
-    """A column that the entry names must be there; otherwise it may be one of the only two."""
+    """The column `column_x` or `column_y` if the entry has this key; otherwise that of the same name, or one of the only two."""
     given = entry.get(f"column_{axis}")
-    return _pick(entry["file"], names, columns, given or entry[axis], None if given else place)
+    return _pick(entry["file"], names, columns, given or entry[axis], None if given else place, True)
 
 
 class Fit:
-    """What `calibrate` found.
+    """The result of `calibrate`.
 
     Attributes
     ----------
     values : dict of str to float
-        The parameters by their paths.
+        Values of the parameters, by path.
     low, high : dict of str to float
-        Their confidence intervals.
+        Limits of their confidence intervals, by path.
+    confidence : float
+        Confidence of the intervals, such as 0.95.
     correlation : numpy.ndarray
-        (parameter_count, parameter_count)
+        Correlations of the parameters, (parameter_count, parameter_count).
     misfit : float
-        Root of the mean square of the residuals, each over the largest value of its curve.
+        Root mean square of the weighted residuals. Each residual is relative to the largest value of its curve; for markers, to
+        the range of their coordinates.
     warnings : list of str
-        What makes the fit doubtful: parameters that the data do not tell, or not apart; bounds that are met.
+        Reasons to doubt the fit: the data do not determine a parameter or do not distinguish two parameters, a parameter is at
+        its bound, a run does not cover the measured x, or the fit did not converge.
     curves : list of dict
         For each entry of the data: name, x, measured, fitted.
     evaluations : int
-        Runs done.
+        Number of runs.
     derivatives : str
-        ``"forward"``, along the steps of each run, or ``"differences"`` of whole runs: where the Jacobian comes from.
+        Source of the Jacobian: ``"forward"`` along the steps of each run, or ``"differences"`` of whole runs.
     derivatives_reason : str
-        Why it is differences; else empty.
+        The reason for ``"differences"``; otherwise empty.
     """
 
     def __init__(self, **members: Any) -> None:
@@ -168,7 +184,7 @@ class Fit:
         return f"<Fit: {values}; misfit {self.misfit:.3g}>"
 
     def record(self) -> dict[str, Any]:
-        """Everything but the curves, as JSON takes it."""
+        """All results except the curves, as values that JSON can contain."""
         return {
             "parameters": {
                 path: {"value": value, "low": self.low[path], "high": self.high[path]} for path, value in self.values.items()
@@ -184,7 +200,7 @@ class Fit:
 
 
 class _Problem:
-    """Residuals and their derivatives; parameters in units of their range, within 0 .. 1."""
+    """Residuals and their derivatives. Parameters are scaled by their range to 0 .. 1."""
 
     def __init__(self, fit: Mapping[str, Any], jobs: int) -> None:
         self.scene = fit["scene"]
@@ -208,7 +224,7 @@ class _Problem:
         return np.where(self.is_log, np.exp(np.where(self.is_log, inner, 0)), inner)
 
     def run(self, unit: np.ndarray, beside: Sequence[np.ndarray] = ()) -> list[list[np.ndarray]]:
-        """The measured points of a run with these parameters, curve by curve, then the points of runs beside it."""
+        """The values at the measured points, curve by curve: of a run with these parameters, then of the runs beside it."""
         scenes = [Scene(self.scene, dict(zip(self.paths, map(float, self.values(u))))) for u in (unit, *beside)]
         self.evaluations += 1
         runs = _core.series(scenes[0]._core, tuple(scene._core for scene in scenes[1:]))
@@ -227,27 +243,27 @@ class _Problem:
         return np.concatenate([(p - curve.y) * curve.scale for p, curve in zip(points, self.curves)])
 
     def residual(self, unit: np.ndarray) -> np.ndarray:
-        """Of a trial; one that fails is far from everything measured."""
+        """Residuals of a trial. If its run fails, all residuals are large."""
         try:
             return self.evaluate(unit)
         except _core.Error:
             return np.full(sum(len(curve.y) for curve in self.curves), _FAILED)
 
     def evaluate(self, unit: np.ndarray) -> np.ndarray:
-        """Residuals; with the Jacobian if runs can be stepped beside this one."""
+        """Residuals, and the Jacobian if other runs can be stepped beside this one."""
         if not self.reason:
             try:
                 return self.go_forward(unit)
             except _core.Error as error:
                 reason = getattr(error, "what", None) or str(error)
-            # a run that fails by itself says nothing about those beside it
+            # a run that also fails alone does not rule out forward derivatives: raise without keeping the reason
             residual = self.residual_of(self.run(unit)[0])
             self.reason = reason
             return residual
         return self.residual_of(self.run(unit)[0])
 
     def go_forward(self, unit: np.ndarray) -> np.ndarray:
-        """The residuals; `last` takes the Jacobian."""
+        """Residuals; stores the Jacobian in `last`."""
         pairs = [self.neighbours(unit, k) for k in range(len(unit))]
         runs = self.run(unit, [side for pair in pairs for side in pair])
         residual, *beside = (self.residual_of(points) for points in runs)
@@ -261,7 +277,7 @@ class _Problem:
         )
 
     def neighbours(self, unit: np.ndarray, k: int) -> list[np.ndarray]:
-        """The parameters with the k-th one a little less and a little more, where the bounds allow."""
+        """Two copies of the parameters: the k-th one slightly smaller and slightly larger, within the bounds."""
         pair = [unit.copy(), unit.copy()]
         pair[0][k] = max(0.0, unit[k] - _STEP)
         pair[1][k] = min(1.0, unit[k] + _STEP)
@@ -273,14 +289,14 @@ class _Problem:
         return self.last[1] if not self.reason else self.by_differences(unit)
 
     def by_differences(self, unit: np.ndarray) -> np.ndarray:
-        """Differences over both sides where the bounds allow, all runs at once."""
+        """Jacobian by differences, central except at the bounds. The runs are executed in parallel."""
         pairs = [self.neighbours(unit, k) for k in range(len(unit))]
         sides = [side for pair in pairs for side in pair]
         return self.columns(pairs, list(self.pool.map(lambda u: self.residual_of(self.run(u)[0]), sides)))
 
 
 def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[str, Any]:
-    """Intervals, correlations and doubtful parameters, from the Jacobian at the fit."""
+    """Intervals, correlations, misfit and warnings, from the Jacobian at the fit."""
     from scipy.stats import t as student
 
     residual, jacobian = problem.residual(unit), problem.jacobian(unit)
@@ -289,10 +305,10 @@ def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[
     sensitivity = np.linalg.norm(jacobian, axis=0)
     known = sensitivity > 1e-6 * max(float(sensitivity.max()), 1e-12)
     for path in np.array(problem.paths)[~known]:
-        warnings.append(f"the data do not depend on {path}: leave it out, or measure what depends on it")
+        warnings.append(f"the data do not depend on {path}: remove this parameter, or add data that depend on it")
     freedom = max(1, count - size)
     if count <= size:
-        warnings.append(f"{count} measured values for {size} parameters: the intervals mean nothing, measure more")
+        warnings.append(f"{count} measured values are too few for intervals of {size} parameters: add data")
     spread = float(residual @ residual) / freedom
     covariance = np.full((size, size), np.nan)
     kept = np.flatnonzero(known)
@@ -306,14 +322,18 @@ def _statistics(problem: _Problem, unit: np.ndarray, confidence: float) -> dict[
             if known[i] and known[j] and abs(correlation[i, j]) > _CORRELATED:
                 warnings.append(
                     f"{problem.paths[j]} and {problem.paths[i]} are correlated by {correlation[i, j]:.3f}: these data "
-                    "hardly tell them apart. fix one, or add data of another kind"
+                    "hardly distinguish them. fix one of them, or add data of another kind"
                 )
     for k, path in enumerate(problem.paths):
         if unit[k] < 1e-6 or unit[k] > 1 - 1e-6:
-            warnings.append(f"{path} is at its bound: widen from .. to")
+            bound = "lower bound: decrease from" if unit[k] < 0.5 else "upper bound: increase to"
+            warnings.append(f"{path} = {problem.values(unit)[k]:.6g} is at its {bound}")
     for curve in problem.curves:
         if not curve.covered:
-            warnings.append(f"{curve.name}: the run does not reach all measured x: it was continued by its end values")
+            warnings.append(
+                f"{curve.name}: the run does not reach all measured x; beyond its ends its end values were compared. "
+                "change the scene so that the run covers them, or remove these rows"
+            )
     interval = [np.where(np.isnan(half), side, problem.values(unit + sign * half)) for side, sign in ((-np.inf, -1), (np.inf, 1))]
     return {
         "low": dict(zip(problem.paths, map(float, interval[0]))),
@@ -332,29 +352,33 @@ def calibrate(
     Parameters
     ----------
     fit : path or mapping
-        A fit file (docs/sweeps.md), or a dict with its keys.
+        A fit file, or a dict with its keys (docs/sweeps.md). In a dict, paths are relative to the current folder.
     folder : path, optional
-        Receives fit.json, curves.csv and fit.svg.
+        Folder for fit.json, curves.csv and fit.svg; created if it does not exist.
     jobs : int
-        Runs at a time; 0: one for each core.
+        Maximum number of simultaneous runs; 0: one per processor.
+
+    Returns
+    -------
+    Fit
 
     Raises
     ------
     Error
-        The file is refused, or the run at the start fails.
+        The fit or its data are refused, or the run with the start values fails.
     ImportError
         scipy is not installed.
     """
     from scipy.optimize import least_squares
 
     if not isinstance(jobs, int) or not 0 <= jobs <= 1024:
-        raise ValueError("jobs: must be an integer within 0 .. 1024")
+        raise ValueError(f"jobs: must be an integer within 0 .. 1024, not {jobs!r}")
     if not isinstance(fit, Mapping):
         fit = json.loads(_core.load_fit(os.path.abspath(os.fspath(fit))))
     problem = _Problem(fit, jobs)
     confidence = float(fit.get("confidence", 0.95))
     with problem.pool:
-        # a wrong scene or column is told, not fitted
+        # raise the error of a wrong scene or column; during the fit, errors only become large residuals
         problem.run(problem.start)
         found = least_squares(
             problem.residual,
@@ -368,7 +392,11 @@ def calibrate(
         )
         members = _statistics(problem, found.x, confidence)
     if found.status == 0:
-        members["warnings"].append("stopped before it converged: raise max_evaluations, or start nearer")
+        limit = int(fit.get("max_evaluations", 100))
+        members["warnings"].append(
+            f"the fit did not converge within {limit} evaluations: increase max_evaluations, or use start values closer to the "
+            "solution"
+        )
     points = problem.run(found.x)[0]
     result = Fit(
         values=dict(zip(problem.paths, map(float, problem.values(found.x)))),
@@ -407,14 +435,14 @@ def _write(fit: Fit, folder: str, source: Mapping[str, Any]) -> None:
 
 
 def _picture(fit: Fit, source: Mapping[str, Any]) -> str:
-    """Measured points and fitted curves, one panel below the other."""
+    """SVG picture with one panel per entry of the data: measured points and fitted curve."""
     panels = []
     for number, curve in enumerate(fit.curves):
         entry, top = source["data"][number], 40 + 300 * number
         x, points, line = curve["x"], curve["measured"], curve["fitted"]
         labels = entry.get("x"), entry.get("y"), "measured (points) and the fit (line)"
         if "body" in entry:
-            # positions have no axis: plot fitted against measured ones
+            # plot fitted positions of markers over measured ones
             x, points, line = points, line, points
             labels = "measured position [m]", "position in the fit [m]", "markers (points) and equality (line)"
         order = np.argsort(x)
@@ -448,7 +476,7 @@ def _print(fit: Fit, folder: str) -> None:
 
 
 def main(words: list[str]) -> int:
-    """The command line; returns the exit status."""
+    """Execute the command line `words`; return the exit status."""
     parser = argparse.ArgumentParser(prog="pellicle calibrate")
     parser.add_argument("fit")
     parser.add_argument("--output")

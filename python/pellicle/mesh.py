@@ -14,16 +14,16 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 
 class Mesh:
-    """An indexed triangle mesh with named numbers on its vertices.
+    """An indexed triangle mesh with named fields on its vertices.
 
     Parameters
     ----------
     positions : array_like, (n, 3)
-        Vertices [m].
+        Positions of the vertices [m].
     triangles : array_like of int, (m, 3)
-        Corners, counter-clockwise seen from outside.
+        Vertex numbers of the corners, from 0, counter-clockwise seen from outside.
     fields : mapping of str to array_like, optional
-        Numbers on the vertices, (n,) or (n, k) each.
+        Values on the vertices, each with the shape (n,) or (n, k).
 
     Attributes
     ----------
@@ -31,11 +31,11 @@ class Mesh:
     triangles : numpy.ndarray, (m, 3), int32
     fields : dict of str to numpy.ndarray
     notes : tuple of str
-        Changes made by the reader of a file: polygons cut into triangles, vertices welded.
+        Changes that were made while a file was read: polygons split into triangles, vertices welded.
 
     Notes
     -----
-    Arrays of the right type are taken without a copy, and each function takes them as they are when it is called.
+    Arrays of the right type are not copied. Each function reads the values that the arrays have when it is called.
     """
 
     __slots__ = ("positions", "triangles", "fields", "notes")
@@ -48,13 +48,13 @@ class Mesh:
         self._arguments()
 
     def _arguments(self) -> tuple[np.ndarray, np.ndarray, tuple]:
-        """What _core takes as a mesh."""
+        """The arguments that describe this mesh in calls of _core."""
         positions = numbers(self.positions, "positions", (None, 3), finite=False)
         triangles = indices(self.triangles, "triangles", (None, 3))
         fields = []
         for name, values in self.fields.items():
             if not isinstance(name, str):
-                raise TypeError(f"fields: the name {name!r} is not a text")
+                raise TypeError(f"fields: the name {name!r} must be a str")
             values = np.asarray(values)
             shape = (len(positions),) if values.ndim < 2 else (len(positions), None)
             values = numbers(values, f"fields[{name!r}]", shape, finite=False)
@@ -74,16 +74,16 @@ class Mesh:
         mesh.notes = ()
         return mesh
 
-    # ---- from and to elsewhere ----
+    # ---- files, shapes, meshes of other libraries ----
 
     @classmethod
     def read(cls, path: PathLike) -> "Mesh":
-        """Read a mesh file: OBJ, PLY, STL, OFF, and by way of assimp glTF, FBX, 3MF, Collada and others.
+        """Read a mesh file: OBJ, PLY, STL, OFF, VTP, and through assimp glTF, FBX, 3MF, Collada and others.
 
         Raises
         ------
         Error
-            A file that is missing or damaged, with its line.
+            The file is missing or damaged. The error has the line or the byte offset, if known.
         """
         notes: list[str] = []
         mesh = cls._of_core(_core.read_mesh(os.fspath(path), notes))
@@ -92,7 +92,7 @@ class Mesh:
 
     @classmethod
     def shape(cls, name: str, **parameters: Any) -> "Mesh":
-        """Make a shape: ``Mesh.shape("geodesic-sphere", frequency=8, radius=0.1)``.
+        """Generate a shape: ``Mesh.shape("geodesic-sphere", frequency=8, radius=0.1)``.
 
         ``pellicle shape --help`` and docs/reference/scene.md list the shapes and their parameters.
         """
@@ -101,14 +101,20 @@ class Mesh:
             return str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
 
         if not isinstance(name, str):
-            raise TypeError("name: must be a text")
+            raise TypeError("name: must be a str")
         pairs = tuple((key, text(value)) for key, value in parameters.items())
         return cls._of_core(_core.make_shape(name, pairs))
 
     @classmethod
     def of(cls, other: Any) -> "Mesh":
-        """Take a mesh of another library: one with ``vertices`` and ``faces`` (trimesh, Open3D, libigl tuples), or with
-        ``points`` and ``cells`` (meshio; its point data become fields), or a pair (positions, triangles)."""
+        """Convert a mesh of another library.
+
+        Parameters
+        ----------
+        other : object
+            An object with ``vertices`` and ``faces`` (trimesh), with ``vertices`` and ``triangles`` (Open3D), or with ``points``
+            and ``cells`` (meshio; its point data become fields), or a pair (positions, triangles) (libigl).
+        """
         if isinstance(other, Mesh):
             return other
         if hasattr(other, "vertices") and (hasattr(other, "faces") or hasattr(other, "triangles")):
@@ -119,40 +125,45 @@ class Mesh:
         if isinstance(other, (tuple, list)) and len(other) == 2:
             return cls(other[0], other[1])
         raise TypeError(
-            f"other: {type(other).__name__} is no mesh: needs vertices and faces, or points and cells, or a pair of arrays"
+            f"other: {type(other).__name__} is no mesh. pass an object with vertices and faces, vertices and triangles, or "
+            "points and cells, or a pair of arrays (positions, triangles)"
         )
 
     def write(self, path: PathLike) -> None:
-        """Write OBJ, PLY (with the fields), STL or OFF, by the extension. The file appears whole or not at all."""
+        """Write an OBJ, PLY, STL, OFF or VTP file; the extension selects the format.
+
+        PLY and VTP files contain the fields. After a failure there is no partial file, and an older file is unchanged.
+        """
         _core.write_mesh(os.fspath(path), *self._arguments())
 
-    # ---- made from this one ----
+    # ---- new meshes from this one ----
 
     def subdivide(self, levels: int = 1) -> "Mesh":
-        """Modified-butterfly subdivision: each level turns a triangle into four; vertices keep their places."""
+        """Modified butterfly subdivision: each level splits every triangle into four. Existing vertices do not move."""
         return Mesh._of_core(_core.subdivide(*self._arguments(), levels))
 
     def repair(self, weld_tolerance: float = 0.0, drop_parts: int = 0) -> tuple["Mesh", dict[str, Any]]:
-        """A repaired copy, and counts of the repairs.
+        """A repaired copy, and the number of changes of each kind.
 
-        Welds vertices within `weld_tolerance` [m], drops broken, flat and duplicate triangles, cuts non-manifold pieces
-        apart and turns all triangles outward. Drops parts of at most `drop_parts` triangles that no edge connects with
-        the largest part.
+        Welds vertices within `weld_tolerance` [m]; 0: vertices at exactly equal positions. Removes triangles with bad indices,
+        without area, or with the same vertices as another, and vertices without triangles. Removes parts of at most `drop_parts`
+        triangles that no edge connects with the largest part. Splits non-manifold edges and vertices, makes the winding
+        consistent and turns closed components outward.
         """
         mesh, summary = _core.repair(*self._arguments(), float(weld_tolerance), drop_parts)
         return Mesh._of_core(mesh), summary
 
-    # ---- questions ----
+    # ---- checks and measures ----
 
     def check(self) -> dict[str, Any]:
-        """Everything that is wrong, and figures of the mesh.
+        """Defects and properties of the mesh.
 
         Returns
         -------
         dict
-            ``issues`` is a list with name, severity, count, elements (the first 1000), doc and remedy of each kind that
-            was found; the other keys are figures such as ``closed``, ``manifold``, ``genus``, ``area`` [m2], ``volume``
-            [m3] and ``quality_min``.
+            ``issues`` is a list with a dict for each kind of defect: name, severity, count, elements (numbers of the first
+            1000), doc (description) and remedy. The other keys are properties such as ``closed``, ``manifold``, ``genus``,
+            ``area`` [m2], ``volume`` [m3] and ``quality_min`` (1: equilateral, 0: no area).
         """
         report = _core.check(*self._arguments())
         for issue in report["issues"]:
@@ -160,9 +171,9 @@ class Mesh:
         return report
 
     def self_intersections(self, limit: int = 100_000) -> np.ndarray:
-        """Pairs of triangles that cut or touch each other beyond shared corners, decided exactly: (k, 2), first < second.
+        """Pairs of triangles (k, 2), first < second, that intersect or touch beyond their shared corners.
 
-        At most `limit` of them; an empty result is a certificate that there are none.
+        The test is exact. The result has at most `limit` pairs. If it is empty, the mesh has no self-intersections.
         """
         count, pairs = _core.self_intersections(*self._arguments(), limit)
         return from_bytes(pairs, np.int32, -1, 2)[: min(count, limit)]
@@ -188,7 +199,7 @@ class Mesh:
 
     @property
     def volume(self) -> float:
-        """Enclosed volume [m3] of the closed parts; positive when they are turned outward."""
+        """Volume enclosed by the closed components [m3]; positive if their triangles face outward."""
         return self.check()["volume"]
 
     def __repr__(self) -> str:
@@ -197,7 +208,7 @@ class Mesh:
 
 
 def _cell_triangles(cells: Any) -> np.ndarray:
-    """Triangles of the cells of meshio: a dict, a list of pairs, or blocks with type and data."""
+    """Triangles of meshio's cells: a dict, a list of pairs, or blocks with type and data. Quads are split."""
     if isinstance(cells, Mapping):
         blocks = list(cells.items())
     else:
@@ -205,5 +216,5 @@ def _cell_triangles(cells: Any) -> np.ndarray:
     triangles = [np.asarray(data) for kind, data in blocks if kind == "triangle"]
     triangles += [np.asarray(data)[:, corners] for kind, data in blocks if kind == "quad" for corners in ([0, 1, 2], [0, 2, 3])]
     if not triangles:
-        raise ValueError("other: its cells hold no triangles")
+        raise ValueError("other: its cells contain no triangles and no quads")
     return np.concatenate(triangles)

@@ -1,4 +1,4 @@
-"""Pages of the report in Jupyter, or as files."""
+"""Report pages, shown in Jupyter or written to files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _HEIGHT = 640
 
 
 def find_page() -> str:
-    """The empty page that reports are made from: $PELLICLE_PAGE, of the package, or of an installed pellicle."""
+    """Path of the page without data: $PELLICLE_PAGE, else that of this package, else that of an installed pellicle."""
     here = os.path.dirname(os.path.abspath(__file__))
     places = [os.environ.get("PELLICLE_PAGE", ""), os.path.join(here, "report.html")]
     places += [os.path.join(prefix, "share/pellicle/report.html") for prefix in (sys.prefix, "/usr/local", "/usr")]
@@ -30,7 +30,8 @@ def find_page() -> str:
         if place and os.path.isfile(place):
             return place
     raise _core.Error(
-        "the page of reports is not installed. run 'make web' before 'pip install .', or name the page in $PELLICLE_PAGE"
+        "the page for reports is not installed. run 'make web' and then 'pip install .' in Pellicle's source tree, or set the "
+        "environment variable PELLICLE_PAGE to the path of report.html"
     )
 
 
@@ -44,7 +45,7 @@ def _frame(page: str) -> str:
 
 
 class Page:
-    """A page that a notebook shows."""
+    """HTML text that a notebook shows."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -68,7 +69,7 @@ def _write(folder: str, path: PathLike) -> str:
 
 
 def _table(title: str, rows: dict[str, Any]) -> str:
-    """Table for installations without the page."""
+    """A table of values, shown if the page is not installed."""
     lines = "".join(
         f"<tr><td>{html.escape(str(key))}</td><td>{html.escape(str(value))}</td></tr>"
         for key, value in rows.items()
@@ -91,7 +92,7 @@ def run_html(run: "Run") -> str:
 
 
 def _write_state(sim: "Simulation", folder: str) -> None:
-    """The present state as the folder of a run with one frame."""
+    """Write the present state in the format of a run's folder, with one frame."""
     os.makedirs(os.path.join(folder, "frames"))
     meshes = [sim.mesh(body) for body in range(len(sim.scene.bodies))]
     first = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])

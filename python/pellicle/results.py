@@ -1,4 +1,4 @@
-"""Whole runs and their results."""
+"""Runs and their results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .simulation import Scene, Source, _has_mesh, _keep_meshes
 
 
 class Frame:
-    """One frame of a run: `time` [s] and `mesh`, whose fields are those that the scene asked for."""
+    """One frame of a run: `time` [s], and `mesh` with the fields of the scene's ``output.fields``."""
 
     __slots__ = ("time", "mesh")
 
@@ -29,7 +29,7 @@ class Frame:
 
 
 class Frames(Sequence[Frame]):
-    """Frames of a run, read when asked for: ``run.frames[-1].mesh.positions``."""
+    """Frames of a run: ``run.frames[-1].mesh.positions``. A frame is read from its file on each access."""
 
     def __init__(self, folder: str) -> None:
         self._list: list[tuple[str, float]] = _core.list_frames(folder)
@@ -53,39 +53,44 @@ class Frames(Sequence[Frame]):
 
 
 class Run:
-    """The folder of a run.
+    """The results in the folder of a run.
 
     Attributes
     ----------
     folder : str
+        Path of the folder.
     series : dict of str to numpy.ndarray
-        Columns of series.csv, a number for each frame; cells that are empty or no number are NaN.
+        Columns of series.csv, one number per frame. A cell that is empty or not a number is NaN.
     summary : dict
-        summary.json.
+        Contents of summary.json (docs/results.md); empty while the run is in progress.
     """
 
     def __init__(self, folder: PathLike) -> None:
         self.folder = os.fspath(folder)
         if not os.path.isdir(self.folder):
-            raise _core.Error(f"{self.folder}: error: there is no such folder. name the folder of a run")
+            raise _core.Error(f"{self.folder}: error: there is no folder at this path. pass the path of a run's folder")
         self.series = _read_series(os.path.join(self.folder, "series.csv"))
         self.summary = _read_summary(os.path.join(self.folder, "summary.json"))
         self._frames: Optional[Frames] = None
 
     @property
     def frames(self) -> Frames:
-        """The frames, read when asked for."""
+        """The frames of the run; each is read on access."""
         if self._frames is None:
             self._frames = Frames(self.folder)
         return self._frames
 
     @property
     def final(self) -> Mesh:
-        """The surface at the end."""
+        """The surface at the end of the run (final.ply)."""
         return Mesh.read(os.path.join(self.folder, "final.ply"))
 
     def show(self, path: Optional[PathLike] = None) -> Any:
-        """The report of the run: shown in a notebook; elsewhere written to `path` (report.html in the folder by default)."""
+        """Show the report of the run.
+
+        In a notebook without `path` the report is shown. Otherwise it is written to `path` (default: report.html in the folder of
+        the run), and the result is the path.
+        """
         from . import notebook
 
         return notebook.show_run(self, path)
@@ -111,9 +116,9 @@ def _read_series(path: str) -> dict[str, np.ndarray]:
         with open(path, newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
     except FileNotFoundError:
-        raise _core.Error(f"{path}: error: there is no series. name the folder of a run") from None
+        raise _core.Error(f"{path}: error: this file does not exist. pass the path of a run's folder") from None
     if not rows:
-        raise _core.Error(f"{path}: error: the series is empty. run the scene again")
+        raise _core.Error(f"{path}: error: the file is empty. run the scene again")
     names, lines = rows[0], [row for row in rows[1:] if len(row) == len(rows[0])]
     return {name: np.array([_number(row[i]) for row in lines]) for i, name in enumerate(names)}
 
@@ -126,16 +131,16 @@ def _read_summary(path: str) -> dict[str, Any]:
     except FileNotFoundError:
         return {}
     except ValueError as error:
-        raise _core.Error(f"{path}: error: no JSON: {error}. run the scene again") from None
+        raise _core.Error(f"{path}: error: invalid JSON: {error}. run the scene again") from None
 
 
 def read_run(folder: PathLike) -> Run:
-    """Read the folder of a run: series, frames and summary.
+    """Read the results in the folder of a run: series, frames and summary.
 
     Raises
     ------
     Error
-        A folder that does not exist or holds no run.
+        The folder does not exist or contains no run.
     """
     return Run(folder)
 
@@ -147,32 +152,37 @@ def run(
     frames: int = 0,
     threads: int = 0,
 ) -> Run:
-    """Run a scene to its end into a folder, as ``pellicle run`` does, and read it.
+    """Run a scene to its end like ``pellicle run``, write the results into a folder, and read them.
 
     Parameters
     ----------
     source : path, mapping or Scene
-        Meshes in a mapping are kept in ``meshes`` of the folder, so that its scene.yaml runs again.
+        The scene. `Mesh` objects in a mapping are written to the subfolder ``meshes``, so that the folder's scene.yaml can be
+        run again.
     folder : path
-        Made when missing.
+        Folder of the results; created if it does not exist.
     overrides : mapping, optional
-        As those of `Scene`.
+        Changes of the scene, as for `Scene`.
     frames : int
-        Stop with the frame of this number; 0: at the end of the scene.
+        Number of the frame at which the run ends (frame 0 is the initial state). 0: the run ends at the end of the scene.
     threads : int
-        0: all processors. The results do not depend on it.
+        Threads of the run. 0: the number of the scene. The results do not depend on it.
+
+    Returns
+    -------
+    Run
 
     Raises
     ------
     Error
-        The scene is refused, or the run fails; the files in the folder are complete.
+        The scene is refused, or the run fails. The files in the folder are complete up to the failure.
     KeyboardInterrupt
-        Ctrl-C; the run can be continued from its checkpoint by ``pellicle run --resume``.
+        Ctrl-C was pressed. ``pellicle run --resume`` continues the run from its checkpoint.
     """
     folder = os.path.abspath(os.fspath(folder))
     for name, value in (("frames", frames), ("threads", threads)):
         if not isinstance(value, int) or not 0 <= value < 2**31:
-            raise ValueError(f"{name}: must be an integer of at least 0")
+            raise ValueError(f"{name}: must be an integer within 0 .. {2**31 - 1}, not {value!r}")
     if isinstance(source, Scene):
         overrides = {**source._overrides, **(overrides or {})}
         source = source._source

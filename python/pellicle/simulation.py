@@ -35,7 +35,7 @@ _MATERIAL = ("young", "thickness", "poisson", "bending", "pressure")
 
 
 def _plain(value: Any) -> Any:
-    """numpy's numbers and arrays as JSON takes them"""
+    """Convert numpy numbers, arrays, paths and ranges to values that JSON can contain."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):
@@ -45,13 +45,15 @@ def _plain(value: Any) -> Any:
     if isinstance(value, range):
         return list(value)
     if isinstance(value, Mesh):
-        raise TypeError("scene: a Mesh cannot stand here: write it to a file and give {'file': path}")
-    raise TypeError(f"scene: a {type(value).__name__} cannot stand in a scene")
+        raise TypeError("scene: a Mesh is not supported here. write it to a file and give {'file': path}")
+    raise TypeError(
+        f"scene: a value of the type {type(value).__name__} is not supported. use numbers, str, bool, None, lists and dicts"
+    )
 
 
 def _override(path: str, value: Any) -> str:
     if not isinstance(path, str):
-        raise TypeError("overrides: paths must be texts such as 'bodies.ball.membrane.young'")
+        raise TypeError(f"overrides: the path {path!r} must be a str such as 'bodies.ball.membrane.young'")
     return f"{path}={value if isinstance(value, str) else json.dumps(value, default=_plain)}"
 
 
@@ -75,13 +77,13 @@ def _has_mesh(spec: Any) -> bool:
 
 
 class Scene:
-    """A scene that was read and checked: bodies, solver, loads, tools and output.
+    """A scene, read and validated: bodies, solver, loads, tools and output.
 
     Parameters
     ----------
     source : path or mapping
-        A scene file, or a dict with the keys of one (docs/reference/scene.md). Where a file has
-        ``mesh: { file: ... }`` the dict may hold a `Mesh`. ``duration`` may be left out of a dict that is stepped by hand.
+        The path of a scene file, or a dict with the keys of a scene file (docs/reference/scene.md). In a dict the value of
+        ``mesh`` may be a `Mesh`, and ``version`` and ``duration`` may be omitted (default of ``duration``: 1 s).
     overrides : mapping of str to value, optional
         Changes such as ``{"solver.dt": 0.001, "bodies.ball.membrane.young": 2e4}``.
 
@@ -89,19 +91,20 @@ class Scene:
     ----------
     title : str
     bodies, loads : tuple of str
+        Names, in the order of the scene.
     duration, dt : float
-        [s]
+        Simulated time and time step [s].
     notes : tuple of str
-        Changes made while meshes were read.
+        Changes that were made while meshes were read.
 
     Raises
     ------
     Error
-        An unknown key, a value out of range, a mesh that cannot be read; with file, line, column and remedy.
+        An unknown key, a value out of range, or a mesh that cannot be read. The error has file, line, column and remedy.
 
     Notes
     -----
-    The model (topology, masses, materials) is made once; all simulations of a scene share it, in any number of threads.
+    The model (topology, masses, materials) is built once. All simulations of a scene share it, also in several threads.
     """
 
     def __init__(self, source: Source, overrides: Optional[Mapping[str, Any]] = None) -> None:
@@ -123,11 +126,11 @@ class Scene:
         self.notes: tuple[str, ...] = tuple(notes)
 
     def text(self) -> str:
-        """The scene as YAML with all defaults written out."""
+        """The scene as YAML, with the values of all defaults."""
         return self._core.text()
 
     def prepare(self) -> "Scene":
-        """Make the model now; before threads make simulations of one scene."""
+        """Build the model now, and return the scene. Call this before several threads create simulations of the scene."""
         self._core.prepare()
         return self
 
@@ -137,14 +140,15 @@ class Scene:
         Parameters
         ----------
         threads : int
-            Threads of a step; 0: all processors. The results do not depend on it. Use 1 where many simulations run at once.
+            Threads of a step; 0: the number of the scene (default: all processors). The results do not depend on it. Use 1 if
+            many simulations run at the same time.
         record_contacts : bool
-            Keep what `Simulation.contact_records` gives.
+            Record the contacts of each step for `Simulation.contact_records`.
         **solver
-            Keys of ``solver`` that are different in this simulation: ``scene.simulation(dt=0.001)``.
+            Keys of ``solver`` with other values than in the scene: ``scene.simulation(dt=0.001)``.
         """
         if not isinstance(threads, int) or not 0 <= threads < 2**15:
-            raise ValueError("threads: must be an integer within 0 .. 32767")
+            raise ValueError(f"threads: must be an integer within 0 .. 32767, not {threads!r}")
         self._core.prepare()
         other = self
         if solver:
@@ -156,7 +160,7 @@ class Scene:
 
 
 def _parse(source: Mapping[str, Any], overrides: tuple[str, ...], notes: list[str]) -> Any:
-    """A scene from a dict; meshes pass through files, which keep every bit."""
+    """A scene from a dict. Meshes pass through temporary files, which keep every bit of the positions."""
     spec = {"version": 1, **({} if "stop" in source else {"duration": 1}), **source}
     if not _has_mesh(spec):
         return _core.Scene("scene", json.dumps(spec, default=_plain, indent=1), overrides, notes)
@@ -171,7 +175,10 @@ def load_scene(
     threads: int = 0,
     record_contacts: bool = False,
 ) -> "Simulation":
-    """A simulation of a scene file (or dict): ``Scene(path, overrides).simulation(threads, record_contacts)``."""
+    """A simulation of a scene file or dict.
+
+    Short form of ``Scene(path, overrides).simulation(threads, record_contacts)``.
+    """
     return Scene(path, overrides).simulation(threads, record_contacts)
 
 
@@ -180,21 +187,28 @@ def _ray(origin: Any, direction: Any) -> np.ndarray:
 
 
 class Drag:
-    """A hand that holds a piece of surface through a spring, made by `Simulation.drag`. Lets go at the end of ``with``."""
+    """A spring that holds vertices of a surface, created by `Simulation.drag`. The end of ``with`` releases them."""
 
     def __init__(self, core: Any) -> None:
         self._core = core
 
     def move(self, target: Any) -> None:
-        """Move the other end of the spring [m]; before each step."""
+        """Set the position of the free end of the spring [m]. Call this before each step."""
         self._core.move(numbers(target, "target", (3,)))
 
     def read(self) -> dict[str, Any]:
-        """point and target [m], force of the spring on the surface and reaction on the hand [N], held_count."""
+        """State of the spring.
+
+        Returns
+        -------
+        dict
+            point: the held point of the surface [m]; target: the free end of the spring [m]; force: of the spring on the surface
+            [N]; reaction: of the surface on the spring in the last step [N]; held_count: number of held vertices.
+        """
         return self._core.read()
 
     def end(self) -> None:
-        """Let go. A second call does nothing."""
+        """Release the vertices. Further calls have no effect."""
         self._core.end()
 
     def __enter__(self) -> "Drag":
@@ -205,14 +219,14 @@ class Drag:
 
 
 class Simulation:
-    """A state of a model under loads and tools, made by `Scene.simulation` or `load_scene`.
+    """A simulation: the state of a model under loads and tools, created by `Scene.simulation` or `load_scene`.
 
-    Bodies are given by name or number, in the order of the scene. Arrays are float64 copies with a row for each vertex, in
-    the order of the body's mesh; with ``out=`` an array of yours is filled. The model keeps vertices in another order,
-    so that a view without a copy is not possible; a copy of 10,000 vertices takes about 30 us.
+    ``body`` is the name of a body, or its number from 0 in the order of the scene. Arrays are float64 copies with one row per
+    vertex, in the order of the body's mesh. With ``out=array`` an existing array is filled. The library stores vertices in
+    another order, so views without a copy are not possible (``bench/bench_python.py`` measures the time of a copy).
 
-    A simulation is used by one thread at a time, and steps leave other Python threads free. Calls from a second thread
-    during a step raise RuntimeError.
+    Only one thread at a time may use a simulation: calls from a second thread during a step raise RuntimeError. Other Python
+    threads run during steps.
     """
 
     def __init__(self, scene: Scene, core: Any) -> None:
@@ -226,23 +240,25 @@ class Simulation:
         if isinstance(name, str):
             if name in names:
                 return names.index(name)
-            raise KeyError(f"{what}: {name!r} is none of {', '.join(map(repr, names)) or 'none'}")
+            known = ", ".join(map(repr, names))
+            advice = f". use one of {known}" if known else " (the scene has none)"
+            raise KeyError(f"{what}: there is no {what} {name!r}{advice}")
         return name
 
     # ---- time ----
 
     def step(self, n: int = 1) -> None:
-        """Do `n` steps of ``dt``.
+        """Take `n` steps of the time step ``dt``.
 
         Raises
         ------
         Error
-            The state diverged; the state is that before the failing step.
+            A step failed, for example because the state diverged. The simulation has the state before this step.
         """
         self._core.step(n)
 
     def run_until(self, time: float) -> None:
-        """Step until the simulated time [s] is reached."""
+        """Take steps until the simulated time is at least `time` [s]."""
         remaining = (float(time) - self.time) / self.scene.dt
         if not np.isfinite(remaining):
             raise ValueError("time: must be finite")
@@ -255,12 +271,12 @@ class Simulation:
 
     @property
     def steps(self) -> int:
-        """Steps done."""
+        """Number of steps since the start."""
         return self._core.state()[1]
 
     @property
     def hash(self) -> int:
-        """64-bit hash of time, positions and velocities: equal for equal bits."""
+        """64-bit hash of time, positions and velocities. States with the same bits have the same hash."""
         return self._core.hash()
 
     # ---- arrays ----
@@ -274,19 +290,19 @@ class Simulation:
         return self._core.get(_NUMBER["velocities"], body, out)
 
     def forces(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """Forces of springs, shell, pressure, damping, loads and gravity on the vertices (vertex_count, 3) [N]; no contact."""
+        """Forces on the vertices (vertex_count, 3) [N]: springs, shell, pressure, damping, loads and gravity, without contact."""
         return self._core.get(_NUMBER["forces"], body, out)
 
     def rest_positions(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """Positions at rest (vertex_count, 3) [m]."""
+        """Rest positions (vertex_count, 3) [m]."""
         return self._core.get(_NUMBER["rest_positions"], body, out)
 
     def masses(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """Masses (vertex_count,) [kg]."""
+        """Masses of the vertices (vertex_count,) [kg]."""
         return self._core.get(_NUMBER["masses"], body, out)
 
     def triangles(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """Corners of the present triangles (triangle_count, 3), int32."""
+        """Vertex numbers of the corners of the present triangles (triangle_count, 3), int32."""
         return self._core.get(_NUMBER["triangles"], body, out)
 
     def mesh(self, body: Union[int, str] = 0) -> Mesh:
@@ -294,7 +310,7 @@ class Simulation:
         return Mesh(self.positions(body), self.triangles(body))
 
     def set_positions(self, positions: Any, body: Union[int, str] = 0) -> None:
-        """Put the vertices of a body (vertex_count, 3) [m]; velocities stay."""
+        """Set the positions of a body (vertex_count, 3) [m]. Velocities do not change."""
         shape = (self._core.counts(body)[0], 3)
         self._core.set(0, body, numbers(positions, "positions", shape))
 
@@ -306,23 +322,25 @@ class Simulation:
     def field(
         self, body: Union[int, str], name: str, out: Optional[np.ndarray] = None, on: str = "vertices"
     ) -> np.ndarray:
-        """A field by its name: (vertex_count,) or (vertex_count, k).
+        """The values of a field: (vertex_count,) or (vertex_count, k).
 
-        `pellicle.field_names` lists them; docs/reference/scene.md (fields) says what they are and their units.
+        `pellicle.field_names` lists the fields; docs/reference/scene.md (section "fields") has their meanings and units.
 
         Parameters
         ----------
         on : {"vertices", "triangles"}
-            Stress, strain and their like are also there for each triangle: (triangle_count,) or (triangle_count, k).
+            "triangles" returns one value per triangle, (triangle_count,) or (triangle_count, k). Only some fields, such as
+            stress and strain, have values on triangles; other fields raise Error.
         """
         if on not in ("vertices", "triangles"):
-            raise ValueError("on: must be 'vertices' or 'triangles'")
+            raise ValueError(f"on: must be 'vertices' or 'triangles', not {on!r}")
         if not isinstance(name, str):
-            raise TypeError("name: must be a text")
+            raise TypeError(f"name: must be a str, not {type(name).__name__}")
         number = _FIELD.get(name)
         if number is None:
             near = difflib.get_close_matches(name, _FIELD, 1)
-            raise KeyError(f"name: {name!r} is no field" + (f"; did you mean {near[0]!r}?" if near else ""))
+            advice = f"did you mean {near[0]!r}?" if near else "pellicle.field_names lists the fields"
+            raise KeyError(f"name: there is no field {name!r}. {advice}")
         return self._core.observe(number, body, on == "triangles", out)
 
     # ---- loads and tools ----
@@ -343,57 +361,63 @@ class Simulation:
         self._core.set_load(number, numbers(force, "force", (3,)))
 
     def set_tool(self, tool: Union[int, str], position: Any, rotation: Any = (0, 0, 0, 1)) -> None:
-        """Put a tool at a position [m] and unit quaternion (x, y, z, w) in the next step; its keys are not used any more."""
+        """Set the pose of a tool, from the next step on: position [m] and unit quaternion (x, y, z, w).
+
+        The pose replaces the tool's motion from the scene.
+        """
         number = self._find(tool, self.tools, "tool")
         pose = np.concatenate([numbers(position, "position", (3,)), numbers(rotation, "rotation", (4,))])
         self._core.set_tool(number, pose)
 
     def tool(self, tool: Union[int, str]) -> dict[str, Any]:
-        """Pose of a tool, force [N] and torque [N m] on it in the last step, vertices touched and held."""
+        """Pose of a tool, force [N] and torque [N m] on it in the last step, and the numbers of touched and held vertices."""
         return self._core.tool(self._find(tool, self.tools, "tool"))
 
     def support(self, body: Union[int, str] = 0) -> dict[str, Any]:
-        """Force [N] and torque [N m] of a body on its pins and supports."""
+        """Force [N] and torque about the origin [N m] of a body on its pins and supports."""
         return self._core.support(body)
 
     def set(self, path: str, value: Any) -> None:
         """Set a parameter by its path in the scene, between two steps: ``sim.set("bodies.ball.membrane.young", 2e4)``.
 
-        The simulation continues from the present state with the new value. include/pellicle/live.h says what can change.
+        The simulation continues from the present state with the new value. docs/live.md describes which parameters can change.
 
         Raises
         ------
         Error
-            A path that does not exist, a value out of range, or a parameter that cannot change; nothing is changed then.
+            The path does not exist, the value is out of range, or the parameter cannot change. The simulation is unchanged.
         """
         self._core.set_parameter(*_override(path, value).split("=", 1))
 
     def set_pins(self, vertices: Any, body: Union[int, str] = 0) -> None:
-        """Hold these vertices of the body's mesh where they are now, instead of those held before; none: []."""
+        """Pin these vertices of the body's mesh at their present positions. They replace all earlier pins; []: no pins."""
         self._core.set_pins(body, indices(vertices, "vertices", (None,)))
 
     # ---- picking and dragging ----
 
     def pick(self, origin: Any, direction: Any) -> Optional[dict[str, Any]]:
-        """Where a ray from `origin` [m] along `direction` meets a body first, or None.
+        """First intersection of a ray with a body: the ray starts at `origin` [m] and runs along `direction`.
 
         Returns
         -------
-        dict
-            body, triangle, vertices (its corners), weights (barycentric place), mesh_vertex (the nearest one, for pins and
-            loads), distance [m], point [m], normal.
+        dict or None
+            body: number of the body; triangle: number of the triangle; vertices: its corners; weights: barycentric coordinates of
+            the point; mesh_vertex: nearest vertex of the body's mesh, for pins and loads; distance: along the ray [m];
+            point [m]; normal: of the triangle, unit length. None if the ray meets no body.
         """
         return self._core.pick(_ray(origin, direction))
 
     def drag(self, origin: Any, direction: Any, stiffness: float, reach: float) -> Optional["Drag"]:
-        """Take hold of the surface where a ray meets it, with a spring [N/m]; None where it meets nothing.
+        """Hold the surface by a spring at the point where a ray meets it. None if the ray meets no body.
 
         Parameters
         ----------
+        origin, direction : array_like, (3,)
+            The ray, as for `pick`; `origin` in metres.
         stiffness : float
-            Of the spring [N/m].
+            Stiffness of the spring [N/m].
         reach : float
-            Vertices within this distance [m] of the hit are held, one at least.
+            The spring holds the vertices within this distance [m] of the point, at least the nearest one.
 
         Examples
         --------
@@ -408,8 +432,14 @@ class Simulation:
     # ---- numbers ----
 
     def summary(self) -> dict[str, Any]:
-        """Time, steps, hash and the measures of the present state: energies [J], volume and area over those at rest,
-        largest displacement [m] and force [N]."""
+        """Measures of the present state.
+
+        Returns
+        -------
+        dict
+            Time [s], number of steps, hash, step size alpha with its stability limit, contact thickness [m], energies [J], ratios
+            of volume and area to those at rest, largest displacement [m] and largest force [N].
+        """
         time, steps, alpha, alpha_limit, thickness = self._core.state()
         return {
             "time": time,
@@ -422,65 +452,65 @@ class Simulation:
         }
 
     def ledger(self) -> dict[str, float]:
-        """Energy balance since the start [J]: works, energies, dissipation and the remaining error (docs/results.md)."""
+        """Energy balance since the start [J]: work, energies, dissipation and the error (docs/results.md)."""
         return self._core.ledger()
 
     def solver(self) -> dict[str, Any]:
-        """How the last step went: iterations, residual [N], whether it converged, substeps."""
+        """Convergence of the last step: iterations, residual [N], whether the step converged, substeps."""
         return self._core.solver()
 
     def contacts(self) -> dict[str, Any]:
-        """What contact did since the start: pairs, contacts, rounds, seconds. All zero without contact."""
+        """Statistics of contact since the start: numbers of pairs, contacts and rounds, and times [s]. Zeros without contact."""
         return self._core.contact()
 
     def contact_records(self) -> np.ndarray:
-        """The contacts that had a force in the last step, one row each.
+        """The contacts with a force in the last step, one row per contact.
 
-        Only kept by simulations that were made with ``record_contacts=True``.
+        The simulation must have been created with ``record_contacts=True``.
 
         Returns
         -------
         numpy.ndarray
-            Structured: ``records["force"]`` is (count, 3). Fields:
+            Structured array: ``records["force"]`` has the shape (count, 3). Fields:
 
-            bodies (2): numbers of the bodies of the first and second side; -1 second: a tool.
-            tool: its number, -1: none.
-            vertices (4), weights (4): corners of the features that touch, as rows of `positions` of their body, -1: unused.
-            Weights above 0 are of the first side and sum to 1, those below 0 of the second.
-            point (3): of the first side [m]. normal (3): from the second side to the first.
-            force (3): on the first side, mean over the step [N]; each corner has its weight times it.
-            gap: between both sides along the normal [m]; below 0 inside of a tool.
+            bodies (2): numbers of the bodies of the first and the second side. The second is -1 if this side is a tool.
+            tool: number of the tool; -1: both sides are bodies.
+            vertices (4), weights (4): corners of the touching features, as rows of `positions` of their body; -1: unused.
+            Weights above 0 belong to the first side and sum to 1; weights below 0 belong to the second side.
+            point (3): contact point on the first side [m]. normal (3): unit vector from the second side to the first.
+            force (3): on the first side, mean over the step [N]. The share of each corner is its weight times this force.
+            gap: distance of both sides along the normal [m]; negative inside a tool.
 
         Raises
         ------
         Error
-            The simulation keeps no records.
+            The simulation does not record contacts.
         """
         records = self._core.contact_records()
         if records is None:
-            raise _core.Error("contacts are not recorded. make the simulation with record_contacts=True")
+            raise _core.Error("this simulation does not record contacts. create it with record_contacts=True")
         return np.frombuffer(records, _CONTACT)
 
     def intersections(self) -> int:
-        """Pairs of triangles of all bodies and tools that cut each other at present, by the exact test."""
+        """Number of intersecting pairs of triangles of all bodies and tools (without spheres and capsules), by the exact test."""
         return self._core.intersections()
 
     # ---- snapshots ----
 
     def save(self) -> bytes:
-        """Everything that `load` needs to continue with the same bits."""
+        """A snapshot of the state. After `load` the simulation continues with the same bits."""
         return self._core.save()
 
     def load(self, snapshot: bytes) -> None:
-        """Take the state of a snapshot of a simulation with the same scene.
+        """Restore a snapshot of a simulation of the same scene, from `save`.
 
         Raises
         ------
         Error
-            A snapshot that is damaged or of another scene; the state stays as it was.
+            The snapshot is damaged or belongs to another scene. The simulation is unchanged.
         """
         if not isinstance(snapshot, bytes):
-            raise TypeError("snapshot: must be bytes, as Simulation.save gives them")
+            raise TypeError(f"snapshot: must be bytes from Simulation.save, not {type(snapshot).__name__}")
         self._core.load(snapshot)
 
     # ---- potential ----
@@ -494,37 +524,41 @@ class Simulation:
         return numbers(x, "x", (count, 3))
 
     def energy(self, x: Any = None) -> float:
-        """Potential energy [J] of the bodies at the positions `x` of all of them, one after the other; None: the present.
+        """Potential energy of all bodies [J].
 
-        Elastic energy, conservative pressure, gravity and loads, at the present time; no contact, tools or damping.
+        Elastic energy, and the potentials of conservative pressure, gravity and loads, at the present time. Contact, tools, pins,
+        supports and damping are not included.
 
         Parameters
         ----------
         x : array_like, (vertex_count, 3) or (3 vertex_count,)
-            [m]
+            Positions [m] of the vertices of all bodies, one body after the other. None: the present positions.
         """
         return self._core.evaluate(self._x(x), None)
 
     def gradient(self, x: Any = None, out: Optional[np.ndarray] = None) -> np.ndarray:
-        """Derivative of `energy` by the positions (vertex_count, 3) [N]: minus the forces."""
+        """Derivative of `energy` with respect to the positions (vertex_count, 3) [N]: minus the forces."""
         x = self._x(x)
         out = room(out, x.shape)
         self._core.evaluate(x, out)
         return out
 
     def hessian(self, x: Any = None, parts: bool = False) -> Any:
-        """Second derivative of `energy` as a scipy CSR matrix (3 vertex_count, 3 vertex_count) [N/m], exact.
+        """Exact second derivative of `energy` as a scipy CSR matrix (3 vertex_count, 3 vertex_count) [N/m].
 
         Parameters
         ----------
+        x : array_like
+            Positions [m], as for `energy`.
         parts : bool
-            An enclosed gas, or a volume that is driven, adds a product c g g^T over a whole body, which would be dense.
-            With True the result is (matrix, c, g) with c (k,) and g (k, 3 vertex_count); without, such scenes are refused.
+            An enclosed gas or a target volume adds a dense term c g g^T for a whole body. True: the result is (matrix, c, g)
+            with c (k,) [J/m6] and g (k, 3 vertex_count) [m2], and the Hessian is ``matrix + g.T @ diag(c) @ g``. False: a scene
+            with such a term raises Error.
 
         Raises
         ------
         Error
-            Bending of the model midedge, which has unknowns in addition to the positions; a body that refines.
+            The scene has ``midedge`` bending, which has unknowns on edges, or a body that refines.
         """
         from scipy.sparse import csr_matrix
 
@@ -538,47 +572,58 @@ class Simulation:
         if parts:
             return matrix, coefficients, from_bytes(gradients, np.float64, len(coefficients), rows)
         if coefficients.any():
-            raise _core.Error("an enclosed gas or driven volume adds a dense part to the Hessian. use hessian(parts=True)")
+            raise _core.Error("an enclosed gas or a target volume adds a dense term to the Hessian. use hessian(parts=True)")
         return matrix
 
     def adjoint(
         self, loss_gradient: Any, rest_positions: bool = False, steps: int = 0, running: bool = False
     ) -> dict[str, Any]:
-        """Derivatives of a function of the positions by the numbers of the model.
+        """Derivatives of a function f of the positions with respect to parameters of the model (adjoint method).
 
-        For the method ``static`` of the state of rest, which must have converged; for ``implicit`` of the end of the last
-        step, with its start as it is: one linear system. With `steps` for ``implicit``: takes so many steps, solved to
-        rounding, and goes back along them, in the time of three to five times as many steps; the simulation is at their
-        end then. Without tools and contact.
+        Without `steps` the derivatives come from one linear system. Under the method ``static`` they are those of the
+        equilibrium, which must have converged. Under ``implicit`` they are those of the end of the last step for a constant state
+        at its start.
+
+        With `steps`, for the method ``implicit``: takes this number of steps, solves each to rounding, and then goes back through
+        them. This takes the time of three to five times as many steps. Afterwards the simulation is at the end of the steps.
+
+        Tools and contact are not supported.
 
         Parameters
         ----------
         loss_gradient : array_like, (vertex_count, 3), or callable
-            Derivative of your function by the positions of all bodies, one after the other, at the present state [1/m];
-            with `steps`, after the last of them. Or, with `steps`, a function of positions, velocities and the number of
-            the step (from 1) that returns it, or a pair: that and the derivative by the velocities [s/m].
+            Derivative of f with respect to the positions of all bodies, one body after the other [1/m], at the present state or,
+            with `steps`, after the last step. With `steps` it may also be a function of positions [m], velocities [m/s] and the
+            number of the step (from 1) that returns this derivative, or a pair of it and the derivative with respect to the
+            velocities [s/m].
         rest_positions : bool
-            Also the derivatives by the positions at rest: of membranes and bending ``midedge``, no springs or fibres.
+            True: also compute the derivatives with respect to the rest positions, through membranes and ``midedge`` bending only
+            (not springs and fibres).
         steps : int
-            Steps to take and to differentiate; 0: none.
+            Number of steps to take and to differentiate. 0: take no step.
         running : bool
-            Your function is a sum over all these steps: `loss_gradient` is asked after each of them, the last one first.
+            True: f is a sum over all these steps, and `loss_gradient` is called for each step, from the last to the first.
 
         Returns
         -------
         dict
-            forces (vertex_count, 3): by a force on each vertex [1/N];
-            loads: for each load by name (or number) by a factor on it, 1 at present; gravity (3,): [s2/m];
-            materials: for each body a dict with young, thickness, bending and pressure, by a factor on each, 1 at present,
-            and poisson, by the ratio. The derivative by Young's modulus E is young / E;
-            rest_positions (vertex_count, 3), when asked for: by the positions at rest [1/m];
-            with `steps`: start_positions [1/m] and start_velocities [s/m] (vertex_count, 3), by the state before them. Rest
-            positions leave it as it is: add start_positions where the bodies start at rest.
+            For f without a unit:
+
+            forces (vertex_count, 3): with respect to a force on each vertex [1/N];
+            loads: dict from the name (or number) of each load to the derivative with respect to a factor on it, 1 at present;
+            gravity (3,): with respect to gravity [s2/m];
+            materials: for each body a dict. young, thickness, bending (flexural rigidity) and pressure: with respect to a factor
+            on the quantity, 1 at present. poisson: with respect to the ratio. The derivative with respect to Young's modulus E is
+            young / E;
+            rest_positions (vertex_count, 3), if requested: with respect to the rest positions [1/m];
+            start_positions [1/m] and start_velocities [s/m] (vertex_count, 3), with `steps`: with respect to the state before the
+            steps. The derivative for the rest positions assumes a constant start state: for bodies that start at rest, add
+            start_positions.
 
         Raises
         ------
         Error
-            What cannot be asked, a state that is not a stable balance, or a step that does not converge.
+            The scene has an unsupported feature, the state is not a stable equilibrium, or a step does not converge.
 
         Examples
         --------
@@ -592,9 +637,9 @@ class Simulation:
         """
         shape = self._x(None).shape
         if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
-            raise ValueError("steps: must be an integer of at least 0")
+            raise ValueError(f"steps: must be an integer of at least 0, not {steps!r}")
         if callable(loss_gradient) and steps == 0:
-            raise ValueError("loss_gradient: a function needs steps; without them give an array")
+            raise ValueError("loss_gradient: a function needs steps. pass steps of at least 1, or an array")
         gradient = None if callable(loss_gradient) else numbers(loss_gradient, "loss_gradient", shape)
         bodies, loads = self.scene.bodies, self.loads
         forces, rest = np.empty(shape), np.empty(shape) if rest_positions else None
@@ -627,7 +672,11 @@ class Simulation:
     # ---- pictures ----
 
     def show(self, path: Optional[PathLike] = None) -> Any:
-        """The present state as a page: shown in a notebook; elsewhere written to `path` (pellicle.html by default)."""
+        """Show the present state as a page.
+
+        In a notebook without `path` the page is shown. Otherwise it is written to `path` (default: pellicle.html), and the result
+        is the path.
+        """
         from . import notebook
 
         return notebook.show_simulation(self, path)

@@ -1,4 +1,4 @@
-"""Studies: many runs of one scene with different parameters, and one table."""
+"""Studies: many runs of one scene with different parameters, and one table of results."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from . import _core
 from .mesh import PathLike
 from .simulation import _plain
 
-#: Workers of Dask that a run may lose; Dask itself tries a few times before it counts as one.
+#: Number of KilledWorker errors after which a run has the status "crashed". Dask retries a run several times before each error.
 _LOSSES = 2
 
 
@@ -23,10 +23,10 @@ class Sweep:
     Attributes
     ----------
     folder : str
-        Holds runs.csv, and report.html with pictures of it.
+        Folder of the study, with the table runs.csv and its pictures in report.html.
     columns : dict of str to numpy.ndarray
-        A column for each parameter and measure, a row for each run; NaN where a run failed. Columns that are no numbers
-        (run by run: vectors, words, status, error) hold texts.
+        Columns of the table, by name: ``run``, the parameters, the measures, ``status`` and ``error``, with one value per run.
+        Measures of failed runs are NaN. Columns with other values than numbers (vectors, words, status, error) contain str.
     """
 
     def __init__(self, folder: PathLike) -> None:
@@ -36,19 +36,21 @@ class Sweep:
             with open(path, newline="", encoding="utf-8") as file:
                 names, *rows = csv.reader(file)
         except FileNotFoundError:
-            raise _core.Error(f"{path}: error: there is no table. runs are missing: do the study again to continue") from None
+            raise _core.Error(
+                f"{path}: error: there is no table, because runs are missing. run the study again: it continues"
+            ) from None
         self.columns: dict[str, np.ndarray] = {
             name: _column([row[i] for row in rows], name in ("status", "error")) for i, name in enumerate(names)
         }
 
     @property
     def failed(self) -> np.ndarray:
-        """Numbers of the runs that failed; the columns status and error say why."""
+        """Numbers of the runs that failed. The columns status and error have the reasons."""
         return np.flatnonzero(self.columns["status"] != "done")
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.columns:
-            raise KeyError(f"{name!r} is none of {', '.join(map(repr, self.columns))}")
+            raise KeyError(f"there is no column {name!r}. use one of {', '.join(map(repr, self.columns))}")
         return self.columns[name]
 
     def __len__(self) -> int:
@@ -71,7 +73,7 @@ def _column(texts: list[str], is_text: bool) -> np.ndarray:
 
 
 def _write_parquet(table: Sweep) -> None:
-    """The same as Parquet, where pyarrow is there."""
+    """Write the table to runs.parquet too, if pyarrow is installed."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -85,7 +87,7 @@ _studies: dict[tuple[str, Optional[str]], Any] = {}
 
 
 def _run_one(path: str, text: Optional[str], run: int, folder: str) -> str:
-    """A row; in a worker of Dask, which keeps the study between its runs."""
+    """Execute a run in a Dask worker and return its row. The worker keeps the study between runs."""
     key = (path, text)
     if key not in _studies:
         _studies.clear()
@@ -117,7 +119,7 @@ def _sweep_dask(study: Any, path: str, text: Optional[str], folder: str, client:
                 raise error
             lost[run] = lost.get(run, 0) + 1
             if lost[run] >= _LOSSES:
-                store.add(study.lost(run, "crashed", "workers of Dask ended again and again while they did this run"))
+                store.add(study.lost(run, "crashed", "Dask workers repeatedly ended during this run"))
                 continue
             again = submit(run)
             futures[again] = run
@@ -135,41 +137,46 @@ def sweep(
     timeout: float = 0,
     retry: bool = False,
 ) -> Sweep:
-    """Do all runs of a study and give the table, as ``pellicle sweep`` does.
+    """Execute all runs of a study, like ``pellicle sweep``, and return the table.
 
-    Runs that are in the folder already are not done again: after Ctrl-C, a kill or a lost worker the same call continues.
+    Runs that already have a row in the folder are not repeated, so the same call continues after Ctrl-C, a kill or a lost worker.
     The table has the same bits on one core, on all cores and on Dask.
 
     Parameters
     ----------
     study : path or mapping
-        A study file (docs/sweeps.md), or a dict with its keys; the path of its scene is then relative to the current folder.
+        A study file, or a dict with its keys (docs/sweeps.md). In a dict, the path of the scene is relative to the current
+        folder.
     folder : path
-        Made when missing.
+        Folder of the study; created if it does not exist.
     jobs : int
-        Runs at a time on this machine; 0: one for each core.
+        Maximum number of simultaneous runs on this machine; 0: one per processor.
     client : distributed.Client, optional
-        Do the runs on the workers of this Dask cluster, which must see the study, its scene and meshes under the same paths.
+        Execute the runs on the workers of this Dask cluster. The study, its scene and meshes must have the same paths there.
     timeout : float
-        Seconds that a run may take before it is ended and becomes a row with the status ``timeout``; 0: any. Not with
-        `client`.
+        Maximum wall time of a run [s]; a run that takes longer is ended and its row has the status ``timeout``. 0: no limit.
+        Not supported with `client`.
     retry : bool
-        Do runs again that failed before.
+        True: repeat runs that failed in earlier calls.
+
+    Returns
+    -------
+    Sweep
 
     Raises
     ------
     Error
-        The study is refused, or the folder holds another one. A run that fails, crashes or is killed is a row of the
-        table, not an error.
+        The study is refused, or the folder contains another study. A run that fails, crashes or is killed raises no error; its
+        row of the table has the reason.
     KeyboardInterrupt
-        Ctrl-C.
+        Ctrl-C was pressed.
     """
     if not isinstance(jobs, int) or not 0 <= jobs <= 1024:
-        raise ValueError("jobs: must be an integer within 0 .. 1024")
+        raise ValueError(f"jobs: must be an integer within 0 .. 1024, not {jobs!r}")
     if not isinstance(timeout, (int, float)) or not 0 <= timeout < float("inf"):
-        raise ValueError("timeout: must be a number of seconds, 0 for any")
+        raise ValueError(f"timeout: must be a finite number of seconds of at least 0 (0: no limit), not {timeout!r}")
     if client is not None and timeout:
-        raise ValueError("timeout: must be 0 on Dask, whose workers do several runs in one process")
+        raise ValueError("timeout: must be 0 with a Dask client, because its workers execute several runs in one process")
     folder = os.path.abspath(os.fspath(folder))
     if isinstance(study, Mapping):
         path, text = os.path.abspath("study"), json.dumps(study, default=_plain, indent=1)

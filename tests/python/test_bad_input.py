@@ -183,10 +183,10 @@ class Arrays(unittest.TestCase):
         self.assertEqual(len(mesh.subdivide().positions), 162)
 
     def test_bodies(self):
-        """Exchanged arguments and wrong names are told with what is right."""
+        """Errors of exchanged arguments and wrong names say what is expected."""
         with self.assertRaisesRegex(TypeError, "body: must be the name or number of a body, not <class 'numpy.ndarray'>"):
             SIM.set_positions("ball", SIM.positions())
-        with self.assertRaisesRegex(KeyError, r"body: 'bal' is none of the bodies \['ball'\]"):
+        with self.assertRaisesRegex(KeyError, r"body: there is no body 'bal'. use one of \['ball'\]"):
             SIM.positions("bal")
 
     def test_indices(self):

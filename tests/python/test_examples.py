@@ -45,7 +45,7 @@ class Examples(unittest.TestCase):
             path = pathlib.Path(folder, "press.png")
             command = [sys.executable, str(EXAMPLES / "press.py"), str(path)]
             result = subprocess.run(command, env=dict(os.environ), check=True, capture_output=True, text=True)
-            self.assertEqual(path.is_file(), "no matplotlib" not in result.stdout)
+            self.assertEqual(path.is_file(), "matplotlib is not installed" not in result.stdout)
             self.assertIn("12.00 mm", result.stdout)
 
 

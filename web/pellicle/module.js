@@ -1,4 +1,4 @@
-// The calls of src/wasm/calls.h as classes. Views lie in the memory of the module: they hold until the next call.
+// Classes for the calls of src/wasm/calls.h. Views are in the memory of the module and are valid until the next call.
 import makeCore from "./core.mjs";
 
 export class PellicleError extends Error {
@@ -12,10 +12,10 @@ export class PellicleError extends Error {
 const outOfMemory = () =>
     new PellicleError({ message: "out of memory", status: "out of memory", what: "out of memory", remedy: "", file: "", line: 0, column: 0 });
 
-// a path below the folder of a scene
+// checks that a path is inside the folder of the scene
 function checkName(name) {
     if (name === "" || name.startsWith("/") || name.split("/").includes(".."))
-        throw new TypeError(`the file '${name}' is not below the folder of the scene: name it by a relative path without ..`);
+        throw new TypeError(`the file '${name}' is not inside the folder of the scene. use a relative path without ..`);
     return name;
 }
 
@@ -96,7 +96,7 @@ class Memory {
     }
 }
 
-// values as --set takes them
+// converts a value to the text for --set
 function format(value) {
     if (Array.isArray(value) || ArrayBuffer.isView(value)) return `[${Array.from(value, format).join(", ")}]`;
     return Number.isNaN(value) ? "auto" : String(value);
@@ -104,7 +104,7 @@ function format(value) {
 
 const numbers = (...values) => values.flatMap((value) => (typeof value === "object" ? Array.from(value) : [value])).join(" ");
 
-// a handle of the module for a scene in its own folder
+// a handle of the module for a scene, which has its own folder
 class Handle {
     constructor(memory, kind, text, { files = {}, path = "scene.yaml", set = {} } = {}) {
         this.memory = memory;
@@ -121,11 +121,11 @@ class Handle {
     }
 
     call(name, ...values) {
-        if (this.handle === 0) throw new Error("the simulation was disposed of");
+        if (this.handle === 0) throw new Error("the simulation was disposed. create a new one");
         return this.memory.core[`_pel_wasm_${this.kind}_${name}`](this.handle, ...values);
     }
 
-    // as the caller names files
+    // replaces the paths of files by the names that the caller uses
     local(text) {
         return text.replaceAll(`${this.folder}/`, "");
     }
@@ -170,7 +170,7 @@ export class Simulation {
         this.#handle.dispose();
     }
 
-    /* ---- what there is ---- */
+    /* ---- properties and state ---- */
 
     get title() {
         return this.#hello.title;
@@ -219,7 +219,7 @@ export class Simulation {
 
     #body(body) {
         const index = typeof body === "string" ? this.#hello.bodies.findIndex(({ name }) => name === body) : body;
-        if (!this.#hello.bodies[index]) throw new RangeError(`there is no body ${JSON.stringify(body)}: bodies are ${this.#hello.bodies.map(({ name }) => name).join(", ")}`);
+        if (!this.#hello.bodies[index]) throw new RangeError(`there is no body ${JSON.stringify(body)}. use one of ${this.#hello.bodies.map(({ name }) => name).join(", ")}`);
         return index;
     }
 
@@ -244,7 +244,7 @@ export class Simulation {
     field(name, body = 0) {
         const index = this.#body(body);
         const field = this.fields.findIndex((known) => known.name === name);
-        if (field < 0) throw new RangeError(`there is no field '${name}': fields are ${this.fields.map((known) => known.name).join(", ")}`);
+        if (field < 0) throw new RangeError(`there is no field '${name}'. use one of ${this.fields.map((known) => known.name).join(", ")}`);
         const address = this.#handle.call("field", field, index);
         this.#handle.check();
         return this.#view(Float32Array, address, this.fields[field].components * this.#handle.call("vertex_count", index));
@@ -329,11 +329,11 @@ export class Simulation {
     }
 }
 
-// A simulation that plays at the pace of the clock and speaks the messages of `pellicle live` (src/live/message.h).
+// A simulation that runs in real time and uses the messages of `pellicle live` (src/live/message.h).
 export class Live {
     #handle;
 
-    // receive(message) gets texts and ArrayBuffers
+    // receive(message) gets strings and ArrayBuffers
     constructor(memory, text, options, receive) {
         this.#handle = new Handle(memory, "live", text, options);
         this.receive = receive;
@@ -375,7 +375,7 @@ export class Pellicle {
     }
 }
 
-// bytes of core.wasm
+// bytes: the contents of core.wasm
 export async function instantiate(bytes) {
     const core = await makeCore({ wasmBinary: bytes, printErr: () => {}, print: () => {} });
     return new Pellicle(core);

@@ -1,17 +1,17 @@
-// Types of the package `pellicle`. SI units. Vectors are arrays of three numbers, rotations quaternions x, y, z, w.
+// Types of the package `pellicle`. SI units. Vectors are arrays of three numbers; rotations are unit quaternions x, y, z, w.
 
 export type Vector = readonly [number, number, number] | ArrayLike<number>;
 export type Quaternion = readonly [number, number, number, number] | ArrayLike<number>;
-/** `auto` is NaN or "auto"; words are strings; vectors arrays. */
+/** A value of a parameter: NaN or "auto" for `auto`, strings for words, arrays for vectors. */
 export type Value = number | boolean | string | ArrayLike<number>;
 
-/** What went wrong, where, and what to do about it; `message` is all of it as one text. */
+/** An error of the library with problem, place and remedy; `message` contains all of them. */
 export class PellicleError extends Error {
     /** "bad scene", "bad argument", "diverged", ... */
     readonly status: string;
     readonly what: string;
     readonly remedy: string;
-    /** as the caller named it; "" = none */
+    /** name of the file, as the caller named it; "" = none */
     readonly file: string;
     /** from 1; 0 = none */
     readonly line: number;
@@ -19,11 +19,11 @@ export class PellicleError extends Error {
 }
 
 export interface SceneOptions {
-    /** Mesh files of the scene, by the paths that the scene uses: text or bytes. */
+    /** Mesh files of the scene as text or bytes. The keys are their paths in the scene. */
     files?: Record<string, string | Uint8Array | ArrayBuffer>;
     /** Name of the scene in messages; mesh paths are relative to its folder. Default: scene.yaml */
     path?: string;
-    /** Changes to the scene, as `--set` of the program: { "solver.dt": 0.005 } */
+    /** Changes of the scene, like `--set` of the program: { "solver.dt": 0.005 } */
     set?: Record<string, Value>;
 }
 
@@ -55,11 +55,11 @@ export interface Parameter {
     readonly auto: boolean;
     readonly keyed: boolean;
     readonly field: boolean;
-    /** whether it can change while the simulation runs; else `refusal` and `remedy` say why not and what to do */
+    /** true: it can change while the simulation runs; false: `refusal` has the reason, `remedy` what to do instead */
     readonly live: boolean;
     readonly refusal: string;
     readonly remedy: string;
-    /** null = auto; the index of a word, 0 or 1 of a switch */
+    /** default and present value: null = auto; for a word its index in `words`, for a switch 0 or 1 */
     readonly preset: readonly (number | null)[];
     readonly value: readonly (number | null)[];
     readonly words?: readonly string[];
@@ -70,21 +70,26 @@ export interface Hit {
     readonly body: number;
     /** row of `triangles` */
     readonly triangle: number;
-    /** vertex of the mesh as it was given */
+    /** nearest vertex of the body's mesh */
     readonly meshVertex: number;
+    /** m, along the ray */
     readonly distance: number;
+    /** m */
     readonly point: readonly number[];
+    /** of the triangle, unit length */
     readonly normal: readonly number[];
-    /** rows of `positions`, and the barycentric weights */
+    /** corners of the triangle as rows of `positions`, and barycentric weights of the point */
     readonly vertices: readonly number[];
     readonly weights: readonly number[];
 }
 
 export interface Summary {
+    /** s */
     readonly time: number;
     readonly step: number;
-    /** of the whole state, 16 hexadecimal digits */
+    /** of time, positions and velocities, 16 hexadecimal digits */
     readonly hash: string;
+    /** the spring of `grab` or the tool of `press`; lengths in m, force in N */
     readonly hand: {
         readonly kind: "free" | "grab" | "press";
         readonly shape: string;
@@ -94,7 +99,9 @@ export interface Summary {
         readonly target: readonly number[];
         readonly force: readonly number[];
     };
+    /** position in m, force in N */
     readonly tools: readonly { name: string; position: readonly number[]; rotation: readonly number[]; force: readonly number[] }[];
+    /** energies and works in J, displacement in m */
     readonly measures: {
         readonly volume_ratio: number | null;
         readonly area_ratio: number;
@@ -109,9 +116,9 @@ export interface Summary {
 }
 
 /**
- * A simulation of a scene. Every method throws a PellicleError if the library refuses the call; the simulation is unchanged
- * then. Arrays of `positions`, `triangles` and `field` are views of the memory of the module without a copy: they hold
- * until the next call of anything of the package. Copy them with `slice()` to keep them.
+ * A simulation of a scene. If the library refuses a call, the method throws a PellicleError and the simulation is unchanged.
+ * The arrays of `positions`, `triangles` and `field` are views of the memory of the module without a copy. They are valid until
+ * the next call of any function of the package; copy them with `slice()` to keep them.
  */
 export interface Simulation {
     readonly title: string;
@@ -119,71 +126,76 @@ export interface Simulation {
     readonly dt: number;
     readonly bodies: readonly Body[];
     readonly fields: readonly Field[];
-    /** the box about all bodies at rest, m */
+    /** bounding box of all bodies at rest, m */
     readonly box: { readonly low: readonly number[]; readonly high: readonly number[] };
-    /** changes made by the mesh reader, such as triangulated quads */
+    /** changes that were made while meshes were read, such as split quads */
     readonly notes: readonly string[];
     /** s */
     readonly time: number;
     readonly stepCount: number;
-    /** equal to the native program's in the same state (exceptions: docs/javascript.md) */
+    /** equal to that of the native program in the same state (exceptions: docs/javascript.md) */
     readonly hash: string;
     summary(): Summary;
 
-    /** (vertexCount x 3), m. `body` is an index or a name, default 0. */
+    /** (vertexCount x 3), m. `body` is a number or a name; default: 0. */
     positions(body?: number | string): Float32Array;
     /** (triangleCount x 3), rows of `positions` */
     triangles(body?: number | string): Uint32Array;
-    /** grows when the triangles change (refinement) */
+    /** increases when the triangles change (refinement) */
     surfaceRevision(body?: number | string): number;
     /** (vertexCount x components) */
     field(name: string, body?: number | string): Float32Array;
-    /** null where the ray meets no body */
+    /** First intersection of a ray with a body, origin in m; null if the ray meets no body. */
     pick(origin: Vector, direction: Vector): Hit | null;
 
-    /** Does `count` steps (default 1). After a step that diverged the simulation is back at the last mark. */
+    /** Takes `count` steps (default: 1). If a step diverges, the simulation returns to the last mark, or to the start. */
     step(count?: number): void;
     parameters(): readonly Parameter[];
     /** Changes a parameter while the simulation runs: set("bodies.ball.membrane.young", 2e4). */
     set(path: string, value: Value): void;
-    /** Takes hold of the surface where a ray meets it, by a spring [N/m] on the vertices within reach [m]. False: no body is met. */
+    /**
+     * Holds the surface by a spring of `stiffness` [N/m] at the point where a ray meets it, on the vertices within `reach` [m].
+     * False: the ray meets no body.
+     */
     grab(origin: Vector, direction: Vector, options?: { stiffness?: number; reach?: number }): boolean;
-    /** A tool that `move` moves: sphere, box (half edge `radius`) or capsule (half length 2 `radius`). */
+    /** Adds a tool that `move` moves: sphere, box (half edge `radius`) or capsule (half length 2 `radius`); lengths in m. */
     press(options: { shape?: "sphere" | "capsule" | "box"; radius: number; position: Vector; rotation?: Quaternion }): void;
-    /** where the hand goes: the end of the spring, or the tool */
+    /** Sets the target [m] of the end of the spring, or of the tool. */
     move(target: Vector): void;
+    /** Releases the surface, or removes the tool. */
     release(): void;
-    /** Holds the vertices within reach [m] of the hit where they are; `unpin` releases them. */
+    /** Pins the vertices within `reach` [m] of the hit at their present positions; `unpin` releases them. */
     pin(origin: Vector, direction: Vector, reach?: number): void;
     unpin(origin: Vector, direction: Vector, reach?: number): void;
-    /** pressure [Pa] along the normals of a body */
+    /** Sets a pressure [Pa] along the normals of a body, in addition to that of the scene. */
     inflate(body: number | string, pressure: number): void;
-    /** the begin of an interaction: `undo` goes back to here */
+    /** Marks the start of an interaction: `undo` returns here. */
     mark(): void;
-    /** False: no mark was left, and the simulation is back at its start. */
+    /** Returns to the last mark. False: there was no mark, and the simulation is at its start. */
     undo(): boolean;
+    /** Returns to the start. */
     reset(): void;
-    /** A command of a session as text (pellicle/session.h). */
+    /** Executes a command of a session, as text (pellicle/session.h). */
     apply(line: string): void;
-    /** The scene with all that was done as its `session`: `pellicle run` repeats it. */
+    /** The scene with all commands as its `session`: `pellicle run` repeats them. */
     scene(): string;
-    /** Frees its memory; every other call throws then. */
+    /** Frees the memory of the simulation; all further calls throw. */
     dispose(): void;
 }
 
-/** A simulation at the pace of the clock that speaks the messages of the page of `pellicle live`. */
+/** A simulation that runs in real time and uses the messages of the page of `pellicle live`. */
 export interface Live {
     send(line: string): void;
-    /** Executes due steps and returns the seconds until the next turn. */
+    /** Executes the steps that are due; returns the time until the next turn [s]. */
     turn(): number;
     dispose(): void;
 }
 
 export interface Pellicle {
-    /** Reads a scene (YAML or JSON); throws a PellicleError with file, line and column. */
+    /** Reads a scene (YAML or JSON). Throws a PellicleError with file, line and column if it is refused. */
     simulation(scene: string, options?: SceneOptions): Simulation;
     live(scene: string, options: SceneOptions, receive: (message: string | ArrayBuffer) => void): Live;
 }
 
-/** Loads the module; source: bytes of core.wasm or its address, default: the file of the package. */
+/** Loads the module. source: bytes of core.wasm or its URL; default: the file of the package. */
 export function load(source?: string | URL | ArrayBuffer | ArrayBufferView): Promise<Pellicle>;

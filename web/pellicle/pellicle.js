@@ -1,4 +1,4 @@
-// Pellicle in JavaScript: `load` fetches the module next to this file, in browsers and in Node.js.
+// Pellicle in JavaScript: `load` loads the module next to this file, in browsers and in Node.js.
 import { instantiate } from "./module.js";
 
 export { PellicleError } from "./module.js";
@@ -15,7 +15,7 @@ async function readBytes(source) {
     return response.arrayBuffer();
 }
 
-// source: bytes of core.wasm or its address; default: the file next to this one
+// source: bytes of core.wasm or its URL; default: the file next to this one
 export async function load(source = new URL("./core.wasm", import.meta.url)) {
     return instantiate(await readBytes(source));
 }

@@ -1,6 +1,6 @@
-// The runs that the program put into the page (src/results/report_encode.c and report_describe.c write them).
+// Reads the runs from the page. src/results/report_encode.c and report_describe.c write them.
 
-// bytes of a frame in the stream
+// size of a frame in the stream [bytes]
 function frameSize(run, frame, known) {
     const [vertices, triangles] = run.topologies[frame.topology];
     const values = run.fields.reduce((sum, field) => sum + (field.channels * field.bits) / 8, 6);
@@ -21,7 +21,7 @@ function readCorners(bytes, count) {
     return corners;
 }
 
-// one list of numbers, added to the same list of the frame before (or null)
+// reads a list of differences and adds it to the list of the previous frame (or to 0 if that is null)
 function readChannel(bytes, numbers, before, begin, count, bits) {
     const mask = bits === 16 ? 0xffff : 0xff;
     for (let v = 0; v < count; v++) {
@@ -59,7 +59,7 @@ export function fromBase64(text) {
     return bytes;
 }
 
-// decodes all frames, calling progress() after each piece of the stream that completed some
+// decodes all frames; calls progress() after each part of the stream that completes a frame
 async function unpack(run, text, progress) {
     const stream = new Blob([fromBase64(text)]).stream().pipeThrough(new DecompressionStream("deflate"));
     const reader = stream.getReader();
@@ -85,7 +85,7 @@ async function unpack(run, text, progress) {
         }
         if (run.ready > ready) progress();
     }
-    if (run.ready < run.frames.length) throw new Error(`${run.name}: the frames end too early`);
+    if (run.ready < run.frames.length) throw new Error(`${run.name}: the report contains only ${run.ready} of ${run.frames.length} frames. Write the report again with: pellicle report DIR`);
 }
 
 function parseRow(line) {
@@ -93,7 +93,7 @@ function parseRow(line) {
     return [...line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map((m) => m[1]?.replaceAll('""', '"') ?? m[2]);
 }
 
-// { names, columns } of a CSV text
+// converts CSV text to { names, columns }
 export function parseTable(text) {
     const lines = text.split(/\r?\n/).filter((line) => line !== "");
     if (lines.length === 0) return { names: [], columns: [] };
@@ -114,7 +114,7 @@ function parseSummary(text) {
     }
 }
 
-// times that do not grow are replaced by the numbers of the frames
+// if the times of the frames do not increase, uses the numbers of the frames instead
 function settleTimes(run) {
     run.timed = run.frames.every((frame, i) => i === 0 || frame.time > run.frames[i - 1].time);
     if (!run.timed) run.frames.forEach((frame) => (frame.time = frame.number));
@@ -143,7 +143,7 @@ function prepare(element, index) {
     return run;
 }
 
-// { runs, finished }: runs can be asked for frames below run.ready, finished resolves when all are
+// returns { runs, finished }: the first run.ready frames of a run can be read; `finished` resolves when all frames are decoded
 export function readRuns(progress) {
     const heads = [...document.querySelectorAll("script.run")];
     const bodies = [...document.querySelectorAll("script.run-frames")];
@@ -159,7 +159,7 @@ export function readRuns(progress) {
     return { runs, finished };
 }
 
-// the index of the last frame at or before the time, and how far the time is on the way to the next (0 .. 1)
+// { index, weight }: the last frame at or before the time, and the position of the time between it and the next frame (0 .. 1)
 export function locate(run, time) {
     let low = 0;
     let high = run.ready - 1;
@@ -175,7 +175,7 @@ export function locate(run, time) {
     return { index: low, weight: weight < 1e-6 ? 0 : Math.min(weight, 1) };
 }
 
-// calls emit(v, number) with a channel's numbers between two frames
+// calls emit(v, number) with the numbers of a channel, interpolated between two frames
 function blend(run, index, weight, channel, emit) {
     const frame = run.frames[index];
     const count = run.topologies[frame.topology][0];
@@ -186,7 +186,7 @@ function blend(run, index, weight, channel, emit) {
     for (let v = 0; v < count; v++) emit(v, a[begin + v] + weight * (b[begin + v] - a[begin + v]));
 }
 
-// fills positions (3 numbers a vertex), metres
+// fills positions (3 numbers per vertex) [m]
 export function fillPositions(run, index, weight, positions) {
     for (let c = 0; c < 3; c++) {
         const low = run.low[c];
@@ -195,7 +195,7 @@ export function fillPositions(run, index, weight, positions) {
     }
 }
 
-// fills values: scalars, or magnitudes of vectors
+// fills the values of a field: scalars, or magnitudes of vectors
 export function fillValues(run, field, index, weight, values) {
     const [low, high] = field.range;
     const scale = (high - low) / (field.bits === 16 ? 65535 : 255);
@@ -209,7 +209,7 @@ export function fillValues(run, field, index, weight, values) {
     for (let v = 0; v < values.length; v++) values[v] = Math.sqrt(values[v]);
 }
 
-// the components of a field at a vertex, those that the page has
+// the components of a field at a vertex; a thinned report may contain only the magnitude
 export function componentsAt(run, field, index, v) {
     const frame = run.frames[index];
     const count = run.topologies[frame.topology][0];

@@ -1,4 +1,4 @@
-// Details around the picture: facts of the runs, notes on thinning, the scene, versions and the state's hash.
+// Facts about the runs: sizes, notes on thinning, the scene, versions and the hash of the state.
 import { formatNumber, plainName, unitOf, withUnit } from "./format.js";
 
 function element(tag, className, text) {
@@ -10,7 +10,7 @@ function element(tag, className, text) {
 
 const count = (number, one, several) => `${number.toLocaleString("en")} ${number === 1 ? one : several}`;
 
-// the least and the largest of some numbers
+// "count" or "minimum to maximum" of some numbers
 function countRange(numbers, one, several) {
     const [least, most] = [Math.min(...numbers), Math.max(...numbers)];
     return (least < most ? `${least.toLocaleString("en")} to ` : "") + count(most, one, several);
@@ -18,8 +18,8 @@ function countRange(numbers, one, several) {
 
 export function thinned(run) {
     const notes = [...run.notes];
-    if (run.series_thinned) notes.push("the plots show some of the rows of series.csv");
-    if (run.scene_thinned) notes.push("the scene is cut");
+    if (run.series_thinned) notes.push("the plots show only some rows of series.csv");
+    if (run.scene_thinned) notes.push("the end of the scene is omitted");
     return notes;
 }
 
@@ -42,17 +42,17 @@ export function showFacts(parent, runs) {
     );
 }
 
-// the members of summary.json that are a number or a text
+// the numbers and texts of summary.json
 function factRows(run) {
     const rows = [
         ["folder", run.name],
-        ["report by", run.program],
+        ["report written by", run.program],
         ["state hash", run.facts.state_hash ?? run.stateHash],
     ];
     for (const [key, value] of Object.entries(run.facts)) {
         if (key === "state_hash" || value === null || typeof value === "object" || value === "") continue;
         const text = typeof value === "number" ? withUnit(formatNumber(value, 6), unitOf(key)) : String(value);
-        rows.push([key === "version" ? "run by" : plainName(key.replace(/_s$/, "")), key === "version" ? `pellicle ${value}` : text]);
+        rows.push([key === "version" ? "simulated by" : plainName(key.replace(/_s$/, "")), key === "version" ? `pellicle ${value}` : text]);
     }
     return rows.filter(([, text]) => text);
 }
@@ -77,14 +77,14 @@ function makeTable(title, heads, rows) {
 const share = (part, whole) => (whole > 0 ? `${formatNumber((100 * part) / whole)} %` : "–");
 const whole = (number) => (Number.isFinite(number) ? number.toLocaleString("en") : "–");
 
-// candidates after each stage of the search, and the time of each part of contact; none without contact
+// tables of contact: pairs after each stage of the search, times, events; none without contact
 function contactTables(run) {
     const contact = run.facts.contact;
     if (!contact) return [];
     const stages = [
         ["candidates", contact.candidates],
         ["passed the filter", contact.passed_filter],
-        ["passed the hull", contact.passed_hull],
+        ["passed the hull test", contact.passed_hull],
         ["cubics solved", contact.cubics],
         ["contacts", contact.pairs],
     ];
@@ -102,9 +102,9 @@ function contactTables(run) {
         ["pairs tangled at the end", contact.tangled],
     ];
     return [
-        makeTable("Contact: pairs of the whole run", ["stage", "pairs", "of the candidates"], stages.map(([name, n]) => [name, whole(n), share(n, contact.candidates)])),
-        makeTable("Contact: time", ["part", "ms a step", "s in all"], times.map(([name, s]) => [name, formatNumber((1000 * s) / steps), formatNumber(s)])),
-        makeTable("Contact: events", ["what", "count"], others.map(([name, n]) => [name, whole(n)])),
+        makeTable("Contact: pairs of the whole run", ["stage", "pairs", "share of the candidates"], stages.map(([name, n]) => [name, whole(n), share(n, contact.candidates)])),
+        makeTable("Contact: time", ["part", "ms per step", "total [s]"], times.map(([name, s]) => [name, formatNumber((1000 * s) / steps), formatNumber(s)])),
+        makeTable("Contact: events", ["event", "count"], others.map(([name, n]) => [name, whole(n)])),
     ];
 }
 

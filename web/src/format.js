@@ -1,4 +1,4 @@
-// Numbers and units as people read them.
+// Formats numbers and units for display.
 const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 function superscript(number) {
@@ -6,7 +6,7 @@ function superscript(number) {
     return (number < 0 ? "⁻" : "") + digits;
 }
 
-// three or `digits` significant digits; a power of ten where the number is very small or large
+// at least `digits` significant digits, with a power of ten if the number is very small or large
 export function formatNumber(value, digits = 3) {
     if (!Number.isFinite(value)) return "–";
     if (value === 0) return "0";
@@ -21,7 +21,7 @@ export function formatNumber(value, digits = 3) {
     return `${short.replace("-", "−")}·10${superscript(Number(power))}`;
 }
 
-// numbers shown together: one power of ten for all, and digits for their steps, or `digits` of the largest
+// numbers with a common power of ten, with enough digits to distinguish them or `digits` digits of the largest
 export function formatTogether(values, digits = 0) {
     const largest = Math.max(...values.map(Math.abs));
     if (!(largest > 0) || !Number.isFinite(largest)) return values.map((value) => formatNumber(value));
@@ -31,7 +31,7 @@ export function formatTogether(values, digits = 0) {
     const steps = ordered.slice(1).map((value, i) => value - ordered[i]).filter((step) => step > 1e-9 * largest / 10 ** power);
     const step = digits > 0 || steps.length === 0 ? 10 ** (exponent - power - Math.max(digits, 3) + 1) : Math.min(...steps);
     let decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
-    // steps of 2.5 need one more
+    // steps such as 2.5 need one more digit
     const scaled = step * 10 ** decimals;
     if (decimals < 12 && Math.abs(scaled - Math.round(scaled)) > 1e-6) decimals++;
     return values.map((value) => {
@@ -40,14 +40,14 @@ export function formatTogether(values, digits = 0) {
     });
 }
 
-// (1, 2, 3)·10⁻⁶
+// such as (1, 2, 3)·10⁻⁶
 export function formatVector(values) {
     const texts = formatTogether(values, 3);
     const power = /·10.*$/.exec(texts.find((text) => text.includes("·")) ?? "")?.[0] ?? "";
     return `(${texts.map((text) => text.replace(/·10.*$/, "")).join(", ")})${power}`;
 }
 
-// the unit of a field or column by its name; empty when it has none or none is known
+// unit of a field or column, by its name; empty if it has none or an unknown one
 const units = [
     [/(_ratio|level|body|contact|contacts|vertices|triangles|count|frame|quality)$/, ""],
     [/^(work_(tools|loads|pressure|gravity|material)|dissipated_(drag|solver)|energy_error)$/, "J"],
@@ -67,7 +67,7 @@ const units = [
 
 export const unitOf = (name) => units.find(([pattern]) => pattern.test(name))?.[1] ?? "";
 
-// the unit of a field of a run: that of the library's table, where it is one of it
+// unit of a field of a run: from the table of the library if the field is in it, otherwise by name
 export const unitOfField = (field) => field.unit?.replace(/m2$/, "m²") ?? unitOf(field.name);
 
 export const withUnit = (text, unit) => (unit ? `${text} ${unit}` : text);

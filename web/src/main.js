@@ -1,4 +1,4 @@
-// The page: state, controls and the loop that draws what changed.
+// The report page: state, controls, and the loop that draws changes.
 import { fitColours, mapGradient, mapNames } from "./colour.js";
 import { componentsAt, fillValues, locate, positionAt, readRuns } from "./data.js";
 import { showDetails, showFacts } from "./details.js";
@@ -21,7 +21,7 @@ const state = {
 };
 
 const { runs, finished } = readRuns(() => needs("frames"));
-// the run with most frames leads: its frames are the steps of the slider
+// the leader is the run with the most frames: its frames are the steps of the slider
 const leader = runs.reduce((best, run) => (run.frames.length > best.frames.length ? run : best), runs[0]);
 let view = null;
 let plots = null;
@@ -32,7 +32,7 @@ const stale = new Set();
 let scheduled = false;
 let lastTick = 0;
 
-// notes what has changed: frames, picture, colour
+// requests a redraw because "frames", "picture" or "colour" changed
 function needs(what) {
     stale.add(what);
     if (scheduled) return;
@@ -43,7 +43,7 @@ function needs(what) {
 const lastTime = () => Math.max(...runs.map((run) => run.frames[run.ready - 1]?.time ?? 0));
 const firstTime = () => Math.min(...runs.map((run) => run.frames[0].time));
 
-// real time, or ten seconds for the whole where that is too short or too long to watch
+// real time for runs of 2 s to 40 s; other runs are shown in 10 s
 function baseSpeed() {
     const length = Math.max(...runs.map((run) => run.frames.at(-1).time)) - firstTime();
     return leader.timed && length >= 2 && length <= 40 ? 1 : length / 10;
@@ -85,7 +85,7 @@ function drawPicture() {
 
 const fieldOf = (run) => run.fields.find((field) => field.name === state.field) ?? null;
 
-// where each run is; between frames only while playing
+// position of each run in time; between two frames only while playing
 function places() {
     return runs.map((run) => {
         const place = locate(run, state.time);
@@ -139,7 +139,7 @@ function widen([low, high], values) {
     return [low, high];
 }
 
-// without the outermost percent on either side, over up to 24 frames of each run
+// range without the smallest 1 % and the largest 1 % of the values, from at most 24 frames of each run
 const innerRanges = new Map();
 function innerRange(fields) {
     const ready = runs.map((run) => run.ready).join();
@@ -194,7 +194,7 @@ function seek(time) {
     needs("frames");
 }
 
-// where the leader is displaced most: there the page opens, unless somebody was faster
+// opens the page at the frame with the largest displacement of the leader, unless the user has moved already
 function seekMost() {
     const { names, columns } = leader.table;
     const displacements = columns[names.indexOf("max_displacement")] ?? [];
@@ -204,7 +204,7 @@ function seekMost() {
     if (displacements.length > 0 && !state.playing && (state.time ?? firstTime()) === firstTime()) seekFrame(rows[most]);
 }
 
-// nearest frame of the leader; used where people point at a time
+// shows the frame of the leader that is nearest to a time
 function seekFrame(time) {
     const { index, weight } = locate(leader, time);
     seek(leader.frames[Math.min(index + (weight > 0.5 ? 1 : 0), leader.ready - 1)].time);
@@ -356,7 +356,7 @@ function makeControls() {
     const speeds = [0.05, 0.1, 0.25, 0.5, 1, 2, 4, 8].map((speed) => [speed, `${speed} ×`]);
     fill("speed", speeds, 1, (speed) => (state.speed = Number(speed)));
     const base = baseSpeed();
-    if (base !== 1) $("speed").title = `1 × is ${formatNumber(base)} simulated seconds a second`;
+    if (base !== 1) $("speed").title = `1 × shows ${formatNumber(base)} s of simulated time per second`;
     $("play").addEventListener("click", () => setPlaying(!state.playing));
     $("frame").addEventListener("input", () => {
         pause();
@@ -510,7 +510,7 @@ function fail(error) {
 listenToTheme();
 showTheme();
 if (runs.length === 0) {
-    $("facts").textContent = "This page is empty. Fill it with: pellicle report DIR";
+    $("facts").textContent = "This page contains no run. Write a report with: pellicle report DIR (the folder of a run)";
 } else {
     $("title").textContent = runs.map((run) => run.sceneTitle || run.name).filter((t, i, all) => all.indexOf(t) === i).join(" · ");
     document.title = `${runs.map((run) => run.name).join(", ")} – Pellicle`;

@@ -1,16 +1,16 @@
-// Plots of the series in uPlot, with a line at the time that the player shows.
+// Plots of series.csv with uPlot, with a line at the present time of the player.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatNumber, formatTogether, plainName, unitOf } from "./format.js";
 
-// groups of columns; a column belongs to the first group that accepts it, the last group takes the rest
+// groups of columns: a column belongs to the first group that accepts it; the last group accepts all
 const groups = [
     { title: "Volume and area", unit: "ratio", takes: (name) => /_ratio$/.test(name) },
     { title: "Energy", unit: "J", takes: (name) => /_energy$/.test(name) },
     { title: "Force", unit: "N", takes: (name) => name === "max_force" || /_force$/.test(name) },
     { title: "Displacement", unit: "m", takes: (name) => /displacement$/.test(name) },
     { title: "Contacts", unit: "", takes: (name) => /contacts$/.test(name) },
-    // what each stage of the search lets through in a frame, from the broad phase to contacts
+    // pairs that pass each stage of the search in a frame, from the broad phase to contacts
     {
         title: "Contact search",
         unit: "pairs",
@@ -18,7 +18,7 @@ const groups = [
         takes: (name) => /^contact_(candidates|passed_filter|passed_hull|cubics|pairs)$/.test(name),
     },
     { title: "Contact solving", unit: "", takes: (name) => /^contact_(dropped|rounds|fall_backs|tools_held|tangled)$/.test(name) },
-    { title: "Contact time", unit: "ms a frame", takes: (name) => /^contact_\w+_ms$/.test(name) },
+    { title: "Contact time", unit: "ms per frame", takes: (name) => /^contact_\w+_ms$/.test(name) },
     { title: "Mesh", unit: "", takes: (name) => name === "vertices" || name === "triangles" },
     { title: "Step time", unit: "ms", takes: (name) => name === "step_ms" },
     { title: "More", unit: null, takes: () => true, choose: true },
@@ -37,7 +37,7 @@ function allNames(runs) {
 
 const columnOf = (run, name) => run.table.columns[run.table.names.indexOf(name)];
 
-// a column that is the same in all rows tells nothing
+// columns with the same value in all rows are not shown
 const varies = (runs, name) =>
     runs.some((run) => {
         const column = columnOf(run, name);
@@ -56,7 +56,7 @@ function listGroups(runs) {
     return result;
 }
 
-// x and one list for each run and column, on common times
+// x, and one list per run and column, at common times
 function tabulate(runs, names) {
     const tables = runs.map((run) => {
         const x = columnOf(run, run.timed ? "time" : "frame") ?? columnOf(run, "frame") ?? [];
@@ -72,7 +72,7 @@ export function element(tag, className, text) {
     return made;
 }
 
-// counts from 0 to millions; asinh is a logarithm that has a place for 0
+// scale for counts from 0 to millions: asinh behaves like a logarithm but includes 0
 const logarithmic = {
     scale: { distr: 4, asinh: 1, range: (_, low, high) => [Math.min(low, 0), 1.2 * Math.max(high, 1)] },
     splits: (_, axis, low, high) => {
@@ -172,7 +172,7 @@ class Chart {
         );
     }
 
-    // click or drag sets the time
+    // a click or a drag sets the time
     listen(over) {
         const go = (event) => this.seek(this.plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
         over.addEventListener("pointerdown", (event) => {
@@ -185,7 +185,7 @@ class Chart {
         });
     }
 
-    // the values under the pointer, or else at the time that is shown
+    // shows the values at the pointer or, without one, at the present time
     showValues(index) {
         this.hovered = index;
         const row = index ?? nearestRow(this.data[0], this.time);
@@ -221,7 +221,7 @@ export class Plots {
     constructor(parent, runs, seek) {
         const withRows = runs.filter((run) => run.table.columns[0]?.length > 1);
         this.charts = withRows.length === 0 ? [] : listGroups(withRows).map((group) => new Chart(parent, withRows, group, seek));
-        if (this.charts.length === 0) parent.append(element("p", "empty", "The run left no series."));
+        if (this.charts.length === 0) parent.append(element("p", "empty", "There are no plots: the run has no series.csv with at least two rows."));
         new ResizeObserver(() => this.charts.forEach((chart) => chart.resize())).observe(parent);
     }
 
@@ -233,7 +233,7 @@ export class Plots {
         this.charts.forEach((chart) => chart.follow(time));
     }
 
-    // the numbers in the legends, where nobody points at others
+    // updates the numbers in the legends, except in plots under the pointer
     showValues() {
         this.charts.forEach((chart) => chart.hovered == null && chart.showValues(null));
     }

@@ -1,4 +1,4 @@
-// The bodies: one three.js scene a run, drawn side by side on one canvas under one camera.
+// The bodies: one three.js scene per run, drawn side by side on one canvas with one camera.
 import {
     BufferAttribute,
     BufferGeometry,
@@ -23,8 +23,8 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { mapBytes } from "./colour.js";
 import { fillPositions, fillValues } from "./data.js";
 
-// Light from above the left shoulder and a weak one from the right, a shine and a bright rim; the inside is darker.
-// x: factor of the colour, y: what is added.
+// A key light from above on the left, a weak light from the right, a highlight and a bright rim; inner sides are darker.
+// x: factor on the colour, y: added brightness.
 const lightShader = `
     vec2 lightOf(vec3 normal, vec3 eye, float inside) {
         vec3 key = vec3(-0.371, 0.557, 0.743);
@@ -48,7 +48,7 @@ const mapShader = `
         return coloured ? texture2D(map, vec2(place, 0.5)).rgb : plain;
     }`;
 
-// Where the vertices are dense (FINE) they are lit, which costs a software renderer less; else each pixel is.
+// The light is computed per vertex for fine meshes (FINE), which is faster with software rendering, otherwise per pixel.
 export const vertexShader = `
     attribute float value;
     varying float fieldValue;
@@ -93,7 +93,7 @@ export const lineShader = `
         gl_FragColor = vec4(colourOf(), opacity);
     }`;
 
-// from how many vertices on the light is computed at the vertices
+// number of vertices from which the light is computed per vertex
 export const FINE_COUNT = 4000;
 
 // every edge once, as pairs of vertices
@@ -111,7 +111,7 @@ export function listEdges(corners, vertexCount) {
     return new Uint32Array(pairs);
 }
 
-// vertex normals, weighted by area; the shader makes them unit vectors
+// vertex normals, weighted by area; the shader normalizes them
 export function fillNormals(corners, positions, normals) {
     normals.fill(0);
     for (let i = 0; i < corners.length; i += 3) {
@@ -137,7 +137,7 @@ export function fillNormals(corners, positions, normals) {
 
 /* ---- what the report and the live page draw with ---- */
 
-// of all surfaces of a picture: the colour map, its range, the colour without a field
+// uniforms of all surfaces of a picture: colour map, range, colour without a field
 export function makeUniforms() {
     const texture = new DataTexture(mapBytes("viridis"), 256, 1, RGBAFormat);
     texture.magFilter = texture.minFilter = NearestFilter;
@@ -174,7 +174,7 @@ export function makeSurface(uniforms) {
     return { surface, lines };
 }
 
-// edges alone are drawn in ink or by the field, those on a surface in thin black
+// edges without a surface are drawn in the text colour or by the field, edges on a surface in thin black
 export function styleLines(lines, alone, coloured, ink) {
     const uniforms = lines.material.uniforms;
     uniforms.coloured.value = alone && coloured;
@@ -194,10 +194,10 @@ export function makeEye(canvas, changed) {
     return { camera, controls };
 }
 
-// Triangles that are few are drawn flat, so that edges of boxes show.
+// Tools with few triangles are drawn with flat shading, so the edges of boxes are visible.
 const FLAT_COUNT = 100;
 
-// A tool of a run: a rigid surface with its place and turn in each frame, null where it is not there.
+// A tool of a run: a rigid surface with its position and rotation in each frame; null if the frame does not have it.
 class Tool {
     constructor(tool, uniforms, centre, size) {
         const own = { ...uniforms, coloured: { value: false }, plain: { value: new Vector3(0.5, 0.55, 0.61) } };
@@ -231,8 +231,8 @@ class Tool {
     }
 }
 
-// One run: geometry of the topology at hand. Positions are about the middle of the box, in units of its size, so that
-// a body of any size far from the origin keeps all digits of a float.
+// One run: geometry of the present topology. Positions are relative to the middle of the box, in units of its size, so a body
+// of any size far from the origin keeps all digits of a float.
 class Body {
     constructor(run, uniforms, centre, size) {
         this.run = run;
@@ -268,7 +268,7 @@ class Body {
         this.edges = null;
     }
 
-    // index and weight as data.locate gives them; field null = none
+    // index and weight: see data.locate; field: null = none
     show(index, weight, field) {
         const frame = this.run.frames[index];
         const shown = `${index} ${weight} ${field?.name}`;
@@ -288,7 +288,7 @@ class Body {
         if (field) value.needsUpdate = true;
     }
 
-    // farthest vertex from the middle, in the units of the picture
+    // largest distance of a vertex from the middle, in the units of the picture
     radius() {
         let squared = 0;
         for (let i = 0; i < this.positions?.length; i += 3)
@@ -296,7 +296,7 @@ class Body {
         return Math.sqrt(squared) || 1;
     }
 
-    // light at the vertices, at the pixels, or one for each triangle
+    // computes the light per vertex, per pixel or per triangle
     setLight(flat) {
         const fine = this.run.topologies[this.topology][0] >= FINE_COUNT;
         const kind = flat ? "FLAT" : fine ? "FINE" : "";
@@ -318,7 +318,7 @@ class Body {
         styleLines(this.lines, wire, this.surface.material.uniforms.coloured.value, ink);
     }
 
-    // the vertex of the first triangle that the ray hits that is nearest to the hit, or -1
+    // nearest vertex of the first triangle on the ray; -1 if the ray meets no triangle
     hit(origin, direction) {
         const corners = this.run.corners[this.topology];
         const [a, u, w, p, q, s] = Array.from({ length: 6 }, () => new Vector3());
@@ -345,7 +345,7 @@ class Body {
     }
 }
 
-// whether pictures are drawn by the processor: smooth edges would take twice as long there
+// whether the processor draws the pictures (software rendering); antialiasing would double the time there
 export function isSoftware() {
     const context = document.createElement("canvas").getContext("webgl2");
     const names = context?.getExtension("WEBGL_debug_renderer_info");
@@ -363,7 +363,7 @@ function unionBox(runs) {
 }
 
 export class View {
-    // changed() is called when the picture has to be drawn again
+    // changed() is called when the picture must be drawn again
     constructor(canvas, runs, changed) {
         this.canvas = canvas;
         this.pictures = 0;
@@ -380,7 +380,7 @@ export class View {
         this.resize();
     }
 
-    // as near as the body at hand fits its cell, with a little air for what it will do
+    // camera distance at which the present body fits into its cell, with a margin for its motion
     reset() {
         const { width, height } = this.cells?.[0] ?? { width: 1, height: 1 };
         const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, width / height);
@@ -408,7 +408,7 @@ export class View {
         this.controls.update();
     }
 
-    // cells of equal size, as square as the canvas allows
+    // divides the canvas into cells of equal size, as square as possible
     resize() {
         const width = this.canvas.clientWidth;
         const height = this.canvas.clientHeight;
@@ -433,7 +433,7 @@ export class View {
         this.camera.updateProjectionMatrix();
     }
 
-    // In software pictures of movement are drawn at a resolution that keeps up, one that stays at double.
+    // Software rendering: during motion, an adapted resolution; without motion, twice the normal resolution.
     setFine(fine) {
         const ratio = this.software ? (fine ? 2 : this.motionRatio) : Math.min(window.devicePixelRatio, 2);
         if (ratio === this.renderer.getPixelRatio()) return false;
@@ -441,7 +441,7 @@ export class View {
         return true;
     }
 
-    // milliseconds since the last picture of a movement: lowers or raises the resolution of the next ones
+    // adapts the resolution of the next pictures to the time since the last picture [ms]
     adapt(interval) {
         this.intervals.push(interval);
         if (this.intervals.length < 6) return;
@@ -479,7 +479,7 @@ export class View {
         return vertex < 0 ? null : { body: i, vertex };
     }
 
-    // where a vertex is on the canvas
+    // position of a vertex on the canvas [pixels]
     project(body, vertex) {
         const cell = this.cells[body];
         this.camera.updateMatrixWorld();

@@ -289,7 +289,7 @@ async function measuring(page) {
     await page.click("[data-mode=measure]");
     await drag(page, 0, 0, 1);
     await page.mouse.up();
-    await until(page, () => /mean curvature (1|0\.9[5-9]|1\.0[0-5])\d* \/m/.test(document.getElementById("length").textContent));
+    await until(page, () => /mean curvature (1|0\.9[5-9]|1\.0[0-5])\d* m⁻¹/.test(document.getElementById("length").textContent));
     const box = await page.locator("#view").boundingBox();
     await page.mouse.click(box.x + box.width / 2 + 60, box.y + box.height / 2);
     await until(page, () => / m( |$)/.test(document.getElementById("length").textContent));

@@ -86,7 +86,7 @@ async function failing(browser, html) {
     const broken = join(folder, "broken.html");
     writeFileSync(broken, readFileSync(html, "utf8").replace("\\nversion: 1\\n", "\\nversion: 9\\n"));
     const { page } = await browser.play(broken);
-    assert.match(await page.textContent("#facts"), /cannot run here: scene\.yaml:2:10: error: version/);
+    assert.match(await page.textContent("#facts"), /cannot run: scene\.yaml:2:10: error: version/);
     await page.close();
 }
 

@@ -289,7 +289,7 @@ await onPage("contact", [at("shell")], {}, async (page) => {
     await tools(page, "plate", rows);
     assert.ok(facts.contact.candidates > facts.contact.pairs && facts.contact.pairs > 0, "the shell is touched");
     const titles = await page.$$eval("figcaption h3", (heads) => heads.map((head) => head.textContent));
-    for (const title of ["Contact search [pairs]", "Contact time [ms a frame]", "Mesh"])
+    for (const title of ["Contact search [pairs]", "Contact time [ms per frame]", "Mesh"])
         assert.ok(titles.includes(title), `plot ${title} among ${titles.join(", ")}`);
     await page.click("summary");
     const numbers = await page.$$eval(".numbers tr", (all) => all.map((tr) => [...tr.cells].map((cell) => cell.textContent)));
@@ -299,7 +299,7 @@ await onPage("contact", [at("shell")], {}, async (page) => {
     assert.equal(cell("passed the filter"), text(facts.contact.passed_filter));
     assert.equal(cell("contacts"), text(facts.contact.pairs));
     assert.equal(cell("fall-backs (vertices stepped back)"), text(facts.contact.fall_backs));
-    assert.ok(Number(cell("find")) > 0, "ms a step");
+    assert.ok(Number(cell("find")) > 0, "ms per step");
     await page.locator(".numbers").first().scrollIntoViewIfNeeded();
     await picture(page, "contact-numbers");
     await page.click("summary");

@@ -1,4 +1,4 @@
-// The live page: what the user does becomes lines for the program, what the program sends becomes pictures.
+// The live page: converts input of the user to lines for the program, and messages of the program to pictures.
 import { Vector3 } from "three";
 import { fitColours, mapGradient, mapNames } from "../colour.js";
 import { formatNumber, formatTogether, plainName, withUnit } from "../format.js";
@@ -13,11 +13,11 @@ const $ = (id) => document.getElementById(id);
 const state = {
     mode: "pull",
     shape: "sphere",
-    radius: 0.12, // of half the size
-    depth: 0.15, // likewise
-    reach: 0.15, // likewise, of a grasp
-    brush: 0.08, // likewise
-    grip: 0, // decimal exponent beside the stiffness that the program proposes
+    radius: 0.12, // in units of half the size of the bodies
+    depth: 0.15, // in the same unit
+    reach: 0.15, // in the same unit, of a grasp
+    brush: 0.08, // in the same unit
+    grip: 0, // decimal exponent of a factor on the stiffness that the program proposes
     field: "",
     map: "", // automatic
     surface: "smooth",
@@ -26,10 +26,10 @@ const state = {
     playing: false,
 };
 let hello = null;
-let frame = null; // the newest one
-let shown = null; // the last one drawn
-let hand = null; // what the pointer does now
-const ruler = []; // up to two places on surfaces
+let frame = null; // the newest frame
+let shown = null; // the last drawn frame
+let hand = null; // the present action of the pointer
+const ruler = []; // up to two points on surfaces
 
 const stage = new Stage($("view"), () => needs());
 const plots = new LivePlots($("plots"));
@@ -80,7 +80,7 @@ function takeFrame(message) {
     schedule();
 }
 
-// The program sends the next frame while this one is drawn; a page that is hidden draws none.
+// The program sends the next frame while this one is drawn. A hidden page draws no frames and acknowledges none.
 let owed = 0;
 function acknowledge() {
     for (; owed > 0; owed--) send("received");
@@ -89,7 +89,7 @@ function acknowledge() {
 function showNotice({ kind, text }) {
     if (kind === "refused" && parameters.refuse(text)) return;
     const notice = $("notice");
-    // what, then the remedy: messages of the program begin both with a small letter
+    // problem and remedy of a message both start with a small letter
     notice.textContent = text.replace(/(^|\. )([a-z])/g, (_, before, letter) => before + letter.toUpperCase());
     notice.className = kind === "note" ? "note" : "error";
     notice.hidden = false;
@@ -98,7 +98,7 @@ function showNotice({ kind, text }) {
 }
 let noticeTimer = 0;
 
-// why: what the user is to know of a connection that is lost; "" = it is there
+// why: text for the user if there is no connection; "" = connected
 function showConnection(why) {
     document.body.classList.toggle("away", why !== "");
     if (why !== "") {
@@ -110,7 +110,7 @@ function showConnection(why) {
 /* ---- pictures ---- */
 
 let scheduled = false;
-let changed = false; // beside a new frame: the eye, the theme, what is shown of the bodies
+let changed = false; // camera, theme or display of the bodies have changed
 let lastPicture = 0;
 
 function schedule() {
@@ -122,13 +122,13 @@ function schedule() {
     });
 }
 
-// the picture has to be drawn again
+// requests a new picture
 function needs() {
     changed = true;
     schedule();
 }
 
-// A tick without anything new draws nothing: in software a picture takes longer than a step.
+// Draws only if something has changed: with software rendering, a picture takes longer than a step.
 function tick(now) {
     if (!hello) return;
     const hasPad = followPad(now);
@@ -174,7 +174,7 @@ function showTexts(now) {
     $("play").setAttribute("aria-label", frame.playing ? "Pause" : "Play");
     $("undo").disabled = frame.undo === 0;
     $("clock").textContent = `${formatNumber(frame.time, 4)} s`;
-    const pace = frame.pace > 0 ? ` · ${formatNumber(frame.pace, 2)} × real time · ${formatNumber(frame.step_ms, 3)} ms a step` : "";
+    const pace = frame.pace > 0 ? ` · ${formatNumber(frame.pace, 2)} × real time · ${formatNumber(frame.step_ms, 3)} ms per step` : "";
     const vertices = stage.bodies.reduce((sum, body) => sum + body.count, 0);
     $("facts").textContent = `${vertices.toLocaleString("en")} vertices${pace}`;
     plots.show();
@@ -182,7 +182,7 @@ function showTexts(now) {
 
 /* ---- colour ---- */
 
-// widens while the field stays, so that colours keep their meaning from picture to picture
+// range of the colours: only widens for the same field, so a colour means about the same in all pictures
 const range = {
     low: Infinity,
     high: -Infinity,
@@ -248,7 +248,7 @@ function put(id, at, text) {
     label.hidden = !at;
     if (!at) return;
     label.textContent = text;
-    // inside the picture
+    // keep the label inside the picture
     const most = $("view").clientWidth - label.offsetWidth - 4;
     label.style.transform = `translate(${Math.max(4, Math.min(at.x + 12, most))}px, ${at.y - 12}px)`;
 }
@@ -268,12 +268,12 @@ function placeRuler() {
     const bends = ruler.map(({ body, place }) => formatNumber(stage.bodies[body].curvature(place) / stage.size, 3)).join(" → ");
     const valueAt = ({ body, place }) => place.corners.reduce((sum, v, c) => sum + place.weights[c] * stage.bodies[body].values[v], 0);
     const values = stage.uniforms.coloured.value ? ruler.map((at) => formatNumber(valueAt(at), 3)).join(" → ") : "";
-    const bent = `mean curvature ${bends} /m`;
-    if (!b) return put("length", a, [bent, values, "to …"].filter(Boolean).join("   "));
+    const bent = `mean curvature ${bends} m⁻¹`;
+    if (!b) return put("length", a, [bent, values, "select a second point"].filter(Boolean).join("   "));
     const line = $("ruler").firstElementChild;
     for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
     const metres = points[0].distanceTo(points[1]) * stage.size;
-    // below the line
+    // place the label below the line
     put("length", { x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) + 24 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
 }
 
@@ -285,7 +285,8 @@ const rayText = ({ origin, direction }) => `${numbers(stage.outward(origin))} ${
 const stiffness = () => (hello?.stiffness ?? 1) * 10 ** state.grip;
 const moveTo = (point) => send(`move ${numbers(stage.outward(point))}`);
 
-// each begins what the pointer does where it met a surface, and says how it goes on
+// Each function starts the action of a tool at a point of a surface. It returns the action: move(ray) and end(), and tick() for
+// each picture if needed.
 const modes = {
     pull(ray, hit) {
         send("mark");
@@ -294,7 +295,7 @@ const modes = {
     },
     press(ray, hit) {
         const radius = state.radius;
-        // far enough that a box on a dent does not start inside
+        // start far enough away that a box over a dent is outside the body
         const clear = 0.3 * radius + 0.2;
         const start = hit.point.clone().addScaledVector(hit.normal, radius + clear);
         const flat = new Vector3(0, 0, 1).cross(hit.normal);
@@ -308,7 +309,7 @@ const modes = {
             move(now) {
                 this.last = now;
             },
-            // deeper for half a second, then as deep as the slider says; as deep as a pen or trigger that feels force asks
+            // the depth grows to that of the slider in 0.5 s; the pressure of a pen or the travel of a trigger sets it directly
             tick() {
                 const part = this.squeeze ?? Math.min((performance.now() - began) / 500, 1);
                 const shift = stage.onPlane(this.last, hit.point).sub(hit.point);
@@ -340,12 +341,12 @@ function rayOf(event) {
     return stage.ray(event.clientX - box.left, event.clientY - box.top);
 }
 
-// false where there is nothing to act on
+// starts an action at a ray; false if the ray meets no body or the tool is `turn`
 function begin(ray) {
     const hit = shown && stage.pick(ray);
     if (hand || !hit || state.mode === "turn") return false;
     hand = modes[state.mode](ray, hit);
-    // after the mark, so that undo leads to where the simulation stood
+    // start playing after the mark, so that undo returns to the state before
     if (hand && !state.playing) send("play");
     schedule();
     return true;
@@ -357,7 +358,7 @@ function end() {
     stage.controls.enabled = true;
 }
 
-// half of the force that a pen can feel presses as deep as the slider says
+// half of the maximum pressure of a pen gives the depth of the slider
 function squeezeBy(event) {
     if (hand && event.pointerType === "pen") hand.squeeze = 2 * event.pressure;
 }
@@ -374,7 +375,7 @@ function listenToPicture() {
         },
         { capture: true },
     );
-    // raw moves come at once, others wait for the next picture
+    // raw moves arrive at once; other moves wait for the next picture
     canvas.addEventListener("onpointerrawupdate" in canvas ? "pointerrawupdate" : "pointermove", (event) => {
         if (!hand || aim.acts) return;
         hand.move(rayOf(event));
@@ -397,9 +398,10 @@ function listenToPicture() {
 
 /* ---- gamepads ---- */
 
-// pictures a second that the pointer crosses, radians a second of the view, its factor a second; squeezes that begin and end
+// speed of the pointer [heights of the picture per s], of turning [rad/s], of zooming [factor per s]; squeezes at which an action
+// starts and ends
 const padSpeed = { aim: 0.6, turn: 1.8, zoom: 2, begin: 0.15, end: 0.05 };
-const aim = { x: 0.5, y: 0.5, last: 0, acts: false, buttons: {} }; // place over the size of the picture
+const aim = { x: 0.5, y: 0.5, last: 0, acts: false, buttons: {} }; // position relative to the size of the picture
 
 const padActions = {
     undo: () => send("undo"),
@@ -414,7 +416,7 @@ function pressPadButtons(buttons) {
     aim.buttons = buttons;
 }
 
-// one look at the gamepad; whether there is one
+// reads the gamepad and acts on its input; false if there is none
 function followPad(now) {
     const pad = findPad();
     $("aim").hidden = !pad;
@@ -506,7 +508,7 @@ function makeOptions() {
         const meshes = (hello?.presses ?? []).toSorted();
         const [files, made] = [true, false].map((isFile) => meshes.filter((word) => word.includes(".") === isFile));
         select.append(...solids.map((name) => new Option(name, name)), group("Meshes", made));
-        if (files.length > 0) select.append(group("Files beside the scene", files));
+        if (files.length > 0) select.append(group("Files in the folder of the scene", files));
         if (![...solids, ...meshes].includes(state.shape)) state.shape = "sphere";
         select.value = state.shape;
         select.addEventListener("change", () => {
@@ -516,12 +518,12 @@ function makeOptions() {
         label.append(select);
         return label;
     };
-    // meshes press by contact, and contact cannot begin while a simulation runs
+    // meshes need contact, which cannot be switched on during a simulation
     const startContact = () => {
         if (solids.includes(state.shape) || hello.contact) return [];
         const button = element("button", "quiet", "Start again with contact");
         button.type = "button";
-        button.title = "Meshes press only in a scene with contact";
+        button.title = "Mesh tools need contact: start the scene again with contact";
         button.addEventListener("click", () => send("contact"));
         return [button];
     };
@@ -598,13 +600,13 @@ function askForScene() {
     send("save");
 }
 
-// a reply that another page asked for is not ours
+// saves the scene only if this page asked for it, not another page
 function saveScene({ text }) {
     if (asked) download(new Blob([text], { type: "application/yaml" }), "session.yaml");
     asked = false;
 }
 
-let fileName = "opened scene"; // of the last one that this page opened
+let fileName = "opened scene"; // name of the last scene that this page opened
 async function openScene() {
     const file = $("file").files[0];
     if (file) {
@@ -698,7 +700,7 @@ $("theme").addEventListener("click", () => {
     showTheme();
 });
 
-// connect(received, changed) opens a channel with send(line): wire.js, or worker-wire.js
+// connect(received, changed) opens a channel with send(line): see wire.js and worker-wire.js
 export function run(connect) {
     makeControls();
     listenToPicture();

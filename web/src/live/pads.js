@@ -1,13 +1,14 @@
-// What the hand on a gamepad or a SpaceMouse asks for. Browsers show both through the Gamepad interface (W3C).
+// Input of gamepads and SpaceMouse devices. Browsers provide both through the Gamepad interface (W3C).
 
-// of an axis: less is a stick at rest
+// dead zone of an axis: smaller values count as 0
 const dead = 0.12;
 const trim = (value) => (Math.abs(value) < dead ? 0 : (value - Math.sign(value) * dead) / (1 - dead));
 
-// axes of a cap that is pushed, tilted and turned: right, towards the user, down, then turns about these
+// a SpaceMouse has six axes: motion of the cap to the right, towards the user and down, then rotations about these directions
 const isCap = (pad) => pad.mapping !== "standard" && pad.axes.length === 6;
 
-// aim: of the pointer, right and down; turn: of the view, right and up; zoom: nearer; squeeze: 0 to 1; buttons by name
+// aim: motion of the pointer, right and down; turn: rotation of the view, right and up; zoom: positive zooms in; squeeze: 0 to 1;
+// buttons: by name, whether they are pressed
 export function readPad(pad) {
     const axes = pad.axes.map(trim);
     const held = (i) => pad.buttons[i]?.value ?? 0;
@@ -28,5 +29,5 @@ export function readPad(pad) {
     };
 }
 
-// the first one that is there; null = none
+// the first connected device; null = none
 export const findPad = () => [...(navigator.getGamepads?.() ?? [])].find((pad) => pad?.connected) ?? null;

@@ -1,10 +1,10 @@
-// Sliders made from the program's table of parameters.
+// Sliders for the parameters of the simulation, from the table that the program sends.
 import { formatNumber, plainName } from "../format.js";
 import { element } from "../plots.js";
 
 const SLIDER_STEPS = 400;
 
-// how a slider goes over a number: evenly between bounds, else by factors around the value that it had first
+// scale of a slider: linear between bounds; without bounds, logarithmic around the first value
 function scaleOf({ kind, least, most }, first) {
     if (least !== null && most !== null && (kind !== "integer" || most - least <= 1000))
         return { to: (x) => least + x * (most - least), from: (v) => (v - least) / (most - least) };
@@ -103,7 +103,7 @@ class Row {
         input.addEventListener("change", () => {
             const texts = this.numbers?.map((number) => number.value.trim());
             this.change(texts ? `[${texts.join(", ")}]` : input.value.trim() || "auto");
-            // what the program answers is shown, also where it refuses
+            // without focus, the field shows the value that the program sends back
             input.blur();
         });
         return input;
@@ -125,7 +125,7 @@ class Row {
         this.error.scrollIntoView({ block: "nearest" });
     }
 
-    // what the program says that the value is
+    // shows the value that the program sent
     show(info) {
         this.info = info;
         const value = info.value[0];
@@ -161,7 +161,7 @@ function groupOf(path) {
     return (["bodies", "tools", "loads"].includes(parts[0]) ? parts.slice(1) : parts).map((part) => plainName(part)).join(", ");
 }
 
-// what the hand itself adds is no matter of sliders
+// the tools of the hand have no sliders
 const isShown = ({ path }) => !/^tools\.(drag|hand)(-\d+)?\./.test(path);
 
 export class Parameters {
@@ -182,7 +182,7 @@ export class Parameters {
         for (const info of all) this.rows.get(info.path).show(info);
     }
 
-    // the pressure of the hand, which no scene has
+    // the additional pressure of each body (command `inflate`), which is not in the table
     inflateRows(inflate, scale) {
         return Object.entries(inflate).map(([body, value]) => ({
             path: `inflate.${body}`, kind: "number", unit: "Pa", least: -scale, most: scale, auto: false, live: true, keyed: false, field: false, preset: [0], value: [value],
@@ -218,7 +218,7 @@ export class Parameters {
         else this.send(`set ${path} ${text}`);
     }
 
-    // what a slider asks for may be refused several times: all of that stands beside it
+    // shows the error of a refused value beside its slider
     refuse(text) {
         const row = this.rows.get(this.last);
         if (!row) return false;

@@ -8,8 +8,8 @@ async function unpack(element) {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// { core, scene, files, paused }: what the program wrote into the page (src/live/page.c), and the module that the page was
-// built with
+// { core, scene, files, paused }: data that the program wrote into the page (src/live/page.c), and the module from the build of
+// the page
 async function readPage() {
     const { scene, files, paused } = JSON.parse(document.getElementById("scene").textContent);
     const meshes = await Promise.all([...document.querySelectorAll(".mesh")].map(unpack));

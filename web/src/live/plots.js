@@ -1,11 +1,11 @@
-// What was measured in the last seconds, in uPlot.
+// Plots of the measures of the last frames, with uPlot.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { formatNumber, formatTogether } from "../format.js";
 import { element, palettes } from "../plots.js";
 
 const WINDOW = 300;
-// the tools of the scene with the hand, in as many colours as there are
+// maximum number of tools in the plot of forces, which has a colour for each and one for the hand
 const MOST_TOOLS = 5;
 const keyOf = (tool) => `force of ${tool}`;
 const forces = (tools) => ({
@@ -106,7 +106,7 @@ export class LivePlots {
         this.build(this.theme);
     }
 
-    // a frame with measures; time that went back begins anew
+    // adds a frame with measures; if its time is earlier than before, removes the later rows
     add(frame) {
         if (this.rows.length > 0 && frame.time < this.rows.at(-1).time) this.rows = this.rows.filter((row) => row.time < frame.time);
         if (this.rows.at(-1)?.time === frame.time) this.rows.pop();

@@ -1,5 +1,5 @@
-// What stands on the stage: bodies, tools, the hand, pins and contacts. Lengths are about the middle of the bodies at
-// rest, in units of half their size, as in the report.
+// The 3D picture: bodies, tools, the hand, pins and contacts. Coordinates are relative to the middle of the bodies at rest, in
+// units of half their size, as in the report.
 import {
     ArrowHelper,
     BackSide,
@@ -39,7 +39,7 @@ class Body {
     constructor(stage, closed) {
         this.stage = stage;
         this.closed = closed;
-        this.outside = null; // the side of its triangles; both where the body is open
+        this.outside = null; // outer side of the triangles; both sides for open bodies
         Object.assign(this, makeSurface(stage.uniforms));
         this.pins = this.makePoints("#1d6fd1", 5);
         this.contacts = this.makePoints("#d1341d", 4);
@@ -141,8 +141,8 @@ class Body {
         return best;
     }
 
-    // mean curvature at a point, by the cotangent Laplacian of its corners; positive where a sphere's would be. Corners on
-    // a boundary count as flat.
+    // mean curvature at a point, from the cotangent Laplacian at the corners; positive on a sphere. It is 0 at corners on a
+    // boundary.
     curvature({ corners, weights }) {
         const [x, y, z, toY, toZ, side] = Array.from({ length: 6 }, () => new Vector3());
         const rings = new Map(corners.map((v) => [v, { laplacian: new Vector3(), area: 0, others: new Map() }]));
@@ -170,7 +170,7 @@ class Body {
         }, 0);
     }
 
-    // a point of the surface that goes along with it
+    // the present position of a point of the surface
     point({ corners, weights }) {
         const at = new Vector3();
         corners.forEach((v, c) => at.addScaledVector(new Vector3().fromArray(this.positions, 3 * v), weights[c]));
@@ -178,7 +178,7 @@ class Body {
     }
 }
 
-// where the normals of a closed surface point outward, its front
+// the outer side of a closed surface, by the sign of its volume
 function outsideOf(corners, positions) {
     const [a, b, c] = Array.from({ length: 3 }, () => new Vector3());
     let volume = 0;
@@ -203,7 +203,7 @@ function toolGeometry(tool, size) {
 }
 
 export class Stage {
-    // changed() is called when the picture has to be drawn again
+    // changed() is called when the picture must be drawn again
     constructor(canvas, changed) {
         this.canvas = canvas;
         this.software = isSoftware();
@@ -219,7 +219,7 @@ export class Stage {
         this.size = 1;
         this.bodies = [];
         this.tools = new Map();
-        this.held = { name: "", mesh: null }; // what a hand presses with
+        this.held = { name: "", mesh: null }; // the tool of the hand
         Object.assign(this, makeEye(canvas, changed));
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
@@ -231,7 +231,7 @@ export class Stage {
 
     /* ---- places ---- */
 
-    // metres to the stage, and back
+    // converts metres to coordinates of the picture, and back
     inward(point) {
         return new Vector3(...point.map((x, c) => (x - this.centre[c]) / this.size));
     }
@@ -240,7 +240,7 @@ export class Stage {
         return point.toArray().map((x, c) => x * this.size + this.centre[c]);
     }
 
-    /* ---- what stands there ---- */
+    /* ---- contents ---- */
 
     setScene({ low, high, bodies, tools }) {
         this.bodies.forEach((body) => body.dispose());
@@ -270,14 +270,14 @@ export class Stage {
         this.tools.delete(name);
     }
 
-    // tool: the mesh that a hand presses with; null = none
+    // tool: mesh of the hand's tool; null = none
     setSurface(bodies, tool) {
         bodies.forEach((body, b) => this.bodies[b].setSurface(body));
         this.held.mesh = tool;
         if (this.tools.has(this.held.name)) this.removeTool(this.held.name);
     }
 
-    // false where a frame does not fit the surface at hand
+    // false if the frame does not belong to the present surface
     showFrame(frame, withContacts) {
         if (frame.bodies.length !== this.bodies.length || frame.bodies.some((body, b) => body.positions.length !== 3 * this.bodies[b].count)) return false;
         frame.bodies.forEach((body, b) => this.bodies[b].show(body, withContacts));
@@ -300,7 +300,7 @@ export class Stage {
         }
     }
 
-    // the spring of a hand that pulls, the force of a tool that presses
+    // draws the arrow: the spring while the hand pulls, the force while it presses
     showForce({ kind, point, target, force }) {
         const newton = Math.hypot(...force);
         this.arrow.visible = kind !== "free" && newton > 0;
@@ -316,7 +316,7 @@ export class Stage {
 
     /* ---- camera ---- */
 
-    // the ball about all bodies where they are now
+    // bounding sphere of all bodies at their present positions
     around() {
         const box = new Box3();
         const point = new Vector3();
@@ -325,7 +325,7 @@ export class Stage {
         return box.isEmpty() ? new Sphere(new Vector3(), 1) : box.getBoundingSphere(new Sphere());
     }
 
-    // bodies: where they are now, or else at rest
+    // shows all bodies: at their present positions if `now`, otherwise at rest
     reset(now = false) {
         const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, this.camera.aspect);
         const { center, radius } = now ? this.around() : new Sphere(new Vector3(), 1);
@@ -359,7 +359,7 @@ export class Stage {
         this.camera.updateProjectionMatrix();
     }
 
-    // in software the resolution follows the time that pictures take
+    // software rendering: adapts the resolution to the time between two pictures
     adapt(interval) {
         if (!this.software) return;
         this.intervals.push(interval);
@@ -370,7 +370,8 @@ export class Stage {
         this.ratio = ratio;
     }
 
-    // A picture that stays is drawn at full resolution and with the insides of closed bodies. False when the last one was.
+    // Software rendering: if nothing moves, draws at full resolution and with the inner sides of closed bodies. False if the last
+    // picture was already drawn like this.
     refine() {
         if (!this.software || this.isFine) return false;
         this.isFine = true;
@@ -378,7 +379,7 @@ export class Stage {
         return true;
     }
 
-    // back to pictures of movement
+    // returns to the resolution for motion
     coarsen() {
         this.isFine = false;
         if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
@@ -420,21 +421,21 @@ export class Stage {
         return best;
     }
 
-    // where the ray meets the plane through a point that faces the eye
+    // intersection of the ray with the plane through a point, parallel to the picture
     onPlane({ origin, direction }, point) {
         const normal = this.camera.getWorldDirection(new Vector3());
         const way = point.clone().sub(origin).dot(normal) / direction.dot(normal);
         return origin.clone().addScaledVector(direction, way);
     }
 
-    // pixels of the canvas
+    // position of a point on the canvas [pixels]
     project(point) {
         this.camera.updateMatrixWorld();
         const at = point.clone().project(this.camera);
         return { x: ((at.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - at.y) / 2) * this.canvas.clientHeight };
     }
 
-    // turns z to the direction
+    // rotation that turns the z axis to the direction
     static facing(direction) {
         return new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), direction);
     }

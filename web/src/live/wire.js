@@ -1,6 +1,6 @@
 // Messages of the player (src/live/message.h), and the channel to the program that serves the page.
 
-// { head, arrays: the rest of the buffer as a DataView-like cursor }
+// { head, take }: the JSON head, and a function that reads the next array of the buffer
 function readBinary(buffer) {
     const length = new DataView(buffer).getUint32(0, true);
     const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
@@ -40,7 +40,7 @@ export function readMessage(data) {
 }
 
 export class Wire {
-    // received(message) gets { type, ... }; changed(why) tells of the connection: "" = it is open
+    // received(message) gets { type, ... }; changed(why) gets "" when the connection opens, or the reason why there is none
     constructor(received, changed) {
         this.received = received;
         this.changed = changed;
@@ -56,7 +56,9 @@ export class Wire {
             this.changed("");
         };
         this.socket.onclose = () => {
-            this.changed("The program has ended or cannot be reached. Start it again, or wait: this page tries again.");
+            this.changed(
+                "The program has ended or cannot be reached. If it still runs, this page reconnects. Otherwise run pellicle live again and use the page that it opens.",
+            );
             setTimeout(() => this.connect(), this.waiting);
             this.waiting = Math.min(2 * this.waiting, 4000);
         };

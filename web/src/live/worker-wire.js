@@ -5,7 +5,7 @@ import SimulationWorker from "./worker.js?worker&inline";
 export class WorkerWire {
     // start: promise of { core, scene, files, paused }; received(message) and changed(why) as in wire.js
     constructor(start, received, changed) {
-        const fail = (error) => changed(`The simulation cannot run here: ${error.message}`);
+        const fail = (error) => changed(`The simulation cannot run: ${error.message}`);
         this.worker = new SimulationWorker();
         this.worker.onerror = fail;
         this.worker.onmessage = ({ data }) => {

@@ -1,11 +1,11 @@
-// A worker that plays a simulation. The first message is { core, scene, files, paused }, all others are lines for the
-// player; what the player posts goes to the page, and { failure: { message } } where it cannot run.
+// A worker that runs a simulation. The first message is { core, scene, files, paused }; all others are lines for the player.
+// The worker posts the messages of the player to the page, or { failure: { message } } if the simulation cannot run.
 import { instantiate } from "pellicle/module.js";
 
 let live = null;
 let timer = 0;
-const waiting = []; // lines that came before there was a player
-// timers wait 4 ms at least: a message to oneself comes at once, but after those of the page that are there
+const waiting = []; // lines that arrived before the player was ready
+// Timers wait at least 4 ms. A message to itself arrives at once, but after the waiting messages of the page.
 const soon = new MessageChannel();
 let isSoon = false;
 soon.port1.onmessage = () => {
@@ -43,7 +43,7 @@ onmessage = ({ data }) => {
     if (typeof data !== "string") start(data);
     else if (live) {
         live.send(data);
-        // a step that is due must not be put off by many lines
+        // many lines must not delay a step that is due
         clearTimeout(timer);
         timer = setTimeout(turn, 0);
     } else waiting.push(data);
