@@ -215,6 +215,7 @@ async function pressingPen(page) {
             canvas.dispatchEvent(new PointerEvent("pointerdown", { ...at, button: 0 }));
             canvas.dispatchEvent(new PointerEvent("pointermove", at));
         }, pressure);
+        await until(page, () => Math.hypot(...globalThis.pellicle.frame.hand.force) > 0);
         await page.waitForTimeout(700);
         const { hand } = await frame(page);
         await page.evaluate(() => document.getElementById("view").dispatchEvent(new PointerEvent("pointerup", { pointerType: "pen", pointerId: 7 })));
