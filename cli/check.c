@@ -14,11 +14,6 @@
 /* findings of one kind that are printed one by one */
 enum { SHOWN_MAX = 5 };
 
-static const char *severity_name(pel_severity severity)
-{
-    return severity == PEL_SEVERITY_ERROR ? "error" : severity == PEL_SEVERITY_WARNING ? "warning" : "note";
-}
-
 /* a vertex where the finding can be looked at; -1 = none */
 static int32_t vertex_of(const pel_mesh *mesh, const pel_issue_info *info, const pel_issue *issue, int32_t i)
 {
@@ -64,7 +59,7 @@ static void print_element(FILE *file, const pel_issue_info *info, const pel_issu
 
 static void print_issue(const char *path, const pel_mesh *mesh, const pel_issue_info *info, const pel_issue *issue)
 {
-    const char *severity = severity_name(info->severity);
+    const char *severity = cli_severity_name(info->severity);
     int32_t shown = issue->listed_count < SHOWN_MAX ? issue->listed_count : SHOWN_MAX;
     for (int32_t i = 0; i < shown; ++i) {
         fprintf(stderr, "%s: %s: ", path, severity);
@@ -180,13 +175,7 @@ static void write_edges(cli_json *json, const pel_issue *issue)
 
 static void write_issue(cli_json *json, const pel_issue_info *info, const pel_issue *issue)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", info->name);
-    cli_json_text(json, "severity", severity_name(info->severity));
-    cli_json_integer(json, "count", issue->count);
-    cli_json_text(json, "what", info->doc);
-    cli_json_text(json, "remedy", info->remedy);
-    cli_json_bool(json, "repairable", info->repairable);
+    cli_open_issue(json, info, issue->count);
     cli_json_text(json, "element_kind", info->element_kind);
     bool by_component = strcmp(info->element_kind, "component") == 0;
     cli_json_open(json, "elements", '[');

@@ -1,5 +1,7 @@
 #include "cracks.h"
 
+#include "diagnostics.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -59,13 +61,9 @@ void cli_write_cracks(cli_json *json, const cli_cracks *found)
 {
     if (found->count == 0)
         return;
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", "crack");
-    cli_json_text(json, "severity", "warning");
-    cli_json_integer(json, "count", found->count);
-    cli_json_text(json, "what", doc);
-    cli_json_text(json, "remedy", found->remedy);
-    cli_json_bool(json, "repairable", true);
+    const pel_issue_info info = {
+        .name = "crack", .severity = PEL_SEVERITY_WARNING, .doc = doc, .remedy = found->remedy, .repairable = true};
+    cli_open_issue(json, &info, found->count);
     cli_json_number(json, "tolerance", found->tolerance);
     cli_json_close(json, '}');
 }

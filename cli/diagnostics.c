@@ -40,6 +40,22 @@ void cli_write_error(cli_json *json, const pel_error *error)
     cli_json_close(json, '}');
 }
 
+const char *cli_severity_name(pel_severity severity)
+{
+    return severity == PEL_SEVERITY_ERROR ? "error" : severity == PEL_SEVERITY_WARNING ? "warning" : "note";
+}
+
+void cli_open_issue(cli_json *json, const pel_issue_info *info, int64_t count)
+{
+    cli_json_open(json, NULL, '{');
+    cli_json_text(json, "name", info->name);
+    cli_json_text(json, "severity", cli_severity_name(info->severity));
+    cli_json_integer(json, "count", count);
+    cli_json_text(json, "what", info->doc);
+    cli_json_text(json, "remedy", info->remedy);
+    cli_json_bool(json, "repairable", info->repairable);
+}
+
 int cli_report_to(const pel_error *error, cli_json *json)
 {
     if (json != NULL) {

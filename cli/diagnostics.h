@@ -6,6 +6,7 @@
 #include "options.h"
 
 #include <pellicle/error.h>
+#include <pellicle/mesh_check.h>
 #include <pellicle/mesh_io.h>
 
 /* Prints the error as "file:line:column: error: what. remedy" on stderr. Returns its exit status. */
@@ -16,6 +17,10 @@ void cli_write_error(cli_json *json, const pel_error *error);
 int cli_report_to(const pel_error *error, cli_json *json);
 /* names the file of an error that names none */
 void cli_name_file(pel_error *error, const char *path);
+
+const char *cli_severity_name(pel_severity severity);
+/* Opens an object of the list of issues of `pellicle check` and writes what all of them have. */
+void cli_open_issue(cli_json *json, const pel_issue_info *info, int64_t count);
 
 /* Finds a file that is installed in share/pellicle next to the program or, before installation, is in the build folder
    or the source tree. Returns path (size bytes), or null if it is in none of these places. */

@@ -1,5 +1,7 @@
 #include "intersections.h"
 
+#include "diagnostics.h"
+
 static const char *const doc = "triangles that cut or touch each other away from their common corners";
 static const char *const remedy = "move them apart in a mesh editor; this cannot be repaired here";
 
@@ -56,13 +58,12 @@ void cli_write_intersections(cli_json *json, const cli_intersections *found)
 {
     if (found->count == 0)
         return;
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", "self-intersection");
-    cli_json_text(json, "severity", "warning");
-    cli_json_integer(json, "count", found->count);
-    cli_json_text(json, "what", doc);
-    cli_json_text(json, "remedy", remedy);
-    cli_json_bool(json, "repairable", false);
+    const pel_issue_info info = {.name = "self-intersection",
+                                 .severity = PEL_SEVERITY_WARNING,
+                                 .doc = doc,
+                                 .remedy = remedy,
+                                 .repairable = false};
+    cli_open_issue(json, &info, found->count);
     cli_json_text(json, "element_kind", "triangle");
     cli_json_open(json, "elements", '[');
     for (int32_t i = 0; i < found->listed_count; ++i)

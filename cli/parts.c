@@ -1,5 +1,7 @@
 #include "parts.h"
 
+#include "diagnostics.h"
+
 #include <stdio.h>
 
 static const char doc[] = "part that no edge connects with the largest one";
@@ -49,13 +51,9 @@ void cli_write_parts(cli_json *json, const cli_parts *found)
 {
     if (found->count == 0)
         return;
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", "part");
-    cli_json_text(json, "severity", "note");
-    cli_json_integer(json, "count", found->count);
-    cli_json_text(json, "what", doc);
-    cli_json_text(json, "remedy", found->remedy);
-    cli_json_bool(json, "repairable", true);
+    const pel_issue_info info = {
+        .name = "part", .severity = PEL_SEVERITY_NOTE, .doc = doc, .remedy = found->remedy, .repairable = true};
+    cli_open_issue(json, &info, found->count);
     cli_json_integer(json, "triangles_least", found->least);
     cli_json_integer(json, "triangles_most", found->most);
     cli_json_number(json, "area_share", found->area_share);

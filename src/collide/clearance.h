@@ -47,7 +47,8 @@ bool pel_clearance_is_clear(pel_clearance *clearance, const pel_clearance_way *w
 /* The same from the end of the last way, which was clear, if no displacement is longer than this [m]; points are not
    looked at. ends: the way is taken, and the next one goes on from its end. */
 bool pel_clearance_stays_clear(pel_clearance *clearance, double longest, bool ends, double needed);
-/* Before that, where no way was clear: goes to these positions (point_count). */
+/* Sets the start of the next way to these positions (point_count), for pel_clearance_stays_clear after a way that was
+   not clear. Nothing is measured if a known pair is nearer than `needed` already. */
 void pel_clearance_go(pel_clearance *clearance, const pel_record *positions, double needed, pel_pool *pool);
 
 /* Searches all pairs nearer than needed + margin at `start`, if the displacement to `end` is so short that they will
