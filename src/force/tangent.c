@@ -6,15 +6,6 @@
 
 #include <string.h>
 
-/* one evaluation */
-typedef struct tangent_loop {
-    pel_tangent *tangent;
-    const pel_tangent_input *input;
-    double *gradient; /* null = not asked for */
-    const double *step;
-    double *stresses; /* extrapolates over the step; both null = not asked for */
-} tangent_loop;
-
 /* the element at hand: its vertices, its part of the step, and where its derivatives go */
 typedef struct tangent_element {
     double x[PEL_TANGENT_UNKNOWNS], step[PEL_TANGENT_UNKNOWNS];
@@ -28,7 +19,7 @@ static double curve_value(const pel_curve *curve, double time)
     return pel_curve_value(curve->keys, curve->key_count, time);
 }
 
-static pel_tangent_request request_of(const tangent_loop *loop, const tangent_element *element, int32_t stress)
+static pel_tangent_request request_of(const pel_tangent_loop *loop, const tangent_element *element, int32_t stress)
 {
     return (pel_tangent_request){
         .kind = loop->input->kind,
@@ -38,7 +29,7 @@ static pel_tangent_request request_of(const tangent_loop *loop, const tangent_el
     };
 }
 
-static double add_fibres(const tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
+static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
                          const tangent_element *element)
 {
     double energy = 0;
@@ -55,39 +46,20 @@ static double add_fibres(const tangent_loop *loop, const pel_tangent_shell *own,
     return energy;
 }
 
-static double add_midedge(const tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
-                          const tangent_element *element)
+/* what a triangle has besides membrane and mid-edge bending */
+static bool has_more(const pel_tangent_loop *loop, const pel_tangent_shell *own)
 {
-    const pel_tangent *tangent = loop->tangent;
-    const double *xi = loop->input->unknowns + 3 * (size_t)tangent->pattern.vertex_count;
-    double alpha[3], sign[3];
-    for (int k = 0; k < 3; k++) {
-        int32_t e = pel_tangent_edge_of(own->edges[t][k], &sign[k]);
-        alpha[k] = tangent->half_angles[e] + sign[k] * xi[e];
-    }
-    const pel_tangent_request request = request_of(loop, element, stress);
-    return pel_midedge_tangent(&own->midedges[t], alpha, sign, element->x, &request, &element->sum);
+    return own->fibre_begin != NULL || (own->pressure != 0 && loop->step == NULL);
 }
 
-static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part, int32_t t,
+static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t t,
                          const tangent_element *element, pel_tangent_energy *energy)
 {
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
     int32_t stress = part->first_stress + t * part->strains;
     if (own->fibre_begin != NULL)
-        stress += own->fibre_begin[t];
-    if (shell->has_membrane) {
-        pel_membrane_law law = own->law;
-        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
-        law.modulus *= sheet.young * sheet.thickness;
-        const pel_tangent_request request = request_of(loop, element, stress);
-        energy->membrane += pel_membrane_tangent(&own->rests[t], &law, element->x, &request, &element->sum);
-    }
-    if (own->midedges != NULL)
-        energy->edges += add_midedge(loop, own, t, stress + PEL_MEMBRANE_STRAINS, element);
-    if (own->fibre_begin != NULL)
-        energy->fibres += add_fibres(loop, own, t, stress + part->strains, element);
+        energy->fibres += add_fibres(loop, own, t, stress + own->fibre_begin[t] + part->strains, element);
     if (own->pressure != 0 && loop->step == NULL) {
         double weight = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
         const pel_tangent_request request = {.kind = loop->input->kind};
@@ -98,8 +70,8 @@ static void add_triangle(const tangent_loop *loop, const pel_tangent_part *part,
     }
 }
 
-static void add_hinge(const tangent_loop *loop, const pel_tangent_part *part, int32_t i, const tangent_element *element,
-                      pel_tangent_energy *energy)
+static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
+                      const tangent_element *element, pel_tangent_energy *energy)
 {
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
@@ -117,12 +89,12 @@ static void add_hinge(const tangent_loop *loop, const pel_tangent_part *part, in
         energy->bending -= hinge.stiffness / 3 * stencil.rest_energy;
 }
 
-static double factor_of(const tangent_loop *loop, int32_t body, pel_parameter parameter)
+static double factor_of(const pel_tangent_loop *loop, int32_t body, pel_parameter parameter)
 {
     return loop->input->state != NULL ? loop->input->state->factors[body][parameter] : 1;
 }
 
-static void add_spring(const tangent_loop *loop, const pel_tangent_part *part, int32_t i,
+static void add_spring(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
                        const tangent_element *element, pel_tangent_energy *energy)
 {
     const pel_tangent_spring *spring = &loop->tangent->springs[i];
@@ -146,7 +118,8 @@ static double add_point_spring(double stiffness, const double point[3], const ta
     return 0.5 * stiffness * pel_vec3_squared_length(offset);
 }
 
-static void add_point(const tangent_loop *loop, int32_t i, const tangent_element *element, pel_tangent_energy *energy)
+static void add_point(const pel_tangent_loop *loop, int32_t i, const tangent_element *element,
+                      pel_tangent_energy *energy)
 {
     const pel_model *model = loop->tangent->model;
     int32_t v = loop->tangent->points[i], body = model->body_of_slice[v / PEL_WIDTH];
@@ -159,7 +132,7 @@ static void add_point(const tangent_loop *loop, int32_t i, const tangent_element
         energy->points += add_point_spring(loop->input->point_stiffness[v], loop->input->points[v], element);
 }
 
-static void load_element(const tangent_loop *loop, const pel_tangent_part *part, int32_t number,
+static void load_element(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t number,
                          tangent_element *element)
 {
     const pel_tangent *tangent = loop->tangent;
@@ -174,8 +147,8 @@ static void load_element(const tangent_loop *loop, const pel_tangent_part *part,
     }
 }
 
-/* element i of a part: adds its derivatives to `sum` */
-static void add_element(const tangent_loop *loop, const pel_tangent_part *part, int32_t i, pel_tangent_sum sum,
+/* element i of a part: adds its derivatives to `sum`, of a triangle those besides pel_tangent_triangles */
+static void add_element(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, pel_tangent_sum sum,
                         pel_tangent_energy *energy)
 {
     tangent_element element;
@@ -191,40 +164,64 @@ static void add_element(const tangent_loop *loop, const pel_tangent_part *part, 
         add_point(loop, i, &element, energy);
 }
 
+/* elements of a part: sets their gradients or matrices, where they are not null */
+static void evaluate_elements(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t *elements,
+                              int32_t count, double *gradients, double *matrices, pel_tangent_energy *energy)
+{
+    const bool are_triangles = part->kind == PEL_TANGENT_PART_TRIANGLES;
+    const size_t n = (size_t)part->unknowns;
+    if (are_triangles)
+        pel_tangent_triangles(loop, part, elements, count, gradients, matrices, energy);
+    else if (gradients != NULL)
+        memset(gradients, 0, (size_t)count * n * sizeof *gradients);
+    else if (matrices != NULL)
+        memset(matrices, 0, (size_t)count * n * n * sizeof *matrices);
+    if (are_triangles && !has_more(loop, &loop->tangent->shells[part->shell]))
+        return;
+    for (int32_t k = 0; k < count; k++) {
+        const pel_tangent_sum sum = {gradients != NULL ? gradients + (size_t)k * n : NULL,
+                                     matrices != NULL ? matrices + (size_t)k * n * n : NULL, part->unknowns};
+        add_element(loop, part, elements[k], sum, energy);
+    }
+}
+
 void pel_tangent_matrices(void *context, const int32_t *elements, int32_t count, double *blocks)
 {
     pel_tangent *tangent = context;
-    const tangent_loop loop = {.tangent = tangent, .input = &tangent->input};
-    for (int32_t k = 0; k < count; k++) {
+    const pel_tangent_loop loop = {.tangent = tangent, .input = &tangent->input};
+    pel_tangent_energy energy = {0};
+    int32_t of_part[PEL_TANGENT_CHUNK], found;
+    for (int32_t k = 0; k < count; k += found) {
         const pel_tangent_part *part = tangent->parts;
         while (elements[k] >= part->first + part->count)
             part++;
-        size_t n = (size_t)part->unknowns;
-        double *matrix = blocks + (size_t)k * n * n;
-        pel_tangent_energy energy = {0};
-        memset(matrix, 0, n * n * sizeof *matrix);
-        add_element(&loop, part, elements[k] - part->first, (pel_tangent_sum){NULL, matrix, part->unknowns}, &energy);
+        for (found = 0; k + found < count && found < PEL_TANGENT_CHUNK; found++) {
+            of_part[found] = elements[k + found] - part->first;
+            if (of_part[found] < 0 || of_part[found] >= part->count)
+                break;
+        }
+        evaluate_elements(&loop, part, of_part, found, NULL, blocks, &energy);
+        blocks += (size_t)found * (size_t)part->unknowns * (size_t)part->unknowns;
     }
 }
 
 static void element_chunk(void *context, int32_t chunk)
 {
-    const tangent_loop *loop = context;
+    const pel_tangent_loop *loop = context;
     const pel_tangent *tangent = loop->tangent;
     const pel_tangent_part *part = tangent->parts;
     while (chunk >= part->first_chunk + pel_tangent_chunk_count(part->count))
         part++;
     pel_tangent_energy energy = {0};
-    int32_t first = (chunk - part->first_chunk) * PEL_TANGENT_CHUNK, end = first + PEL_TANGENT_CHUNK;
-    for (int32_t i = first; i < end && i < part->count; i++) {
-        size_t n = (size_t)part->unknowns;
-        pel_tangent_sum sum = {.gradient = NULL};
-        if (loop->gradient != NULL) {
-            sum.gradient = tangent->rows + part->first_row + (size_t)i * n;
-            memset(sum.gradient, 0, n * sizeof *sum.gradient);
-        }
-        add_element(loop, part, i, sum, &energy);
+    int32_t first = (chunk - part->first_chunk) * PEL_TANGENT_CHUNK, elements[PEL_TANGENT_CHUNK], count = 0;
+    while (count < PEL_TANGENT_CHUNK && first + count < part->count) {
+        elements[count] = first + count;
+        count++;
     }
+    double *gradients = NULL;
+    if (loop->gradient != NULL)
+        gradients = tangent->rows + part->first_row + (size_t)first * (size_t)part->unknowns;
+    evaluate_elements(loop, part, elements, count, gradients, NULL, &energy);
     tangent->energies[chunk] = energy;
 }
 
@@ -232,7 +229,7 @@ static void element_chunk(void *context, int32_t chunk)
 
 static void node_chunk(void *context, int32_t chunk)
 {
-    const tangent_loop *loop = context;
+    const pel_tangent_loop *loop = context;
     const pel_tangent *tangent = loop->tangent;
     int32_t vertices = tangent->pattern.vertex_count, count = vertices + tangent->pattern.edge_count;
     int32_t first = chunk * PEL_TANGENT_CHUNK, end = first + PEL_TANGENT_CHUNK;
@@ -250,7 +247,7 @@ static void node_chunk(void *context, int32_t chunk)
 /* ---- pressure ---- */
 
 /* volume about the first corner, so that it is exact far from the origin */
-static double shell_volume(const tangent_loop *loop, const pel_tangent_shell *own)
+static double shell_volume(const pel_tangent_loop *loop, const pel_tangent_shell *own)
 {
     double volume = 0, origin[3] = {0, 0, 0}, x[9];
     for (int32_t t = 0; t < own->shell->triangle_count; t++) {
@@ -263,7 +260,7 @@ static double shell_volume(const tangent_loop *loop, const pel_tangent_shell *ow
 }
 
 /* the vector that a triangle's pressure is multiplied by, on each corner: a sixth of its normal, twice its area long */
-static void pressure_vector(const tangent_loop *loop, const pel_tangent_shell *own, int32_t t, double vector[3])
+static void pressure_vector(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, double vector[3])
 {
     double x[9], weight = own->shell->pressure_weights != NULL ? own->shell->pressure_weights[t] : 1;
     pel_tangent_points(loop->input->unknowns, own->shell->corners[t], 3, x);
@@ -271,7 +268,7 @@ static void pressure_vector(const tangent_loop *loop, const pel_tangent_shell *o
     pel_vec3_scale(vector, weight / 6, vector);
 }
 
-static void fill_rank_one(const tangent_loop *loop, const pel_tangent_shell *own, double slope)
+static void fill_rank_one(const pel_tangent_loop *loop, const pel_tangent_shell *own, double slope)
 {
     pel_rank_one *rank_one = own->rank_one;
     rank_one->coefficient = -slope;
@@ -287,7 +284,7 @@ static void fill_rank_one(const tangent_loop *loop, const pel_tangent_shell *own
 }
 
 /* sets the body's pressure; returns its potential */
-static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
+static double find_pressure(const pel_tangent_loop *loop, pel_tangent_shell *own)
 {
     const pel_body *body = &loop->tangent->model->bodies[own->body];
     const pel_shell *shell = own->shell;
@@ -306,7 +303,7 @@ static double find_pressure(const tangent_loop *loop, pel_tangent_shell *own)
 }
 
 /* the paper's pressure: a third of the areas around along the vertex's normal */
-static void add_normal_pressure(const tangent_loop *loop, const pel_tangent_shell *own)
+static void add_normal_pressure(const pel_tangent_loop *loop, const pel_tangent_shell *own)
 {
     const pel_model *model = loop->tangent->model;
     int32_t first = model->bodies[own->body].slice_begin * PEL_WIDTH;
@@ -333,7 +330,7 @@ static void add_normal_pressure(const tangent_loop *loop, const pel_tangent_shel
 
 /* ---- evaluation ---- */
 
-static pel_tangent_energy run_loop(tangent_loop *loop, pel_pool *pool)
+static pel_tangent_energy run_loop(pel_tangent_loop *loop, pel_pool *pool)
 {
     pel_tangent *tangent = loop->tangent;
     pel_tangent_energy energy = {0};
@@ -364,7 +361,7 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
                                         double *gradient)
 {
     tangent->input = *input;
-    tangent_loop loop = {tangent, input, gradient, NULL, NULL};
+    pel_tangent_loop loop = {tangent, input, gradient, NULL, NULL};
     return run_loop(&loop, pool);
 }
 
@@ -390,7 +387,7 @@ double pel_tangent_energy_sum(const pel_tangent_energy *energy)
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
                              double *stresses)
 {
-    tangent_loop loop = {tangent, input, NULL, step, stresses};
+    pel_tangent_loop loop = {tangent, input, NULL, step, stresses};
     size_t bytes = (size_t)tangent->pattern.edge_count * sizeof *tangent->half_angles;
     if (bytes > 0)
         memcpy(tangent->settle[0], tangent->half_angles, bytes);

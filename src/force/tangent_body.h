@@ -95,7 +95,21 @@ static inline void pel_tangent_points(const double *unknowns, const int32_t *ver
             x[3 * k + c] = unknowns[3 * (size_t)vertices[k] + (size_t)c];
 }
 
+/* one evaluation */
+typedef struct pel_tangent_loop {
+    pel_tangent *tangent;
+    const pel_tangent_input *input;
+    double *gradient; /* null = not asked for */
+    const double *step;
+    double *stresses; /* extrapolates over the step; both null = not asked for */
+} pel_tangent_loop;
+
 /* Fills half_angles. */
 void pel_tangent_find_angles(pel_tangent *tangent, const double *unknowns, pel_pool *pool);
+
+/* Membranes and mid-edge bending of some triangles of a part, n unknowns each: sets gradients (count x n) or matrices
+   (count x n x n; one of the two, or none), extrapolates where the loop has stresses, and adds to the energy. */
+void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t *triangles,
+                           int32_t count, double *gradients, double *matrices, pel_tangent_energy *energy);
 
 #endif

@@ -1,6 +1,8 @@
 /* The edges of mid-edge bending: angles, finite steps, and the minimum of the bending energy over their rotations. */
-#include "force/tangent_body.h"
+#include "force/tangent_lanes.h"
 #include "math/vec3.h"
+#include "measure/face_turn.h"
+#include "measure/hinge.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,50 +15,81 @@ typedef struct edge_loop {
     double *xi; /* null = angles */
 } edge_loop;
 
+/* Lanes have the edges from `first` on; unused ones repeat the last. An edge of the boundary takes its own tip for the
+   second one. */
+typedef struct edge_lanes {
+    const pel_tangent_edge *edges[PEL_TANGENT_LANES];
+    int32_t vertices[PEL_TANGENT_LANES][4];
+    const int32_t *nodes[PEL_TANGENT_LANES];
+} edge_lanes;
+
+static void load_edges(const edge_loop *loop, int32_t first, int32_t end, edge_lanes *at)
+{
+    for (int l = 0; l < PEL_TANGENT_LANES; l++) {
+        at->edges[l] = &loop->tangent->edges[first + l < end ? first + l : end - 1];
+        memcpy(at->vertices[l], at->edges[l]->vertices, sizeof at->vertices[l]);
+        if (at->edges[l]->triangles[1] < 0)
+            at->vertices[l][3] = at->vertices[l][2];
+        at->nodes[l] = at->vertices[l];
+    }
+}
+
 /* An angle of positions has no turns. Before equilibrium a fold may close until its sides pass through each other: its
    angle continues there, as xi does. */
-static void find_angle(const edge_loop *loop, int32_t e)
+static void find_angles(const edge_loop *loop, int32_t first, int32_t end)
 {
     const double half_turn = 3.141592653589793;
-    const pel_tangent_edge *edge = &loop->tangent->edges[e];
-    double x[12];
-    loop->tangent->half_angles[e] = 0;
-    if (edge->triangles[1] < 0)
-        return;
-    pel_tangent_points(loop->unknowns, edge->vertices, 4, x);
-    double half = 0.5 * pel_angle_from_rest(x, edge->rest_angle);
-    loop->tangent->half_angles[e] = half + half_turn * rint((loop->tangent->first_half_angles[e] - half) / half_turn);
+    edge_lanes at;
+    pel_particle points[4];
+    load_edges(loop, first, end, &at);
+    for (int k = 0; k < 4; k++)
+        points[k] = (pel_particle){pel_tangent_corner(loop->unknowns, at.nodes, k), pel_lane_splat(0)};
+    const pel_lane angles = pel_hinge_angle_of(points, pel_lane_splat(1), pel_lane_splat(0)).difference;
+    for (int l = 0; l < PEL_TANGENT_LANES && first + l < end; l++) {
+        const double half = 0.5 * pel_angle_the_short_way(pel_tangent_lane(&angles, l), at.edges[l]->rest_angle);
+        const double turns = rint((loop->tangent->first_half_angles[first + l] - half) / half_turn);
+        loop->tangent->half_angles[first + l] = at.edges[l]->triangles[1] < 0 ? 0 : half + half_turn * turns;
+    }
 }
 
-/* the finite turn of one triangle of an edge over the step */
-static double turn_of(const edge_loop *loop, const int32_t corners[3])
+/* the finite turns of one triangle of each edge over the step */
+static pel_lane find_turns(const edge_loop *loop, const edge_lanes *at, int tail, int head, int tip)
 {
-    double before[3][3], step[3][3], after[3][3];
-    pel_tangent_points(loop->unknowns, corners, 3, before[0]);
-    pel_tangent_points(loop->step, corners, 3, step[0]);
-    for (int k = 0; k < 3; k++)
-        pel_vec3_along(before[k], loop->scale, step[k], after[k]);
-    return pel_midedge_turn((const double(*)[3])before, (const double(*)[3])after);
+    const int corners[3] = {tail, head, tip};
+    pel_lane3 before[3], after[3];
+    for (int k = 0; k < 3; k++) {
+        before[k] = pel_tangent_corner(loop->unknowns, at->nodes, corners[k]);
+        const pel_lane3 step = pel_tangent_corner(loop->step, at->nodes, corners[k]);
+        after[k] = pel_lane3_add(before[k], pel_lane3_scale(step, pel_lane_splat(loop->scale)));
+    }
+    const pel_face_turn first = pel_face_turn_of(before[0], before[1], before[2]);
+    const pel_face_turn last = pel_face_turn_of(after[0], after[1], after[2]);
+    return pel_face_turn_between(&first, &last);
 }
 
-static void advance_edge(const edge_loop *loop, int32_t e)
+static void advance_edges(const edge_loop *loop, int32_t first, int32_t end)
 {
-    const pel_tangent_edge *edge = &loop->tangent->edges[e];
-    const int32_t *v = edge->vertices, first[3] = {v[0], v[1], v[2]}, second[3] = {v[1], v[0], v[3]};
-    double psi = loop->scale * loop->step[3 * (size_t)loop->tangent->pattern.vertex_count + (size_t)e];
-    double turn = turn_of(loop, first);
-    loop->xi[e] += psi + (edge->triangles[1] < 0 ? turn : 0.5 * (turn - turn_of(loop, second)));
+    const double *psi = loop->step + 3 * (size_t)loop->tangent->pattern.vertex_count;
+    edge_lanes at;
+    load_edges(loop, first, end, &at);
+    const pel_lane one = find_turns(loop, &at, 0, 1, 2), other = find_turns(loop, &at, 1, 0, 3);
+    for (int l = 0; l < PEL_TANGENT_LANES && first + l < end; l++) {
+        const double turn = pel_tangent_lane(&one, l), second = pel_tangent_lane(&other, l);
+        const double own = loop->scale * psi[first + l];
+        loop->xi[first + l] += own + (at.edges[l]->triangles[1] < 0 ? turn : 0.5 * (turn - second));
+    }
 }
 
 static void edge_chunk(void *context, int32_t chunk)
 {
     const edge_loop *loop = context;
-    int32_t first = chunk * PEL_TANGENT_CHUNK, end = first + PEL_TANGENT_CHUNK;
-    for (int32_t e = first; e < end && e < loop->tangent->pattern.edge_count; e++)
+    int32_t first = chunk * PEL_TANGENT_CHUNK, count = loop->tangent->pattern.edge_count;
+    int32_t end = first + PEL_TANGENT_CHUNK < count ? first + PEL_TANGENT_CHUNK : count;
+    for (int32_t e = first; e < end; e += PEL_TANGENT_LANES)
         if (loop->xi != NULL)
-            advance_edge(loop, e);
+            advance_edges(loop, e, end);
         else
-            find_angle(loop, e);
+            find_angles(loop, e, end);
 }
 
 void pel_tangent_find_angles(pel_tangent *tangent, const double *unknowns, pel_pool *pool)

@@ -424,16 +424,34 @@ static void add_three_by_three(double *block, const double *from, int32_t size)
     block[8] += last[2];
 }
 
-/* The dense matrix is symmetric: a column of the block is a piece of one of its rows. */
-static void add_block(double *block, const double *from, int32_t size, int32_t rows, int32_t columns)
+/* a block of one row or column */
+static void add_line(double *block, const double *from, int32_t count)
 {
-    if (rows == 3 && columns == 3) {
-        add_three_by_three(block, from, size);
+    if (count == 3) {
+        block[0] += from[0];
+        block[1] += from[1];
+        block[2] += from[2];
         return;
     }
-    for (int32_t b = 0; b < columns; b++)
-        for (int32_t a = 0; a < rows; a++)
-            block[b * rows + a] += from[b * size + a];
+    for (int32_t a = 0; a < count; a++)
+        block[a] += from[a];
+}
+
+/* adds a block of a dense matrix, which is symmetric: a column of the block is a piece of one of its rows, and so is
+   a block of one row */
+static void add_block(double *block, const double *dense, int32_t size, int32_t row, int32_t column, int32_t rows,
+                      int32_t columns)
+{
+    const double *from = dense + column * size + row;
+    if (rows == 3 && columns == 3)
+        add_three_by_three(block, from, size);
+    else if (columns == 1)
+        add_line(block, from, rows);
+    else if (rows == 1)
+        add_line(block, dense + row * size + column, columns);
+    else
+        for (int32_t b = 0; b < columns; b++)
+            add_line(block + b * rows, from + b * size, rows);
 }
 
 /* adds a dense matrix (row-major, size x size) of one element at its places */
@@ -446,7 +464,7 @@ static void add_element(pel_matrix *m, int32_t element, int32_t size, const doub
         sizes[i] = size_of(m, nodes[i]);
     for (int32_t i = 0, row = 0; i < count; row += sizes[i], i++)
         for (int32_t j = 0, column = 0; j < count; column += sizes[j], j++)
-            add_block(&m->values[*place++], &dense[column * size + row], size, sizes[i], sizes[j]);
+            add_block(&m->values[*place++], dense, size, row, column, sizes[i], sizes[j]);
 }
 
 static void assemble_chunk(void *context, int32_t chunk)

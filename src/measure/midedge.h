@@ -21,8 +21,8 @@
 
    (d xi = d gamma + d psi on the boundary), so that the element of a triangle has 12 unknowns, its own vertices and
    edges, and no others. psi is not a function of the state (transported frames do not return to themselves): it starts
-   at 0 in each iteration, and pel_midedge_turn gives the finite gamma of a step, from which xi follows. The Hessian is
-   the exact second derivative along these finite steps.
+   at 0 in each iteration, and pel_face_turn_between gives the finite gamma of a step, from which xi follows. The
+   Hessian is the exact second derivative along these finite steps.
 
    Conditions on psi: free on the boundary is a free edge. psi = 0 on an edge whose vertices are held is a clamped edge:
    its normal stays. A given increment turns the clamp. A moment M [N m] on a boundary edge is a force M on psi; unless
@@ -49,10 +49,6 @@ void pel_midedge_moments(const pel_midedge *element, const double alpha[3], doub
    is 1 where the triangle is the edge's first, -1 where it is its second. Strains for MIP: the moments. */
 double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], const double sign[3], const double *x,
                            const pel_tangent_request *request, const pel_tangent_sum *sum);
-
-/* gamma of a finite step: the angle by which the normal of the triangle (tail, head, tip) turns about its edge from
-   tail to head, towards the tip, in the frame transported with the edge. */
-double pel_midedge_turn(const double before[3][3], const double after[3][3]);
 
 /* The angle about that edge from a triangle's normal to a given direction, the alpha of a boundary edge with this
    normal. */

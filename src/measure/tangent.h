@@ -73,7 +73,9 @@ pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double s
                            const double direction[2]);
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness);
 
-/* The dihedral angle of four points (12) less that at rest, the short way round [rad]. */
+/* An angle less that at rest, the short way round [rad]. */
+double pel_angle_the_short_way(double angle, double rest_angle);
+/* The same of the dihedral angle of four points (12). */
 double pel_angle_from_rest(const double *x, double rest_angle);
 
 /* Hinge of the bending stiffness D [N m], x (12) as in pellicle/bending.h. */

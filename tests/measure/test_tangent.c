@@ -1,5 +1,6 @@
 /* Tangents of single elements: gradients and Hessians against finite differences, invariance, mixed stresses, and the
    positive parts, in one loop over all elements and laws. */
+#define PEL_LANE_DOUBLE
 #include "check.h"
 #include "dense.h"
 #include "gradient.h"
@@ -7,6 +8,7 @@
 
 #include "law_forms.h"
 #include "math/vec3.h"
+#include "measure/face_turn.h"
 #include "measure/midedge.h"
 #include "measure/tangent.h"
 
@@ -52,6 +54,18 @@ static double tangent_pressure(const element *e, const double *x, const pel_tang
 }
 
 /* strains at x as reached from the reference in one finite step */
+static pel_face_turn turn_of(const double x[3][3])
+{
+    return pel_face_turn_of((pel_lane3){x[0][0], x[0][1], x[0][2]}, (pel_lane3){x[1][0], x[1][1], x[1][2]},
+                            (pel_lane3){x[2][0], x[2][1], x[2][2]});
+}
+
+static double finite_turn(const double before[3][3], const double after[3][3])
+{
+    const pel_face_turn first = turn_of(before), last = turn_of(after);
+    return pel_face_turn_between(&first, &last);
+}
+
 static double tangent_midedge(const element *e, const double *x, const pel_tangent_request *request,
                               const pel_tangent_sum *sum)
 {
@@ -63,8 +77,8 @@ static double tangent_midedge(const element *e, const double *x, const pel_tange
                 before[k][c] = e->reference[3 * ((l + k) % 3) + c];
                 after[k][c] = x[3 * ((l + k) % 3) + c];
             }
-        alpha[l] = e->alpha[l] + pel_midedge_turn((const double(*)[3])before, (const double(*)[3])after) +
-                   e->sign[l] * x[9 + l];
+        alpha[l] =
+            e->alpha[l] + finite_turn((const double(*)[3])before, (const double(*)[3])after) + e->sign[l] * x[9 + l];
     }
     return pel_midedge_tangent(&e->midedge, alpha, e->sign, x, request, sum);
 }
@@ -359,7 +373,7 @@ static void finite_turns_add_up(void **unused)
         }
         double sum = 0;
         for (int side = 0; side < 2; side++)
-            sum += pel_midedge_turn((const double(*)[3])triangle[0][side], (const double(*)[3])triangle[1][side]);
+            sum += finite_turn((const double(*)[3])triangle[0][side], (const double(*)[3])triangle[1][side]);
         double change =
             pel_dihedral_angle((const double(*)[3])x[1], NULL) - pel_dihedral_angle((const double(*)[3])x[0], NULL);
         assert_near(remainder(sum - change, turn), 0, 1e-11);
@@ -370,7 +384,7 @@ static void finite_turns_add_up(void **unused)
         double angle[2];
         for (int time = 0; time < 2; time++)
             angle[time] = pel_midedge_angle((const double(*)[3])triangle[time][0], normal);
-        double turned = pel_midedge_turn((const double(*)[3])triangle[0][0], (const double(*)[3])triangle[1][0]);
+        double turned = finite_turn((const double(*)[3])triangle[0][0], (const double(*)[3])triangle[1][0]);
         assert_near(remainder(angle[1] - angle[0] - turned, turn), 0, 1e-11);
     }
 }
