@@ -105,7 +105,7 @@ static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membran
     size_t known = 0;
     for (int32_t i = 0; i < count && known < MOST_PRESETS; i++)
         names[known++] = presets[i].name;
-    return pel_scene_fail_name(reader, &name->place, "preset", name->text, names, known);
+    return pel_scene_fail_word(reader, name, names, known);
 }
 
 static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)

@@ -60,6 +60,16 @@ static bool has_unit(const char *text)
     return end != NULL && isfinite(number) && *end == ' ';
 }
 
+/* the key of a map that has a scalar as its word; null if there is none */
+static const char *key_of_word(const pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
+{
+    const char *prefix = pel_scene_row_prefix(row);
+    for (const pel_scene_row *child = NULL; (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;)
+        if (value->kind == PEL_SCENE_SCALAR && child->words != NULL && is_one_of(value->text, child->words))
+            return pel_scene_row_name(child, prefix);
+    return NULL;
+}
+
 /* the expected form, for a value of the wrong form */
 static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
 {
@@ -70,6 +80,7 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
     }
     char names[200] = "";
     bool takes_file = false;
+    const char *key = row->forms == PEL_FORM_MAP ? key_of_word(reader, row, value) : NULL;
     for (const pel_scene_row *child = NULL;
          row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;) {
         const char *name = pel_scene_row_name(child, prefix);
@@ -78,6 +89,8 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
     }
     if (takes_file && value->kind == PEL_SCENE_SCALAR && strchr(value->text, '.') != NULL)
         pel_fail_remedy(reader->error, "write { file: %.150s }", value->text);
+    else if (key != NULL)
+        pel_fail_remedy(reader->error, "write { %s: %s }", key, value->text);
     else if (value->kind == PEL_SCENE_SCALAR && value->parent != NULL && names[0] != '\0')
         pel_fail_remedy(reader->error, "write { key: value } with keys of: %s", names);
     else
@@ -135,6 +148,29 @@ pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *
         pel_fail_remedy(reader->error, "known are: %s", list);
     else
         pel_fail_remedy(reader->error, "there is none to name here");
+    return PEL_BAD_SCENE;
+}
+
+/* the row of another key of this name that has the word; null if there is none */
+static const pel_scene_row *row_of_word(const pel_scene_table *table, const char *key, const char *word)
+{
+    for (size_t i = 0; i < table->row_count; i++) {
+        const pel_scene_row *row = &table->rows[i];
+        const char *last = strrchr(row->path, '.');
+        if (row->words != NULL && last != NULL && strcmp(last + 1, key) == 0 && is_one_of(word, row->words))
+            return row;
+    }
+    return NULL;
+}
+
+pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
+                               size_t known_count)
+{
+    const char *key = value->key != NULL ? value->key : "word";
+    const pel_scene_row *row = row_of_word(reader->table, key, value->text);
+    pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
+    if (row != NULL)
+        pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
     return PEL_BAD_SCENE;
 }
 
@@ -223,8 +259,7 @@ static pel_status check_word(pel_scene_reader *reader, const pel_scene_row *row,
             return accept(value, PEL_FORM_WORD, (double)count);
     if (row->forms != PEL_FORM_WORD)
         return fail_form(reader, row, value);
-    return pel_scene_fail_name(reader, &value->place, value->key != NULL ? value->key : "word", value->text, row->words,
-                               count);
+    return pel_scene_fail_word(reader, value, row->words, count);
 }
 
 static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,

@@ -19,5 +19,8 @@ bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map)
 /* "unknown WHAT 'name'" at a place; the remedy tells the nearest of the known names, or all of them. */
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
                                const char *name, const char *const *known, size_t known_count);
+/* The same of the word of a key; a word of another key of this name is told with that key. */
+pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
+                               size_t known_count);
 
 #endif
