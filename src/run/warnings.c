@@ -8,6 +8,7 @@
 #include "model/shell.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
+#include "sim/step_newton.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -433,13 +434,31 @@ static void tell_inverted_volume(const text_context *at)
              -at->tally->worst);
 }
 
-/* implicit steps are divided before they fail; static steps have more iterations than they can use */
-static void write_remedy(const pel_solver_def *solver, int32_t automatic, char *text, size_t size)
+/* the first body that contact alone may hold; null if there is none */
+static const char *free_body(const text_context *at, bool has_contact)
 {
+    const pel_model_def *model = &at->run->scene->model;
+    for (int32_t b = 0; has_contact && b < model->body_count; b++)
+        if (pel_sim_newton_is_free(at->run->sim, b))
+            return model->bodies[b].name;
+    return NULL;
+}
+
+/* implicit steps are divided before they fail; static steps have more iterations than they can use, and find equilibria
+   that are near */
+static void write_remedy(const text_context *at, bool has_contact, int32_t automatic, char *text, size_t size)
+{
+    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const char *body = free_body(at, has_contact);
     if (solver->budget > 0)
         snprintf(text, size, "use a larger solver.budget");
     else if (solver->method == PEL_METHOD_IMPLICIT && solver->iterations <= 0)
         snprintf(text, size, "use a smaller solver.dt");
+    else if (solver->method == PEL_METHOD_STATIC && body != NULL)
+        snprintf(text, size,
+                 "nothing but contact holds '%.40s': if it has to fall or slide before it rests, use method implicit "
+                 "with solver.drag; otherwise use more steps (solver.steps)",
+                 body);
     else if (solver->method == PEL_METHOD_STATIC && solver->iterations <= 0)
         snprintf(text, size, "use more steps (solver.steps, with a duration a smaller solver.dt)");
     else
@@ -459,8 +478,8 @@ static void tell_unconverged(const text_context *at)
         return;
     }
     bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
-    char remedy[96];
-    write_remedy(&sim->solver, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
+    char remedy[240];
+    write_remedy(at, in_rounds, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N%s. %s, or let "
              "loads and tools move over more steps",

@@ -187,6 +187,27 @@ static void test_swing(void **unused)
     assert_true(summary.ledger.dissipated_solver < 0.6 * summary.ledger.supplied);
 }
 
+/* static finds no way down for a sheet above a ball; its warning names the body and a method that does */
+static void test_fall(void **unused)
+{
+    (void)unused;
+    const char *text =
+        "version: 1\nbodies:\n  - name: cloth\n    mesh: { shape: grid, nx: 6, ny: 6, size_x: 0.3, size_y: 0.3,\n"
+        "            translate: [0, 0, 0.12] }\n    membrane: { preset: rubber }\ntools:\n"
+        "  - { name: ball, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, 0] }] }\n"
+        "gravity: [0, 0, -9.81]\nsolver: { method: static }\n";
+    const char *falls[2] = {"solver={ method: implicit, drag: 5, dt: 0.01 }", "stop.frames=20"};
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unconverged");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "nothing but contact holds 'cloth'"));
+    assert_non_null(strstr(warning->text, "method implicit"));
+    run_scene(text, falls, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unconverged"));
+    assert_true(summary.max_displacement > 0.02);
+}
+
 /* a ball between two plates without friction has no place that it must stay at */
 static void test_stray(void **unused)
 {
@@ -613,6 +634,7 @@ int main(void)
         cmocka_unit_test(test_softness),
         cmocka_unit_test(test_softness_begins),
         cmocka_unit_test(test_unconverged),
+        cmocka_unit_test(test_fall),
         cmocka_unit_test(test_stray),
         cmocka_unit_test(test_pushed_about),
         cmocka_unit_test(test_left_forces),
