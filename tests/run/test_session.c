@@ -282,6 +282,52 @@ static void test_mesh_tool(void **unused)
     remove("a ring.ply");
 }
 
+/* mean distance of the vertices from their mean, after some steps of pressure */
+static double inflated_radius(const pel_mesh *mesh)
+{
+    static const char ball[] = "version: 1\nbodies:\n"
+                               "  - { name: ball, mesh: { file: a ball.ply }, mass: { per_vertex: 0.1 },\n"
+                               "      springs: { stiffness: 3, damping: 0.1 } }\n"
+                               "solver: { method: explicit, dt: 0.01 }\nduration: 1\n";
+    double x[3 * 100], middle[3] = {0, 0, 0}, radius = 0;
+    assert_int_equal(pel_mesh_write("a ball.ply", PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
+    play made = begin(ball);
+    int32_t count = mesh->vertex_count;
+    assert_true(count <= 100);
+    apply(&made, "inflate ball 5");
+    steps(&made, 10);
+    pel_sim_get_positions(made.sim, 0, x);
+    for (int32_t i = 0; i < 3 * count; i++)
+        middle[i % 3] += x[i] / count;
+    for (int32_t v = 0; v < count; v++)
+        radius += pel_vec3_distance(&x[3 * v], middle) / count;
+    end(&made);
+    remove("a ball.ply");
+    return radius;
+}
+
+/* pressure acts outward on a closed surface however its triangles are turned, wherever it is */
+static void test_inside_out(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh = NULL;
+    shape.frequency = 3;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->positions[v][1] -= 20;
+    double radius = inflated_radius(mesh);
+    assert_true(radius > 1.02);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        int32_t first = mesh->triangles[t][0];
+        mesh->triangles[t][0] = mesh->triangles[t][1];
+        mesh->triangles[t][1] = first;
+    }
+    const double rounding = 1e-12;
+    assert_near(inflated_radius(mesh), radius, rounding);
+    pel_mesh_destroy(mesh);
+}
+
 static void test_bad_lines(void **unused)
 {
     (void)unused;
@@ -455,8 +501,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks),  cmocka_unit_test(test_run_repeats),
-        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_solid_tools), cmocka_unit_test(test_bad_lines),
-        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_divergence),  cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_solid_tools), cmocka_unit_test(test_inside_out),
+        cmocka_unit_test(test_bad_lines),      cmocka_unit_test(test_bad_scenes),  cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }
