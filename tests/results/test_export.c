@@ -315,7 +315,13 @@ static void test_nothing_half_written(void **unused)
     assert_int_equal(pel_export_glb(glb, frames, &error), PEL_BAD_FORMAT);
     assert_non_null(strstr(error.file, "f00002.vtp"));
     folder_write_frame(folder, 2, 4, (double)HUGE_VAL);
+    /* a file of before that the failed export did not write stays */
+    char kept[FOLDER_PATH];
+    FILE *file = fopen(folder_path(kept, folder, "c_00002.obj"), "w");
+    assert_non_null(file);
+    fclose(file);
     assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, NULL, &error), PEL_BAD_FORMAT);
+    assert_int_equal(unlink(kept), 0);
     assert_int_equal(access(pc2, F_OK), -1);
     assert_int_equal(access(glb, F_OK), -1);
     assert_int_equal(access(first, F_OK), -1);
