@@ -233,16 +233,18 @@ static void test_solid_tools(void **unused)
     end(&made);
 }
 
+/* a ball that meshes may touch */
+static const char touched[] =
+    "version: 1\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 0.1 },\n"
+    "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
+    "solver: { method: quasi-static, dt: 0.02 }\ncontact: { self: false }\nduration: 1\n";
+
 /* a mesh presses where there is contact, as large as asked for; commands with a file in the scene's folder are repeated
    from another folder */
 static void test_mesh_tool(void **unused)
 {
     (void)unused;
-    static const char ball[] =
-        "version: 1\nbodies:\n"
-        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 0.1 },\n"
-        "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
-        "solver: { method: quasi-static, dt: 0.02 }\ncontact: { self: false }\nduration: 1\n";
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_TORUS);
     pel_mesh *ring = NULL;
     pel_hand_reading hand;
@@ -250,7 +252,7 @@ static void test_mesh_tool(void **unused)
     assert_int_equal(pel_shape_create(&shape, &ring, NULL), PEL_OK);
     assert_int_equal(pel_mesh_write("a ring.ply", PEL_FORMAT_AUTO, ring, NULL, NULL), PEL_OK);
     pel_mesh_destroy(ring);
-    play made = begin(ball);
+    play made = begin(touched);
     for (int turn = 0; turn < 2; turn++) {
         apply(&made, turn == 0 ? "press torus 0.5 0 0 1.6 0 0 0 1" : "press a%20ring.ply 0.5 0 0 1.6 0 0 0 1");
         const pel_mesh *mesh = pel_session_tool_mesh(made.session);
@@ -497,13 +499,33 @@ static void test_allocations(void **unused)
     end(&made);
 }
 
+/* a session in which tools come and go gives all of its memory back */
+static void test_memory_of_tools(void **unused)
+{
+    (void)unused;
+    failing_malloc_begin(0);
+    play made = begin(touched);
+    for (int turn = 0; turn < 3; turn++) {
+        apply(&made, "press torus 0.2 0 0 3 0 0 0 1");
+        apply(&made, "move 0 0 2.9");
+        steps(&made, 1);
+        apply(&made, "mark");
+        if (turn < 2)
+            apply(&made, "release");
+    }
+    end(&made);
+    assert_int_equal(failing_malloc_end().live, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks),  cmocka_unit_test(test_run_repeats),
-        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_solid_tools), cmocka_unit_test(test_inside_out),
-        cmocka_unit_test(test_bad_lines),      cmocka_unit_test(test_bad_scenes),  cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_undo_and_reset),  cmocka_unit_test(test_many_marks),
+        cmocka_unit_test(test_run_repeats),     cmocka_unit_test(test_mesh_tool),
+        cmocka_unit_test(test_solid_tools),     cmocka_unit_test(test_inside_out),
+        cmocka_unit_test(test_bad_lines),       cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_divergence),      cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_memory_of_tools),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }
