@@ -244,6 +244,26 @@ static void test_undo(void **unused)
     pel_wasm_sim_destroy(sim);
 }
 
+/* commands of the scene's session are done at their steps */
+static void test_session_of_scene(void **unused)
+{
+    (void)unused;
+    char played[1000], words[1000];
+    snprintf(played, sizeof played, "%ssession: [\"0 inflate ball 50\", \"2 inflate ball 0\"]\n", ball);
+    pel_wasm_sim *by_hand = create(ball), *by_scene = create(played);
+    assert_int_equal(pel_wasm_sim_apply(by_hand, "inflate ball 50"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_hand, 2), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(by_hand, "inflate ball 0"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_hand, 3), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_scene, 5), PEL_OK);
+    const char *hash = strstr(pel_wasm_sim_summary(by_hand)->text, "\"hash\"");
+    assert_non_null(hash);
+    snprintf(words, sizeof words, "%.*s", (int)strcspn(hash, ","), hash);
+    assert_true(holds(pel_wasm_sim_summary(by_scene), words));
+    pel_wasm_sim_destroy(by_hand);
+    pel_wasm_sim_destroy(by_scene);
+}
+
 static void test_bad_scenes(void **unused)
 {
     (void)unused;
@@ -363,9 +383,16 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),      cmocka_unit_test(test_arrays), cmocka_unit_test(test_queries),
-        cmocka_unit_test(test_refined),    cmocka_unit_test(test_notes),  cmocka_unit_test(test_undo),
-        cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_live),   cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_arrays),
+        cmocka_unit_test(test_queries),
+        cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_notes),
+        cmocka_unit_test(test_undo),
+        cmocka_unit_test(test_session_of_scene),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_live),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
