@@ -118,7 +118,8 @@ static void test_refusals(void **unused)
     refuse_text("a.obj", "# nothing\n", "no triangles");
     refuse_text("a.obj", "\\", "not an OBJ statement");
     refuse_bytes("a.obj", "v 0 0 0\0\nf 1 1 1\n", 17, "a.obj:1:7: ");
-    refuse_bytes("a.obj", "", 0, "empty");
+    pel_error error = refuse_bytes("a.obj", "", 0, "empty");
+    assert_true(error.line == 0 && error.column == 0 && strcmp(error.file, "a.obj") == 0);
 }
 
 /* every prefix of a file either parses or fails; none crashes (run under the address sanitizer) */
