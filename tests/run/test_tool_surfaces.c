@@ -95,9 +95,28 @@ static void test_resume(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* a resumed run that ends before its first frame still lists the tools of the frames that are there */
+static void test_resume_without_frames(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(tools, NULL, 0);
+    run_case test = {.run = "again", .stop_at = 13}, rest = {.run = "again", .resume = "checkpoint", .stop_at = 14};
+    char path[256];
+    pel_frames *frames;
+    check_run(scene, &test, PEL_STOPPED);
+    check_run(scene, &rest, PEL_STOPPED);
+    assert_int_equal(pel_frames_open(in_folder(path, "again", ""), &frames, NULL), PEL_OK);
+    assert_int_equal(frames->tool_count, 3);
+    for (int32_t i = 0; i < 3; i++)
+        assert_string_equal(frames->tool_names[i], scene->sim.tools[i].name);
+    pel_frames_close(frames);
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
     thread_count = 2;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_surfaces), cmocka_unit_test(test_resume)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_surfaces), cmocka_unit_test(test_resume),
+                                       cmocka_unit_test(test_resume_without_frames)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }
