@@ -168,12 +168,12 @@ static double closest_ends(const double *const ends[4], double weights[4])
 double pel_closest_segment_segment(const double a[3], const double b[3], const double c[3], const double d[3],
                                    double weights[4])
 {
-    double s = 0, t = 0, ratio = 0, inside2 = HUGE_VAL;
-    bool found = lines_inside(a, b, c, d, &s, &t, &ratio);
-    if (found)
-        inside2 = between(a, b, s, c, d, t);
-    if (!found || !(ratio > ILL_CONDITIONED)) {
-        const double *ends[4] = {a, b, c, d};
+    const double *ends[4] = {a, b, c, d};
+    double s, t, ratio;
+    if (!lines_inside(a, b, c, d, &s, &t, &ratio))
+        return closest_ends(ends, weights);
+    double inside2 = between(a, b, s, c, d, t);
+    if (!(ratio > ILL_CONDITIONED)) {
         double end2 = closest_ends(ends, weights);
         if (!(inside2 < end2))
             return end2;

@@ -125,12 +125,11 @@ typedef struct constraint {
 static void box_constraints(const double half[3], const double a[3], const double b[3], const double c[3],
                             constraint constraints[9])
 {
-    for (int i = 0; i < 3; i++)
-        for (int side = 0; side < 2; side++) {
-            double sign = side ? 1 : -1;
-            constraints[2 * i + side] =
-                (constraint){sign * (b[i] - a[i]), sign * (c[i] - a[i]), 1, half[i] - sign * a[i]};
-        }
+    for (int face = 0; face < 6; face++) {
+        int i = face / 2;
+        double sign = face % 2 != 0 ? 1 : -1;
+        constraints[face] = (constraint){sign * (b[i] - a[i]), sign * (c[i] - a[i]), 1, half[i] - sign * a[i]};
+    }
     constraints[6] = (constraint){-1, 0, 0, 0};
     constraints[7] = (constraint){0, -1, 0, 0};
     constraints[8] = (constraint){1, 1, 0, 1};

@@ -214,7 +214,7 @@ void pel_obj_write(pel_file_writer *writer, const pel_mesh *mesh)
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *c = mesh->triangles[t];
         double number = body_of(body, c);
-        if (number >= 0 && (t == 0 || number < last || number > last))
+        if (number >= 0 && (number < last || number > last))
             pel_file_writer_printf(writer, "o body_%.0f\n", number);
         last = number;
         pel_file_writer_printf(writer, "f %lld %lld %lld\n", c[0] + 1LL, c[1] + 1LL, c[2] + 1LL);

@@ -529,8 +529,10 @@ static pel_status take_faces(vtp_reader *reader, vtp_section section, int64_t fa
             status = fail_at(reader, place_of(reader, ends), "the offsets of the polygons do not increase");
         before = end;
     }
+    if (status != PEL_OK)
+        return status;
     faces->corner_count = (int64_t)before;
-    return status == PEL_OK ? take_reals(reader, corners, faces->corner_count, &faces->corners) : status;
+    return take_reals(reader, corners, faces->corner_count, &faces->corners);
 }
 
 /* the index of a vertex, or one past the last if invalid */

@@ -266,12 +266,12 @@ void PEL_FACTOR_COMPUTE(pel_factor *factor, const pel_matrix *matrix, double shi
     }
 }
 
-/* sums over the columns of a front from row `row` on: t -= L t[first .. first + 3], rows beyond are padding or border.
-   Four columns at once. */
+/* sums over the columns of a front from row `row` on: t -= L t[first .. first + 3], rows beyond are padding or border,
+   up to last_row, a multiple of LANES. Four columns at once. */
 static void subtract_columns(const number *column, ptrdiff_t stride, int32_t count, int32_t row, int32_t last_row,
                              const number *x, number *t)
 {
-    for (; row < last_row && row % LANES != 0; row++)
+    for (; row % LANES != 0; row++)
         for (int32_t j = 0; j < count; j++)
             t[row] -= column[row + j * stride] * x[j];
     if (count == 4) {
@@ -311,7 +311,7 @@ static void solve_backward(const pel_front *front, const number *panel, int32_t 
         const number *column = panel + j * stride;
         number sum[4] = {0};
         lanes sums[4] = {{0}};
-        for (; row < last_row && row % LANES != 0; row++)
+        for (; row % LANES != 0; row++)
             for (int32_t k = 0; k < count; k++)
                 sum[k] += column[row + k * stride] * t[row];
         if (count == 4) {

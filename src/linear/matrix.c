@@ -514,6 +514,17 @@ void pel_matrix_add_diagonal(pel_matrix *matrix, double factor, const double *di
     }
 }
 
+static int32_t chunks_of(const pel_matrix *matrix)
+{
+    return (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK;
+}
+
+static int32_t end_of_chunk(const pel_matrix *matrix, int32_t chunk)
+{
+    int32_t end = (chunk + 1) * ROWS_PER_CHUNK;
+    return end < matrix->node_count ? end : matrix->node_count;
+}
+
 typedef struct fixing {
     pel_matrix *matrix;
     const uint8_t *fixed;
@@ -549,7 +560,7 @@ static void fix_chunk(void *context, int32_t chunk)
 {
     const fixing *f = context;
     const pel_matrix *m = f->matrix;
-    int32_t end = (chunk + 1) * ROWS_PER_CHUNK < m->node_count ? (chunk + 1) * ROWS_PER_CHUNK : m->node_count;
+    int32_t end = end_of_chunk(m, chunk);
     for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++) {
         bool is_fixed = has_fixed(f, i);
         for (int32_t block = m->row_start[i]; block < m->row_start[i + 1]; block++) {
@@ -567,7 +578,7 @@ static void fix_chunk(void *context, int32_t chunk)
 void pel_matrix_fix(pel_matrix *matrix, pel_pool *pool, const uint8_t *fixed, const double *value, double *right)
 {
     fixing f = {matrix, fixed, value, right};
-    pel_pool_run(pool, (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK, fix_chunk, &f);
+    pel_pool_run(pool, chunks_of(matrix), fix_chunk, &f);
 }
 
 typedef struct turning {
@@ -588,7 +599,7 @@ static void turn_chunk(void *context, int32_t chunk)
 {
     const turning *t = context;
     const pel_matrix *m = t->matrix;
-    int32_t end = (chunk + 1) * ROWS_PER_CHUNK < m->node_count ? (chunk + 1) * ROWS_PER_CHUNK : m->node_count;
+    int32_t end = end_of_chunk(m, chunk);
     for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++)
         for (int32_t block = m->row_start[i]; block < m->row_start[i + 1]; block++) {
             int32_t j = m->column[block], rows = size_of(m, i), columns = size_of(m, j);
@@ -603,7 +614,7 @@ static void turn_chunk(void *context, int32_t chunk)
 void pel_matrix_turn(pel_matrix *matrix, pel_pool *pool, const int32_t *frame, const double (*axes)[3][3])
 {
     turning t = {matrix, frame, axes};
-    pel_pool_run(pool, (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK, turn_chunk, &t);
+    pel_pool_run(pool, chunks_of(matrix), turn_chunk, &t);
 }
 
 typedef struct product {
@@ -668,7 +679,7 @@ static void multiply_chunk(void *context, int32_t chunk)
 {
     const product *p = context;
     const pel_matrix *m = p->matrix;
-    int32_t end = (chunk + 1) * ROWS_PER_CHUNK < m->node_count ? (chunk + 1) * ROWS_PER_CHUNK : m->node_count;
+    int32_t end = end_of_chunk(m, chunk);
     for (int32_t i = chunk * ROWS_PER_CHUNK; i < end; i++) {
         int32_t size = size_of(m, i);
         if (size == 3)
@@ -683,5 +694,5 @@ static void multiply_chunk(void *context, int32_t chunk)
 void pel_matrix_multiply(const pel_matrix *matrix, pel_pool *pool, const double *x, double *y)
 {
     product p = {matrix, x, y};
-    pel_pool_run(pool, (matrix->node_count + ROWS_PER_CHUNK - 1) / ROWS_PER_CHUNK, multiply_chunk, &p);
+    pel_pool_run(pool, chunks_of(matrix), multiply_chunk, &p);
 }

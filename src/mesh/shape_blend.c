@@ -13,7 +13,7 @@
 typedef struct blend_part {
     double from[3], to[3]; /* centres of the round ends */
     double radii[2];       /* there */
-    double squash[3];      /* factors along the axes; 0 0 0 = none */
+    double squash[3];      /* factors along the axes */
     double blend;          /* width of the fillet to the parts before */
     bool mirrored;         /* a second one at -x */
     bool carved;           /* cut out instead of added */
@@ -22,41 +22,41 @@ typedef struct blend_part {
 static const blend_part head[] = {
     /* skull, neck, muzzle, nose, jaw */
     {{0, 0.02, 0.12}, {0, 0.02, 0.12}, {0.27, 0.27}, {0.92, 1, 0.95}, 0, false, false},
-    {{0, 0.12, -0.05}, {0, 0.24, -0.42}, {0.19, 0.21}, {0, 0, 0}, 0.12, false, false},
-    {{0, -0.12, 0.07}, {0, -0.44, -0.09}, {0.2, 0.125}, {0, 0, 0}, 0.1, false, false},
+    {{0, 0.12, -0.05}, {0, 0.24, -0.42}, {0.19, 0.21}, {1, 1, 1}, 0.12, false, false},
+    {{0, -0.12, 0.07}, {0, -0.44, -0.09}, {0.2, 0.125}, {1, 1, 1}, 0.1, false, false},
     {{0, -0.49, -0.07}, {0, -0.49, -0.07}, {0.115, 0.115}, {1.1, 1, 0.9}, 0.05, false, false},
-    {{0, -0.05, -0.1}, {0, -0.4, -0.19}, {0.12, 0.07}, {0, 0, 0}, 0.06, false, false},
+    {{0, -0.05, -0.1}, {0, -0.4, -0.19}, {0.12, 0.07}, {1, 1, 1}, 0.06, false, false},
     /* cheeks, brows, eyes, ears, horns */
-    {{0.13, -0.1, 0.0}, {0.13, -0.1, 0.0}, {0.14, 0.14}, {0, 0, 0}, 0.08, true, false},
-    {{0.12, -0.2, 0.2}, {0.19, -0.12, 0.18}, {0.06, 0.055}, {0, 0, 0}, 0.06, true, false},
-    {{0.155, -0.215, 0.115}, {0.155, -0.215, 0.115}, {0.055, 0.055}, {0, 0, 0}, 0.02, true, false},
+    {{0.13, -0.1, 0.0}, {0.13, -0.1, 0.0}, {0.14, 0.14}, {1, 1, 1}, 0.08, true, false},
+    {{0.12, -0.2, 0.2}, {0.19, -0.12, 0.18}, {0.06, 0.055}, {1, 1, 1}, 0.06, true, false},
+    {{0.155, -0.215, 0.115}, {0.155, -0.215, 0.115}, {0.055, 0.055}, {1, 1, 1}, 0.02, true, false},
     {{0.2, 0.06, 0.24}, {0.43, 0.09, 0.36}, {0.085, 0.05}, {1, 0.6, 1}, 0.06, true, false},
-    {{0.09, 0.0, 0.36}, {0.15, 0.1, 0.56}, {0.06, 0.035}, {0, 0, 0}, 0.05, true, false},
+    {{0.09, 0.0, 0.36}, {0.15, 0.1, 0.56}, {0.06, 0.035}, {1, 1, 1}, 0.05, true, false},
 };
 
 static const blend_part animal[] = {
     /* trunk, belly, neck, head, muzzle */
-    {{0, -0.2, 0.04}, {0, 0.24, 0.05}, {0.17, 0.18}, {0, 0, 0}, 0, false, false},
+    {{0, -0.2, 0.04}, {0, 0.24, 0.05}, {0.17, 0.18}, {1, 1, 1}, 0, false, false},
     {{0, 0.03, -0.03}, {0, 0.03, -0.03}, {0.18, 0.18}, {1, 1.3, 1}, 0.1, false, false},
-    {{0, -0.26, 0.1}, {0, -0.4, 0.3}, {0.13, 0.095}, {0, 0, 0}, 0.08, false, false},
+    {{0, -0.26, 0.1}, {0, -0.4, 0.3}, {0.13, 0.095}, {1, 1, 1}, 0.08, false, false},
     {{0, -0.44, 0.34}, {0, -0.44, 0.34}, {0.125, 0.125}, {1, 1.05, 0.95}, 0.06, false, false},
-    {{0, -0.5, 0.32}, {0, -0.61, 0.28}, {0.085, 0.06}, {0, 0, 0}, 0.05, false, false},
+    {{0, -0.5, 0.32}, {0, -0.61, 0.28}, {0.085, 0.06}, {1, 1, 1}, 0.05, false, false},
     /* tail, fore legs, hind legs with their thighs, ears */
-    {{0, 0.36, 0.12}, {0, 0.52, -0.08}, {0.05, 0.035}, {0, 0, 0}, 0.05, false, false},
-    {{0.1, -0.22, -0.05}, {0.11, -0.23, -0.42}, {0.08, 0.055}, {0, 0, 0}, 0.06, true, false},
+    {{0, 0.36, 0.12}, {0, 0.52, -0.08}, {0.05, 0.035}, {1, 1, 1}, 0.05, false, false},
+    {{0.1, -0.22, -0.05}, {0.11, -0.23, -0.42}, {0.08, 0.055}, {1, 1, 1}, 0.06, true, false},
     {{0.11, 0.24, -0.02}, {0.11, 0.22, -0.12}, {0.115, 0.085}, {0.8, 1, 1}, 0.06, true, false},
-    {{0.12, 0.22, -0.12}, {0.12, 0.26, -0.42}, {0.075, 0.055}, {0, 0, 0}, 0.04, true, false},
-    {{0.08, -0.4, 0.43}, {0.14, -0.38, 0.5}, {0.045, 0.035}, {0, 0, 0}, 0.03, true, false},
+    {{0.12, 0.22, -0.12}, {0.12, 0.26, -0.42}, {0.075, 0.055}, {1, 1, 1}, 0.04, true, false},
+    {{0.08, -0.4, 0.43}, {0.14, -0.38, 0.5}, {0.045, 0.035}, {1, 1, 1}, 0.03, true, false},
 };
 
 static const blend_part liver[] = {
     /* right lobe with its tip, left lobe, caudate lobe; the hollow of the vessels and the bed of the gallbladder */
     {{-0.17, 0, 0.02}, {-0.17, 0, 0.02}, {1, 1}, {0.32, 0.27, 0.27}, 0, false, false},
-    {{-0.24, 0.02, -0.08}, {-0.3, 0.04, -0.3}, {0.2, 0.1}, {0, 0, 0}, 0.12, false, false},
+    {{-0.24, 0.02, -0.08}, {-0.3, 0.04, -0.3}, {0.2, 0.1}, {1, 1, 1}, 0.12, false, false},
     {{-0.02, -0.04, 0.09}, {0.38, -0.07, 0.12}, {0.24, 0.12}, {1, 1, 0.7}, 0.14, false, false},
-    {{0.02, 0.12, -0.02}, {0.02, 0.12, -0.06}, {0.1, 0.08}, {0, 0, 0}, 0.06, false, false},
-    {{0.1, 0.02, -0.26}, {0.1, 0.02, -0.26}, {0.24, 0.24}, {0, 0, 0}, 0.08, false, true},
-    {{-0.1, -0.3, -0.3}, {-0.04, -0.02, -0.22}, {0.07, 0.05}, {0, 0, 0}, 0.07, false, true},
+    {{0.02, 0.12, -0.02}, {0.02, 0.12, -0.06}, {0.1, 0.08}, {1, 1, 1}, 0.06, false, false},
+    {{0.1, 0.02, -0.26}, {0.1, 0.02, -0.26}, {0.24, 0.24}, {1, 1, 1}, 0.08, false, true},
+    {{-0.1, -0.3, -0.3}, {-0.04, -0.02, -0.22}, {0.07, 0.05}, {1, 1, 1}, 0.07, false, true},
 };
 
 typedef struct blend_body {
@@ -82,20 +82,19 @@ static const blend_body bodies[] = {
 /* about the distance to a part, or to its mirror image, with its gradient */
 static double part_distance(const blend_part *part, double side, const double point[3], double gradient[3])
 {
-    double squash[3], along[3], from[3], least = HUGE_VAL;
+    double along[3], from[3], least = HUGE_VAL;
     for (int i = 0; i < 3; i++) {
         double turn = i == 0 ? side : 1;
-        squash[i] = part->squash[0] > 0 ? part->squash[i] : 1;
-        from[i] = (turn * point[i] - part->from[i]) / squash[i];
-        along[i] = (part->to[i] - part->from[i]) / squash[i];
-        least = fmin(least, squash[i]);
+        from[i] = (turn * point[i] - part->from[i]) / part->squash[i];
+        along[i] = (part->to[i] - part->from[i]) / part->squash[i];
+        least = fmin(least, part->squash[i]);
     }
     double length = pel_vec3_squared_length(along);
     double t = length > 0 ? fmin(fmax(pel_vec3_dot(from, along) / length, 0), 1) : 0;
     pel_vec3_along(from, -t, along, from);
     double distance = pel_vec3_normalize(from);
     for (int i = 0; i < 3; i++)
-        gradient[i] = least * (i == 0 ? side : 1) * from[i] / squash[i];
+        gradient[i] = least * (i == 0 ? side : 1) * from[i] / part->squash[i];
     return least * (distance - part->radii[0] - t * (part->radii[1] - part->radii[0]));
 }
 

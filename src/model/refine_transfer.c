@@ -54,8 +54,8 @@ static void add_turned(const double rest[3][3], const double now[3][3], const do
     double stretch = to.corners[0] / from.corners[0];
     const double gradient[4] = {stretch, (to.corners[1] - stretch * from.corners[1]) / from.corners[2], 0,
                                 to.corners[2] / from.corners[2]};
-    double rotation[4], symmetric[4];
-    pel_matrix2_polar(gradient, rotation, symmetric);
+    double rotation[4];
+    pel_matrix2_rotation(gradient, rotation);
     double a = pel_vec3_dot(offset, from.axes[0]), b = pel_vec3_dot(offset, from.axes[1]);
     double turned[3] = {rotation[0] * a + rotation[1] * b, rotation[2] * a + rotation[3] * b,
                         pel_vec3_dot(offset, from.axes[2])};

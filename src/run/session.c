@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
+#include "pellicle/measure.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
 
@@ -68,24 +69,13 @@ struct pel_session {
 
 /* ---- creation ---- */
 
-static double signed_volume(const pel_mesh *mesh)
-{
-    double sum = 0;
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const double *a = mesh->positions[mesh->triangles[t][0]], *b = mesh->positions[mesh->triangles[t][1]],
-                     *c = mesh->positions[mesh->triangles[t][2]];
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return sum;
-}
-
 static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
 {
     const pel_mesh *mesh = def->mesh;
     grip->vertex_count = mesh->vertex_count;
     grip->triangle_count = mesh->triangle_count;
-    grip->side = closed && signed_volume(mesh) < 0 ? -1 : 1;
+    double volume = pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL);
+    grip->side = closed && volume < 0 ? -1 : 1;
     grip->pins = pel_allocate((size_t)mesh->vertex_count, 1);
     grip->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *grip->triangles);
     if (grip->pins == NULL || grip->triangles == NULL)

@@ -7,6 +7,8 @@
 #include "run/frames.h"
 #include "run/kept.h"
 
+#include <math.h>
+
 typedef struct pel_run_state {
     const pel_scene *scene;
     const pel_run_def *def;
@@ -43,6 +45,15 @@ typedef struct pel_run_state {
     pel_sim **sims_beside;
     pel_run_series *series_beside;
 } pel_run_state;
+
+/* N, largest force of a tool over the run; 0 without tools */
+static inline double pel_run_max_tool_force(const pel_run_state *run)
+{
+    double largest = 0;
+    for (int32_t t = 0; t < run->tool_count; t++)
+        largest = fmax(largest, run->tool_force[run->tool_count + t]);
+    return largest;
+}
 
 /* ---- beside.c ---- */
 

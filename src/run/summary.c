@@ -61,8 +61,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
     summary->warning_count = pel_warnings_list(run, summary->warnings);
     pel_sim_get_solver(sim, &summary->solver);
     summary->mode_count = pel_sim_get_modes(sim, summary->modes);
-    for (int32_t t = 0; t < run->tool_count; t++)
-        summary->max_tool_force = fmax(summary->max_tool_force, run->tool_force[run->tool_count + t]);
+    summary->max_tool_force = pel_run_max_tool_force(run);
     memcpy(summary->checkpoint, run->checkpoint_path, sizeof summary->checkpoint);
 }
 

@@ -312,20 +312,13 @@ static int32_t pressed_count(const pel_run_state *run, int32_t t)
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
-/* N, of tools and of unbalanced forces at a frame, such as a load that has just started */
-static double largest_force(const pel_run_state *run)
-{
-    double largest = run->totals.unbalanced_force;
-    for (int32_t t = 0; t < run->tool_count; t++)
-        largest = fmax(largest, run->tool_force[run->tool_count + t]);
-    return largest;
-}
-
 /* the measures do not include forces of contact between surfaces */
 static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;
-    double share = run->measures.unbalanced_force / fmax(largest_force(run), DBL_MIN);
+    /* of tools and of unbalanced forces at a frame, such as a load that has just started */
+    double largest = fmax(run->totals.unbalanced_force, pel_run_max_tool_force(run));
+    double share = run->measures.unbalanced_force / fmax(largest, DBL_MIN);
     /* where nothing acts there is only rounding */
     bool acts = run->ledger.supplied > run->ledger.tolerance;
     if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && acts && share > SETTLED_SHARE)

@@ -231,10 +231,10 @@ static bool reserve_numbers(pel_wasm_sim *sim, size_t count)
     return true;
 }
 
-/* an array with exactly `count` rows of three */
+/* an array with exactly `count` rows of three, > 0 */
 static bool fit(void **array, int32_t *rows, int32_t count, size_t size)
 {
-    if (*rows == count && *array != NULL)
+    if (*rows == count)
         return true;
     void *room = pel_reallocate(*array, 3 * (size_t)count, size);
     if (room == NULL)

@@ -57,6 +57,19 @@ static void test_nearest_name(void **unused)
     assert_null(pel_nearest_name("colour", names, 5));
     assert_null(pel_nearest_name("qq", names, 5));
     assert_null(pel_nearest_name("radius", names, 0));
+    /* a third of the letters may be wrong, and two of short names */
+    for (int length = 4; length <= 14; length++)
+        for (int wrong = 1; wrong < length; wrong++) {
+            char name[16] = "", *right = "abcdefghijklmn";
+            const char *const known[] = {name};
+            snprintf(name, sizeof name, "%.*s", length, right);
+            for (int i = 0; i < wrong; i++)
+                name[i] = (char)('0' + i);
+            char asked[16];
+            snprintf(asked, sizeof asked, "%.*s", length, right);
+            bool is_near = wrong <= 2 || 3 * wrong <= length;
+            assert_true((pel_nearest_name(asked, known, 1) != NULL) == is_near);
+        }
 }
 
 /* every sequence of two bytes becomes valid UTF-8 that JSON allows */

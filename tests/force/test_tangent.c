@@ -482,6 +482,35 @@ static void surfaces_may_refine(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the free part of c g (g . x), of each body at its vertices, and nothing where c is 0 */
+static void rank_ones_are_outer_products(void **unused)
+{
+    (void)unused;
+    enum { VERTICES = 7, COUNT = 3 * VERTICES };
+    random_state random = {31};
+    double gradients[3][COUNT], x[COUNT], y[COUNT], expected[COUNT];
+    uint8_t fixed[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        for (int r = 0; r < 3; r++)
+            gradients[r][i] = random_normal(&random);
+        x[i] = random_normal(&random);
+        expected[i] = y[i] = random_normal(&random);
+        fixed[i] = i % 4 == 1;
+    }
+    const pel_rank_one ones[3] = {{2.5, 0, 3, gradients[0]}, {0, 1, 4, gradients[1]}, {0.75, 3, 4, gradients[2]}};
+    for (int r = 0; r < 3; r++)
+        for (int32_t i = 0; i < 3 * ones[r].vertex_count; i++)
+            for (int32_t j = 0; j < 3 * ones[r].vertex_count; j++) {
+                int32_t row = 3 * ones[r].first_vertex + i, column = 3 * ones[r].first_vertex + j;
+                if (!fixed[row] && !fixed[column])
+                    expected[row] += ones[r].coefficient * ones[r].gradient[i] * ones[r].gradient[j] * x[column];
+            }
+    const pel_tangent_pattern pattern = {.vertex_count = VERTICES, .rank_one_count = 3, .rank_ones = ones};
+    pel_tangent_add_rank_ones(&pattern, fixed, x, y);
+    for (int i = 0; i < COUNT; i++)
+        assert_near(y[i], expected[i], 1e-12);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -496,6 +525,7 @@ int main(void)
         cmocka_unit_test(bending_needs_a_stiffness),
         cmocka_unit_test(edges_settle),
         cmocka_unit_test(surfaces_may_refine),
+        cmocka_unit_test(rank_ones_are_outer_products),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,8 @@
 #include "failing_malloc.h"
 #include "parse.h"
 
+#include <unistd.h>
+
 static void test_square(void **unused)
 {
     (void)unused;
@@ -116,7 +118,8 @@ static void test_refusals(void **unused)
     refuse_text("a.obj", "# nothing\n", "no triangles");
     refuse_text("a.obj", "\\", "not an OBJ statement");
     refuse_bytes("a.obj", "v 0 0 0\0\nf 1 1 1\n", 17, "a.obj:1:7: ");
-    refuse_bytes("a.obj", "", 0, "empty");
+    pel_error error = refuse_bytes("a.obj", "", 0, "empty");
+    assert_true(error.line == 0 && error.column == 0 && strcmp(error.file, "a.obj") == 0);
 }
 
 /* every prefix of a file either parses or fails; none crashes (run under the address sanitizer) */
@@ -133,6 +136,41 @@ static void test_truncated(void **unused)
         assert_true((status == PEL_OK) == (mesh != NULL));
         pel_mesh_destroy(mesh);
     }
+}
+
+/* an object begins where the body changes, to a higher or a lower number; negative numbers have none */
+static void test_objects_of_bodies(void **unused)
+{
+    (void)unused;
+    static const char path[] = "test_obj_bodies.obj", objects[] = "o body_0\nf 1 2 3\nf 1 2 3\n"
+                                                                  "o body_2\nf 4 5 6\n"
+                                                                  "o body_1\nf 7 8 9\n"
+                                                                  "f 10 11 12\n"
+                                                                  "o body_0\nf 1 2 3\n";
+    static const int bodies[] = {0, 2, 1, -1}, order[] = {0, 0, 1, 2, 3, 0};
+    double positions[12][3] = {{0}}, numbers[12];
+    int32_t triangles[6][3];
+    for (int v = 0; v < 12; v++) {
+        positions[v][v % 3] = 1 + v / 3;
+        numbers[v] = bodies[v / 3];
+    }
+    for (int t = 0; t < 6; t++)
+        for (int i = 0; i < 3; i++)
+            triangles[t][i] = 3 * order[t] + i;
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_create(positions[0], 12, triangles[0], 6, &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_add_field(mesh, "body", 1, numbers, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_write(path, PEL_FORMAT_OBJ, mesh, NULL, NULL), PEL_OK);
+    char text[1000] = "";
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    const char *first = strstr(text, "o body_0");
+    assert_non_null(first);
+    assert_string_equal(first, objects);
+    pel_mesh_destroy(mesh);
+    unlink(path);
 }
 
 static void test_allocation_failures(void **unused)
@@ -154,6 +192,7 @@ int main(void)
         cmocka_unit_test(test_polygons_are_cut),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_objects_of_bodies),
         cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -104,8 +104,14 @@ static void test_normals(void **unused)
                 assert_near(normal[i], expected[t][i], 1e-7);
             }
         }
-        pel_free(bytes);
         pel_mesh_destroy(mesh);
+        /* nothing is missing at its end */
+        notes said;
+        mesh = parse_bytes("normals.stl", bytes, size, &said);
+        assert_null(strstr(said.text, "cut off"));
+        assert_null(strstr(said.text, "behind the last facet"));
+        pel_mesh_destroy(mesh);
+        pel_free(bytes);
         remove("normals.stl");
     }
 }

@@ -401,6 +401,36 @@ static void test_inline(void **unused)
     }
 }
 
+/* ends of polygons are whole, in order, and as many corners as there are; empty polygons are none */
+static void test_offsets(void **unused)
+{
+    (void)unused;
+    static const char head[] =
+        "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"><PolyData><Piece NumberOfPoints=\"4\" "
+        "NumberOfPolys=\"2\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">"
+        "0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>\n"
+        "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 0 2 3</DataArray>\n"
+        "<DataArray type=\"Float64\" Name=\"offsets\" format=\"ascii\">%s</DataArray></Polys></Piece></PolyData>"
+        "</VTKFile>\n";
+    static const char order[] = "do not increase", size[] = "fewer numbers than its header says";
+    static const struct {
+        const char *offsets, *words;
+    } cases[] = {{"3 6", NULL},    {"6 6", NULL},           {"0 6", NULL},      {"6 3", order},         {"-1 6", order},
+                 {"3.5 6", order}, {"3 2147483648", order}, {"3 1e300", order}, {"3 2147483647", size}, {"3 7", size}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1000];
+        int length = snprintf(text, sizeof text, head, cases[i].offsets);
+        pel_mesh *mesh;
+        pel_error error = {0};
+        pel_status status = pel_vtp_parse("a.vtp", text, (size_t)length, &mesh, NULL, &error);
+        if ((status == PEL_OK) != (cases[i].words == NULL) ||
+            (cases[i].words != NULL && strstr(error.what, cases[i].words) == NULL))
+            fail_msg("%s: %s", cases[i].offsets, error.what);
+        assert_true(mesh == NULL || mesh->triangle_count == (i == 0 ? 2 : 4));
+        pel_mesh_destroy(mesh);
+    }
+}
+
 /* zeros that are packed 1000 to 1 are not unpacked without end */
 static void test_bomb(void **unused)
 {
@@ -550,6 +580,7 @@ int main(void)
         cmocka_unit_test(test_inline),       cmocka_unit_test(test_bomb),
         cmocka_unit_test(test_refuses),      cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_other_reader), cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_offsets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

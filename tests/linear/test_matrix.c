@@ -158,6 +158,59 @@ static void test_threads(void **unused)
     free(z);
 }
 
+/* A: y = A x turns the unknowns of a node onto the rows of its axes */
+static void turn_vector(const test_system *s, const int32_t *frame, const double (*axes)[3][3], const double *x,
+                        double *y)
+{
+    for (int32_t i = 0; i < s->node_count; i++)
+        for (int k = 0; k < test_node_size(s, i); k++) {
+            const double *given = x + s->first_unknown[i];
+            double sum = 0;
+            for (int l = 0; frame[i] >= 0 && l < 3; l++)
+                sum += axes[frame[i]][k][l] * given[l];
+            y[s->first_unknown[i] + k] = frame[i] >= 0 ? sum : given[k];
+        }
+}
+
+/* turned unknowns are the turned product: (A K A^T) A x = A (K x), in several chunks with and without a pool */
+static void test_turned(void **unused)
+{
+    (void)unused;
+    enum { FRAMES = 7 };
+    random_state random = {12};
+    double axes[FRAMES][3][3];
+    for (int f = 0; f < FRAMES; f++)
+        random_rotation(&random, axes[f][0]);
+    test_system s = test_grid_system(25, -3, &random);
+    int32_t *frame = malloc((size_t)s.node_count * sizeof *frame), n = s.unknown_count;
+    for (int32_t i = 0; i < s.node_count; i++)
+        frame[i] = (int32_t)random_integer(&random, -3, FRAMES - 1);
+    double *x = test_vector(n, &random), *turned = test_vector(n, &random), *product = test_vector(n, &random);
+    double *expected = test_vector(n, &random), largest = 0;
+    pel_pool *pools[2] = {NULL, NULL};
+    assert_int_equal(pel_pool_create(2, &pools[1], NULL), PEL_OK);
+    for (int p = 0; p < 2; p++) {
+        pel_matrix *m = test_matrix(&s, 0.1, NULL);
+        pel_matrix_multiply(m, NULL, x, product);
+        turn_vector(&s, frame, (const double(*)[3][3])axes, product, expected);
+        pel_matrix_turn(m, pools[p], frame, (const double(*)[3][3])axes);
+        turn_vector(&s, frame, (const double(*)[3][3])axes, x, turned);
+        pel_matrix_multiply(m, NULL, turned, product);
+        for (int32_t i = 0; i < n; i++)
+            largest = fmax(largest, fabs(expected[i]));
+        for (int32_t i = 0; i < n; i++)
+            assert_near(product[i], expected[i], 1e-13 * largest);
+        pel_matrix_destroy(m);
+    }
+    pel_pool_destroy(pools[1]);
+    test_system_release(&s);
+    free(frame);
+    free(x);
+    free(turned);
+    free(product);
+    free(expected);
+}
+
 static void check_refused(const pel_matrix_def *def, const char *kind, int64_t element)
 {
     pel_matrix *m = (pel_matrix *)(uintptr_t)1;
@@ -264,10 +317,15 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sums_of_elements), cmocka_unit_test(test_colors),
-        cmocka_unit_test(test_fixed_unknowns),   cmocka_unit_test(test_fixed_alone),
-        cmocka_unit_test(test_threads),          cmocka_unit_test(test_couplings),
-        cmocka_unit_test(test_bad_input),        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_sums_of_elements),
+        cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_fixed_unknowns),
+        cmocka_unit_test(test_fixed_alone),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_couplings),
+        cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

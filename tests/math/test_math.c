@@ -39,30 +39,32 @@ static void test_vec3(void **unused)
     assert_near(z[2], 1, 0);
 }
 
-static void test_polar_and_root(void **unused)
+static double squared_distance(const double a[4], const double b[4])
+{
+    double sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sum;
+}
+
+/* a rotation that leaves a symmetric rest, and no other rotation is nearer */
+static void test_nearest_rotation(void **unused)
 {
     (void)unused;
     random_state random = {2};
     for (int trial = 0; trial < TRIALS; trial++) {
-        double f[4], r[4], s[4], product[4], root[4];
+        double f[4], r[4];
         for (int i = 0; i < 4; i++)
             f[i] = random_normal(&random);
-        pel_matrix2_polar(f, r, s);
-        assert_near(pel_matrix2_determinant(r), 1, 1e-15);
-        assert_near(s[1], s[2], 1e-14);
-        pel_matrix2_multiply(r, s, product);
-        for (int i = 0; i < 4; i++)
-            assert_near(product[i], f[i], 1e-14);
-        /* the root of F^T F is the stretch where F keeps the orientation */
-        const double transposed[4] = {f[0], f[2], f[1], f[3]};
-        pel_matrix2_multiply(transposed, f, product);
-        pel_matrix2_sqrt(product, root);
-        double square[4];
-        pel_matrix2_multiply(root, root, square);
-        for (int i = 0; i < 4; i++) {
-            assert_near(square[i], product[i], 1e-13);
-            if (pel_matrix2_determinant(f) > 1e-3)
-                assert_near(root[i], s[i], 1e-11);
+        pel_matrix2_rotation(f, r);
+        assert_near(r[0] * r[3] - r[1] * r[2], 1, 1e-15);
+        assert_near(r[0] * r[0] + r[2] * r[2], 1, 1e-15);
+        assert_near(r[0] * r[1] + r[2] * r[3], 0, 0);
+        assert_near(r[0] * f[1] + r[2] * f[3], r[1] * f[0] + r[3] * f[2], 1e-14);
+        for (int i = 0; i < 10; i++) {
+            double angle = random_between(&random, -4, 4);
+            const double other[4] = {cos(angle), -sin(angle), sin(angle), cos(angle)};
+            assert_true(squared_distance(f, r) <= squared_distance(f, other) + 1e-14);
         }
     }
 }
@@ -70,23 +72,19 @@ static void test_polar_and_root(void **unused)
 static void test_singular_matrices(void **unused)
 {
     (void)unused;
-    const double null[4] = {0, 0, 0, 0}, reflection[4] = {1, 0, 0, -1};
-    double r[4], s[4];
-    pel_matrix2_sqrt(null, s);
-    for (int i = 0; i < 4; i++)
-        assert_near(s[i], 0, 0);
-    pel_matrix2_polar(null, r, s);
-    assert_near(r[0], 1, 0);
-    pel_matrix2_polar(reflection, r, s);
-    assert_near(r[0], 1, 0);
-    assert_near(s[3], -1, 0);
+    const double null[4] = {0, 0, 0, 0}, reflection[4] = {1, 0, 0, -1}, identity[4] = {1, 0, 0, 1};
+    double r[4];
+    pel_matrix2_rotation(null, r);
+    assert_near(squared_distance(r, identity), 0, 0);
+    pel_matrix2_rotation(reflection, r);
+    assert_near(squared_distance(r, identity), 0, 0);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_vec3),
-        cmocka_unit_test(test_polar_and_root),
+        cmocka_unit_test(test_nearest_rotation),
         cmocka_unit_test(test_singular_matrices),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

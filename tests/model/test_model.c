@@ -171,6 +171,34 @@ static void test_curves(void **unused)
     assert_near(pel_curve_value(NULL, 0, 9), 1, 0);
 }
 
+/* each parameter of a body has its own curve, a copy */
+static void test_curves_of_parameters(void **unused)
+{
+    (void)unused;
+    pel_key keys[PEL_PARAMETER_COUNT][2];
+    pel_mesh *mesh = make_sphere(2);
+    pel_body_def body = ball_body(mesh);
+    pel_quantity *quantities[PEL_PARAMETER_COUNT] = {
+        [PEL_SPRING_STIFFNESS] = &body.spring_stiffness,
+        [PEL_SPRING_DAMPING] = &body.spring_damping,
+        [PEL_VOLUMETRIC_STIFFNESS] = &body.volumetric_stiffness,
+        [PEL_VOLUMETRIC_DAMPING] = &body.volumetric_damping,
+    };
+    for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
+        keys[p][0] = (pel_key){p, 2};
+        keys[p][1] = (pel_key){p + 2, 4};
+        *quantities[p] = (pel_quantity){.value = 1, .keys = keys[p], .key_count = 2};
+    }
+    pel_model *model = make_model(&body);
+    memset(keys, 0, sizeof keys);
+    for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
+        const pel_curve *curve = &model->bodies[0].curves[p];
+        assert_near(pel_curve_value(curve->keys, curve->key_count, p + 1), 3, 0);
+    }
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -180,6 +208,7 @@ int main(void)
         cmocka_unit_test(test_masses),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_curves),
+        cmocka_unit_test(test_curves_of_parameters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

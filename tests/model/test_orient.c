@@ -89,6 +89,7 @@ static void test_parts(void **unused)
         {{{0, 1, false, false}, {0.9, 0.05, true, false}, {0, 0.1, true, false}}, 3, 1, 1 + 0.000125 - 0.001},
         /* open surfaces have no inside */
         {{{0, 1, true, true}}, 1, 0, -1},
+        {{{0, 1, false, true}, {0, 0.3, true, false}}, 2, 1, 1.027},
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         pel_mesh *mesh = make_balls(cases[c].balls, cases[c].count, 4);
@@ -105,6 +106,20 @@ static void test_parts(void **unused)
         pel_model_destroy(model);
         pel_mesh_destroy(mesh);
     }
+}
+
+/* a dented part does not enclose itself: more than half of the space about its first vertex is within it */
+static void test_dented(void **unused)
+{
+    (void)unused;
+    const ball inward = {0, 1, true, false};
+    pel_mesh *mesh = make_balls(&inward, 1, 4);
+    pel_vec3_scale(mesh->positions[mesh->triangles[0][0]], 0.3, mesh->positions[mesh->triangles[0][0]]);
+    pel_model *model = make_model(mesh, NULL);
+    assert_int_equal(pel_model_turned_count(model, 0), mesh->triangle_count);
+    assert_near(volume_of(pel_model_mesh(model, 0)), -volume_of(mesh), 1e-6);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
 }
 
 /* small balls inside an icosahedron and beside it, close to its large triangles: one inside is a cavity, one outside is
@@ -203,6 +218,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_near_triangles),
+        cmocka_unit_test(test_dented),
         cmocka_unit_test(test_pressures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

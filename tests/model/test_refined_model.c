@@ -72,11 +72,32 @@ static void test_pins(void **unused)
     end(&made);
 }
 
+/* a surface that is coarsened to its mesh has the vertices and springs of its mesh, in the same places */
+static void test_coarsened(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(5);
+    pel_body_def body = ball(mesh, 2);
+    pel_sim_def def = pel_sim_def_default();
+    bench made = begin(mesh, &body, &def);
+    const pel_model *model = made.sim->model;
+    const pel_body before = model->bodies[0];
+    refine(&made, 13, 2);
+    refine(&made, 200, 1);
+    assert_true(model->bodies[0].slice_end > before.slice_end);
+    refine(&made, 200, 0);
+    refine(&made, 13, 0);
+    assert_int_equal(model->bodies[0].front->vertex_count, mesh->vertex_count);
+    assert_int_equal(model->bodies[0].slice_end, before.slice_end);
+    end(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_unchanged),
         cmocka_unit_test(test_pins),
+        cmocka_unit_test(test_coarsened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -299,6 +299,31 @@ static void test_sequence(void **unused)
     assert_string_equal(pel_export_numbered_path(name, "a.b/ball.x.obj", 123456), "a.b/ball.x_123456.obj");
 }
 
+static void remove_frame(void *user, const char *text)
+{
+    (void)text;
+    unlink(user);
+}
+
+/* a frame that is removed during the export: the files that were written go, one of before with the number that failed
+   stays */
+static void test_frame_lost_meanwhile(void **unused)
+{
+    (void)unused;
+    char obj[FOLDER_PATH], path[FOLDER_PATH], lost[FOLDER_PATH];
+    pel_error error;
+    const pel_log log = {remove_frame, folder_path(lost, folder, "frames/f00002.vtp")};
+    FILE *file = fopen(folder_path(path, folder, "e_00002.obj"), "w");
+    assert_non_null(file);
+    fclose(file);
+    folder_path(obj, folder, "e.obj");
+    assert_int_equal(pel_export_sequence(obj, PEL_FORMAT_OBJ, frames, &log, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.file, "f00002.vtp"));
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(access(folder_path(path, folder, "e_00000.obj"), F_OK), -1);
+    assert_int_equal(access(folder_path(path, folder, "e_00001.obj"), F_OK), -1);
+}
+
 /* a bad frame leaves nothing, not even the files before it */
 static void test_nothing_half_written(void **unused)
 {
@@ -426,6 +451,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_glb_mesh, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_too_large, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_sequence, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_frame_lost_meanwhile, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_nothing_half_written, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_changed_meanwhile, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failures, set_up, tear_down),

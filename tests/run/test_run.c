@@ -214,6 +214,46 @@ static void test_speed(void **unused)
     pel_scene_destroy(scene);
 }
 
+typedef struct asking {
+    int count, most;
+} asking;
+
+static bool is_wanted(void *user)
+{
+    asking *asked = user;
+    return asked->count++ < asked->most;
+}
+
+/* the caller is asked within long steps, with its own data, and a run that it stops ends before that step */
+static void test_stops_within_steps(void **unused)
+{
+    (void)unused;
+    static const char sheet[] =
+        "version: 1\nbodies:\n"
+        "  - { name: sheet, mesh: { shape: grid, nx: 12, ny: 12 }, mass: { density: 1000, thickness: 0.01 },\n"
+        "      membrane: { young: 1e5, thickness: 0.01 }, pinned: { box: { min: [-1, -1, -1], max: [-0.49, 1, 1] } } "
+        "}\n"
+        "gravity: [0, 0, -9.81]\nsolver: { method: implicit, dt: 0.05 }\nstop: { frames: 4 }\n";
+    pel_scene *scene = load_scene(sheet, NULL, 0);
+    asking asked = {0, 1000000};
+    pel_run_summary summary;
+    pel_run_def def = pel_run_def_default();
+    def.wanted = is_wanted;
+    def.user = &asked;
+    def.thread_count = thread_count;
+    assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
+    int whole = asked.count;
+    assert_true(summary.steps > 1 && whole > 2 * summary.steps);
+    int64_t steps = summary.steps;
+    for (int stop = 1; stop < whole; stop += whole / 3) {
+        asked = (asking){0, stop};
+        pel_error error;
+        assert_int_equal(pel_run(scene, &def, &summary, &error), PEL_STOPPED);
+        assert_true(asked.count == stop + 1 && summary.steps < steps);
+    }
+    pel_scene_destroy(scene);
+}
+
 /* an older, longer run is replaced; files that are none of a run stay */
 static void test_takes_over_folder(void **unused)
 {
@@ -552,6 +592,7 @@ int main(void)
         cmocka_unit_test(test_volume_of_any_body),
         cmocka_unit_test(test_contact_columns),
         cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_stops_within_steps),
         cmocka_unit_test(test_takes_over_folder),
         cmocka_unit_test(test_bad_folders),
         cmocka_unit_test(test_nothing_written),

@@ -233,16 +233,18 @@ static void test_solid_tools(void **unused)
     end(&made);
 }
 
+/* a ball that meshes may touch */
+static const char touched[] =
+    "version: 1\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 0.1 },\n"
+    "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
+    "solver: { method: quasi-static, dt: 0.02 }\ncontact: { self: false }\nduration: 1\n";
+
 /* a mesh presses where there is contact, as large as asked for; commands with a file in the scene's folder are repeated
    from another folder */
 static void test_mesh_tool(void **unused)
 {
     (void)unused;
-    static const char ball[] =
-        "version: 1\nbodies:\n"
-        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 0.1 },\n"
-        "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
-        "solver: { method: quasi-static, dt: 0.02 }\ncontact: { self: false }\nduration: 1\n";
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_TORUS);
     pel_mesh *ring = NULL;
     pel_hand_reading hand;
@@ -250,7 +252,7 @@ static void test_mesh_tool(void **unused)
     assert_int_equal(pel_shape_create(&shape, &ring, NULL), PEL_OK);
     assert_int_equal(pel_mesh_write("a ring.ply", PEL_FORMAT_AUTO, ring, NULL, NULL), PEL_OK);
     pel_mesh_destroy(ring);
-    play made = begin(ball);
+    play made = begin(touched);
     for (int turn = 0; turn < 2; turn++) {
         apply(&made, turn == 0 ? "press torus 0.5 0 0 1.6 0 0 0 1" : "press a%20ring.ply 0.5 0 0 1.6 0 0 0 1");
         const pel_mesh *mesh = pel_session_tool_mesh(made.session);
@@ -280,6 +282,52 @@ static void test_mesh_tool(void **unused)
     pel_scene_destroy(scene);
     pel_session_free_text(repeated);
     remove("a ring.ply");
+}
+
+/* mean distance of the vertices from their mean, after some steps of pressure */
+static double inflated_radius(const pel_mesh *mesh)
+{
+    static const char ball[] = "version: 1\nbodies:\n"
+                               "  - { name: ball, mesh: { file: a ball.ply }, mass: { per_vertex: 0.1 },\n"
+                               "      springs: { stiffness: 3, damping: 0.1 } }\n"
+                               "solver: { method: explicit, dt: 0.01 }\nduration: 1\n";
+    double x[3 * 100], middle[3] = {0, 0, 0}, radius = 0;
+    assert_int_equal(pel_mesh_write("a ball.ply", PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
+    play made = begin(ball);
+    int32_t count = mesh->vertex_count;
+    assert_true(count <= 100);
+    apply(&made, "inflate ball 5");
+    steps(&made, 10);
+    pel_sim_get_positions(made.sim, 0, x);
+    for (int32_t i = 0; i < 3 * count; i++)
+        middle[i % 3] += x[i] / count;
+    for (int32_t v = 0; v < count; v++)
+        radius += pel_vec3_distance(&x[3 * v], middle) / count;
+    end(&made);
+    remove("a ball.ply");
+    return radius;
+}
+
+/* pressure acts outward on a closed surface however its triangles are turned, wherever it is */
+static void test_inside_out(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *mesh = NULL;
+    shape.frequency = 3;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        mesh->positions[v][1] -= 20;
+    double radius = inflated_radius(mesh);
+    assert_true(radius > 1.02);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        int32_t first = mesh->triangles[t][0];
+        mesh->triangles[t][0] = mesh->triangles[t][1];
+        mesh->triangles[t][1] = first;
+    }
+    const double rounding = 1e-12;
+    assert_near(inflated_radius(mesh), radius, rounding);
+    pel_mesh_destroy(mesh);
 }
 
 static void test_bad_lines(void **unused)
@@ -451,12 +499,33 @@ static void test_allocations(void **unused)
     end(&made);
 }
 
+/* a session in which tools come and go gives all of its memory back */
+static void test_memory_of_tools(void **unused)
+{
+    (void)unused;
+    failing_malloc_begin(0);
+    play made = begin(touched);
+    for (int turn = 0; turn < 3; turn++) {
+        apply(&made, "press torus 0.2 0 0 3 0 0 0 1");
+        apply(&made, "move 0 0 2.9");
+        steps(&made, 1);
+        apply(&made, "mark");
+        if (turn < 2)
+            apply(&made, "release");
+    }
+    end(&made);
+    assert_int_equal(failing_malloc_end().live, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undo_and_reset), cmocka_unit_test(test_many_marks),  cmocka_unit_test(test_run_repeats),
-        cmocka_unit_test(test_mesh_tool),      cmocka_unit_test(test_solid_tools), cmocka_unit_test(test_bad_lines),
-        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_divergence),  cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_undo_and_reset),  cmocka_unit_test(test_many_marks),
+        cmocka_unit_test(test_run_repeats),     cmocka_unit_test(test_mesh_tool),
+        cmocka_unit_test(test_solid_tools),     cmocka_unit_test(test_inside_out),
+        cmocka_unit_test(test_bad_lines),       cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_divergence),      cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_memory_of_tools),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

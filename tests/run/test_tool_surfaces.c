@@ -4,6 +4,8 @@
 
 #include "pellicle/frames.h"
 #include "pellicle/sim.h"
+#include "results/folder.h"
+#include "results/tool_surface.h"
 
 static const char tools[] =
     "version: 1\n"
@@ -95,9 +97,64 @@ static void test_resume(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* a resumed run that ends before its first frame still lists the tools of the frames that are there */
+static void test_resume_without_frames(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(tools, NULL, 0);
+    run_case test = {.run = "again", .stop_at = 13}, rest = {.run = "again", .resume = "checkpoint", .stop_at = 14};
+    char path[256];
+    pel_frames *frames;
+    check_run(scene, &test, PEL_STOPPED);
+    check_run(scene, &rest, PEL_STOPPED);
+    assert_int_equal(pel_frames_open(in_folder(path, "again", ""), &frames, NULL), PEL_OK);
+    assert_int_equal(frames->tool_count, 3);
+    for (int32_t i = 0; i < 3; i++)
+        assert_string_equal(frames->tool_names[i], scene->sim.tools[i].name);
+    pel_frames_close(frames);
+    pel_scene_destroy(scene);
+}
+
+/* a tool of the same name takes its new shape: surfaces that were read before write the files of new ones */
+static void test_other_shapes(void **unused)
+{
+    (void)unused;
+    static const char *const overrides[] = {"duration=0.2",       "tools.1.length=0.9",           "tools.1.radius=0.2",
+                                            "tools.0.radius=0.4", "tools.2.size=[0.2, 0.4, 0.5]", "duration=0.2"};
+    enum { COUNT = sizeof overrides / sizeof *overrides };
+    pel_tool_surfaces used = {0};
+    char used_folder[256], new_folder[256];
+    assert_int_equal(pel_run_folder_open(in_folder(used_folder, "used", ""), NULL), PEL_OK);
+    assert_int_equal(pel_run_folder_open(in_folder(new_folder, "new", ""), NULL), PEL_OK);
+    for (int i = 0; i < COUNT; i++) {
+        pel_scene *scene = load_scene(tools, &overrides[i], 1);
+        pel_tool_surfaces new = {0};
+        pel_model *model;
+        pel_sim *sim;
+        assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
+        scene->sim.model = model;
+        assert_int_equal(pel_sim_create(&scene->sim, &sim, NULL), PEL_OK);
+        assert_int_equal(pel_tool_surfaces_read(&used, sim, NULL), PEL_OK);
+        assert_int_equal(pel_tool_surfaces_read(&new, sim, NULL), PEL_OK);
+        assert_int_equal(pel_tool_surfaces_write(&used, &scene->output, used_folder, i, NULL), PEL_OK);
+        assert_int_equal(pel_tool_surfaces_write(&new, &scene->output, new_folder, i, NULL), PEL_OK);
+        for (int32_t tool = 0; tool < 3; tool++) {
+            char name[PEL_RUN_FILE_SIZE];
+            check_same_file("used", "new", pel_run_tool_path(name, NULL, i, tool));
+        }
+        pel_tool_surfaces_destroy(&new);
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+        pel_scene_destroy(scene);
+    }
+    pel_tool_surfaces_destroy(&used);
+}
+
 int main(void)
 {
     thread_count = 2;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_surfaces), cmocka_unit_test(test_resume)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_surfaces), cmocka_unit_test(test_resume),
+                                       cmocka_unit_test(test_resume_without_frames),
+                                       cmocka_unit_test(test_other_shapes)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

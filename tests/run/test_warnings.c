@@ -1,5 +1,6 @@
 /* Warnings of runs: each is reported once, is in the summary, and disappears with its remedy. */
 #define _XOPEN_SOURCE 700 /* nftw */
+#include "random.h"
 #include "run/run_fixture.h"
 
 #include "pellicle/shape.h"
@@ -575,6 +576,54 @@ static void test_frames(void **unused)
     assert_true(tallies.of[PEL_WARN_INVERTED_VOLUME].worst == 0.5);
 }
 
+static void shake(pel_sim *sim, int32_t body, double speed, random_state *random)
+{
+    int32_t count = pel_sim_vertex_count(sim, body);
+    double *velocities = malloc(3 * (size_t)count * sizeof *velocities);
+    for (int32_t i = 0; i < 3 * count; i++)
+        velocities[i] = random_between(random, -speed, speed);
+    assert_int_equal(pel_sim_set_velocities(sim, body, velocities, NULL), PEL_OK);
+    free(velocities);
+}
+
+/* steps count as jammed by the vertices that they stepped back themselves, not by those before them */
+static void test_jam(void **unused)
+{
+    (void)unused;
+    static const char spheres[] =
+        "version: 1\nbodies:\n"
+        "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { per_vertex: 1 }, springs: { stiffness: "
+        "3 } }\n"
+        "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 3, translate: [2.02, 0.1, 0] },\n"
+        "      mass: { per_vertex: 1 }, springs: { stiffness: 3 } }\n"
+        "contact: { self: true }\nsolver: { method: explicit, dt: 0.01 }\nduration: 1\n";
+    pel_scene *scene = load_scene(spheres, NULL, 0);
+    pel_run_state run = {.scene = scene};
+    random_state random = {7};
+    assert_int_equal(pel_model_create(&scene->model, &run.model, NULL), PEL_OK);
+    pel_sim_def def = scene->sim;
+    def.model = run.model;
+    assert_int_equal(pel_sim_create(&def, &run.sim, NULL), PEL_OK);
+    int32_t vertex_count = pel_sim_vertex_count(run.sim, 0) + pel_sim_vertex_count(run.sim, 1);
+    int64_t before = 0, jammed = 0;
+    for (int n = 0; n < 40; n++) {
+        shake(run.sim, 0, n % 4 == 0 ? 300 : 0, &random);
+        shake(run.sim, 1, n % 4 == 0 ? 300 : 0, &random);
+        assert_int_equal(pel_sim_step(run.sim, NULL), PEL_OK);
+        pel_contact_statistics now;
+        pel_sim_get_contact_statistics(run.sim, &now);
+        jammed += 10 * (now.fall_backs - before) >= vertex_count;
+        before = now.fall_backs;
+        pel_warnings_check_step(&run);
+        assert_int_equal(run.totals.warnings.of[PEL_WARN_JAMMED].count, jammed);
+    }
+    print_message("%d of 40 steps jammed\n", (int)jammed);
+    assert_true(jammed > 0 && jammed < 30);
+    pel_sim_destroy(run.sim);
+    pel_model_destroy(run.model);
+    pel_scene_destroy(scene);
+}
+
 /* every kind has its own code, small letters and hyphens, and a text that ends without a full stop */
 static void test_every_kind_has_a_text(void **unused)
 {
@@ -654,6 +703,7 @@ int main(void)
         cmocka_unit_test(test_unsettled),
         cmocka_unit_test(test_tallies),
         cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_jam),
         cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = cmocka_run_group_tests(tests, one_thread, clear_folder);

@@ -99,12 +99,42 @@ static void test_pressures(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* the corner with which a triangle begins does not change the bound */
+static void test_corners(void **unused)
+{
+    (void)unused;
+    static const pel_pressure_kind kinds[] = {PEL_PRESSURE_NONE, PEL_PRESSURE_GIVEN, PEL_PRESSURE_VOLUME};
+    const double rounding = sizeof(pel_real) == 8 ? 1e-12 : 1e-5;
+    for (int i = 0; i < 3; i++) {
+        pel_mesh *mesh = make_sphere(3);
+        double bounds[3];
+        for (int turn = 0; turn < 3; turn++) {
+            pel_body_def body = i == 0 ? shell_body(mesh, PEL_MEMBRANE_STVK) : soft_sheet(mesh);
+            body.shell.pressure.kind = kinds[i];
+            body.shell.pressure.outside.value = body.shell.pressure.bulk = 1000;
+            body.shell.pressure.target.value = 1;
+            pel_model *model = make_model(&body);
+            bounds[turn] = stability_of(model).stiffness_bound;
+            assert_near(bounds[turn], bounds[0], rounding * bounds[0]);
+            pel_model_destroy(model);
+            for (int32_t t = 0; t < mesh->triangle_count; t += 1 + turn) {
+                int32_t *c = mesh->triangles[t], first = c[0];
+                c[0] = c[1];
+                c[1] = c[2];
+                c[2] = first;
+            }
+        }
+        pel_mesh_destroy(mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_pressures),
+        cmocka_unit_test(test_corners),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

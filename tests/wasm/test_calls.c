@@ -116,6 +116,108 @@ static void test_arrays(void **unused)
     pel_wasm_sim_destroy(NULL);
 }
 
+/* every number of a hit is that of the library, and so are fields and triangles */
+static void test_queries(void **unused)
+{
+    (void)unused;
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *other;
+    pel_pick_hit hit;
+    const double eye[3] = {0.2, 0.1, 5}, way[3] = {0, 0, -1};
+    assert_int_equal(pel_scene_parse("scene.yaml", ball, strlen(ball), NULL, 0, NULL, &scene, NULL), PEL_OK);
+    assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
+    scene->sim.model = model;
+    assert_int_equal(pel_sim_create(&scene->sim, &other, NULL), PEL_OK);
+    pel_wasm_sim *sim = create(ball);
+    const double *found = pel_wasm_sim_pick(sim, eye[0], eye[1], eye[2], way[0], way[1], way[2]);
+    assert_non_null(found);
+    assert_int_equal(pel_pick(other, eye, way, &hit, NULL), PEL_OK);
+    const double expected[17] = {hit.is_hit,     hit.body,        hit.triangle,    hit.mesh_vertex, hit.distance,
+                                 hit.point[0],   hit.point[1],    hit.point[2],    hit.normal[0],   hit.normal[1],
+                                 hit.normal[2],  hit.vertices[0], hit.vertices[1], hit.vertices[2], hit.weights[0],
+                                 hit.weights[1], hit.weights[2]};
+    assert_true(hit.distance > 4 && hit.distance < 4.2);
+    for (int i = 0; i < 17; i++)
+        assert_near(found[i], expected[i], 0);
+    int32_t triangles[BALL_TRIANGLES][3];
+    pel_sim_get_triangles(other, 0, triangles[0]);
+    assert_memory_equal(pel_wasm_sim_triangles(sim, 0), triangles, sizeof triangles);
+    for (int32_t field = 0; field < pel_field_count(); field++) {
+        double values[BALL_VERTICES * 9];
+        pel_status status = pel_observe(other, field, 0, values, NULL);
+        const float *seen = pel_wasm_sim_field(sim, field, 0);
+        assert_int_equal(pel_wasm_sim_status(sim), status);
+        assert_true((seen != NULL) == (status == PEL_OK));
+        for (int32_t i = 0; seen != NULL && i < BALL_VERTICES * pel_field_at(field)->component_count; i++)
+            assert_true(seen[i] == (float)values[i] || (isnan(seen[i]) && isnan(values[i])));
+    }
+    assert_null(pel_wasm_sim_field(sim, pel_field_count(), 0));
+    assert_int_equal(pel_wasm_sim_status(sim), PEL_BAD_ARGUMENT);
+    pel_sim_destroy(other);
+    pel_model_destroy(model);
+    pel_scene_destroy(scene);
+    pel_wasm_sim_destroy(sim);
+}
+
+/* arrays follow a surface that refines */
+static void test_refined(void **unused)
+{
+    (void)unused;
+    static const char finer[] =
+        "version: 1\nbodies:\n"
+        "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 3 }, mass: { total: 1 },\n"
+        "      springs: { stiffness: 3, damping: 0.01 }, volumetric: { stiffness: 1.5, damping: 0.01 },\n"
+        "      refine: { levels: 1, above: 0.01 } }\n"
+        "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n";
+    pel_wasm_sim *sim = create(finer);
+    assert_int_equal(pel_wasm_sim_status(sim), PEL_OK);
+    assert_non_null(pel_wasm_sim_positions(sim, 0));
+    assert_non_null(pel_wasm_sim_triangles(sim, 0));
+    assert_int_equal(pel_wasm_sim_apply(sim, "grab 0 -5 0  0 1 0  20 0.3"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "move 0 -1.8 0"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(sim, 20), PEL_OK);
+    int32_t count = pel_wasm_sim_vertex_count(sim, 0), triangle_count = pel_wasm_sim_triangle_count(sim, 0);
+    assert_true(count > BALL_VERTICES && triangle_count - 2 * count == BALL_TRIANGLES - 2 * BALL_VERTICES);
+    const float *positions = pel_wasm_sim_positions(sim, 0);
+    const int32_t *triangles = pel_wasm_sim_triangles(sim, 0);
+    int32_t last = 0;
+    for (int32_t i = 0; i < 3 * triangle_count; i++)
+        last = triangles[i] > last ? triangles[i] : last;
+    assert_int_equal(last, count - 1);
+    for (int32_t i = 0; i < 3 * count; i++)
+        assert_true(fabsf(positions[i]) < 3);
+    pel_wasm_sim_destroy(sim);
+}
+
+/* notes of the mesh reader are an array of texts */
+static void test_notes(void **unused)
+{
+    (void)unused;
+    static const char path[] = "wasm-notes.obj", two[] =
+                                                     "version: 1\nbodies:\n"
+                                                     "  - { name: a, mesh: { file: wasm-notes.obj }, mass: { total: "
+                                                     "1 }, springs: { stiffness: 3 } }\n"
+                                                     "  - { name: b, mesh: { file: wasm-notes.obj }, mass: { total: "
+                                                     "1 }, springs: { stiffness: 3 } }\n"
+                                                     "solver: { method: explicit, dt: 0.001 }\nduration: 1\n";
+    pel_wasm_sim *sim = create(ball);
+    const pel_wasm_text *notes = pel_wasm_sim_notes(sim);
+    assert_int_equal(notes->size, 2);
+    assert_memory_equal(notes->text, "[]", 2);
+    pel_wasm_sim_destroy(sim);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "vn 0 0 1\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3//1\n");
+    fclose(file);
+    sim = create(two);
+    assert_int_equal(pel_wasm_sim_status(sim), PEL_OK);
+    assert_true(holds(pel_wasm_sim_notes(sim), "[\"") && holds(pel_wasm_sim_notes(sim), "normals ignored\",\""));
+    assert_true(holds(pel_wasm_sim_notes(sim), "normals ignored\"]"));
+    pel_wasm_sim_destroy(sim);
+    remove(path);
+}
+
 static void test_undo(void **unused)
 {
     (void)unused;
@@ -140,6 +242,26 @@ static void test_undo(void **unused)
     assert_true(holds(pel_wasm_sim_error(sim), "\"status\":\"bad argument\""));
     assert_true(holds(pel_wasm_sim_error(sim), "stiffness"));
     pel_wasm_sim_destroy(sim);
+}
+
+/* commands of the scene's session are done at their steps */
+static void test_session_of_scene(void **unused)
+{
+    (void)unused;
+    char played[1000], words[1000];
+    snprintf(played, sizeof played, "%ssession: [\"0 inflate ball 50\", \"2 inflate ball 0\"]\n", ball);
+    pel_wasm_sim *by_hand = create(ball), *by_scene = create(played);
+    assert_int_equal(pel_wasm_sim_apply(by_hand, "inflate ball 50"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_hand, 2), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(by_hand, "inflate ball 0"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_hand, 3), PEL_OK);
+    assert_int_equal(pel_wasm_sim_step(by_scene, 5), PEL_OK);
+    const char *hash = strstr(pel_wasm_sim_summary(by_hand)->text, "\"hash\"");
+    assert_non_null(hash);
+    snprintf(words, sizeof words, "%.*s", (int)strcspn(hash, ","), hash);
+    assert_true(holds(pel_wasm_sim_summary(by_scene), words));
+    pel_wasm_sim_destroy(by_hand);
+    pel_wasm_sim_destroy(by_scene);
 }
 
 static void test_bad_scenes(void **unused)
@@ -260,8 +382,17 @@ static void test_allocations(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps), cmocka_unit_test(test_arrays),
-                                       cmocka_unit_test(test_undo),  cmocka_unit_test(test_bad_scenes),
-                                       cmocka_unit_test(test_live),  cmocka_unit_test(test_allocations)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_arrays),
+        cmocka_unit_test(test_queries),
+        cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_notes),
+        cmocka_unit_test(test_undo),
+        cmocka_unit_test(test_session_of_scene),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_live),
+        cmocka_unit_test(test_allocations),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
