@@ -89,6 +89,7 @@ static void test_rows(void **unused)
     pel_mesh *mesh;
     assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
     pel_body_def body = ball(mesh, 3);
+    body.refine.rings = 3; /* to the middle of a triangle of the mesh */
     pel_sim_def def = pel_sim_def_default();
     bench made = begin(mesh, &body, &def);
     refine(&made, nearest_vertex(mesh, 0, 0, 0), 3);
