@@ -180,7 +180,45 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:3:24: error: cannot open the mesh 'no/such.ply': No such file or directory. check the path"},
     {"version: 1\nduration: 1\nbodies: [{mesh: {file: .}}]\n", NULL, "a.yaml:3:24: error: "},
 
+    /* supports */
+    {BALL "    supports: [{at: all, fix: []}]\n", NULL,
+     "a.yaml:5:16: error: the support holds nothing. list components"},
+    {BALL "    supports: [{at: all, fix: [x, z], displacement: [0, 1, 0]}]\n", NULL,
+     "a.yaml:5:16: error: the support displaces a component that it does not hold"},
+    {BALL "    supports: [{at: all, fix: [x], stiffness: 1, foundation: 2}]\n", NULL,
+     "a.yaml:5:16: error: the support has a stiffness of its vertices and one of a foundation"},
+    {BALL "    supports: [{at: all, symmetry: [0, 0, 0]}]\n", NULL, "a.yaml:5:36: error: the direction has no length"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [-2, -4, -6]}}]\n", NULL,
+     "a.yaml:5:51: error: y is parallel to x"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [0, 0, 0]}}]\n", NULL,
+     "a.yaml:5:51: error: the direction has no length"},
+    {BALL "    supports: [{name: a, at: all}, {name: a, at: all}]\n", NULL,
+     "a.yaml:5:43: error: the name 'a' is in use"},
+
+    /* contact */
+    {BALL "contact: {thickness: relative}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative' is not a thickness"},
+    {BALL "contact: {thickness: relative 0}\n", NULL,
+     "a.yaml:5:22: error: `thickness` 'relative 0' is not a thickness"},
+    {BALL "contact: {thickness: relative 1e999}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative 1e999' is not"},
+    {BALL "contact: {thickness: relative 1 m}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative 1 m' is not a"},
+    {BALL "contact: {thickness: absolute 1}\n", NULL,
+     "a.yaml:5:22: error: `thickness` 'absolute 1' is not a thickness"},
+
+    /* sessions */
+    {BALL "session: [release]\n", NULL,
+     "a.yaml:5:11: error: a command of the session has no step from 0 on: \"release\". write the step, a space"},
+    {BALL "session: [3release]\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: [' 3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['+3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['-3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['2147483648 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0"},
+    {BALL "session: ['7 release', '7 release', '6 release']\n", NULL,
+     "a.yaml:5:37: error: a command of the session has no step from 7 on: \"6 release\""},
+
     /* YAML itself */
+    {"%YAML 3.1\n---\nversion: 1\n", NULL,
+     "a.yaml:1:1: error: this is not YAML 1.2. remove lines that begin with %, such as %YAML 1.1"},
+    {"%YAML 1.1 x\n---\nversion: 1\n", NULL, "a.yaml:1:11: error: this is not YAML: garbage after version"},
     {"version: 1\nbodies: [1, 2\n", NULL, "a.yaml:3:1: error: this is not YAML: flow sequence without"},
     {"version: \"1\n", NULL, "a.yaml:1:11: error: this is not YAML: double-quoted scalar without closing quote"},
     {"version: 1\n\tduration: 1\n", NULL, "a.yaml:"},
@@ -300,6 +338,13 @@ static void test_locations(void **unused)
     check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
                    "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
                    "a.yaml:7:3: error: ");
+    /* supports are numbered through all bodies */
+    check_location("    supports: [{at: {nearest: [0, 0, 1]}}, {at: {nearest: [0, 0, -1]}}]\n"
+                   "  - {mesh: {shape: geodesic-sphere}, pinned: all,\n"
+                   "     supports: [{name: low, at: all, symmetry: z},\n"
+                   "                {name: top, at: all, displacement: [0, 0, 1]}]}\n"
+                   "solver: {method: static}\n",
+                   "a.yaml:8:17: error: support 'body2_top' displaces vertex 0, which is pinned");
 }
 
 static void test_missing_file(void **unused)
