@@ -373,6 +373,50 @@ static void test_bad_mesh_file(void **unused)
     remove("scene_bad_mesh.obj");
 }
 
+/* numbers of a field are checked like those of the scene, after its map; the field is found among the scalar ones */
+static void test_field_out_of_range(void **unused)
+{
+    (void)unused;
+    static const char *const cases[][2] = {
+        {"{field: stiff}",
+         "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2, out of range. it must be > 0"},
+        {"{field: stiff, map: [1, 2]}", NULL},
+        {"{field: stiff, map: [1, 4]}", "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2"},
+        {"{field: nx}", "a.yaml:3:94: error: unknown scalar field of the mesh 'nx'. known are: stiff"},
+    };
+    FILE *file = fopen("scene_field.ply", "w");
+    fputs("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float nx\nproperty float ny\nproperty float nz\nproperty float stiff\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "0 0 0 0 0 1 1\n1 0 0 0 0 1 2\n0 1 0 0 0 1 -0.5\n3 0 1 2\n",
+          file);
+    fclose(file);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[300], message[1000];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nduration: 1\nbodies: [{mesh: {file: scene_field.ply}, membrane: {thickness: 1, poisson: 0, "
+            "young: %s}}]\n",
+            cases[i][0]);
+        pel_scene *scene;
+        pel_error error;
+        pel_status status = pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error);
+        if (cases[i][1] == NULL) {
+            assert_int_equal(status, PEL_OK);
+            const double expected[3] = {2, 3, 0.5};
+            for (int v = 0; v < 3; v++)
+                assert_near(scene->model.bodies[0].shell.membrane.young.field[v], expected[v], 1e-15);
+            pel_scene_destroy(scene);
+            continue;
+        }
+        assert_int_equal(status, PEL_BAD_SCENE);
+        pel_error_text(&error, message, sizeof message);
+        if (strncmp(message, cases[i][1], strlen(cases[i][1])) != 0)
+            fail_msg("%s", message);
+    }
+    remove("scene_field.ply");
+}
+
 /* aliases that double over and over end in an error, not without memory */
 static void test_aliases_without_end(void **unused)
 {
@@ -433,8 +477,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
-        cmocka_unit_test(test_aliases_without_end), cmocka_unit_test(test_nesting_without_end),
-        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
+        cmocka_unit_test(test_field_out_of_range),  cmocka_unit_test(test_aliases_without_end),
+        cmocka_unit_test(test_nesting_without_end), cmocka_unit_test(test_locations),
+        cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
