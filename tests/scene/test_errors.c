@@ -382,11 +382,11 @@ static void test_field_out_of_range(void **unused)
          "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2, out of range. it must be > 0"},
         {"{field: stiff, map: [1, 2]}", NULL},
         {"{field: stiff, map: [1, 4]}", "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2"},
-        {"{field: nx}", "a.yaml:3:94: error: unknown scalar field of the mesh 'nx'. known are: stiff"},
+        {"{field: side}", "a.yaml:3:94: error: unknown scalar field of the mesh 'side'. known are: stiff"},
     };
     FILE *file = fopen("scene_field.ply", "w");
     fputs("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-          "property float nx\nproperty float ny\nproperty float nz\nproperty float stiff\n"
+          "property float side_0\nproperty float side_1\nproperty float side_2\nproperty float stiff\n"
           "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
           "0 0 0 0 0 1 1\n1 0 0 0 0 1 2\n0 1 0 0 0 1 -0.5\n3 0 1 2\n",
           file);
