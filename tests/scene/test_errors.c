@@ -180,6 +180,18 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:3:24: error: cannot open the mesh 'no/such.ply': No such file or directory. check the path"},
     {"version: 1\nduration: 1\nbodies: [{mesh: {file: .}}]\n", NULL, "a.yaml:3:24: error: "},
 
+    /* alternatives */
+    {BALL "    pressure: {gas: {pressure: 1}, outside: 3}\n", NULL,
+     "a.yaml:5:36: error: 'gas' and 'outside' exclude each other. remove one of them, or move 'outside' into 'gas'"},
+    {BALL "    pressure: {outside: 3, volume: {target: 1, bulk: 1}}\n", NULL,
+     "a.yaml:5:28: error: 'outside' and 'volume' exclude each other. remove one of them, or move 'outside' into "
+     "'volume'"},
+    {BALL "    pressure: {inside: 3, outside: 1}\n", NULL,
+     "a.yaml:5:27: error: 'inside' and 'outside' exclude each other. remove one of them"},
+    {BALL "    mass: {density: 1, thickness: {}}\n", NULL, "a.yaml:5:35: error: bodies.0.mass.thickness lacks 'field'"},
+    {BALL "    supports: [{at: all, symmetry: w}]\n", NULL,
+     "a.yaml:5:36: error: bodies.0.supports.0.symmetry is 'w', it must be: "},
+
     /* supports */
     {BALL "    supports: [{at: all, fix: []}]\n", NULL,
      "a.yaml:5:16: error: the support holds nothing. list components"},
