@@ -74,6 +74,16 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:51: error: y is parallel to x"},
     {BALL "    supports: [{at: all, stiffness: 0}]\n", NULL,
      "a.yaml:5:37: error: bodies.0.supports.0.stiffness is out of range: 0 N/m"},
+    {BALL "    supports: [{at: all, fix: [x, z], displacement: [0, 1, 0]}]\n", NULL,
+     "a.yaml:5:16: error: the support displaces a component that it does not hold"},
+    {BALL "    supports: [{at: all, fix: [x], stiffness: 1, foundation: 2}]\n", NULL,
+     "a.yaml:5:16: error: the support has a stiffness of its vertices and one of a foundation"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [-2, -4, -6]}}]\n", NULL,
+     "a.yaml:5:51: error: y is parallel to x"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [0, 0, 0]}}]\n", NULL,
+     "a.yaml:5:51: error: the direction has no length"},
+    {BALL "    supports: [{name: a, at: all}, {name: a, at: all}]\n", NULL,
+     "a.yaml:5:43: error: the name 'a' is in use"},
 
     /* out of range */
     {BALL "    springs: {stiffness: -3}\n", NULL,
@@ -191,21 +201,6 @@ static const bad_scene bad_scenes[] = {
     {BALL "    mass: {density: 1, thickness: {}}\n", NULL, "a.yaml:5:35: error: bodies.0.mass.thickness lacks 'field'"},
     {BALL "    supports: [{at: all, symmetry: w}]\n", NULL,
      "a.yaml:5:36: error: bodies.0.supports.0.symmetry is 'w', it must be: "},
-
-    /* supports */
-    {BALL "    supports: [{at: all, fix: []}]\n", NULL,
-     "a.yaml:5:16: error: the support holds nothing. list components"},
-    {BALL "    supports: [{at: all, fix: [x, z], displacement: [0, 1, 0]}]\n", NULL,
-     "a.yaml:5:16: error: the support displaces a component that it does not hold"},
-    {BALL "    supports: [{at: all, fix: [x], stiffness: 1, foundation: 2}]\n", NULL,
-     "a.yaml:5:16: error: the support has a stiffness of its vertices and one of a foundation"},
-    {BALL "    supports: [{at: all, symmetry: [0, 0, 0]}]\n", NULL, "a.yaml:5:36: error: the direction has no length"},
-    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [-2, -4, -6]}}]\n", NULL,
-     "a.yaml:5:51: error: y is parallel to x"},
-    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [0, 0, 0]}}]\n", NULL,
-     "a.yaml:5:51: error: the direction has no length"},
-    {BALL "    supports: [{name: a, at: all}, {name: a, at: all}]\n", NULL,
-     "a.yaml:5:43: error: the name 'a' is in use"},
 
     /* contact */
     {BALL "contact: {thickness: relative}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative' is not a thickness"},
