@@ -88,6 +88,7 @@ static void test_against_list(void **unused)
     static int32_t vertices[ACTIONS][4];
     random_state random = {11};
     pel_contact_forces forces = {0};
+    failing_malloc_begin(0);
     assert_int_equal(pel_contact_records_create(&forces, NULL), PEL_OK);
     /* steps of two parts; the second one is smaller, so that a table is cleared that was larger */
     for (int step = 0; step < 2; step++) {
@@ -123,6 +124,7 @@ static void test_against_list(void **unused)
     assert_int_equal(forces.records->last.count, 0);
     assert_true(forces.records->next.count > 0);
     pel_contact_records_destroy(&forces);
+    assert_int_equal(failing_malloc_end().live, 0);
 }
 
 /* without memory a record is missing, which is told until the next step; those that are there stay right */

@@ -215,6 +215,50 @@ static void test_step(void **unused)
     check_trial(step);
 }
 
+/* each result alone is the one beside all others, to the bit */
+static void test_each_alone(void **unused)
+{
+    (void)unused;
+    trial ball = sheet;
+    ball.is_closed = true;
+    ball.pressure = 20;
+    solved s = solve(&ball);
+    size_t count = (size_t)s.mesh->vertex_count;
+    double *results[2], *gradient = calloc(3 * count, sizeof *gradient);
+    const size_t sizes[5] = {3 * count, 3 * count, 2, 3, sizeof(pel_adjoint_material) / sizeof(double)};
+    size_t total = 0;
+    for (int i = 0; i < 5; i++)
+        total += sizes[i];
+    for (int i = 0; i < 2; i++)
+        results[i] = calloc(total, sizeof *results[i]);
+    function_of((int32_t)count, s.x, gradient);
+    for (int only = -1; only < 5; only++) {
+        double *places[5] = {NULL}, *place = results[only >= 0];
+        for (int i = 0; i < 5; place += sizes[i++])
+            places[i] = only < 0 || only == i ? place : NULL;
+        pel_adjoint def = {.positions = NULL};
+        def.positions = gradient;
+        def.forces = places[0];
+        def.rest_positions = places[1];
+        def.loads = places[2];
+        def.gravity = places[3];
+        def.materials = (pel_adjoint_material *)places[4];
+        assert_int_equal(pel_sim_adjoint(s.sim, &def, NULL), PEL_OK);
+    }
+    assert_memory_equal(results[0], results[1], total * sizeof *results[0]);
+    double *at = results[0];
+    for (int i = 0; i < 5; at += sizes[i++]) {
+        double largest = 0;
+        for (size_t k = 0; k < sizes[i]; k++)
+            largest = fmax(largest, fabs(at[k]));
+        assert_true(largest > 0);
+    }
+    free(results[0]);
+    free(results[1]);
+    free(gradient);
+    release(&s);
+}
+
 static pel_status ask(const void *data, pel_error *error)
 {
     const solved *s = data;
@@ -255,10 +299,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_step),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_sheet),      cmocka_unit_test(test_ball),     cmocka_unit_test(test_step),
+        cmocka_unit_test(test_each_alone), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
