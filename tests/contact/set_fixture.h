@@ -1,4 +1,4 @@
-/* A set of contacts over arrays: noisy sheets, one above the other, and an obstacle. */
+/* A set of contacts over arrays: noisy sheets, one above the other, and obstacles. */
 #ifndef PEL_TESTS_CONTACT_SET_FIXTURE_H
 #define PEL_TESTS_CONTACT_SET_FIXTURE_H
 
@@ -10,15 +10,15 @@
 
 enum { MOST_VERTICES = 256, MOST_SLICES = MOST_VERTICES / PEL_WIDTH, MOST_TRIANGLES = 512, MOST_EDGES = 1024 };
 
-/* bodies and an obstacle, as arrays */
+/* bodies and obstacles, as arrays */
 typedef struct arrays {
     int32_t vertex_count, body_count, obstacle_count, triangle_count;
     int32_t body_of_slice[MOST_SLICES];
     pel_real mass[MOST_VERTICES], inverse_mass[MOST_VERTICES];
     pel_record rest[MOST_VERTICES], next[MOST_VERTICES], velocity[MOST_VERTICES];
     int32_t triangles[MOST_TRIANGLES][3];
-    pel_obstacle obstacle;
-    pel_contact_group groups[3];
+    pel_obstacle obstacles[2];
+    pel_contact_group groups[4];
 } arrays;
 
 /* a body of rows x rows vertices over the unit square, with noise, at a height; unused vertices fill its last slice */
@@ -57,12 +57,11 @@ static inline void make_sheets(arrays *a, uint64_t seed, int32_t lower_rows, int
     add_sheet(a, upper_rows, height, noise, &random);
 }
 
-/* the last group, so after all sheets */
+/* the last groups, so after all sheets */
 static inline void add_obstacle(arrays *a, const pel_obstacle *obstacle, double friction)
 {
-    a->obstacle = *obstacle;
-    a->obstacle_count = 1;
-    a->groups[a->body_count] = (pel_contact_group){.thickness = THICKNESS, .friction = friction};
+    a->obstacles[a->obstacle_count] = *obstacle;
+    a->groups[a->body_count + a->obstacle_count++] = (pel_contact_group){.thickness = THICKNESS, .friction = friction};
 }
 
 static inline pel_pose pose_at(double x, double y, double z)
@@ -80,7 +79,7 @@ static inline pel_status make_set(const arrays *a, pel_contact_set **set, pel_er
         .inverse_mass = a->inverse_mass,
         .rest = a->rest,
         .triangle_limit = a->triangle_count,
-        .obstacles = &a->obstacle,
+        .obstacles = a->obstacles,
         .obstacle_count = a->obstacle_count,
         .groups = a->groups,
         .thickness = THICKNESS,

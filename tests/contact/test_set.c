@@ -368,6 +368,34 @@ static void test_guard_of_held(void **unused)
     pel_contact_set_destroy(set);
 }
 
+/* of two obstacles the one that runs into the sheet is held back; the other one goes all of its way */
+static void test_guard_of_two(void **unused)
+{
+    (void)unused;
+    for (int32_t blocked = 0; blocked < 2; blocked++) {
+        static arrays a;
+        make_sheets(&a, 4, 7, 6, 0.06, 0.005);
+        const pel_obstacle ball = {.solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .presses = true, .body = -1};
+        add_obstacle(&a, &ball, 0);
+        add_obstacle(&a, &ball, 0);
+        pel_contact_set *set = create(&a);
+        for (int32_t i = 0; i < 2; i++) {
+            set->obstacles[i].before = pose_at(0.5, 0.5, i == blocked ? -0.15 : -5);
+            set->obstacles[i].pose = pose_at(0.5, 0.5, i == blocked ? 0.3 : -4);
+        }
+        pel_contact_set_place(set, a.rest, a.next);
+        assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+        const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+        assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+        assert_true(set->obstacles[blocked].is_held_back && !set->obstacles[1 - blocked].is_held_back);
+        assert_int_equal(set->statistics.tools_held, 1);
+        assert_true(set->obstacles[blocked].pose.position[2] < 0.3);
+        assert_true(set->obstacles[blocked].pose.position[2] >= -0.15);
+        assert_true(set->obstacles[1 - blocked].pose.position[2] == -4);
+        pel_contact_set_destroy(set);
+    }
+}
+
 /* Free sheets keep their momentum; one that meets a fixed one (0 or 1, -1: none) has the velocity of its
    displacement. */
 static void check_guard_momentum(int fixed)
@@ -683,14 +711,15 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs),           cmocka_unit_test(test_box),
-        cmocka_unit_test(test_momentum),        cmocka_unit_test(test_guard),
-        cmocka_unit_test(test_guard_of_held),   cmocka_unit_test(test_guard_momentum),
-        cmocka_unit_test(test_round_obstacles), cmocka_unit_test(test_tangles),
-        cmocka_unit_test(test_guard_of_train),  cmocka_unit_test(test_far_flight),
-        cmocka_unit_test(test_limit),           cmocka_unit_test(test_search_is_kept),
-        cmocka_unit_test(test_far_through),     cmocka_unit_test(test_seconds),
-        cmocka_unit_test(test_strangers),       cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_pairs),          cmocka_unit_test(test_box),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_guard_of_held),  cmocka_unit_test(test_guard_of_two),
+        cmocka_unit_test(test_guard_momentum), cmocka_unit_test(test_round_obstacles),
+        cmocka_unit_test(test_tangles),        cmocka_unit_test(test_guard_of_train),
+        cmocka_unit_test(test_far_flight),     cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_search_is_kept), cmocka_unit_test(test_far_through),
+        cmocka_unit_test(test_seconds),        cmocka_unit_test(test_strangers),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
