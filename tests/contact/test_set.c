@@ -390,7 +390,7 @@ static void test_guard_of_two(void **unused)
         assert_true(set->obstacles[blocked].is_held_back && !set->obstacles[1 - blocked].is_held_back);
         assert_int_equal(set->statistics.tools_held, 1);
         assert_true(set->obstacles[blocked].pose.position[2] < 0.3);
-        assert_true(set->obstacles[blocked].pose.position[2] >= -0.15);
+        assert_true(set->obstacles[blocked].pose.position[2] > -0.14);
         assert_true(set->obstacles[1 - blocked].pose.position[2] == -4);
         pel_contact_set_destroy(set);
     }
