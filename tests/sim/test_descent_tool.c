@@ -253,8 +253,8 @@ static void test_gaps_of_capsule(void **unused)
     press_end(&scene, sim);
 }
 
-/* Beside a turned capsule the edges along its axis have no gap of their own, since it would jump from end to end: their
-   vertices have. */
+/* Under a turned capsule that is shorter than an edge along its axis, the edge has no gap of its own, since it would
+   jump from end to end. */
 static void test_edges_along_capsule(void **unused)
 {
     (void)unused;
@@ -262,7 +262,7 @@ static void test_edges_along_capsule(void **unused)
     press_begin(&scene, 2, 0);
     pel_mesh_destroy(scene.mesh);
     pel_shape_def grid = pel_shape_def_default(PEL_SHAPE_GRID);
-    grid.nx = grid.ny = 8;
+    grid.nx = grid.ny = 4;
     assert_int_equal(pel_shape_create(&grid, &scene.mesh, NULL), PEL_OK);
     scene.body.mesh = scene.mesh;
     scene.body.volumetric_stiffness.value = scene.body.volumetric_damping.value = 0;
@@ -272,12 +272,14 @@ static void test_edges_along_capsule(void **unused)
             scene.pinned[scene.body.pinned_count++] = v;
     scene.tool.shape = PEL_TOOL_CAPSULE;
     scene.tool.radius = 0.1;
-    scene.tool.half_length = 0.2;
-    press_move(&scene, 0.1, 0.05);
-    for (int k = 0; k < PRESS_KEYS; k++)
+    scene.tool.half_length = 0.05;
+    press_move(&scene, 0.1, 0.02);
+    for (int k = 0; k < PRESS_KEYS; k++) {
+        scene.keys[k].position[0] = 0.125;
         scene.keys[k].rotation[1] = scene.keys[k].rotation[3] = sqrt(0.5);
+    }
     pel_sim *sim = press_create(&scene);
-    run_steps(sim, 3);
+    run_steps(sim, 1);
     const pel_sim_descent *descent = sim->descent;
     int32_t counts[4] = {0};
     for (int32_t c = 0; c < descent->count; c++) {
@@ -288,7 +290,7 @@ static void test_edges_along_capsule(void **unused)
         if (constraint->points == 2)
             assert_true(fabs(to[1] - from[1]) + fabs(to[2] - from[2]) > 1e-3 * fabs(to[0] - from[0]));
     }
-    assert_true(counts[1] > 0 && counts[2] > 0 && counts[3] > 0);
+    assert_true(counts[3] > 0);
     assert_true(reading_of(sim, 0).force[2] > 0);
     press_end(&scene, sim);
 }
