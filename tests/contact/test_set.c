@@ -1,115 +1,10 @@
 /* The set of contacts over arrays alone: its pairs against all pairs, its effects against closed forms. */
 #include "base/memory.h"
-#include "check.h"
-#include "contact/set.h"
 #include "contact/sweep.h"
 #include "failing_malloc.h"
-#include "random.h"
+#include "set_fixture.h"
 
 #include <time.h>
-
-#define THICKNESS 0.02
-
-enum { MOST_VERTICES = 256, MOST_SLICES = MOST_VERTICES / PEL_WIDTH, MOST_TRIANGLES = 512, MOST_EDGES = 1024 };
-
-/* bodies and an obstacle, as arrays */
-typedef struct arrays {
-    int32_t vertex_count, body_count, obstacle_count, triangle_count;
-    int32_t body_of_slice[MOST_SLICES];
-    pel_real mass[MOST_VERTICES], inverse_mass[MOST_VERTICES];
-    pel_record rest[MOST_VERTICES], next[MOST_VERTICES], velocity[MOST_VERTICES];
-    int32_t triangles[MOST_TRIANGLES][3];
-    pel_obstacle obstacle;
-    pel_contact_group groups[3];
-} arrays;
-
-/* a body of rows x rows vertices over the unit square, with noise, at a height; unused vertices fill its last slice */
-static void add_sheet(arrays *a, int32_t rows, double height, double noise, random_state *random)
-{
-    int32_t first = a->vertex_count, count = rows * rows;
-    for (int32_t i = 0; i < count; i++) {
-        double x = (double)(i % rows) / (rows - 1), y = (double)(i / rows) / (rows - 1);
-        double z = height + noise * random_between(random, -1, 1);
-        double mass = random_between(random, 0.5, 2);
-        a->mass[first + i] = (pel_real)mass;
-        a->inverse_mass[first + i] = (pel_real)(1 / mass);
-        a->rest[first + i] = (pel_record){(pel_real)x, (pel_real)y, (pel_real)z, (pel_real)(1 / mass)};
-        a->next[first + i] = a->rest[first + i];
-    }
-    for (int32_t i = 0; i < (rows - 1) * (rows - 1); i++) {
-        int32_t v = first + i / (rows - 1) * rows + i % (rows - 1);
-        const int32_t corners[2][3] = {{v, v + 1, v + rows + 1}, {v, v + rows + 1, v + rows}};
-        memcpy(a->triangles[a->triangle_count], corners, sizeof corners);
-        a->triangle_count += 2;
-    }
-    int32_t slices = (count + PEL_WIDTH - 1) / PEL_WIDTH;
-    for (int32_t s = 0; s < slices; s++)
-        a->body_of_slice[first / PEL_WIDTH + s] = a->body_count;
-    a->vertex_count += slices * PEL_WIDTH;
-    a->groups[a->body_count++] = (pel_contact_group){.thickness = THICKNESS, .friction = 0};
-}
-
-/* two sheets, the second one above the first */
-static void make_sheets(arrays *a, uint64_t seed, int32_t lower_rows, int32_t upper_rows, double height, double noise)
-{
-    random_state random = {seed};
-    *a = (arrays){0};
-    add_sheet(a, lower_rows, 0, noise, &random);
-    add_sheet(a, upper_rows, height, noise, &random);
-}
-
-/* the last group, so after all sheets */
-static void add_obstacle(arrays *a, const pel_obstacle *obstacle, double friction)
-{
-    a->obstacle = *obstacle;
-    a->obstacle_count = 1;
-    a->groups[a->body_count] = (pel_contact_group){.thickness = THICKNESS, .friction = friction};
-}
-
-static pel_pose pose_at(double x, double y, double z)
-{
-    return (pel_pose){.position = {x, y, z}, .rotation = {0, 0, 0, 1}};
-}
-
-static pel_status make_set(const arrays *a, pel_contact_set **set, pel_error *error)
-{
-    const pel_contact_set_def def = {
-        .vertex_count = a->vertex_count,
-        .body_count = a->body_count,
-        .body_of_slice = a->body_of_slice,
-        .mass = a->mass,
-        .inverse_mass = a->inverse_mass,
-        .rest = a->rest,
-        .triangle_limit = a->triangle_count,
-        .obstacles = &a->obstacle,
-        .obstacle_count = a->obstacle_count,
-        .groups = a->groups,
-        .thickness = THICKNESS,
-        .shortest_edge = 0.05,
-        .self = true,
-        .between = true,
-        .method = PEL_CCD_CONSERVATIVE,
-        .limit = 10000,
-    };
-    pel_status status = pel_contact_set_create(&def, set, error);
-    if (status != PEL_OK)
-        return status;
-    pel_contact_set_place(*set, a->rest, a->next);
-    status = pel_contact_surface_begin(*set, error);
-    if (status != PEL_OK)
-        return status;
-    for (int32_t t = 0; t < a->triangle_count; t++)
-        pel_contact_surface_add(*set, a->triangles[t]);
-    return pel_contact_surface_finish(*set, false, error);
-}
-
-static pel_contact_set *create(const arrays *a)
-{
-    pel_contact_set *set;
-    pel_error error;
-    assert_int_equal(make_set(a, &set, &error), PEL_OK);
-    return set;
-}
 
 /* ---- pairs ---- */
 
@@ -473,6 +368,34 @@ static void test_guard_of_held(void **unused)
     pel_contact_set_destroy(set);
 }
 
+/* of two obstacles the one that runs into the sheet is held back; the other one goes all of its way */
+static void test_guard_of_two(void **unused)
+{
+    (void)unused;
+    for (int32_t blocked = 0; blocked < 2; blocked++) {
+        static arrays a;
+        make_sheets(&a, 4, 7, 6, 0.06, 0.005);
+        const pel_obstacle ball = {.solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .presses = true, .body = -1};
+        add_obstacle(&a, &ball, 0);
+        add_obstacle(&a, &ball, 0);
+        pel_contact_set *set = create(&a);
+        for (int32_t i = 0; i < 2; i++) {
+            set->obstacles[i].before = pose_at(0.5, 0.5, i == blocked ? -0.15 : -5);
+            set->obstacles[i].pose = pose_at(0.5, 0.5, i == blocked ? 0.3 : -4);
+        }
+        pel_contact_set_place(set, a.rest, a.next);
+        assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+        const pel_contact_motion motion = {a.rest, a.next, a.velocity, 0.01};
+        assert_int_equal(pel_contact_guard(set, &motion, NULL), PEL_OK);
+        assert_true(set->obstacles[blocked].is_held_back && !set->obstacles[1 - blocked].is_held_back);
+        assert_int_equal(set->statistics.tools_held, 1);
+        assert_true(set->obstacles[blocked].pose.position[2] < 0.3);
+        assert_true(set->obstacles[blocked].pose.position[2] > -0.14);
+        assert_true(set->obstacles[1 - blocked].pose.position[2] == -4);
+        pel_contact_set_destroy(set);
+    }
+}
+
 /* Free sheets keep their momentum; one that meets a fixed one (0 or 1, -1: none) has the velocity of its
    displacement. */
 static void check_guard_momentum(int fixed)
@@ -788,14 +711,15 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs),           cmocka_unit_test(test_box),
-        cmocka_unit_test(test_momentum),        cmocka_unit_test(test_guard),
-        cmocka_unit_test(test_guard_of_held),   cmocka_unit_test(test_guard_momentum),
-        cmocka_unit_test(test_round_obstacles), cmocka_unit_test(test_tangles),
-        cmocka_unit_test(test_guard_of_train),  cmocka_unit_test(test_far_flight),
-        cmocka_unit_test(test_limit),           cmocka_unit_test(test_search_is_kept),
-        cmocka_unit_test(test_far_through),     cmocka_unit_test(test_seconds),
-        cmocka_unit_test(test_strangers),       cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_pairs),          cmocka_unit_test(test_box),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_guard),
+        cmocka_unit_test(test_guard_of_held),  cmocka_unit_test(test_guard_of_two),
+        cmocka_unit_test(test_guard_momentum), cmocka_unit_test(test_round_obstacles),
+        cmocka_unit_test(test_tangles),        cmocka_unit_test(test_guard_of_train),
+        cmocka_unit_test(test_far_flight),     cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_search_is_kept), cmocka_unit_test(test_far_through),
+        cmocka_unit_test(test_seconds),        cmocka_unit_test(test_strangers),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,11 +2,13 @@
    the thread. */
 #include "failing_malloc.h"
 #include "haptic/idle_device.h"
+#include "haptic/local_model.h"
 #include "haptic/proxy.h"
 #include "math/vec3.h"
 #include "pellicle/haptic.h"
 #include "pellicle/live.h"
 #include "sim/fixture.h"
+#include "sim/tool.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -305,6 +307,27 @@ static void test_planes_of_a_box(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* If other contacts cancel the forces on all touched vertices, such as those of a second tool behind a sheet, one plane
+   through the tool has its force. */
+static void test_force_without_vertices(void **unused)
+{
+    (void)unused;
+    static const double force[3] = {3, 0, 4};
+    stage s = make_press(0.01);
+    run_steps(s.sim, 1);
+    assert_int_equal(s.sim->tools[0].touch_count, 0);
+    pel_vec3_copy(force, s.sim->tools[0].force);
+    pel_local_model model;
+    pel_surface_estimate estimate = {.stiffness = 1000, .least = 1000, .most = 1000};
+    pel_local_model_take(s.sim, 0, TIP, NULL, &estimate, &model);
+    assert_int_equal(model.touched_count, 1);
+    const pel_haptic_plane *plane = &model.planes[0];
+    double depth = plane->offset - pel_vec3_dot(plane->normal, model.tool_position);
+    for (int i = 0; i < 3; i++)
+        assert_near(plane->stiffness * depth * plane->normal[i], force[i], 1e-9);
+    end_stage(&s);
+}
+
 /* under a tool given as a mesh one plane carries all of its force */
 static void test_mesh_tool(void **unused)
 {
@@ -583,6 +606,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_mesh_tool),
                                        cmocka_unit_test(test_planes_of_a_box),
+                                       cmocka_unit_test(test_force_without_vertices),
                                        cmocka_unit_test(test_priority),
                                        cmocka_unit_test(test_force_error),
                                        cmocka_unit_test(test_contact_comes_to_rest),

@@ -5,6 +5,7 @@
 #include "failing_malloc.h"
 #include "io/file.h"
 #include "io/report_pack.h"
+#include "math/vec3.h"
 #include "pellicle/report.h"
 #include "pellicle/shape.h"
 #include "run_folder.h"
@@ -257,6 +258,9 @@ static void write_note(void *user, const char *text)
     strncat(notes, text, NOTES_SIZE - 1 - strlen(notes));
 }
 
+/* lengths of the vectors of each frame */
+static double lengths[FOLDER_FRAMES][252];
+
 /* frames of a ball whose vertices and two fields jump about, which packs badly */
 static void write_noisy_frames(int32_t frequency)
 {
@@ -284,8 +288,38 @@ static void write_noisy_frames(int32_t frequency)
                              .field_count = 2};
         snprintf(name, sizeof name, "frames/f%05d.vtp", f);
         assert_int_equal(pel_vtp_write(folder_path(path, folder, name), &vtp, NULL), PEL_OK);
+        for (int32_t v = 0; v < ball->vertex_count && v < 252; v++)
+            lengths[f][v] = pel_vec3_length(ball->fields[1].values + 3 * (size_t)v);
     }
     pel_mesh_destroy(ball);
+}
+
+/* a report that has no room for vectors shows their lengths */
+static void test_magnitudes(void **unused)
+{
+    (void)unused;
+    enum { VERTICES = 252, CORNERS = 3 * 500, LISTS = 5, SIZE = 4 * CORNERS + FOLDER_FRAMES * LISTS * 2 * VERTICES };
+    static unsigned char bytes[SIZE + 1];
+    unsigned last[VERTICES] = {0};
+    double low = HUGE_VAL, high = 0;
+    pel_report_summary whole;
+    write_noisy_frames(5);
+    assert_int_equal(pel_report_write(out, &def, &whole, NULL), PEL_OK);
+    def.size_limit = whole.size - 1;
+    assert_int_equal(pel_report_write(out, &def, NULL, NULL), PEL_OK);
+    char *text = read_report();
+    assert_int_equal(unpack(text, bytes, sizeof bytes), SIZE);
+    for (int i = 0; i < FOLDER_FRAMES * VERTICES; i++) {
+        low = fmin(low, lengths[i / VERTICES][i % VERTICES]);
+        high = fmax(high, lengths[i / VERTICES][i % VERTICES]);
+    }
+    for (int f = 0; f < FOLDER_FRAMES; f++)
+        for (size_t v = 0; v < VERTICES; v++) {
+            const unsigned char *list = bytes + 4 * CORNERS + (size_t)(f * LISTS + LISTS - 1) * 2 * VERTICES;
+            last[v] = (last[v] + read_list(list, 2, VERTICES, v)) & 65535;
+            assert_near(low + (high - low) * last[v] / 65535, lengths[f][v], 0.51 * (high - low) / 65535);
+        }
+    pel_free(text);
 }
 
 static void test_thinned(void **unused)
@@ -431,6 +465,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_tools, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_chosen_fields, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_changing_triangles, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_magnitudes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_thinned, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_many_vertices, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_base64, set_up, tear_down),

@@ -74,6 +74,12 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:51: error: y is parallel to x"},
     {BALL "    supports: [{at: all, stiffness: 0}]\n", NULL,
      "a.yaml:5:37: error: bodies.0.supports.0.stiffness is out of range: 0 N/m"},
+    {BALL "    supports: [{at: all, fix: [x], stiffness: 1, foundation: 2}]\n", NULL,
+     "a.yaml:5:16: error: the support has a stiffness of its vertices and one of a foundation"},
+    {BALL "    supports: [{at: all, frame: {x: [1, 2, 3], y: [0, 0, 0]}}]\n", NULL,
+     "a.yaml:5:51: error: the direction has no length"},
+    {BALL "    supports: [{name: a, at: all}, {name: a, at: all}]\n", NULL,
+     "a.yaml:5:43: error: the name 'a' is in use"},
 
     /* out of range */
     {BALL "    springs: {stiffness: -3}\n", NULL,
@@ -180,7 +186,42 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:3:24: error: cannot open the mesh 'no/such.ply': No such file or directory. check the path"},
     {"version: 1\nduration: 1\nbodies: [{mesh: {file: .}}]\n", NULL, "a.yaml:3:24: error: "},
 
+    /* alternatives */
+    {BALL "    pressure: {gas: {pressure: 1}, outside: 3}\n", NULL,
+     "a.yaml:5:36: error: 'gas' and 'outside' exclude each other. remove one of them, or move 'outside' into 'gas'"},
+    {BALL "    pressure: {outside: 3, volume: {target: 1, bulk: 1}}\n", NULL,
+     "a.yaml:5:28: error: 'outside' and 'volume' exclude each other. remove one of them, or move 'outside' into "
+     "'volume'"},
+    {BALL "    pressure: {inside: 3, outside: 1}\n", NULL,
+     "a.yaml:5:27: error: 'inside' and 'outside' exclude each other. remove one of them"},
+    {BALL "    mass: {density: 1, thickness: {}}\n", NULL, "a.yaml:5:35: error: bodies.0.mass.thickness lacks 'field'"},
+    {BALL "    supports: [{at: all, symmetry: w}]\n", NULL,
+     "a.yaml:5:36: error: bodies.0.supports.0.symmetry is 'w', it must be: "},
+
+    /* contact */
+    {BALL "contact: {thickness: relative}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative' is not a thickness"},
+    {BALL "contact: {thickness: relative 0}\n", NULL,
+     "a.yaml:5:22: error: `thickness` 'relative 0' is not a thickness"},
+    {BALL "contact: {thickness: relative 1e999}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative 1e999' is not"},
+    {BALL "contact: {thickness: relative 1 m}\n", NULL, "a.yaml:5:22: error: `thickness` 'relative 1 m' is not a"},
+    {BALL "contact: {thickness: absolute 1}\n", NULL,
+     "a.yaml:5:22: error: `thickness` 'absolute 1' is not a thickness"},
+
+    /* sessions */
+    {BALL "session: [release]\n", NULL,
+     "a.yaml:5:11: error: a command of the session has no step from 0 on: \"release\". write the step, a space"},
+    {BALL "session: [3release]\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: [' 3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['+3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['-3 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0 on"},
+    {BALL "session: ['2147483648 release']\n", NULL, "a.yaml:5:11: error: a command of the session has no step from 0"},
+    {BALL "session: ['7 release', '7 release', '6 release']\n", NULL,
+     "a.yaml:5:37: error: a command of the session has no step from 7 on: \"6 release\""},
+
     /* YAML itself */
+    {"%YAML 3.1\n---\nversion: 1\n", NULL,
+     "a.yaml:1:1: error: this is not YAML 1.2. remove lines that begin with %, such as %YAML 1.1"},
+    {"%YAML 1.1 x\n---\nversion: 1\n", NULL, "a.yaml:1:11: error: this is not YAML: garbage after version"},
     {"version: 1\nbodies: [1, 2\n", NULL, "a.yaml:3:1: error: this is not YAML: flow sequence without"},
     {"version: \"1\n", NULL, "a.yaml:1:11: error: this is not YAML: double-quoted scalar without closing quote"},
     {"version: 1\n\tduration: 1\n", NULL, "a.yaml:"},
@@ -300,6 +341,13 @@ static void test_locations(void **unused)
     check_location("tools:\n- {shape: sphere, radius: .5, motion: [{position: [0, 0, 9]}]}\n"
                    "- {shape: sphere, radius: .5, motion: [{position: [0, 0, 1]}]}\n",
                    "a.yaml:7:3: error: ");
+    /* supports are numbered through all bodies */
+    check_location("    supports: [{at: {nearest: [0, 0, 1]}}, {at: {nearest: [0, 0, -1]}}]\n"
+                   "  - {mesh: {shape: geodesic-sphere}, pinned: all,\n"
+                   "     supports: [{name: low, at: all, symmetry: z},\n"
+                   "                {name: top, at: all, displacement: [0, 0, 1]}]}\n"
+                   "solver: {method: static}\n",
+                   "a.yaml:8:17: error: support 'body2_top' displaces vertex 0, which is pinned");
 }
 
 static void test_missing_file(void **unused)
@@ -326,6 +374,50 @@ static void test_bad_mesh_file(void **unused)
     assert_non_null(strstr(error.file, "scene_bad_mesh.obj"));
     assert_int_equal(error.line, 2);
     remove("scene_bad_mesh.obj");
+}
+
+/* numbers of a field are checked like those of the scene, after its map; the field is found among the scalar ones */
+static void test_field_out_of_range(void **unused)
+{
+    (void)unused;
+    static const char *const cases[][2] = {
+        {"{field: stiff}",
+         "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2, out of range. it must be > 0"},
+        {"{field: stiff, map: [1, 2]}", NULL},
+        {"{field: stiff, map: [1, 4]}", "a.yaml:3:94: error: bodies.0.membrane.young is -0.5 at vertex 2"},
+        {"{field: side}", "a.yaml:3:94: error: unknown scalar field of the mesh 'side'. known are: stiff"},
+    };
+    FILE *file = fopen("scene_field.ply", "w");
+    fputs("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float side_0\nproperty float side_1\nproperty float side_2\nproperty float stiff\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "0 0 0 0 0 1 1\n1 0 0 0 0 1 2\n0 1 0 0 0 1 -0.5\n3 0 1 2\n",
+          file);
+    fclose(file);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[300], message[1000];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nduration: 1\nbodies: [{mesh: {file: scene_field.ply}, membrane: {thickness: 1, poisson: 0, "
+            "young: %s}}]\n",
+            cases[i][0]);
+        pel_scene *scene;
+        pel_error error;
+        pel_status status = pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error);
+        if (cases[i][1] == NULL) {
+            assert_int_equal(status, PEL_OK);
+            const double expected[3] = {2, 3, 0.5};
+            for (int v = 0; v < 3; v++)
+                assert_near(scene->model.bodies[0].shell.membrane.young.field[v], expected[v], 1e-15);
+            pel_scene_destroy(scene);
+            continue;
+        }
+        assert_int_equal(status, PEL_BAD_SCENE);
+        pel_error_text(&error, message, sizeof message);
+        if (strncmp(message, cases[i][1], strlen(cases[i][1])) != 0)
+            fail_msg("%s", message);
+    }
+    remove("scene_field.ply");
 }
 
 /* aliases that double over and over end in an error, not without memory */
@@ -388,8 +480,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
-        cmocka_unit_test(test_aliases_without_end), cmocka_unit_test(test_nesting_without_end),
-        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
+        cmocka_unit_test(test_field_out_of_range),  cmocka_unit_test(test_aliases_without_end),
+        cmocka_unit_test(test_nesting_without_end), cmocka_unit_test(test_locations),
+        cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

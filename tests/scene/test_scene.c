@@ -3,8 +3,11 @@
 #include "check.h"
 #include "failing_malloc.h"
 
+#include "base/memory.h"
+#include "math/vec3.h"
 #include "pellicle/scene.h"
 #include "pellicle/shape.h"
+#include "scene/portable.h"
 #include "source_dir.h"
 
 #include <dirent.h>
@@ -230,6 +233,88 @@ static void test_scene_runs(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* axes are orthonormal and right-handed, and the first one is along `x` */
+static void check_axes(const double axes[3][3], double x, double y, double z)
+{
+    const double along[3] = {x, y, z};
+    double third[3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            assert_near(pel_vec3_dot(axes[i], axes[k]), i == k, 1e-15);
+    pel_vec3_cross(axes[0], axes[1], third);
+    assert_near(pel_vec3_distance(third, axes[2]), 0, 1e-15);
+    assert_near(pel_vec3_dot(axes[0], along), pel_vec3_length(along), 1e-15 * pel_vec3_length(along));
+}
+
+static void test_supports(void **unused)
+{
+    (void)unused;
+    pel_scene *scene =
+        load(BALL "    supports:\n"
+                  "      - {at: {nearest: [0, 0, 1]}, symmetry: x}\n"
+                  "      - {name: mirror, at: all, symmetry: y}\n"
+                  "      - {at: all, symmetry: z}\n"
+                  "      - {at: all, symmetry: [1, 2, -2]}\n"
+                  "      - {at: all, symmetry: [0, -5, 1]}\n"
+                  "  - mesh: {shape: geodesic-sphere}\n"
+                  "    name: low\n"
+                  "    supports:\n"
+                  "      - {at: all, fix: [x, z], frame: {x: [3, 4, 0], y: [1, 0, 0]}, rotation: fixed,\n"
+                  "         displacement: [0.1, 0, 0.2], keys: [[0, 0], [1, 1], [2, 0.5]]}\n"
+                  "      - {at: all, fix: [y], frame: {x: [0, 0, 2]}, stiffness: 7}\n"
+                  "      - {at: all, fix: [], rotation: fixed}\n"
+                  "      - {at: all, foundation: 9}\n",
+             NULL, 0);
+    const pel_support_def *s = scene->sim.supports;
+    assert_int_equal(scene->sim.support_count, 9);
+    for (int i = 0; i < 9; i++)
+        assert_int_equal(s[i].body, i >= 5);
+    assert_string_equal(s[0].name, "body1_support1");
+    assert_string_equal(s[1].name, "body1_mirror");
+    assert_string_equal(s[5].name, "low_support1");
+    assert_true(s[0].vertex_count == 1 && s[2].vertex_count == 252);
+    for (int32_t v = 0; v < 252; v++)
+        assert_int_equal(s[2].vertices[v], v);
+    for (int i = 0; i < 5; i++)
+        assert_true(s[i].fix[0] && !s[i].fix[1] && !s[i].fix[2] && s[i].fix_rotation);
+    check_axes(s[0].axes, 1, 0, 0);
+    check_axes(s[1].axes, 0, 1, 0);
+    check_axes(s[2].axes, 0, 0, 1);
+    check_axes(s[3].axes, 1, 2, -2);
+    check_axes(s[4].axes, 0, -5, 1);
+    /* the second axis is that of the smallest component, less its part along the first */
+    assert_true(s[3].axes[1][0] > 0.9 && s[4].axes[1][0] == 1);
+    check_axes(s[5].axes, 3, 4, 0);
+    assert_near(s[5].axes[1][0], 0.8, 1e-15);
+    assert_true(s[5].fix[0] && !s[5].fix[1] && s[5].fix[2] && s[5].fix_rotation);
+    assert_true(s[5].displacement[0] == 0.1 && s[5].displacement[1] == 0 && s[5].displacement[2] == 0.2);
+    assert_true(s[5].key_count == 3 && s[5].keys[2].time == 2 && s[5].keys[2].value == 0.5);
+    assert_true(s[5].stiffness == 0 && s[5].foundation == 0);
+    check_axes(s[6].axes, 0, 0, 2);
+    assert_true(!s[6].fix[0] && s[6].fix[1] && !s[6].fix[2] && !s[6].fix_rotation && s[6].stiffness == 7);
+    assert_true(!s[7].fix[0] && !s[7].fix[1] && !s[7].fix[2] && s[7].fix_rotation);
+    assert_true(s[8].fix[0] && s[8].fix[1] && s[8].fix[2] && s[8].foundation == 9 && s[8].stiffness == 0);
+    check_axes(s[8].axes, 1, 0, 0);
+    pel_scene_destroy(scene);
+}
+
+static void test_session(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load(BALL "session:\n  - 0 grab 3 0.5\n  - 7 release\n  - '7  x'\n", NULL, 0);
+    const pel_scene_command *commands = scene->session;
+    assert_int_equal(scene->session_count, 3);
+    assert_true(commands[0].step == 0 && commands[1].step == 7 && commands[2].step == 7);
+    assert_string_equal(commands[0].line, "grab 3 0.5");
+    assert_string_equal(commands[1].line, "release");
+    assert_string_equal(commands[2].line, " x");
+    assert_true(commands[1].at_line == 7 && commands[1].at_column == 5);
+    pel_scene_destroy(scene);
+    scene = load(BALL, NULL, 0);
+    assert_int_equal(scene->session_count, 0);
+    pel_scene_destroy(scene);
+}
+
 static void test_overrides(void **unused)
 {
     (void)unused;
@@ -431,6 +516,15 @@ static void test_file_mesh(void **unused)
     assert_string_equal(text, pel_scene_text(again));
     assert_true(again->model.bodies->mesh->positions[1][0] == 0.5);
     pel_scene_destroy(again);
+    /* with other names for its files */
+    assert_int_equal(scene->mesh_file_count, 2);
+    assert_non_null(strstr(text, scene->mesh_files[0]));
+    char *portable = pel_scene_portable_text(scene, (const char *const[]){"ball.obj", "ball.obj"});
+    assert_null(strstr(portable, "tetra.obj"));
+    const char *first = strstr(portable, "file: ball.obj");
+    assert_non_null(first);
+    assert_non_null(strstr(first + 1, "file: ball.obj"));
+    pel_free(portable);
     pel_scene_destroy(scene);
     /* a file takes the place of a shape */
     char override[450], absolute[200];
@@ -470,6 +564,8 @@ int main(void)
         cmocka_unit_test(test_everything),
         cmocka_unit_test(test_falloff),
         cmocka_unit_test(test_scene_runs),
+        cmocka_unit_test(test_supports),
+        cmocka_unit_test(test_session),
         cmocka_unit_test(test_overrides),
         cmocka_unit_test(test_override_replaces_alternative),
         cmocka_unit_test(test_aliases),

@@ -13,6 +13,8 @@
 
 #define BALL "version: 1\nduration: 1\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 3}\n"
 
+#define CAPSULE "version: 1\nduration: 1\nbodies:\n  - mesh: {shape: lens-capsule, frequency: 4}\n"
+
 static pel_scene *load(const char *text)
 {
     pel_scene *scene;
@@ -117,6 +119,17 @@ static void test_regions_and_pressures(void **unused)
     const pel_solver_def *solver = &scene->sim.solver;
     assert_true(solver->method == PEL_METHOD_DESCENT && solver->gradient_only && solver->drag == 2);
     assert_true(solver->substeps == 7 && solver->second_order && solver->iterations == 0);
+    pel_scene_destroy(scene);
+
+    /* an inside pressure pushes outward, also where it varies over the body */
+    scene = load(CAPSULE "    pressure: {inside: {field: thickness}}\n");
+    const pel_body_def *capsule = &scene->model.bodies[0];
+    const double *thickness = pel_mesh_field(capsule->mesh, "thickness")->values;
+    for (int32_t v = 0; v < capsule->mesh->vertex_count; v++)
+        assert_true(capsule->shell.pressure.outside.field[v] == -thickness[v] && thickness[v] > 0);
+    pel_scene_destroy(scene);
+    scene = load(BALL "    pressure: {inside: 3}\n");
+    assert_true(scene->model.bodies[0].shell.pressure.outside.value == -3);
     pel_scene_destroy(scene);
 
     scene = load(BALL "    pressure: {gas: {pressure: 9, gamma: 1}}\n");
@@ -232,6 +245,16 @@ static const char *const bad_scenes[][2] = {
     {BALL "    pressure: {}\n", "a.yaml:5:15: error: bodies.0.pressure lacks one of its main keys"},
     {BALL "    pressure: {gas: {gamma: 0.5}}\n", "gamma is out of range: 0.5"},
     {BALL "    pressure: {volume: {target: 1}}\n", "lacks 'bulk'"},
+    {CAPSULE "    pressure: {gas: {pressure: 1, gamma: 1, outside: {field: thickness}}}\n",
+     "with a gas or a target volume the outside pressure cannot vary over the body. give a number or keys"},
+    {CAPSULE "    pressure: {volume: {target: 1, bulk: 1, outside: {field: thickness}}}\n",
+     "with a gas or a target volume the outside pressure cannot vary over the body"},
+    {CAPSULE "    pressure: {volume: {target: {field: thickness}, bulk: 1}}\n",
+     "the target volume is one number; it cannot vary over the body. give a number or keys"},
+    {CAPSULE "    anisotropy: {mode: active, stiffness: 1, rest_length: {field: thickness}}\n",
+     "rest_length cannot vary over the body. use a number or keys"},
+    {CAPSULE "    membrane: {young: {field: thicknes}, thickness: 1}\n",
+     "unknown scalar field of the mesh 'thicknes'. did you mean 'thickness'?"},
     {BALL "    pressure: {outside: 1, region: {field: paint}}\n", "unknown scalar field of the mesh 'paint'"},
     {BALL "solver: {method: pbd, iterations: 0}\n", "solver.iterations is out of range: 0"},
     {BALL "solver: {method: pbd, substeps: -1}\n", "solver.substeps is out of range: -1"},

@@ -11,8 +11,9 @@
 /* input of a case, with the numbers of the derivatives */
 typedef struct trial {
     pel_method method;
-    bool is_closed;
+    bool is_closed, has_hinges;
     double young, poisson, thickness, pressure, load, gravity;
+    double rigidity;        /* N m, flexural; 0 = that of the material */
     double (*positions)[3]; /* of the mesh */
     double force[3];        /* on vertex 7 */
 } trial;
@@ -65,7 +66,9 @@ static solved solve(const trial *t)
     body.shell.membrane.young.value = t->young;
     body.shell.membrane.poisson = t->poisson;
     body.shell.membrane.thickness.value = t->thickness;
-    body.shell.bending.model = PEL_BENDING_MIDEDGE;
+    body.shell.bending.model = t->has_hinges ? PEL_BENDING_HINGE : PEL_BENDING_MIDEDGE;
+    if (t->rigidity > 0)
+        body.shell.bending.stiffness.value = t->rigidity;
     static const int32_t pins[4] = {0, 1, 5, 6};
     body.pinned = pins;
     body.pinned_count = 4;
@@ -135,18 +138,34 @@ static void check_near(const trial *t, const char *name, double value, double ex
         fail_msg("%s: %.12g, by differences %.12g", name, value, expected);
 }
 
+/* by each third vertex; if all move alike, the solution moves along */
+static void check_rest(trial *t, double (*moved)[3], size_t count, const double *gradient, const double *rest)
+{
+    double largest = 0, sums[3] = {0, 0, 0};
+    for (size_t i = 0; i < 3 * count; i++) {
+        largest = fmax(largest, fabs(rest[i]));
+        sums[i % 3] += rest[i] - gradient[i];
+    }
+    t->positions = moved;
+    for (size_t v = 0; v < count; v += 3)
+        for (int c = 0; c < 3; c++)
+            check_near(t, "rest", rest[3 * v + (size_t)c], difference(t, &moved[v][c], 1e-3), largest);
+    for (int c = 0; c < 3; c++)
+        assert_near(sums[c], 0, 1e-6 * largest);
+}
+
 static void check_trial(trial t)
 {
     solved s = solve(&t);
     size_t count = (size_t)s.mesh->vertex_count;
     double *gradient = calloc(9 * count, sizeof *gradient), *forces = gradient + 3 * count, *rest = forces + 3 * count;
-    double(*moved)[3] = calloc(count, sizeof *moved), loads[2], gravity[3], largest = 0;
+    double(*moved)[3] = calloc(count, sizeof *moved), loads[2], gravity[3];
     pel_adjoint_material material;
     function_of((int32_t)count, s.x, gradient);
     pel_adjoint def = {.positions = NULL};
     def.positions = gradient;
     def.forces = forces;
-    def.rest_positions = rest;
+    def.rest_positions = t.has_hinges ? NULL : rest;
     def.loads = loads;
     def.gravity = gravity;
     def.materials = &material;
@@ -160,6 +179,12 @@ static void check_trial(trial t)
 
     check_near(&t, "young", material.young, t.young * difference(&t, &t.young, 4e-3 * t.young), 0);
     check_near(&t, "thickness", material.thickness, t.thickness * difference(&t, &t.thickness, 2e-3 * t.thickness), 0);
+    /* of a plate if it is not given; given, it changes alone. In one step bending moves almost nothing */
+    const double given = t.rigidity, plate = t.young * pow(t.thickness, 3) / (12 * (1 - t.poisson * t.poisson));
+    const double rigidity = t.rigidity = given > 0 ? given : plate;
+    if (t.method == PEL_METHOD_STATIC)
+        check_near(&t, "bending", material.bending, rigidity * difference(&t, &t.rigidity, 1e-3 * rigidity), 0);
+    t.rigidity = given;
     check_near(&t, "poisson", material.poisson, difference(&t, &t.poisson, 1e-3), 0);
     check_near(&t, "load", loads[0], t.load * difference(&t, &t.load, 2e-3 * t.load), 0);
     check_near(&t, "gravity", gravity[2], difference(&t, &t.gravity, 1e-2), 0);
@@ -167,12 +192,8 @@ static void check_trial(trial t)
         check_near(&t, "pressure", material.pressure, t.pressure * difference(&t, &t.pressure, 2e-2 * t.pressure), 0);
     for (int c = 0; c < 3; c++)
         check_near(&t, "force", forces[21 + c], difference(&t, &t.force[c], 1e-2), fabs(forces[21]));
-    for (size_t i = 0; i < 3 * count; i++)
-        largest = fmax(largest, fabs(rest[i]));
-    t.positions = moved;
-    for (size_t v = 0; v < count && t.method == PEL_METHOD_STATIC; v += 3)
-        for (int c = 0; c < 3; c++)
-            check_near(&t, "rest", rest[3 * v + (size_t)c], difference(&t, &moved[v][c], 1e-3), largest);
+    if (t.method == PEL_METHOD_STATIC && !t.has_hinges)
+        check_rest(&t, moved, count, gradient, rest);
     free(moved);
     free(gradient);
 }
@@ -191,6 +212,28 @@ static void test_sheet(void **unused)
     if (sizeof(pel_real) == sizeof(float))
         skip(); /* differences of solutions in float tell three digits */
     check_trial(sheet);
+}
+
+/* a rigidity that is given does not follow Young's modulus, Poisson's ratio and thickness */
+static void test_given_rigidity(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* differences of solutions in float tell three digits */
+    trial stiff = sheet;
+    stiff.rigidity = 0.4;
+    check_trial(stiff);
+}
+
+/* hinges have no derivative by rest positions */
+static void test_hinges(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == sizeof(float))
+        skip(); /* differences of solutions in float tell three digits */
+    trial hinges = sheet;
+    hinges.has_hinges = true;
+    check_trial(hinges);
 }
 
 static void test_ball(void **unused)
@@ -213,6 +256,53 @@ static void test_step(void **unused)
     trial step = sheet;
     step.method = PEL_METHOD_IMPLICIT;
     check_trial(step);
+}
+
+/* each result alone is the one beside all others, to the bit */
+static void test_each_alone(void **unused)
+{
+    (void)unused;
+    trial ball = sheet;
+    ball.is_closed = true;
+    ball.pressure = 20;
+    solved s = solve(&ball);
+    size_t count = (size_t)s.mesh->vertex_count;
+    double *results[2], *gradient = calloc(3 * count, sizeof *gradient);
+    const size_t sizes[5] = {3 * count, 3 * count, 2, 3, sizeof(pel_adjoint_material) / sizeof(double)};
+    size_t total = 0;
+    for (int i = 0; i < 5; i++)
+        total += sizes[i];
+    for (int i = 0; i < 2; i++) {
+        results[i] = malloc(total * sizeof *results[i]);
+        for (size_t k = 0; k < total; k++)
+            results[i][k] = i + 1; /* of no account */
+    }
+    function_of((int32_t)count, s.x, gradient);
+    for (int only = -1; only < 5; only++) {
+        double *places[5] = {NULL}, *place = results[only >= 0];
+        for (int i = 0; i < 5; place += sizes[i++])
+            places[i] = only < 0 || only == i ? place : NULL;
+        pel_adjoint def = {.positions = NULL};
+        def.positions = gradient;
+        def.forces = places[0];
+        def.rest_positions = places[1];
+        def.loads = places[2];
+        def.gravity = places[3];
+        def.materials = (pel_adjoint_material *)places[4];
+        assert_int_equal(pel_sim_adjoint(s.sim, &def, NULL), PEL_OK);
+    }
+    assert_memory_equal(results[0], results[1], total * sizeof *results[0]);
+    double *at = results[0];
+    for (int i = 0; i < 5; at += sizes[i++]) {
+        double largest = 0;
+        for (size_t k = 0; k < sizes[i]; k++)
+            largest = fmax(largest, fabs(at[k]));
+        assert_true(largest > 0);
+    }
+    free(results[0]);
+    free(results[1]);
+    free(gradient);
+    release(&s);
 }
 
 static pel_status ask(const void *data, pel_error *error)
@@ -255,9 +345,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_step),
+        cmocka_unit_test(test_sheet),    cmocka_unit_test(test_given_rigidity), cmocka_unit_test(test_hinges),
+        cmocka_unit_test(test_ball),     cmocka_unit_test(test_step),           cmocka_unit_test(test_each_alone),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,9 @@
 /* Tools under a minimisation: equilibrium under the tool, whose force is that of its contacts. */
 #include "failing_malloc.h"
+#include "random.h"
+#include "sim/descent.h"
 #include "sim/descent_fixture.h"
+#include "sim/tool.h"
 
 #include "pellicle/geometry.h"
 
@@ -167,6 +170,128 @@ static void test_edges_of_box(void **unused)
         assert_true(hypot(reading.force[0], reading.force[1]) < 0.1 * reading.force[2]);
         before = reading.force[2];
     }
+    press_end(&scene, sim);
+}
+
+/* ---- capsules ---- */
+
+static double distance_from_segment(const double x[3], const double ends[2][3])
+{
+    double along[3], way[3];
+    pel_vec3_subtract(ends[1], ends[0], along);
+    pel_vec3_subtract(x, ends[0], way);
+    double share = fmin(fmax(pel_vec3_dot(way, along) / pel_vec3_squared_length(along), 0), 1);
+    pel_vec3_along(way, -share, along, way);
+    return pel_vec3_length(way);
+}
+
+/* of an edge: convex along it, so the least one is between thirds */
+static double distance_of_edge(double x[2][3], const double ends[2][3])
+{
+    double low = 0, high = 1, values[2];
+    for (int round = 0; round < 100; round++) {
+        for (int i = 0; i < 2; i++) {
+            const double at = (i == 0 ? 2 * low + high : low + 2 * high) / 3;
+            double point[3];
+            for (int k = 0; k < 3; k++)
+                point[k] = (1 - at) * x[0][k] + at * x[1][k];
+            values[i] = distance_from_segment(point, ends);
+        }
+        *(values[0] < values[1] ? &high : &low) = values[0] < values[1] ? (low + 2 * high) / 3 : (2 * low + high) / 3;
+    }
+    return fmin(values[0], values[1]);
+}
+
+/* Gaps of features to a turned capsule: distances from its axis, of triangles from one end of it, less its radius and
+   the slack. They grow as weights and normal say. */
+static void test_gaps_of_capsule(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    random_state random = {31};
+    press_begin(&scene, 2, 0);
+    scene.tool.shape = PEL_TOOL_CAPSULE;
+    scene.tool.radius = 0.1;
+    scene.tool.half_length = 0.3;
+    press_move(&scene, 2, 0);
+    pel_sim *sim = press_create(&scene);
+    pel_pose *pose = &sim->tools[0].pose;
+    double *position = sim->descent->position;
+    for (int n = 0; n < 400; n++) {
+        const double half = scene.tool.half_length, low[3] = {0, 0, -half}, high[3] = {0, 0, half};
+        double ends[2][3], x[3][3], size = 0, weights[3];
+        for (int k = 0; k < 4; k++)
+            size += pow(pose->rotation[k] = random_normal(&random), 2);
+        for (int k = 0; k < 4; k++)
+            pose->rotation[k] /= sqrt(size);
+        for (int k = 0; k < 3; k++)
+            pose->position[k] = random_between(&random, -0.2, 0.2);
+        for (int i = 0; i < 2; i++) {
+            pel_rotate(pose->rotation, i == 0 ? low : high, ends[i]);
+            pel_vec3_add(ends[i], pose->position, ends[i]);
+        }
+        for (int i = 0; i < 9; i++)
+            position[i] = x[i / 3][i % 3] = random_between(&random, -0.8, 0.8);
+        const pel_descent_contact constraint = {
+            .vertices = {0, 1, 2, 2}, .offset = 0.01, .points = 1 + n % 3, .end = n % 2 == 0 ? -1 : 1};
+        double expected = constraint.points == 1 ? distance_from_segment(x[0], (const double(*)[3])ends)
+                          : constraint.points == 2
+                              ? distance_of_edge(x, (const double(*)[3])ends)
+                              : sqrt(pel_closest_point_triangle(ends[constraint.end > 0], x[0], x[1], x[2], weights));
+        pel_gap_sample meeting, moved;
+        pel_descent_contact_meet(sim, &constraint, position, &meeting);
+        assert_near(meeting.gap, expected - 0.1 - 0.01, 1e-9);
+        if (expected < 0.05)
+            continue;
+        for (int i = 0; i < 3 * constraint.points; i++) {
+            position[i] += 1e-6;
+            pel_descent_contact_meet(sim, &constraint, position, &moved);
+            assert_near((moved.gap - meeting.gap) / 1e-6, meeting.weights[i / 3] * meeting.normal[i % 3], 1e-4);
+            position[i] = x[i / 3][i % 3];
+        }
+    }
+    press_end(&scene, sim);
+}
+
+/* Under a turned capsule that is shorter than an edge along its axis, the edge has no gap of its own, since it would
+   jump from end to end. */
+static void test_edges_along_capsule(void **unused)
+{
+    (void)unused;
+    press_scene scene;
+    press_begin(&scene, 2, 0);
+    pel_mesh_destroy(scene.mesh);
+    pel_shape_def grid = pel_shape_def_default(PEL_SHAPE_GRID);
+    grid.nx = grid.ny = 4;
+    assert_int_equal(pel_shape_create(&grid, &scene.mesh, NULL), PEL_OK);
+    scene.body.mesh = scene.mesh;
+    scene.body.volumetric_stiffness.value = scene.body.volumetric_damping.value = 0;
+    scene.body.pinned_count = 0;
+    for (int32_t v = 0; v < scene.mesh->vertex_count; v++)
+        if (fmax(fabs(scene.mesh->positions[v][0]), fabs(scene.mesh->positions[v][1])) > 0.49)
+            scene.pinned[scene.body.pinned_count++] = v;
+    scene.tool.shape = PEL_TOOL_CAPSULE;
+    scene.tool.radius = 0.1;
+    scene.tool.half_length = 0.05;
+    press_move(&scene, 0.1, 0.02);
+    for (int k = 0; k < PRESS_KEYS; k++) {
+        scene.keys[k].position[0] = 0.125;
+        scene.keys[k].rotation[1] = scene.keys[k].rotation[3] = sqrt(0.5);
+    }
+    pel_sim *sim = press_create(&scene);
+    run_steps(sim, 1);
+    const pel_sim_descent *descent = sim->descent;
+    int32_t counts[4] = {0};
+    for (int32_t c = 0; c < descent->count; c++) {
+        const pel_descent_contact *constraint = &descent->constraints[c];
+        const double *from = descent->position + 3 * (size_t)constraint->vertices[0];
+        const double *to = descent->position + 3 * (size_t)constraint->vertices[1];
+        counts[constraint->points]++;
+        if (constraint->points == 2)
+            assert_true(fabs(to[1] - from[1]) + fabs(to[2] - from[2]) > 1e-3 * fabs(to[0] - from[0]));
+    }
+    assert_true(counts[3] > 0);
+    assert_true(reading_of(sim, 0).force[2] > 0);
     press_end(&scene, sim);
 }
 
@@ -405,6 +530,8 @@ int main(void)
         cmocka_unit_test(test_plate),
         cmocka_unit_test(test_press_and_release),
         cmocka_unit_test(test_edges_of_box),
+        cmocka_unit_test(test_gaps_of_capsule),
+        cmocka_unit_test(test_edges_along_capsule),
         cmocka_unit_test(test_grasp),
         cmocka_unit_test(test_fast_tool),
         cmocka_unit_test(test_far_tool),

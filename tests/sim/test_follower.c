@@ -114,6 +114,33 @@ static void test_slopes(void **unused)
     end(&c, sim);
 }
 
+/* a load all around acts on each edge of the boundary once: in total on its length, weighted along it */
+static void test_perimeter(void **unused)
+{
+    (void)unused;
+    const double force[3] = {0, 0, 1};
+    enum { CELLS = 3 };
+    cantilever c;
+    begin(&c, CELLS, PEL_METHOD_STATIC, force);
+    double weights[3 * (CELLS + 1)];
+    assert_int_equal(c.mesh->vertex_count, 3 * (CELLS + 1));
+    for (int32_t v = 0; v < c.mesh->vertex_count; v++)
+        weights[v] = 6 + c.mesh->positions[v][0];
+    c.load.vertices = NULL;
+    c.load.vertex_count = 0;
+    for (int weighted = 0; weighted < 2; weighted++) {
+        c.load.weights = weighted ? weights : NULL;
+        pel_sim *sim = make_sim(&c.def);
+        double sum = 0;
+        for (int32_t i = 0; i < sim->follower_count; i++)
+            sum += sim->followers[i].length;
+        assert_int_equal(sim->follower_count, 2 * CELLS + 4);
+        assert_near(sum, (weighted ? 6 : 1) * 2 * (strip_length + 1), 1e-12);
+        pel_sim_destroy(sim);
+    }
+    end(&c, NULL);
+}
+
 /* turned as a whole, a strip feels the turned force; at rest the given one */
 static void test_turns(void **unused)
 {
@@ -285,8 +312,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes), cmocka_unit_test(test_turns),    cmocka_unit_test(test_cantilever),
-        cmocka_unit_test(test_ledger), cmocka_unit_test(test_refusals), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_slopes),      cmocka_unit_test(test_perimeter), cmocka_unit_test(test_turns),
+        cmocka_unit_test(test_cantilever),  cmocka_unit_test(test_ledger),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

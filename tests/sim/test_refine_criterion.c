@@ -132,6 +132,7 @@ static bench beside_tool(pel_tool_shape shape, double near)
     pel_mesh *mesh = make_sphere(6);
     pel_body_def body = ball(mesh, 2);
     body.refine.near_tools = near;
+    body.refine.above = near > 0 ? 0 : 1e9;
     body.refine.dwell = 10;
     pel_sim_def def = pel_sim_def_default();
     def.tools = &tool;
@@ -175,6 +176,26 @@ static void test_box_of_tool(void **unused)
         end(&made);
     }
     assert_true(near_count > 100 && far_count > near_count);
+}
+
+/* a body that refines by force alone is not refined by a tool on it, also if another body left the tool's box */
+static void test_tool_without_near(void **unused)
+{
+    (void)unused;
+    bench made = beside_tool(PEL_TOOL_SPHERE, 0);
+    pel_tool *tool = &made.sim->tools[0];
+    const pel_real far = (pel_real)HUGE_VAL, all[2][3] = {{-far, -far, -far}, {far, far, far}};
+    pel_vec3_set(tool->pose.position, 0, 0, 1);
+    pel_refine_criterion_begin(made.sim, 0);
+    memcpy(tool->look_box, all, sizeof all);
+    for (int32_t slice = 0; slice < made.sim->model->bodies[0].slice_end; slice++) {
+        pel_verdict verdicts[PEL_WIDTH];
+        pel_body_force numbers = pel_slice_force_of(made.sim->model, made.sim->state, slice);
+        pel_refine_criterion_slice(made.sim, 0, slice, &numbers, verdicts);
+        for (int lane = 0; lane < PEL_WIDTH; lane++)
+            assert_near(verdicts[lane].strength, 0, 1e-6);
+    }
+    end(&made);
 }
 
 /* refined before it touches, only near it, and coarsened after it has left */
@@ -739,6 +760,7 @@ int main(void)
         cmocka_unit_test(test_curvature_measure),
         cmocka_unit_test(test_fold),
         cmocka_unit_test(test_box_of_tool),
+        cmocka_unit_test(test_tool_without_near),
         cmocka_unit_test(test_near_tools),
         cmocka_unit_test(test_small_tool),
         cmocka_unit_test(test_region),

@@ -17,13 +17,13 @@ typedef struct sheet {
 
 enum { SIDE = 3, VERTICES = SIDE * SIDE, WALLS = 30 };
 
-static sheet make_sheet_of(double young, double tie, double pressure)
+/* nearly without a membrane; a body of a mesh with a pressure */
+static sheet make_body(pel_mesh *mesh, double young, double tie, const pel_pressure_def *pressure)
 {
-    sheet s = {.mesh = make_grid(SIDE - 1, SIDE - 1, 1, 1, PEL_GRID_ONE_DIAGONAL)};
+    sheet s = {.mesh = mesh};
     pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_STVK);
     body.shell.membrane.young.value = young;
-    body.shell.pressure.kind = pressure != 0 ? PEL_PRESSURE_GIVEN : PEL_PRESSURE_NONE;
-    body.shell.pressure.outside.value = pressure;
+    body.shell.pressure = *pressure;
     s.model = make_model(&body);
     assert_int_equal(pel_newton_create(s.model, NULL, &s.newton, NULL), PEL_OK);
     s.count = pel_newton_pattern(s.newton)->unknown_count;
@@ -36,6 +36,24 @@ static sheet make_sheet_of(double young, double tie, double pressure)
         s.stiffness[v] = s.model->mass[v] > 0 ? tie : 0;
     }
     return s;
+}
+
+static sheet make_sheet_of(double young, double tie, double pressure)
+{
+    pel_pressure_def def = pel_body_def_default().shell.pressure;
+    def.kind = pressure != 0 ? PEL_PRESSURE_GIVEN : PEL_PRESSURE_NONE;
+    def.outside.value = pressure;
+    return make_body(make_grid(SIDE - 1, SIDE - 1, 1, 1, PEL_GRID_ONE_DIAGONAL), young, tie, &def);
+}
+
+/* 42 vertices; bulk [Pa] of the volume, 0 = none */
+static sheet make_ball_of(double bulk)
+{
+    pel_pressure_def def = pel_body_def_default().shell.pressure;
+    def.kind = bulk > 0 ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_NONE;
+    def.bulk = bulk;
+    def.target.value = 1;
+    return make_body(make_sphere(2), 1e-6, 1, &def);
 }
 
 static void free_sheet(sheet *s)
@@ -66,7 +84,9 @@ typedef struct walls {
     int32_t pairs[WALLS][4];
     double floors[WALLS], stiffness;
     int count;
-    double at[WALLS];                  /* sum of z at the last evaluation */
+    double at[WALLS]; /* depth at the last evaluation */
+    pel_newton_kink kinks[WALLS];
+    bool is_listed;                    /* kinks say which of them act */
     int systems;                       /* matrices asked for */
     int evaluations, most_evaluations; /* after which a stop is wanted */
 } walls;
@@ -81,6 +101,7 @@ static double evaluate_walls(void *context, const double *unknowns, double *grad
     walls *w = context;
     double energy = 0;
     w->evaluations++;
+    w->is_listed = false;
     for (int i = 0; i < w->count; i++) {
         w->at[i] = depth_of(w, i, unknowns);
         if (!(w->at[i] > 0))
@@ -92,12 +113,17 @@ static double evaluate_walls(void *context, const double *unknowns, double *grad
     return energy;
 }
 
+static bool acts(const walls *w, int i)
+{
+    return w->is_listed ? w->kinks[i].acts : w->at[i] > 0;
+}
+
 static void add_walls(void *context, pel_matrix *matrix)
 {
     walls *w = context;
     w->systems++;
     for (int i = 0; i < w->count; i++)
-        for (int a = 0; a < 2 && w->at[i] > 0; a++)
+        for (int a = 0; a < 2 && acts(w, i); a++)
             for (int b = 0; b < 2; b++) {
                 int32_t block = pel_matrix_block(matrix, w->pairs[i][a], w->pairs[i][b]);
                 assert_true(block >= 0);
@@ -111,10 +137,23 @@ static int32_t list_walls(void *context, const int32_t (**vertices)[4], int32_t 
     walls *w = context;
     *acting = 0;
     for (int i = 0; i < w->count; i++)
-        if (w->at[i] > 0)
+        if (acts(w, i))
             memcpy(list[(*acting)++], w->pairs[i], sizeof *list);
     *vertices = (const int32_t(*)[4])list;
     return *acting;
+}
+
+static pel_newton_kink *list_kinks(void *context, int32_t *count)
+{
+    walls *w = context;
+    for (int i = 0; i < w->count; i++) {
+        w->kinks[i] = (pel_newton_kink){
+            .weights = {1, 1}, .normal = {0, 0, 1}, .gap = -w->at[i], .stiffness = w->stiffness, .acts = w->at[i] > 0};
+        memcpy(w->kinks[i].vertices, w->pairs[i], sizeof w->pairs[i]);
+    }
+    w->is_listed = true;
+    *count = w->count;
+    return w->kinks;
 }
 
 static pel_newton_terms terms_of(walls *w)
@@ -208,6 +247,44 @@ static void test_kinks(void **unused)
             free_sheet(&s);
         }
     }
+}
+
+/* A ball whose volume is driven to its own, with nearly linear forces, whose vertices random ties pull against walls.
+   Told of the kinks the method finds the minimum of the quadratic pieces in few systems; it is that without. */
+static void test_crossed_kinks(void **unused)
+{
+    (void)unused;
+    int systems[2] = {0, 0};
+    for (uint32_t seed = 1; seed <= 20; seed++)
+        for (int has_volume = 0; has_volume < 2; has_volume++) {
+            double ends[2][3 * 64];
+            for (int told = 0; told < 2; told++) {
+                sheet s = make_ball_of(has_volume ? 1e5 : 0);
+                random_state random = {seed};
+                walls w;
+                random_walls(&s, &random, &w);
+                /* about the ball, and small */
+                for (int32_t v = 0; v < s.model->vertex_count; v++)
+                    s.points[v][2] = (double)s.model->rest[v][2] + 0.01 * s.points[v][2];
+                for (int i = 0; i < w.count; i++)
+                    w.floors[i] = 0.01 * w.floors[i] + (double)s.model->rest[w.pairs[i][0]][2] +
+                                  (double)s.model->rest[w.pairs[i][1]][2];
+                pel_newton_terms terms = terms_of(&w);
+                terms.list_kinks = told ? list_kinks : NULL;
+                pel_newton_problem problem = problem_of(&s, &terms);
+                pel_newton_result result;
+                assert_true(s.count <= 3 * 64);
+                assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+                assert_true(result.converged);
+                assert_true(!told || result.iterations <= 5);
+                systems[told] += w.systems;
+                memcpy(ends[told], s.unknowns, (size_t)s.count * sizeof(double));
+                free_sheet(&s);
+            }
+            for (int i = 0; i < 3 * 42; i++)
+                assert_near(ends[1][i], ends[0][i], sizeof(pel_real) == 8 ? 1e-6 : 1e-3);
+        }
+    assert_true(systems[1] < systems[0] / 2);
 }
 
 /* A pressure on an open sheet has no potential: steps that go by an energy would see one that does not fall. */
@@ -354,8 +431,10 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_couplings), cmocka_unit_test(test_kinks), cmocka_unit_test(test_open_pressure),
-        cmocka_unit_test(test_deadline),  cmocka_unit_test(test_stop),  cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_couplings),          cmocka_unit_test(test_kinks),
+        cmocka_unit_test(test_crossed_kinks),      cmocka_unit_test(test_open_pressure),
+        cmocka_unit_test(test_deadline),           cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
