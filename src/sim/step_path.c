@@ -59,7 +59,23 @@ static bool is_keyed(const pel_sim *sim)
     return any;
 }
 
-pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
+static bool is_loaded(const pel_sim *sim)
+{
+    bool any = pel_loads_exist(sim);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && shell->pressure.outside.value != 0;
+    }
+    return any;
+}
+
+static void set_factor(pel_sim *sim, double factor)
+{
+    sim->state->load_factor = factor;
+    pel_shell_forces_set_load_factor(sim->shells, factor);
+}
+
+pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
 {
     if (sim->tool_count > 0 || sim->contacts != NULL) {
         pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length does not support %s",
@@ -67,22 +83,26 @@ pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
         pel_fail_remedy(error, "remove the %s, or use path: time", sim->tool_count > 0 ? "tools" : "contact");
         return PEL_BAD_ARGUMENT;
     }
-    if (!is_keyed(sim))
-        return pel_followers_refuse(sim, "a path by arc length needs", error);
-    pel_fail(error, PEL_BAD_ARGUMENT,
-             "a path by arc length finds the load factor, but a load, pressure or support has "
-             "keys, from or until");
-    pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
-    return PEL_BAD_ARGUMENT;
+    if (is_keyed(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "a path by arc length finds the load factor, but a load, pressure or support has "
+                 "keys, from or until");
+        pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!is_loaded(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "no load, gravity or pressure acts that a path by arc length could follow");
+        pel_fail_remedy(error, "add loads, or use path: time, which moves supports by their keys");
+        return PEL_BAD_ARGUMENT;
+    }
+    /* at rest no load acts yet */
+    set_factor(sim, 1);
+    pel_status status = pel_descent_check_start(sim, error);
+    set_factor(sim, 0);
+    return status == PEL_OK ? pel_followers_refuse(sim, "a path by arc length needs", error) : status;
 }
 
 /* ---- a step ---- */
-
-static void set_factor(pel_sim *sim, double factor)
-{
-    sim->state->load_factor = factor;
-    pel_shell_forces_set_load_factor(sim->shells, factor);
-}
 
 /* the unknowns of the state, with the loads at factor 1 */
 static pel_newton_frames gather_full_load(pel_sim *sim, double time)

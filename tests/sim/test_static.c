@@ -306,6 +306,10 @@ static void test_refusals(void **unused)
     pel_error error;
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "path by arc length finds the load factor"));
+    load.key_count = 0;
+    load.force[2] = 1;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "against the net force (0, 0, 1) N"));
     const pel_pose_key pose = {0, {0, 0, 9}, {0, 0, 0, 1}, {0}};
     pel_tool_def tool = pel_tool_def_default();
     tool.name = "one";
@@ -322,6 +326,14 @@ static void test_refusals(void **unused)
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "a path by arc length does not support contact"));
     end_stage(&s);
+    s.mesh = make_sphere(4);
+    pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    def.model = s.model = make_model(&body);
+    def.contact.enabled = false;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "no load, gravity or pressure acts"));
+    pel_model_destroy(s.model);
+    pel_mesh_destroy(s.mesh);
 }
 
 /* A rod dents a thin ball: steps of the positive tangent, too stiff there, are made longer, which saves a part of the
