@@ -462,7 +462,9 @@ static const pel_scene_row rows[] = {
      .doc = "cave: paper B's rule, moves triangles inward where fibres are shorter than at rest (pbd, xpbd); strain: "
             "fibres resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
     {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
-     .doc = "cave, strain: energy of the fibres"},
+     .doc =
+         "cave, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
+         "1)^2, stvk k/2 (s^2 - 1)^2, which is 4 times as stiff at small strain"},
     {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .doc = "stiffness of the fibres; auto: Young's modulus times the thickness of the membrane"},
     {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,
