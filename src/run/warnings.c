@@ -509,6 +509,9 @@ static const char *energy_remedy(const pel_sim_def *sim)
         return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
     case PEL_METHOD_DESCENT:
         return "raise solver.iterations, or let loads and tools move over more steps";
+    case PEL_METHOD_STATIC:
+        return "the work of tools and supports is that of their mean force in a step: give them keys and raise "
+               "solver.steps";
     default:
         return "use a smaller solver.dt";
     }

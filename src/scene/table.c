@@ -258,9 +258,10 @@ static const pel_scene_row rows[] = {
     {"loads[].force", VECTOR, .unit = "N", REQUIRED, .doc = "the force; `per` defines how it is distributed"},
     {"loads[].at", REGION, .preset = "all", .doc = "loaded vertices"},
     {"loads[].per", WORD("total", "vertex", "length", "moment"), .preset = "total",
-     .doc = "total: the force is distributed over the vertices; vertex: it acts on each vertex; length: force per "
-            "metre of the boundary edges with both ends in the region [N/m]; moment: moment per metre of these edges "
-            "[N m/m], whose component along an edge turns the surface about it (bending model midedge)"},
+     .doc = "total: each vertex has an equal part of the force, whatever its area (a force per area is a pressure or "
+            "gravity); vertex: it acts on each vertex; length: force per metre of the boundary edges with both ends "
+            "in the region [N/m]; moment: moment per metre of these edges [N m/m], whose component along an edge "
+            "turns the surface about it (bending model midedge)"},
     {"loads[].follower", BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
      .doc = "true: the force rotates with the edge and its triangle"},
     {"loads[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "acts from this time on"},
@@ -461,7 +462,9 @@ static const pel_scene_row rows[] = {
      .doc = "cave: paper B's rule, moves triangles inward where fibres are shorter than at rest (pbd, xpbd); strain: "
             "fibres resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
     {"<anisotropy>.energy", WORD("arap", "stvk", "sqrt"), .preset = "arap",
-     .doc = "cave, strain: energy of the fibres"},
+     .doc =
+         "cave, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
+         "1)^2, stvk k/2 (s^2 - 1)^2, which is 4 times as stiff at small strain"},
     {"<anisotropy>.stiffness", NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .doc = "stiffness of the fibres; auto: Young's modulus times the thickness of the membrane"},
     {"<anisotropy>.strength", NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave", REQUIRED,

@@ -57,6 +57,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
    stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than half of the rest. */
 #define JAM_PENALTY 6
 #define JAM_GAP 8
+/* A round limits friction by the loads of the round before. Largest difference from the limits by its own loads. */
+#define FRICTION_SHARE 0.05
 /* displacement of a tool in one part of a step, relative to half its thickness; share of the path to an impact that is
    taken */
 #define PART_SHARE 0.5
@@ -349,12 +351,23 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
     descent->step_acted = fmax(descent->step_acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
+/* N, a body that tools push about freely resists them by forces that are too small to strain it, and rounding leaves
+   some of these */
+static double stuck_force(const pel_sim *sim)
+{
+    return STUCK_STRAIN * sim->descent->stiff_force;
+}
+
+/* the friction that balances the forces is that of the loads which do */
+static bool slips_by_law(const pel_sim *sim, const pel_contact_change *change, double tolerance)
+{
+    return change->misfit <= fmax(FRICTION_SHARE * change->limit, fmax(tolerance, stuck_force(sim)));
+}
+
 /* not relative to the initial forces of the round: forces of closing gaps are far larger than all others */
 static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, double loads)
 {
-    /* a body that tools push about freely resists them by forces that are too small to strain it, and rounding leaves
-       some of these */
-    const double least = STUCK_STRAIN * sim->descent->stiff_force;
+    const double least = stuck_force(sim);
     if (round->stuck && round->residual <= least && acting_force(sim, loads) <= 10 * least)
         return true;
     double tolerance = pel_sim_has_velocity(sim)
@@ -404,7 +417,8 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
         failures += !round.converged;
         if (!pel_sim_all_inside(sim) || (can_halve && failures == HALVING_FAILURES))
             return PEL_OK;
-        double error_of_gaps = pel_descent_contacts_update(sim);
+        const pel_contact_change change = pel_descent_contacts_update(sim);
+        double error_of_gaps = change.gap;
         double allowed = descent->penalty >= JAM_PENALTY ? JAM_GAP : 1;
         if (round.converged && error_of_gaps > allowed && error_of_gaps > fmin(CLOSING * before, FAR))
             descent->penalty = fmin(STIFFENING * descent->penalty, MOST_PENALTY);
@@ -419,7 +433,7 @@ static pel_status minimise_in_rounds(pel_descent_context *context, double loads,
             continue;
         }
         closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= allowed;
-        sum->converged = closed && is_balanced(sim, &round, loads);
+        sum->converged = closed && slips_by_law(sim, &change, problem.tolerance) && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
         if (sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline)
             break;

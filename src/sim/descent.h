@@ -97,6 +97,13 @@ typedef struct pel_gap_sample {
     double weights[4], normal[3];
 } pel_gap_sample;
 
+/* how a minimisation changes the constraints */
+typedef struct pel_contact_change {
+    double gap; /* largest error of a gap over its tolerance */
+    double misfit,
+        limit; /* N, sums: differences of the friction from Coulomb's limits under the new loads; the limits */
+} pel_contact_change;
+
 /* Second derivatives of a constraint's term, N/m: along and across its normal, for the weighted sum of the vertices. On
    a round tool the contact point of a triangle moves when the triangle turns: this adds the sum of the squares of
    rows. */
@@ -149,9 +156,8 @@ bool pel_descent_contact_stiffness(const pel_sim *sim, const pel_descent_contact
                                    pel_contact_stiffness *stiffness);
 /* Constraints as kinks (count) at positions; until pel_descent_contacts_evaluate stiffnesses are of those that act. */
 void pel_descent_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks);
-/* Loads and drags after a minimisation. Returns the largest error of a gap over its
-   tolerance. */
-double pel_descent_contacts_update(pel_sim *sim);
+/* Loads and drags after a minimisation. */
+pel_contact_change pel_descent_contacts_update(pel_sim *sim);
 /* Loads that best balance `force`, the forces of the bodies at the end of the step, which is overwritten. stiffness
    (vertex_count): N/m of the springs of inertia, whose forces are in `force`; null = none. */
 void pel_descent_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness);

@@ -311,11 +311,27 @@ pel_status pel_descent_contact_add(pel_sim *sim, const pel_descent_contact *cons
     return PEL_OK;
 }
 
-static double update(const pel_sim *sim, pel_descent_contact *constraint)
+/* N, how much the friction force differs from Coulomb's limit under a new load */
+static double misfit_of(const pel_sim *sim, const pel_descent_contact *constraint, double load)
+{
+    pel_descent_contact loaded = *constraint;
+    double drag[3];
+    loaded.load = fmax(load, constraint->load);
+    if (!find_drag(sim, &loaded, sim->descent->position, drag))
+        return 0;
+    double length = pel_vec3_length(drag);
+    return fabs(fmin(length, constraint->friction * load) - fmin(length, constraint->friction * constraint->load));
+}
+
+static void update(const pel_sim *sim, pel_descent_contact *constraint, pel_contact_change *sum)
 {
     const double *position = sim->descent->position;
     pel_gap_sample meeting;
     double drag[3], change = 0;
+    pel_descent_contact_meet(sim, constraint, position, &meeting);
+    double load = fmax(0, constraint->load - constraint->stiffness * meeting.gap);
+    sum->misfit += misfit_of(sim, constraint, load);
+    sum->limit += constraint->friction * load;
     if (find_drag(sim, constraint, position, drag)) {
         limit_length(drag, constraint->friction * constraint->load);
         change = pel_vec3_distance(drag, constraint->drag);
@@ -323,20 +339,18 @@ static double update(const pel_sim *sim, pel_descent_contact *constraint)
     } else {
         pel_vec3_set(constraint->drag, 0, 0, 0);
     }
-    pel_descent_contact_meet(sim, constraint, position, &meeting);
-    double load = fmax(0, constraint->load - constraint->stiffness * meeting.gap);
     change = fmax(change, fabs(load - constraint->load));
     constraint->load = load;
-    return change / (constraint->stiffness * constraint->tolerance);
+    sum->gap = fmax(sum->gap, change / (constraint->stiffness * constraint->tolerance));
 }
 
-double pel_descent_contacts_update(pel_sim *sim)
+pel_contact_change pel_descent_contacts_update(pel_sim *sim)
 {
     pel_sim_descent *descent = sim->descent;
-    double largest = 0;
+    pel_contact_change sum = {0};
     for (int32_t c = 0; c < descent->count; c++)
-        largest = fmax(largest, update(sim, &descent->constraints[c]));
-    return largest;
+        update(sim, &descent->constraints[c], &sum);
+    return sum;
 }
 
 /* Unbalanced force of a constraint, N: without inertia the force that best cancels those on its vertices. With inertia

@@ -36,6 +36,13 @@ static bool are_orthonormal(const double axes[3][3])
     return true;
 }
 
+/* the body resists bending, but its edges have no rotations that could be fixed */
+static bool folds_at_clamps(const pel_body *body)
+{
+    const pel_shell *shell = body->shell;
+    return shell != NULL && shell->bending != PEL_BENDING_NONE && shell->bending != PEL_BENDING_MIDEDGE;
+}
+
 static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int32_t support, pel_error *error)
 {
     if (def->body < 0 || def->body >= sim->model->body_count)
@@ -65,6 +72,9 @@ static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int3
                       "give a positive stiffness in N/m3 and leave out that of vertices, or 0 for none");
     if (!def->fix[0] && !def->fix[1] && !def->fix[2] && !def->fix_rotation)
         return refuse(error, support, "support fixes nothing", "fix a component, or the rotation");
+    if (def->fix_rotation && folds_at_clamps(body))
+        return refuse(error, support, "support clamps edges, which only bending of model midedge has rotations for",
+                      "give the body bending of model midedge, or fix displacements only");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
@@ -223,7 +233,7 @@ static pel_status find_areas(const pel_sim *sim, const pel_support_def *def, int
 }
 
 /* edges with both ends in the region */
-static void fix_edges(pel_sim *sim, const pel_support_def *def, int32_t *marks)
+static void fix_edges(pel_sim *sim, const pel_support_def *def, int32_t support, int32_t *marks)
 {
     pel_newton *newton = sim->descent->newton->newton;
     const pel_tangent_edge *edges = pel_tangent_edges_of(pel_newton_tangent(newton));
@@ -232,8 +242,11 @@ static void fix_edges(pel_sim *sim, const pel_support_def *def, int32_t *marks)
     for (int32_t i = 0; i < def->vertex_count; i++)
         marks[index[def->vertices[i]]] = 1;
     for (int32_t e = 0; e < pel_newton_pattern(newton)->edge_count; e++)
-        if (edges[e].body == def->body && marks[edges[e].vertices[0]] != 0 && marks[edges[e].vertices[1]] != 0)
+        if (edges[e].body == def->body && marks[edges[e].vertices[0]] != 0 && marks[edges[e].vertices[1]] != 0 &&
+            !sim->holds->edge_fixed[e]) {
             sim->holds->edge_fixed[e] = 1;
+            sim->holds->edge_owner[e] = support;
+        }
 }
 
 static pel_status make_room(pel_sim_holds *holds, const pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -245,9 +258,11 @@ static pel_status make_room(pel_sim_holds *holds, const pel_sim *sim, const pel_
     holds->vertices = pel_allocate(most, sizeof *holds->vertices);
     holds->axes = pel_allocate(most, sizeof *holds->axes);
     holds->springs = pel_allocate(3 * most, sizeof *holds->springs);
-    holds->edge_fixed = pel_allocate((size_t)pel_newton_pattern(sim->descent->newton->newton)->edge_count + 1, 1);
+    size_t edges = (size_t)pel_newton_pattern(sim->descent->newton->newton)->edge_count + 1;
+    holds->edge_fixed = pel_allocate(edges, 1);
+    holds->edge_owner = pel_allocate(edges, sizeof *holds->edge_owner);
     bool room = holds->held != NULL && holds->vertices != NULL && holds->axes != NULL && holds->springs != NULL &&
-                holds->edge_fixed != NULL;
+                holds->edge_fixed != NULL && holds->edge_owner != NULL;
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -290,7 +305,7 @@ static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *erro
     }
     for (int32_t s = 0; status == PEL_OK && s < def->support_count; s++)
         if (def->supports[s].fix_rotation)
-            fix_edges(sim, &def->supports[s], place);
+            fix_edges(sim, &def->supports[s], s, place);
     pel_free(place);
     pel_free(areas);
     for (int32_t h = 0; h < sim->holds->held_count; h++)
@@ -333,7 +348,8 @@ void pel_holds_destroy(pel_sim *sim)
         return;
     for (int32_t h = 0; h < holds->hold_count; h++)
         pel_free(holds->holds[h].keys);
-    void *arrays[] = {holds->holds, holds->held, holds->vertices, holds->axes, holds->springs, holds->edge_fixed};
+    void *arrays[] = {holds->holds,   holds->held,       holds->vertices,  holds->axes,
+                      holds->springs, holds->edge_fixed, holds->edge_owner};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(holds);
@@ -608,6 +624,25 @@ static void read_held(pel_sim *sim, int32_t h)
     }
 }
 
+/* the moments of clamped edges, about these edges */
+static void read_clamps(const pel_sim *sim)
+{
+    const pel_sim_holds *holds = sim->holds;
+    pel_newton *newton = sim->descent->newton->newton;
+    const pel_tangent_edge *edges = pel_tangent_edges_of(pel_newton_tangent(newton));
+    const double *moments = pel_newton_gradient(newton) + 3 * (size_t)sim->model->vertex_count;
+    for (int32_t e = 0; e < pel_newton_pattern(newton)->edge_count; e++) {
+        double from[3], to[3], along[3], *torque = holds->holds[holds->edge_owner[e]].part.torque;
+        if (!holds->edge_fixed[e])
+            continue;
+        pel_vertex_position(sim->state->position_next, edges[e].vertices[0], from);
+        pel_vertex_position(sim->state->position_next, edges[e].vertices[1], to);
+        pel_vec3_subtract(to, from, along);
+        pel_vec3_normalize(along);
+        pel_vec3_along(torque, -moments[e], along, torque);
+    }
+}
+
 /* readings of a step in parts are means */
 static void add_part(const pel_sim *sim, pel_hold *hold)
 {
@@ -628,6 +663,7 @@ void pel_holds_read(pel_sim *sim, double time)
         holds->holds[h].part = (pel_support_reading){0};
     for (int32_t h = 0; h < holds->held_count; h++)
         read_held(sim, h);
+    read_clamps(sim);
     for (int32_t i = 0; i < holds->spring_count; i++) {
         const pel_hold_spring *spring = &holds->springs[i];
         pel_hold *hold = &holds->holds[spring->owner];

@@ -43,6 +43,7 @@ struct pel_sim_holds {
     int32_t spring_count;
     double booked_energy; /* J, of the springs, likewise */
     uint8_t *edge_fixed;  /* (edges of mid-edge bending) */
+    int32_t *edge_owner;  /* (the same) support that fixes it */
 };
 
 /* Copies and checks the supports; sim->holds stays null without any. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */

@@ -17,7 +17,7 @@
 /* of the size of the bodies, that a step is long at most */
 #define MOST_SHARE 0.05
 /* shorter steps after one that does not converge; steps that meet the factor 1 */
-enum { MOST_HALVINGS = 8, MOST_MEETINGS = 8 };
+enum { MOST_HALVINGS = 8, MOST_MEETINGS = 30 };
 #define MEETING_ERROR 1e-9
 
 pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
@@ -59,24 +59,15 @@ static bool is_keyed(const pel_sim *sim)
     return any;
 }
 
-pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error)
+static bool is_loaded(const pel_sim *sim)
 {
-    if (sim->tool_count > 0 || sim->contacts != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length does not support %s",
-                 sim->tool_count > 0 ? "tools" : "contact");
-        pel_fail_remedy(error, "remove the %s, or use path: time", sim->tool_count > 0 ? "tools" : "contact");
-        return PEL_BAD_ARGUMENT;
+    bool any = pel_loads_exist(sim);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && shell->pressure.outside.value != 0;
     }
-    if (!is_keyed(sim))
-        return pel_followers_refuse(sim, "a path by arc length needs", error);
-    pel_fail(error, PEL_BAD_ARGUMENT,
-             "a path by arc length finds the load factor, but a load, pressure or support has "
-             "keys, from or until");
-    pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
-    return PEL_BAD_ARGUMENT;
+    return any;
 }
-
-/* ---- a step ---- */
 
 static void set_factor(pel_sim *sim, double factor)
 {
@@ -84,18 +75,56 @@ static void set_factor(pel_sim *sim, double factor)
     pel_shell_forces_set_load_factor(sim->shells, factor);
 }
 
+pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
+{
+    if (sim->tool_count > 0 || sim->contacts != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length does not support %s",
+                 sim->tool_count > 0 ? "tools" : "contact");
+        pel_fail_remedy(error, "remove the %s, or use path: time", sim->tool_count > 0 ? "tools" : "contact");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (is_keyed(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "a path by arc length finds the load factor, but a load, pressure or support has "
+                 "keys, from or until");
+        pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!is_loaded(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "no load, gravity or pressure acts that a path by arc length could follow");
+        pel_fail_remedy(error, "add loads, or use path: time, which moves supports by their keys");
+        return PEL_BAD_ARGUMENT;
+    }
+    /* at rest no load acts yet */
+    set_factor(sim, 1);
+    pel_status status = pel_descent_check_start(sim, error);
+    set_factor(sim, 0);
+    return status == PEL_OK ? pel_followers_refuse(sim, "a path by arc length needs", error) : status;
+}
+
+/* ---- a step ---- */
+
+/* the unknowns of the state, with the loads at factor 1 */
+static pel_newton_frames gather_full_load(pel_sim *sim, double time)
+{
+    double factor = sim->state->load_factor;
+    set_factor(sim, 1);
+    pel_newton_frames frames = pel_sim_newton_gather(sim, time, true);
+    set_factor(sim, factor);
+    return frames;
+}
+
 static pel_newton_problem make_problem(pel_sim *sim)
 {
     pel_sim_newton *newton = sim->descent->newton;
     pel_newton_problem problem = {.time = pel_sim_next_time(sim), .state = sim->state, .force = newton->loads};
     double factor = sim->state->load_factor;
-    /* loads and tolerance at factor 1 */
     set_factor(sim, 1);
     problem.tolerance = pel_descent_tolerance(sim, problem.time);
-    problem.frames = pel_sim_newton_gather(sim, problem.time, true);
+    set_factor(sim, factor);
+    problem.frames = gather_full_load(sim, problem.time);
     problem.tolerance =
         pel_hypot(problem.tolerance, pel_descent_held_share() * pel_newton_moment_force(newton->newton, newton->loads));
-    set_factor(sim, factor);
     problem.held_share = pel_descent_held_share();
     problem.short_move = pel_descent_short_move(sim);
     problem.fixed = newton->fixed;
@@ -132,31 +161,38 @@ static pel_status follow(pel_sim *sim, const pel_newton_problem *problem, pel_ne
     return status;
 }
 
-/* the step that crosses the factor 1 ends there: a shorter one from the same start, by regula falsi */
+/* an end of the interval of lengths in which a step meets the factor 1 */
+typedef struct path_end {
+    double length, excess; /* of the factor over 1 */
+} path_end;
+
+/* A shorter step from the same start ends at the factor 1: regula falsi, where an end that stays counts half (Illinois;
+   Dowell, Jarratt 1971). */
 static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem, double start,
                                  pel_newton_result *result, pel_error *error)
 {
     pel_newton_path *path = &sim->path->path;
     pel_sim_newton *newton = sim->descent->newton;
-    double low = 0, high = path->length, low_factor = start, high_factor = path->factor;
+    path_end low = {0, start - 1}, high = {path->length, path->factor - 1};
+    bool was_low = false;
     pel_status status = PEL_OK;
-    for (int i = 0; status == PEL_OK && i < MOST_MEETINGS && fabs(path->factor - 1) > MEETING_ERROR; i++) {
-        pel_newton_result met;
-        double length = low + (high - low) * (1 - low_factor) / (high_factor - low_factor);
-        path->length = length;
+    for (int i = 0; result->converged && i < MOST_MEETINGS && fabs(path->factor - 1) > MEETING_ERROR; i++) {
+        path->length = low.length + (high.length - low.length) * low.excess / (low.excess - high.excess);
         path->factor = start;
         newton->goes_on = false;
-        pel_sim_newton_gather(sim, problem->time, true);
+        gather_full_load(sim, problem->time);
         find_direction(sim);
-        status = pel_newton_follow(newton->newton, problem, newton->unknowns, path, &met, error);
-        sim->descent->result.iterations += met.iterations;
-        result->converged = met.converged;
-        if (status != PEL_OK || !met.converged)
-            break;
-        *result = met;
-        *(path->factor < 1 ? &low : &high) = length;
-        *(path->factor < 1 ? &low_factor : &high_factor) = path->factor;
+        status = pel_newton_follow(newton->newton, problem, newton->unknowns, path, result, error);
+        sim->descent->result.iterations += result->iterations;
+        if (status != PEL_OK)
+            return status;
+        bool is_low = path->factor < 1;
+        *(is_low ? &low : &high) = (path_end){path->length, path->factor - 1};
+        if (i > 0 && is_low == was_low)
+            (is_low ? &high : &low)->excess *= 0.5;
+        was_low = is_low;
     }
+    result->converged &= fabs(path->factor - 1) <= MEETING_ERROR;
     return status;
 }
 

@@ -13,8 +13,8 @@ struct pel_sim_path {
 /* After pel_sim_newton_create. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_path_create(pel_sim *sim, pel_error *error);
 void pel_sim_path_destroy(pel_sim *sim);
-/* Refuses tools, contact and keys: PEL_BAD_ARGUMENT. */
-pel_status pel_sim_path_check(const pel_sim *sim, pel_error *error);
+/* Refuses tools, contact, keys, and bodies that no load acts on or nothing holds against them: PEL_BAD_ARGUMENT. */
+pel_status pel_sim_path_check(pel_sim *sim, pel_error *error);
 pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
 #endif

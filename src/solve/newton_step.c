@@ -477,10 +477,13 @@ double pel_newton_stiffness_scale(const pel_newton *newton)
     for (int32_t v = 0; v < newton->pattern->vertex_count; v++) {
         int32_t block = pel_matrix_block(newton->matrix, v, v);
         const double *diagonal = newton->matrix->values + newton->matrix->block_start[block];
-        if (newton->fixed[3 * v])
-            continue;
-        stiffness += diagonal[0] + diagonal[4] + diagonal[8];
-        mass += 3 * newton->masses[3 * v];
+        double own_stiffness = 0, own_mass = 0;
+        for (int k = 0; k < 3; k++) {
+            own_stiffness += newton->fixed[3 * v + k] ? 0 : diagonal[4 * k];
+            own_mass += newton->fixed[3 * v + k] ? 0 : newton->masses[3 * v + k];
+        }
+        stiffness += own_stiffness;
+        mass += own_mass;
     }
-    return stiffness / mass;
+    return mass > 0 ? stiffness / mass : 0;
 }

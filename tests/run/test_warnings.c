@@ -390,6 +390,27 @@ static void test_energy_appears(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
+/* a sheet that supports stretch in one step of statics: the mean of their force is not its path, more steps are */
+static void test_energy_of_supports(void **unused)
+{
+    (void)unused;
+    const char *const scene =
+        "version: 1\nbodies:\n  - name: sheet\n    mesh: { shape: grid, nx: 3, ny: 2, size_x: 1, size_y: 0.5 }\n"
+        "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"
+        "    supports:\n"
+        "      - { at: { box: { min: [-0.6, -1, -1], max: [-0.4, 1, 1] } } }\n"
+        "      - { at: { box: { min: [0.4, -1, -1], max: [0.6, 1, 1] } }, displacement: [1, 0, 0] }\n"
+        "solver: { method: static }\n";
+    const char *overrides[] = {"bodies.0.supports.1.keys=[[0, 0], [1, 1]]", "solver.steps=10"};
+    pel_run_summary summary;
+    run_scene(scene, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "give them keys and raise solver.steps"));
+    run_scene(scene, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
 /* the work of gravity on a slab held by friction is rounding */
 static void test_energy_of_rest(void **unused)
 {
@@ -694,6 +715,7 @@ int main(void)
         cmocka_unit_test(test_coarse_mesh),
         cmocka_unit_test(test_inverted_mesh),
         cmocka_unit_test(test_energy_appears),
+        cmocka_unit_test(test_energy_of_supports),
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_grasp_empty),

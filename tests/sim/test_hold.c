@@ -266,6 +266,8 @@ static void cantilever_is_the_reference(void **state)
     assert_within(-way[0], 3.286, 0.01);
     pel_sim_get_support_part(s->sim, 0, &reading);
     assert_within(reading.force[2], 4, 1e-4);
+    /* the clamp takes the moment of the load about the wall */
+    assert_within(reading.torque[1], -4 * (10 + way[0]), 0.01);
     end(s);
     free(s);
 }
@@ -295,6 +297,7 @@ static void moment_rolls_a_strip_up(void **state)
     assert_within(way[2], 10 * (1 - cos(angle)) / angle, 0.01);
     pel_sim_get_support_part(s->sim, 0, &reading);
     assert_true(fabs(reading.force[2]) < 1e-3);
+    assert_within(reading.torque[1], -100.0 / 10 * angle, 0.01);
     pel_sim_ledger ledger;
     pel_sim_get_ledger(s->sim, &ledger);
     assert_within(ledger.work_loads, 100.0 / 10 * angle * angle, 0.02);
@@ -538,6 +541,9 @@ static void bad_supports_are_refused(void **state)
     begin_bar(s);
     s->body.shell.bending.model = PEL_BENDING_NONE;
     assert_sim_refused(s, "give the body bending of model midedge");
+    begin_bar(s);
+    s->body.shell.bending.model = PEL_BENDING_HINGE;
+    assert_sim_refused(s, "support clamps edges, which only bending of model midedge has rotations for");
     begin_bar(s);
     support(s, 0, 0, true, false, false, false)->displacement[0] = 0.1;
     assert_sim_refused(s, "contradict each other at vertex");
