@@ -22,42 +22,6 @@ enum { SWEEP_LIMIT = 100 };
 /* triangles this near to the tool's box, relative to the longest edge, may be pushed into it during a step */
 #define NEAR_MARGIN 0.25
 
-pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
-{
-    double local[3], axis[3], half[3] = {0, 0, 0};
-    pel_solid_half_box(&tool->solid, local);
-    for (int i = 0; i < 3; i++) {
-        double extent = local[i] + width;
-        pel_vec3_set(axis, i == 0 ? extent : 0, i == 1 ? extent : 0, i == 2 ? extent : 0);
-        pel_rotate(tool->pose.rotation, axis, axis);
-        for (int j = 0; j < 3; j++)
-            half[j] += fabs(axis[j]);
-    }
-    pel_search_box box = {{0}, {0}};
-    for (int i = 0; i < 3; i++) {
-        box.low[i] = (pel_real)(tool->pose.position[i] - half[i] - margin);
-        box.high[i] = (pel_real)(tool->pose.position[i] + half[i] + margin);
-    }
-    return box;
-}
-
-/* in rising order: the sweeps depend on the order, which must not change when a triangle without contact enters or
-   leaves the list */
-int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
-{
-    pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
-    bool at_start = positions == sim->state->position;
-    int32_t count = 0;
-    if (!at_start || !sim->tool_search->is_fitted)
-        pel_tool_search_fit(sim->tool_search, positions);
-    sim->tool_search->is_fitted = at_start;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (pel_tool_acts_on(tool, b))
-            count = pel_tool_search_find(sim->tool_search, positions, b, &box, sim->near_triangles, count);
-    pel_tool_search_sort(sim->tool_search, sim->near_triangles, count);
-    return count;
-}
-
 static void record_add(pel_record *record, double scale, const double a[3])
 {
     for (int i = 0; i < 3; i++)
@@ -393,7 +357,8 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
+    int32_t near_count =
+        pel_tool_near_triangles(sim, tool, &tool->near, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
     bool moved = press_out(sim, tool, near_count, longest);
