@@ -44,7 +44,7 @@ static bool serves(const pel_near_list *list, const pel_tool_search *search, con
 {
     pel_search_box own;
     memcpy(&own, list->box, sizeof own);
-    return list->fit == search->fit_count && !pel_record_exceeds(own.low, needed->low) &&
+    return search->is_fitted && list->fit == search->fit_count && !pel_record_exceeds(own.low, needed->low) &&
            !pel_record_exceeds(needed->high, own.high);
 }
 
@@ -64,8 +64,8 @@ static void renew(pel_sim *sim, const pel_tool *tool, const pel_record *position
 {
     const pel_real growth = (pel_real)(GROWTH * margin), limit = (pel_real)DRIFT_SHARE * growth;
     const pel_record limits = {limit, limit, limit, limit}, none = {0};
-    if (pel_record_exceeds(drift, limits)) {
-        pel_tool_search_fit(sim->tool_search, positions);
+    if (!sim->tool_search->is_fitted || pel_record_exceeds(drift, limits)) {
+        pel_tool_search_fit(sim->tool_search, positions, true);
         drift = none;
     }
     const pel_search_box larger = grown(box, drift + growth);
@@ -74,14 +74,27 @@ static void renew(pel_sim *sim, const pel_tool *tool, const pel_record *position
     list->count = find(sim, tool, &larger, list->triangles);
 }
 
+/* Surfaces that refine change in many steps, and lists would not serve. At the start of a step the boxes serve all
+   tools. */
+static void fit_changing(pel_sim *sim, const pel_record *positions)
+{
+    pel_tool_search *search = sim->tool_search;
+    bool at_start = positions == sim->state->position;
+    const pel_search_state state = {at_start ? positions : NULL, sim->state_number, sim->parts.at};
+    bool is_known = search->is_fitted && at_start && state.positions == search->state.positions &&
+                    state.number == search->state.number && state.part == search->state.part;
+    if (!is_known)
+        pel_tool_search_fit(search, positions, false);
+    search->state = state;
+}
+
 int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, pel_near_list *list, const pel_record *positions,
                                 double margin)
 {
     pel_tool_search *search = sim->tool_search;
     const pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
-    if (!search->is_fitted) {
-        /* on surfaces that change in many steps a list would not serve any other one */
-        pel_tool_search_fit(search, positions);
+    if (sim->active != NULL) {
+        fit_changing(sim, positions);
         return find(sim, tool, &box, sim->near_triangles);
     }
     const pel_record drift = pel_tool_search_drift(search, positions);

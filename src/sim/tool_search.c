@@ -207,9 +207,9 @@ static bool allocate(pel_tool_search *search)
     search->is_stale = pel_allocate(blocks, sizeof *search->is_stale);
     search->sorted = pel_allocate(triangles, sizeof *search->sorted);
     search->set = pel_allocate(triangles / 64 + 1, sizeof *search->set);
-    search->fitted = pel_allocate_aligned(vertices, sizeof *search->fitted);
+    search->copy = pel_allocate_aligned(vertices, sizeof *search->copy);
     return search->own != NULL && search->boxes != NULL && search->beside != NULL && search->beside_count != NULL &&
-           search->is_stale != NULL && search->sorted != NULL && search->set != NULL && search->fitted != NULL;
+           search->is_stale != NULL && search->sorted != NULL && search->set != NULL && search->copy != NULL;
 }
 
 pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error)
@@ -226,8 +226,7 @@ pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **sear
     for (int32_t b = 0; b < model->body_count; b++)
         pel_tool_search_rebuild(made, b);
     /* all lists of blocks */
-    pel_tool_search_fit(made, model->rest);
-    made->is_fitted = false;
+    pel_tool_search_fit(made, model->rest, true);
     *search = made;
     return PEL_OK;
 }
@@ -238,7 +237,7 @@ void pel_tool_search_destroy(pel_tool_search *search)
         return;
     void *arrays[] = {search->member,   search->block,  search->owner, search->next,   search->first,
                       search->bodies,   search->own,    search->boxes, search->beside, search->beside_count,
-                      search->is_stale, search->sorted, search->set,   search->fitted};
+                      search->is_stale, search->sorted, search->set,   search->copy};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(search);
@@ -342,12 +341,14 @@ static void fit_body(pel_tool_search *search, int32_t body, const pel_record *po
     }
 }
 
-void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions)
+void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions, bool keeps)
 {
+    search->fitted = keeps ? search->copy : positions;
     for (int32_t b = 0; b < search->model->body_count; b++) {
         int32_t first = search->bodies[b].first_place, end = search->model->bodies[b].slice_end * PEL_WIDTH;
-        memcpy(search->fitted + first, positions + first, (size_t)(end - first) * sizeof *positions);
-        fit_body(search, b, search->fitted);
+        if (keeps)
+            memcpy(search->copy + first, positions + first, (size_t)(end - first) * sizeof *positions);
+        fit_body(search, b, positions);
     }
     search->fit_count++;
     search->is_fitted = true;

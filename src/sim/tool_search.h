@@ -5,9 +5,9 @@
    blocks near the box are tested: after one pass over the vertices, the time of a search grows with the number of
    triangles near the tool.
 
-   The boxes belong to the positions of the last fit, which are kept: `drift` bounds the displacements since then, by
-   axis. A list of the triangles that reached then into a box contains all triangles that reach now into that box
-   shrunk by the drift on all sides, so it serves many steps (tool_near.c). */
+   The boxes belong to the positions of the last fit. If these are kept, `drift` bounds the displacements since then, by
+   axis: a list of the triangles that reached then into a box contains all triangles that reach now into that box shrunk
+   by the drift on all sides, so it serves many steps (tool_near.c). */
 #ifndef PEL_SIM_TOOL_SEARCH_H
 #define PEL_SIM_TOOL_SEARCH_H
 
@@ -35,6 +35,13 @@ typedef struct pel_search_body {
     int32_t block_begin, block_fine, block_end; /* blocks of its base and of finer vertices that there may be */
 } pel_search_body;
 
+/* positions that stay while it is the same */
+typedef struct pel_search_state {
+    const pel_record *positions;
+    int64_t number; /* of the state of the sim */
+    int32_t part;   /* of the step */
+} pel_search_state;
+
 typedef struct pel_tool_search {
     const pel_model *model;
     pel_search_body *bodies;
@@ -50,9 +57,11 @@ typedef struct pel_tool_search {
     uint8_t *beside_count; /* (block_count) BESIDE_LIMIT + 1 = more than that */
     uint8_t *is_stale;     /* (block_count) 1 = the list has to be rebuilt */
     int32_t block_count;
-    int32_t *sorted;    /* (triangle_count) scratch */
-    uint64_t *set;      /* (triangle_count / 64 + 1) scratch, 0 between searches */
-    pel_record *fitted; /* (vertex_count) m, positions of the last fit */
+    int32_t *sorted;          /* (triangle_count) scratch */
+    uint64_t *set;            /* (triangle_count / 64 + 1) scratch, 0 between searches */
+    const pel_record *fitted; /* (vertex_count) m, positions of the last fit: the copy or the caller's */
+    pel_record *copy;         /* (vertex_count) */
+    pel_search_state state;   /* of these positions where they are not copied; null = not known */
     int64_t fit_count;
     bool is_fitted; /* false = the surface has changed since the last fit */
 } pel_tool_search;
@@ -74,9 +83,9 @@ void pel_tool_search_update(pel_tool_search *search, int32_t body);
 /* After any change of the body's surface; null does nothing. */
 void pel_tool_search_rebuild(pel_tool_search *search, int32_t body);
 
-/* Fits all boxes to the positions, and keeps them. */
-void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions);
-/* The largest displacement [m] of any vertex along each axis since the fit. */
+/* Fits all boxes to the positions, and keeps these if wanted; otherwise they have to stay while they are searched. */
+void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions, bool keeps);
+/* The largest displacement [m] of any vertex along each axis since the fit, which has kept its positions. */
 pel_record pel_tool_search_drift(const pel_tool_search *search, const pel_record *positions);
 
 /* Appends the triangles of a body whose own boxes at the fit overlap the box to `triangles` (which has count entries),
