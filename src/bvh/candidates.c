@@ -55,6 +55,37 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
     return status;
 }
 
+/* ---- groups ---- */
+
+static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
+{
+    const pel_collision_groups *groups = &c->groups;
+    bool edges = kind == PEL_PAIR_EDGE_EDGE;
+    int32_t first = edges ? pel_tree_corner(c->tree, pair.first) : pair.first;
+    int32_t second = edges ? pel_tree_corner(c->tree, pair.second) : c->tree->triangles[pair.second][0];
+    return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
+}
+
+static bool keep_meeting(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
+{
+    (void)chunk;
+    return may_meet(context, kind, pair);
+}
+
+/* the searches list only pairs that may meet: a rigid tool of fine triangles would have millions of others */
+static void keep_of_groups(pel_candidates *c)
+{
+    c->search.keep = c->groups.group_of_vertex != NULL ? keep_meeting : NULL;
+    c->search.context = c;
+}
+
+void pel_candidates_use_groups(pel_candidates *c, const pel_collision_groups *groups)
+{
+    c->groups = *groups;
+    c->has_kept = false;
+    keep_of_groups(c);
+}
+
 void pel_candidates_destroy(pel_candidates *c)
 {
     if (c == NULL)
@@ -166,15 +197,6 @@ static pel_status extend_kept(pel_candidates *c, pel_pool *pool, pel_error *erro
 
 /* ---- candidates among the pairs that were found ---- */
 
-static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
-{
-    const pel_collision_groups *groups = &c->groups;
-    bool edges = kind == PEL_PAIR_EDGE_EDGE;
-    int32_t first = edges ? pel_tree_corner(c->tree, pair.first) : pair.first;
-    int32_t second = edges ? pel_tree_corner(c->tree, pair.second) : c->tree->triangles[pair.second][0];
-    return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
-}
-
 /* One kind of pairs. A first pass marks those whose boxes overlap by a bit, a second one copies them: most that are
    kept do not, so that a list with room for all would be much longer. */
 typedef struct sieve {
@@ -196,7 +218,7 @@ static bool overlap_now(const pel_candidates *c, pel_pair_kind kind, pel_pair pa
     pel_box a = edges ? pel_tree_edge_box(c->tree, boxes, pair.first) : boxes[pair.first];
     pel_box b =
         edges ? pel_tree_edge_box(c->tree, boxes, pair.second) : pel_tree_triangle_box(c->tree, boxes, pair.second);
-    return pel_box_overlaps(&a, &b) && (c->groups.group_of_vertex == NULL || may_meet(c, kind, pair));
+    return pel_box_overlaps(&a, &b);
 }
 
 static void mark_overlaps(void *context, int32_t chunk)
@@ -411,8 +433,7 @@ pel_status pel_candidates_near(pel_candidates *c, const double (*positions)[3], 
     c->search.context = &near;
     if (status == PEL_OK)
         status = search_boxes(c, &motion, c->vertex_boxes, pool, error);
-    c->search.keep = NULL;
-    c->search.context = NULL;
+    keep_of_groups(c);
     c->counts.kept = (int64_t)found_count(c);
     if (status == PEL_OK)
         status = list_found(c, PEL_PAIR_VERTEX_FACE, vertex_face, error);

@@ -42,7 +42,7 @@ enum { PEL_CANDIDATES_PARTS = 8 };
 
 typedef struct pel_candidates {
     pel_tree *tree;              /* own */
-    pel_collision_groups groups; /* not owned; to be set between updates */
+    pel_collision_groups groups; /* not owned */
     double margin;               /* m; 0 = keep nothing */
 
     pel_pair *vertex_face, *edge_edge; /* of the last update: vertex and triangle, edge and edge */
@@ -70,6 +70,9 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
                                  int32_t triangle_count, double margin, int64_t limit, pel_candidates **candidates,
                                  pel_error *error);
 void pel_candidates_destroy(pel_candidates *candidates);
+/* Only pairs of these groups are found from now on. The arrays have to live on; their values stay while the surface
+   stays. */
+void pel_candidates_use_groups(pel_candidates *candidates, const pel_collision_groups *groups);
 
 /* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only for
    more candidates than ever before. pool is nullable; the result does not depend on it. PEL_BAD_ARGUMENT with the

@@ -125,7 +125,7 @@ static pel_status make_surface(const pel_collider *collider, const double (*posi
     if (status != PEL_OK)
         pel_candidates_destroy(*made);
     else if (collider->candidates != NULL)
-        (*made)->groups = collider->candidates->groups;
+        pel_candidates_use_groups(*made, &collider->candidates->groups);
     return status;
 }
 
@@ -253,7 +253,7 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
 
 void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups)
 {
-    collider->candidates->groups = *groups;
+    pel_candidates_use_groups(collider->candidates, groups);
     collider->clearance.reach = 0;
 }
 

@@ -226,12 +226,10 @@ static bool is_concave(const candidates *found, const candidate *near)
     return true;
 }
 
-static void add_near(pel_sim *sim, const pel_tool *tool, double reach, candidates *found)
+static void add_near(pel_sim *sim, pel_tool *tool, double reach, candidates *found)
 {
     candidates nearest = {.count = 0};
-    sim->tool_search->is_fitted = false;
-    int32_t count = pel_tool_near_triangles(sim, tool, sim->state->position, reach);
-    sim->tool_search->is_fitted = false;
+    int32_t count = pel_tool_near_triangles(sim, tool, &tool->in_reach, sim->state->position, reach);
     for (int32_t i = 0; i < count; i++) {
         candidate near;
         if (near_plane(sim, tool, sim->near_triangles[i], reach, &nearest, &near))
@@ -324,7 +322,7 @@ static void tool_place(const pel_sim *sim, const pel_tool *tool, double place[3]
 void pel_local_model_take(pel_sim *sim, int32_t tool, double reach, const pel_local_model *last,
                           pel_surface_estimate *estimate, pel_local_model *model)
 {
-    const pel_tool *t = &sim->tools[tool];
+    pel_tool *t = &sim->tools[tool];
     candidates found = {.count = 0};
     *model = (pel_local_model){.reach = reach};
     tool_place(sim, t, model->tool_position);

@@ -10,6 +10,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* radius of the patch of surface that a hand holds, relative to the longest side of the body */
+#define PATCH_SHARE 0.1
+
 /* ---- small pieces of JSON ---- */
 
 static void put_key(pel_json *json, const char *key)
@@ -130,16 +133,21 @@ static void put_fields(pel_json *json)
     pel_json_print(json, "]");
 }
 
+static void enclose(const pel_mesh *mesh, double low[3], double high[3])
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int i = 0; i < 3; i++) {
+            low[i] = fmin(low[i], mesh->positions[v][i]);
+            high[i] = fmax(high[i], mesh->positions[v][i]);
+        }
+}
+
 /* the box about all bodies at rest */
 static void put_box(pel_json *json, const pel_model_def *model)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (int32_t b = 0; b < model->body_count; b++)
-        for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
-            for (int i = 0; i < 3; i++) {
-                low[i] = fmin(low[i], model->bodies[b].mesh->positions[v][i]);
-                high[i] = fmax(high[i], model->bodies[b].mesh->positions[v][i]);
-            }
+        enclose(model->bodies[b].mesh, low, high);
     put_numbers(json, "low", low, 3);
     put_numbers(json, "high", high, 3);
 }
@@ -155,19 +163,40 @@ static bool read_number(const pel_sim *sim, const char *body, const char *key, d
     return true;
 }
 
-/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet; of springs those of some edges */
+/* N/m of a sheet by its modulus and thickness; 0 without */
+static double sheet_stiffness(const pel_sim *sim, const char *body, const char *young, const char *thickness)
+{
+    double modulus = 0, height = 0;
+    bool is_known = read_number(sim, body, young, &modulus) && read_number(sim, body, thickness, &height);
+    return is_known ? 0.3 * modulus * height : 0;
+}
+
+/* N/m of the filling under a patch of the surface, given by its modulus; 0 without */
+static double filling_stiffness(const pel_sim *sim, const char *body, double radius)
+{
+    double modulus = 0, depth = 0;
+    bool is_known = read_number(sim, body, "volumetric.young", &modulus) &&
+                    read_number(sim, body, "volumetric.depth", &depth) && depth > 0;
+    return is_known ? 3.14 * radius * radius * modulus / depth : 0;
+}
+
+/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet and the filling under a patch; of
+   springs by a stiffness those of some edges */
 static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
 {
     double most = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const char *name = scene->model.bodies[b].name;
-        double young = 0, thickness = 0, springs = 0, home = 0;
-        if (read_number(sim, name, "membrane.young", &young) &&
-            read_number(sim, name, "membrane.thickness", &thickness))
-            most = fmax(most, 0.3 * young * thickness);
+        double springs = 0, home = 0, low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
+               high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+        enclose(scene->model.bodies[b].mesh, low, high);
+        double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+        double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
+                          sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
+                          filling_stiffness(sim, name, PATCH_SHARE * size);
         read_number(sim, name, "volumetric.stiffness", &home);
-        if (read_number(sim, name, "springs.stiffness", &springs))
-            most = fmax(most, 4 * (springs + home));
+        read_number(sim, name, "springs.stiffness", &springs);
+        most = fmax(most, fmax(by_young, 4 * (springs + home)));
     }
     return most > 0 ? most : 1;
 }

@@ -277,7 +277,7 @@ static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forg
 
 static pel_status find(pel_sim *sim, int32_t tool, int32_t other_count, double longest, pel_error *error)
 {
-    const pel_tool *t = &sim->tools[tool];
+    pel_tool *t = &sim->tools[tool];
     double free_depth = pel_tool_press_tolerance(sim, t);
     const tool_search search = {.sim = sim,
                                 .tool = tool,
@@ -285,7 +285,7 @@ static pel_status find(pel_sim *sim, int32_t tool, int32_t other_count, double l
                                 .reach = REACH_SHARE * longest,
                                 .slack = SLACK_SHARE * free_depth,
                                 .blank = {.tool = tool, .tolerance = GAP_TOLERANCE * free_depth}};
-    int32_t near_count = pel_tool_near_triangles(sim, t, sim->state->position_next, search.reach);
+    int32_t near_count = pel_tool_near_triangles(sim, t, &t->near, sim->state->position_next, search.reach);
     pel_status status = PEL_OK;
     for (int32_t i = 0; status == PEL_OK && i < near_count; i++) {
         tool_search own = search;

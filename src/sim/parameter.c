@@ -357,14 +357,16 @@ static pel_status refuse_value(const char *path, const pel_parameter_row *row, d
 {
     char range[80];
     if (isinf(row->most) && isinf(row->least))
-        snprintf(range, sizeof range, "finite");
+        snprintf(range, sizeof range, "finite%s", row->unit != NULL ? ", in" : "");
     else if (isinf(row->most) || row->most >= INT32_MAX)
         snprintf(range, sizeof range, "%s %g", row->is_open ? ">" : ">=", row->least);
     else
         snprintf(range, sizeof range, "%s%g to %g", row->is_open ? "above " : "", row->least, row->most);
     pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot be %g", path, value);
     pel_fail_remedy(error, "give %s: %s%s%s",
-                    row->kind == PEL_PARAMETER_NUMBER || row->kind == PEL_PARAMETER_VECTOR ? "a number" : "an integer",
+                    row->kind == PEL_PARAMETER_VECTOR   ? "three numbers"
+                    : row->kind == PEL_PARAMETER_NUMBER ? "a number"
+                                                        : "an integer",
                     range, row->unit != NULL ? " " : "", row->unit != NULL ? row->unit : "");
     return PEL_BAD_ARGUMENT;
 }
@@ -407,8 +409,11 @@ static pel_status check_keys(const char *path, const pel_parameter_row *row, con
         pel_fail_remedy(error, "set a number between steps");
         return PEL_BAD_ARGUMENT;
     }
-    if (set->key_count < 1)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "%s gets no key", path);
+    if (set->key_count < 1) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "%s gets no key", path);
+        pel_fail_remedy(error, "give one or more keys, or set a number");
+        return PEL_BAD_ARGUMENT;
+    }
     for (int32_t k = 0; status == PEL_OK && k < set->key_count; k++) {
         if (!isfinite(set->keys[k].time) || (k > 0 && !(set->keys[k].time > set->keys[k - 1].time))) {
             pel_fail(error, PEL_BAD_ARGUMENT, "keys of %s are not in order", path);

@@ -140,7 +140,7 @@ static void describe(const pel_sim *sim, const pel_picker *picker, const pel_ray
         hit->body++;
     hit->is_hit = true;
     hit->triangle = found->triangle - picker->first[hit->body];
-    hit->distance = found->distance * pel_vec3_length(ray->direction);
+    hit->distance = fmax(found->distance * pel_vec3_length(ray->direction), 0);
     const int32_t *corners = picker->triangles[found->triangle];
     const double(*x)[3] = (const double(*)[3])picker->positions;
     double first[3], second[3];
@@ -156,6 +156,31 @@ static void describe(const pel_sim *sim, const pel_picker *picker, const pel_ray
     hit->mesh_vertex = nearest_mesh_vertex(sim, hit);
 }
 
+/* The ray with a direction of length 1; lengths that overflow when squared are scaled before. */
+static pel_status make_ray(const double origin[3], const double direction[3], pel_ray *ray, pel_error *error)
+{
+    double largest = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2]))), scaled[3];
+    bool is_finite = true;
+    for (int k = 0; k < 3; k++)
+        is_finite &= isfinite(origin[k]) && isfinite(direction[k]);
+    if (!is_finite || !(largest > 0)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the ray is not finite or has no direction");
+        pel_fail_remedy(error, "give a finite origin and a direction of any length but 0");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!isfinite(pel_vec3_length(origin))) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the origin of the ray is too far away: %g, %g, %g", origin[0], origin[1],
+                 origin[2]);
+        pel_fail_remedy(error, "give an origin near the bodies");
+        return PEL_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 3; k++)
+        scaled[k] = direction[k] / largest;
+    pel_vec3_copy(origin, ray->origin);
+    pel_vec3_scale(scaled, 1 / pel_vec3_length(scaled), ray->direction);
+    return PEL_OK;
+}
+
 pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction[3], pel_pick_hit *hit,
                     pel_error *error)
 {
@@ -165,18 +190,12 @@ pel_status pel_pick(pel_sim *sim, const double origin[3], const double direction
     PEL_REFUSE_NULL(hit, error);
     pel_ray ray;
     memset(hit, 0, sizeof *hit);
-    double length = pel_vec3_length(direction);
-    if (!isfinite(pel_vec3_length(origin)) || !isfinite(length) || !(length > 0)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the ray is not finite or has no direction");
-        pel_fail_remedy(error, "give a finite origin and a direction of any length but 0");
-        return PEL_BAD_ARGUMENT;
-    }
-    pel_status status = follow_surface(sim, error);
+    pel_status status = make_ray(origin, direction, &ray, error);
+    if (status == PEL_OK)
+        status = follow_surface(sim, error);
     if (status != PEL_OK)
         return status;
     fit(sim, sim->picker);
-    pel_vec3_copy(origin, ray.origin);
-    pel_vec3_scale(direction, 1 / length, ray.direction);
     pel_ray_hit found =
         pel_tree_cast(sim->picker->tree, (const double(*)[3])sim->picker->positions, sim->picker->positions[0], &ray);
     if (found.triangle >= 0)

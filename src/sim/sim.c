@@ -68,8 +68,6 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
 {
     sim->force_is_present = false;
     sim->state_number++;
-    if (sim->tool_search != NULL)
-        sim->tool_search->is_fitted = false;
     if (sim->active != NULL)
         pel_refine_step(sim);
     return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;

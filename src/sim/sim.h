@@ -124,6 +124,8 @@ typedef struct pel_tool {
     pel_contact_vertex *touches; /* (touch_count) of this step */
     int32_t touch_count;
     int32_t *touch_of_vertex; /* (vertex_count) its touch plus 1, 0 = none */
+    pel_near_list near;       /* triangles that it may press in a step */
+    pel_near_list in_reach;   /* those that a force loop looks at */
 } pel_tool;
 
 /* verdict of the criteria on a vertex */

@@ -136,16 +136,20 @@ pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t bod
 /* the same where a solid starts inside a body */
 pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error);
 
+/* ---- tool_near.c ---- */
+/* Box about the tool grown by a width on all sides of its own frame, and a margin, along the axes of the world. */
+pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin);
+/* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
+   many. The sweeps depend on this order, which must not change when a triangle without contact enters or leaves.
+   list: kept for this tool and kind of margin alone; it makes no difference to the result. */
+int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, pel_near_list *list, const pel_record *positions,
+                                double margin);
+
 /* ---- tool_press.c ---- */
 /* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
-/* Box about the tool grown by a width on all sides of its own frame, and a margin, along the axes of the world. */
-pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin);
-/* Lists the triangles that reach within a margin of the tool's box in sim->near_triangles, in rising order; returns how
-   many. */
-int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin);
 /* the depth that pressing leaves [m] */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
 /* Coulomb's coefficient between a tool and the body of a vertex, 0 without contact */

@@ -151,6 +151,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
+    size_t triangle_count = (size_t)sim->model->triangle_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
     static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
                                            [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
@@ -182,6 +183,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
     tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
     tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
+    tool->near.triangles = pel_allocate(triangle_count, sizeof *tool->near.triangles);
+    tool->in_reach.triangles = pel_allocate(triangle_count, sizeof *tool->in_reach.triangles);
     if (def->shape == PEL_TOOL_SUPPORT) {
         pel_status status = create_support(sim, def, tool, error);
         if (status != PEL_OK)
@@ -192,8 +195,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
         tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
     }
     if (tool->keys == NULL || tool->key_spins == NULL || tool->planes == NULL || tool->planes_before == NULL ||
-        tool->touches == NULL || tool->touch_of_vertex == NULL ||
-        (tool->grasp && (tool->held == NULL || tool->anchors == NULL)))
+        tool->touches == NULL || tool->touch_of_vertex == NULL || tool->near.triangles == NULL ||
+        tool->in_reach.triangles == NULL || (tool->grasp && (tool->held == NULL || tool->anchors == NULL)))
         return pel_fail_memory(error);
     memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
     tool->key_count = def->key_count;
@@ -277,9 +280,9 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tool_count; i++) {
         pel_tool *tool = &sim->tools[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes, tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,   tool->anchors,
-                          tool->support, tool->support_marks};
+        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes,         tool->planes_before,
+                          tool->touches, tool->touch_of_vertex, tool->held,           tool->anchors,
+                          tool->support, tool->support_marks,   tool->near.triangles, tool->in_reach.triangles};
         for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
             pel_free(arrays[a]);
         pel_mesh_destroy(tool->mesh);

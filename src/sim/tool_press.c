@@ -22,42 +22,6 @@ enum { SWEEP_LIMIT = 100 };
 /* triangles this near to the tool's box, relative to the longest edge, may be pushed into it during a step */
 #define NEAR_MARGIN 0.25
 
-pel_search_box pel_tool_box(const pel_tool *tool, double width, double margin)
-{
-    double local[3], axis[3], half[3] = {0, 0, 0};
-    pel_solid_half_box(&tool->solid, local);
-    for (int i = 0; i < 3; i++) {
-        double extent = local[i] + width;
-        pel_vec3_set(axis, i == 0 ? extent : 0, i == 1 ? extent : 0, i == 2 ? extent : 0);
-        pel_rotate(tool->pose.rotation, axis, axis);
-        for (int j = 0; j < 3; j++)
-            half[j] += fabs(axis[j]);
-    }
-    pel_search_box box = {{0}, {0}};
-    for (int i = 0; i < 3; i++) {
-        box.low[i] = (pel_real)(tool->pose.position[i] - half[i] - margin);
-        box.high[i] = (pel_real)(tool->pose.position[i] + half[i] + margin);
-    }
-    return box;
-}
-
-/* in rising order: the sweeps depend on the order, which must not change when a triangle without contact enters or
-   leaves the list */
-int32_t pel_tool_near_triangles(pel_sim *sim, const pel_tool *tool, const pel_record *positions, double margin)
-{
-    pel_search_box box = pel_tool_box(tool, tool->press_margin, margin);
-    bool at_start = positions == sim->state->position;
-    int32_t count = 0;
-    if (!at_start || !sim->tool_search->is_fitted)
-        pel_tool_search_fit(sim->tool_search, positions);
-    sim->tool_search->is_fitted = at_start;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (pel_tool_acts_on(tool, b))
-            count = pel_tool_search_find(sim->tool_search, positions, b, &box, sim->near_triangles, count);
-    pel_tool_search_sort(sim->tool_search, sim->near_triangles, count);
-    return count;
-}
-
 static void record_add(pel_record *record, double scale, const double a[3])
 {
     for (int i = 0; i < 3; i++)
@@ -257,7 +221,7 @@ static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
     return done;
 }
 
-/* What a triangle that touches a tool reaches into, surely so: the tool's box, or a sphere where it is one. */
+/* What a triangle that touches a tool reaches into, surely so: the box, and the sphere where the tool is one. */
 typedef struct press_bounds {
     pel_search_box box;
     pel_record center;
@@ -270,10 +234,15 @@ static press_bounds bounds_of(const pel_tool *tool, double longest)
     const double *x = tool->pose.position;
     double radius = 1.000001 * (tool->solid.radius + tool->press_margin);
     radius += 16 * (double)PEL_REAL_EPSILON * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + radius + longest);
-    return (press_bounds){.box = pel_tool_box(tool, tool->press_margin, 0),
-                          .center = {(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0},
-                          .square = (pel_real)(radius * radius),
-                          .is_sphere = tool->solid.kind == PEL_SOLID_SPHERE};
+    press_bounds bounds = {.center = {(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0},
+                           .square = (pel_real)(radius * radius),
+                           .is_sphere = tool->solid.kind == PEL_SOLID_SPHERE};
+    const pel_real half = (pel_real)radius;
+    if (bounds.is_sphere)
+        bounds.box = (pel_search_box){bounds.center - half, bounds.center + half};
+    else
+        bounds.box = pel_tool_box(tool, tool->press_margin, 0);
+    return bounds;
 }
 
 /* of the three components of the vectors */
@@ -283,14 +252,15 @@ static inline pel_real dot(pel_record a, pel_record b)
     return product[0] + product[1] + product[2];
 }
 
-/* Whether a triangle, or a vertex three times, stays out of the bounds: of a sphere by a plane across the direction of
-   its middle. */
+/* Whether a triangle, or a vertex three times, stays out of the bounds: of a sphere by its box, or by a plane across
+   the direction of the middle of the triangle. */
 static inline bool is_clear(const press_bounds *bounds, const pel_record *positions, const int32_t corners[3])
 {
-    if (!bounds->is_sphere) {
-        const pel_search_box around = pel_search_triangle(positions, corners);
-        return pel_search_apart(&around, &bounds->box);
-    }
+    const pel_search_box around = pel_search_triangle(positions, corners);
+    if (pel_search_apart(&around, &bounds->box))
+        return true;
+    if (!bounds->is_sphere)
+        return false;
     const pel_record a = positions[corners[0]] - bounds->center, b = positions[corners[1]] - bounds->center,
                      c = positions[corners[2]] - bounds->center, way = a + b + c;
     pel_real least = dot(way, a), second = dot(way, b), third = dot(way, c);
@@ -333,9 +303,11 @@ static bool sweep(pel_sim *sim, pel_tool *tool, const press_bounds *bounds, int3
     bool moved = false;
     for (int32_t i = 0; i < near_count; i++) {
         int32_t t = sim->near_triangles[i];
-        const int32_t *v = sim->model->triangles[t];
         int64_t last = sim->looked_at[i];
-        if ((sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last))
+        if (last == sim->push_count)
+            continue;
+        const int32_t *v = sim->model->triangles[t];
+        if (sim->moved_at[v[0]] <= last && sim->moved_at[v[1]] <= last && sim->moved_at[v[2]] <= last)
             continue;
         sim->looked_at[i] = sim->push_count;
         moved |= !is_clear(bounds, sim->state->position_next, v) && press_triangle(sim, tool, t, tolerance);
@@ -393,7 +365,8 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 
 bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
 {
-    int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position_next, NEAR_MARGIN * longest);
+    int32_t near_count =
+        pel_tool_near_triangles(sim, tool, &tool->near, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->plane_of_triangle[tool->planes[p].triangle] = p + 1;
     bool moved = press_out(sim, tool, near_count, longest);

@@ -207,8 +207,9 @@ static bool allocate(pel_tool_search *search)
     search->is_stale = pel_allocate(blocks, sizeof *search->is_stale);
     search->sorted = pel_allocate(triangles, sizeof *search->sorted);
     search->set = pel_allocate(triangles / 64 + 1, sizeof *search->set);
+    search->copy = pel_allocate_aligned(vertices, sizeof *search->copy);
     return search->own != NULL && search->boxes != NULL && search->beside != NULL && search->beside_count != NULL &&
-           search->is_stale != NULL && search->sorted != NULL && search->set != NULL;
+           search->is_stale != NULL && search->sorted != NULL && search->set != NULL && search->copy != NULL;
 }
 
 pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error)
@@ -225,8 +226,7 @@ pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **sear
     for (int32_t b = 0; b < model->body_count; b++)
         pel_tool_search_rebuild(made, b);
     /* all lists of blocks */
-    pel_tool_search_fit(made, model->rest);
-    made->is_fitted = false;
+    pel_tool_search_fit(made, model->rest, true);
     *search = made;
     return PEL_OK;
 }
@@ -237,7 +237,7 @@ void pel_tool_search_destroy(pel_tool_search *search)
         return;
     void *arrays[] = {search->member,   search->block,  search->owner, search->next,   search->first,
                       search->bodies,   search->own,    search->boxes, search->beside, search->beside_count,
-                      search->is_stale, search->sorted, search->set};
+                      search->is_stale, search->sorted, search->set,   search->copy};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         pel_free(arrays[i]);
     pel_free(search);
@@ -341,19 +341,45 @@ static void fit_body(pel_tool_search *search, int32_t body, const pel_record *po
     }
 }
 
-void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions)
+void pel_tool_search_fit(pel_tool_search *search, const pel_record *positions, bool keeps)
 {
-    for (int32_t b = 0; b < search->model->body_count; b++)
+    search->fitted = keeps ? search->copy : positions;
+    for (int32_t b = 0; b < search->model->body_count; b++) {
+        int32_t first = search->bodies[b].first_place, end = search->model->bodies[b].slice_end * PEL_WIDTH;
+        if (keeps)
+            memcpy(search->copy + first, positions + first, (size_t)(end - first) * sizeof *positions);
         fit_body(search, b, positions);
+    }
+    search->fit_count++;
     search->is_fitted = true;
+}
+
+static pel_record absolute(pel_record a)
+{
+    return pel_record_max(a, -a);
+}
+
+pel_record pel_tool_search_drift(const pel_tool_search *search, const pel_record *positions)
+{
+    const pel_record *fitted = search->fitted;
+    pel_record even = {0}, odd = {0};
+    for (int32_t b = 0; b < search->model->body_count; b++) {
+        int32_t end = search->model->bodies[b].slice_end * PEL_WIDTH;
+        /* two at a time, so that they do not wait for each other; slices have an even number of vertices */
+        for (int32_t v = search->bodies[b].first_place; v < end; v += 2) {
+            even = pel_record_max(absolute(positions[v] - fitted[v]), even);
+            odd = pel_record_max(absolute(positions[v + 1] - fitted[v + 1]), odd);
+        }
+    }
+    return pel_record_max(even, odd);
 }
 
 /* ---- search ---- */
 
 /* The triangles of a block, the first of each vertex, then the second ones and so on: triangles lie far apart in
    memory, and none of these reads waits for another. */
-static int32_t find_in_block(const pel_tool_search *search, const pel_record *positions, span own,
-                             const pel_search_box *box, int32_t *triangles, int32_t count)
+static int32_t find_in_block(const pel_tool_search *search, span own, const pel_search_box *box, int32_t *triangles,
+                             int32_t count)
 {
     int32_t heads[BLOCK], head_count = 0;
     for (int32_t i = own.begin; i < own.end; i++) {
@@ -364,7 +390,7 @@ static int32_t find_in_block(const pel_tool_search *search, const pel_record *po
         int32_t kept = 0;
         for (int32_t i = 0; i < head_count; i++) {
             int32_t t = heads[i], next = search->next[t];
-            pel_search_box around = pel_search_triangle(positions, search->model->triangles[t]);
+            pel_search_box around = pel_search_triangle(search->fitted, search->model->triangles[t]);
             triangles[count] = t;
             count += !pel_search_apart(&around, box);
             heads[kept] = next;
@@ -375,12 +401,12 @@ static int32_t find_in_block(const pel_tool_search *search, const pel_record *po
     return count;
 }
 
-int32_t pel_tool_search_find(const pel_tool_search *search, const pel_record *positions, int32_t body,
-                             const pel_search_box *box, int32_t *triangles, int32_t count)
+int32_t pel_tool_search_find(const pel_tool_search *search, int32_t body, const pel_search_box *box, int32_t *triangles,
+                             int32_t count)
 {
     for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++)
         if (!pel_search_apart(&search->boxes[block], box))
-            count = find_in_block(search, positions, span_of(search, body, block), box, triangles, count);
+            count = find_in_block(search, span_of(search, body, block), box, triangles, count);
     return count;
 }
 

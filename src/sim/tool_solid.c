@@ -103,11 +103,11 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
     memset(solids->mark_of_vertex, 0, (size_t)sim->model->vertex_count * sizeof *solids->mark_of_vertex);
     double longest = pel_sim_longest_edge(sim), motion = fastest_way(sim);
     for (int32_t i = 0; i < sim->tool_count; i++) {
-        const pel_tool *tool = &sim->tools[i];
+        pel_tool *tool = &sim->tools[i];
         if (!presses(tool))
             continue;
         double margin = NEAR_SHARE * longest + motion + pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
-        int32_t near_count = pel_tool_near_triangles(sim, tool, sim->state->position, margin);
+        int32_t near_count = pel_tool_near_triangles(sim, tool, &tool->near, sim->state->position, margin);
         for (int32_t n = 0; n < near_count && status == PEL_OK; n++)
             status = add_triangle(sim, i, sim->near_triangles[n], error);
     }

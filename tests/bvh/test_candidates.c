@@ -160,6 +160,67 @@ static void test_extension(void **unused)
     }
 }
 
+static int32_t group_of_pair(const pel_candidates *c, pel_pair pair, bool edges, bool second)
+{
+    int32_t feature = second ? pair.second : pair.first;
+    bool is_vertex = !edges && !second;
+    return (is_vertex ? feature : edges ? pel_tree_corner(c->tree, feature) : c->tree->triangles[feature][0]) / 3 % 2;
+}
+
+/* of another's list those of two groups */
+static void check_between(const pel_candidates *c, const pel_candidates *all, bool edges)
+{
+    const pel_pair *pairs = edges ? all->edge_edge : all->vertex_face;
+    size_t count = edges ? all->edge_edge_count : all->vertex_face_count;
+    pair_set expected = {0};
+    for (size_t i = 0; i < count; i++)
+        if (group_of_pair(all, pairs[i], edges, false) != group_of_pair(all, pairs[i], edges, true))
+            add_pair(&expected, pairs[i]);
+    assert_true(expected.count > 0 && expected.count < count);
+    assert_true(
+        same_list(edges ? c->edge_edge : c->vertex_face, edges ? c->edge_edge_count : c->vertex_face_count, &expected));
+}
+
+/* pairs inside the two groups of a soup are neither found nor kept */
+static void test_groups(void **unused)
+{
+    (void)unused;
+    surface s = make_soup(150, 0.3, 9);
+    double(*rest)[3] = malloc((size_t)s.vertex_count * sizeof *rest);
+    int32_t *group_of_vertex = malloc((size_t)s.vertex_count * sizeof *group_of_vertex);
+    const uint8_t may_meet[4] = {0, 1, 1, 0};
+    memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
+    memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        group_of_vertex[v] = v / 3 % 2;
+    pel_candidates *c = make_candidates(&s, 0.05), *all = make_candidates(&s, 0.05);
+    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, 2});
+    for (int step = 0; step < 10; step++) {
+        /* no common motion, so that the boxes of both are the same whenever they search */
+        for (int32_t v = 0; v < s.vertex_count; v++)
+            for (int k = 0; k < 3; k++) {
+                s.start[v][k] = s.end[v][k];
+                s.end[v][k] = rest[v][k] + 0.002 * sin(step + v + k);
+            }
+        update(c, &s, 0.02, NULL);
+        update(all, &s, 0.02, NULL);
+        check_between(c, all, false);
+        check_between(c, all, true);
+        assert_true(10 * c->counts.kept < 6 * all->counts.kept);
+    }
+    assert_true(c->counts.searches < 5);
+    /* what may meet from now on is found */
+    const uint8_t every[4] = {1, 1, 1, 1};
+    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, every, 2});
+    update(c, &s, 0.02, NULL);
+    check_lists(c);
+    pel_candidates_destroy(c);
+    pel_candidates_destroy(all);
+    free(group_of_vertex);
+    free(rest);
+    free_surface(&s);
+}
+
 /* a search that kept nothing useful is not repeated every time */
 static void test_pause(void **unused)
 {
@@ -342,15 +403,11 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_motion),
-        cmocka_unit_test(test_extension),
-        cmocka_unit_test(test_pause),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_rebuild),
-        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_limit_shrinks_margin),
+        cmocka_unit_test(test_motion),        cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_groups),        cmocka_unit_test(test_pause),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_rebuild),
+        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),   cmocka_unit_test(test_limit_shrinks_margin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

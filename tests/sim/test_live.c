@@ -349,6 +349,50 @@ static void test_pick(void **unused)
     end_stage(&s);
 }
 
+/* rays of any finite direction, on the surface as well; an origin so far that its distance overflows is told */
+static void test_odd_rays(void **unused)
+{
+    (void)unused;
+    stage s = make_stage(PEL_METHOD_XPBD, 1e-3);
+    static const double lengths[] = {1e-320, 1e-200, 1, 1e200, 1.7e308};
+    const double origin[3] = {3, 0.1, 0.05}, far[3] = {1e300, 0, 0}, along[3] = {-1, 0, 0},
+                 bad[3] = {0, (double)NAN, 0};
+    pel_pick_hit first, hit;
+    pel_error error;
+    assert_int_equal(pel_pick(s.sim, origin, along, &first, NULL), PEL_OK);
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        const double direction[3] = {-lengths[i], 0, 0};
+        assert_int_equal(pel_pick(s.sim, origin, direction, &hit, NULL), PEL_OK);
+        assert_memory_equal(&hit, &first, sizeof hit);
+    }
+    assert_int_equal(pel_pick(s.sim, first.point, along, &hit, NULL), PEL_OK);
+    assert_false(signbit(hit.distance));
+    assert_int_equal(pel_pick(s.sim, bad, along, &hit, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "not finite"));
+    assert_int_equal(pel_pick(s.sim, far, along, &hit, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "too far away: 1e+300"));
+    end_stage(&s);
+}
+
+/* what a refusal of a vector and of no keys suggests */
+static void test_refused_shapes(void **unused)
+{
+    (void)unused;
+    stage s = make_stage(PEL_METHOD_XPBD, 1e-3);
+    const double bad[3] = {0, (double)NAN, 0};
+    const pel_key key = {0, 1};
+    pel_error error;
+    assert_int_equal(pel_set_parameter_vector(s.sim, "gravity", bad, &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.remedy, "give three numbers: finite, in m/s2");
+    pel_parameter_info info = {.may_be_keyed = false};
+    for (int32_t i = 0; !info.may_be_keyed && i < pel_parameter_count(s.sim); i++)
+        pel_parameter_at(s.sim, i, &info);
+    assert_true(info.may_be_keyed);
+    assert_int_equal(pel_set_parameter_keys(s.sim, info.path, &key, 0, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.remedy, "one or more keys"));
+    end_stage(&s);
+}
+
 /* at rest the spring pulls with the force that the surface gives back, and the point is between surface and target */
 static void test_drag(void **unused)
 {
@@ -552,6 +596,8 @@ int main(void)
         cmocka_unit_test(test_pins),
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_pick),
+        cmocka_unit_test(test_odd_rays),
+        cmocka_unit_test(test_refused_shapes),
         cmocka_unit_test(test_drag),
         cmocka_unit_test(test_undo),
         cmocka_unit_test(test_divergence),

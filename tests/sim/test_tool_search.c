@@ -48,7 +48,7 @@ static int64_t compare(scene *s, const pel_record *x)
     int32_t *found = malloc((size_t)model->triangle_begin[1] * sizeof *found);
     uint8_t *expected = calloc((size_t)model->triangle_begin[1], 1);
     int64_t total = 0;
-    pel_tool_search_fit(s->search, x);
+    pel_tool_search_fit(s->search, x, random_integer(&s->random, 0, 1) == 0);
     for (int round = 0; round < 30; round++) {
         pel_search_box box = {{0}, {0}};
         double size = pow(10, random_between(&s->random, -3, 0.3));
@@ -57,7 +57,7 @@ static int64_t compare(scene *s, const pel_record *x)
             box.low[i] = (pel_real)(middle - size * random_between(&s->random, 0, 1));
             box.high[i] = (pel_real)(middle + size * random_between(&s->random, 0, 1));
         }
-        int32_t count = pel_tool_search_find(s->search, x, 0, &box, found, 0), expected_count = 0;
+        int32_t count = pel_tool_search_find(s->search, 0, &box, found, 0), expected_count = 0;
         pel_tool_search_sort(s->search, found, count);
         for (int32_t i = 0; i < pel_surface_count(model, 0); i++) {
             int32_t t = pel_surface_triangle(model, 0, i);
