@@ -312,7 +312,8 @@ static void test_frame_lost_meanwhile(void **unused)
     (void)unused;
     char obj[FOLDER_PATH], path[FOLDER_PATH], lost[FOLDER_PATH];
     pel_error error;
-    const pel_log log = {remove_frame, folder_path(lost, folder, "frames/f00002.vtp")};
+    const pel_log log = {remove_frame, lost};
+    folder_path(lost, folder, "frames/f00002.vtp");
     FILE *file = fopen(folder_path(path, folder, "e_00002.obj"), "w");
     assert_non_null(file);
     fclose(file);
