@@ -481,7 +481,7 @@ static void test_check(void **unused)
     pel_error error;
     pel_membrane_material good = material_of(0);
     assert_int_equal(pel_membrane_material_check(&good, &error), PEL_OK);
-    enum { BAD = 13 };
+    enum { BAD = 14 };
     pel_membrane_material bad[BAD];
     for (int i = 0; i < BAD; i++)
         bad[i] = good;
@@ -491,7 +491,7 @@ static void test_check(void **unused)
     bad[10].kind = bad[11].kind = PEL_MEMBRANE_NEO_HOOKEAN;
     for (int i = 0; i < BAD; i++)
         assert_int_equal(pel_membrane_material_check(&bad[i], &error), PEL_OK);
-    bad[0].young = -1;
+    bad[0].young = 0;
     bad[1].young = (double)HUGE_VAL;
     bad[2].poisson = 1;
     bad[3].poisson = (double)NAN;
@@ -503,7 +503,8 @@ static void test_check(void **unused)
     bad[9].stiffening = -1;
     bad[10].poisson = -0.1;
     bad[11].poisson = 0.51;
-    bad[12].kind = (pel_membrane_kind)77;
+    bad[12].young = -1;
+    bad[13].kind = (pel_membrane_kind)77;
     for (int i = 0; i < BAD; i++)
         assert_int_equal(pel_membrane_material_check(&bad[i], &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "77"));
