@@ -159,7 +159,14 @@ static void test_refusals(void **unused)
     refuse(b.sim, "solver.dt", 0.1, "cannot change while", "substeps");
     refuse(b.sim, "solver.method", 0, "cannot change while", "make a simulation");
     refuse(b.sim, "gravity", 1, "kind of value", "three numbers");
-    refuse(b.sim, "bodies.ball.membrane.material", 99, "no such word", "neo-hookean");
+    pel_parameter_info info;
+    int word_count = 0;
+    assert_int_equal(pel_parameter_find(b.sim, "bodies.ball.membrane.material", &info, NULL), PEL_OK);
+    while (info.words[word_count] != NULL)
+        word_count++;
+    const double none[4] = {99, word_count, -1, 0.5};
+    for (int i = 0; i < 4; i++)
+        refuse(b.sim, "bodies.ball.membrane.material", none[i], "no such word", "neo-hookean");
     refuse(b.sim, "bodies.ball.membrane.young", 1e9, "unstable", "");
     const pel_key disordered[2] = {{1, 1}, {0, 1}}, key = {0, 1};
     assert_int_equal(pel_set_parameter_keys(b.sim, "bodies.ball.springs.stiffness", disordered, 2, NULL),

@@ -73,6 +73,29 @@ static void test_block(void **unused)
     scene_end(&scene, sim);
 }
 
+/* the way out goes along the nearest face, also where that is along no axis */
+static void test_tilted_block(void **unused)
+{
+    (void)unused;
+    const double angle = 0.6, out[3] = {0, -sin(angle), cos(angle)};
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
+    pel_mesh *block = make_box_mesh(1);
+    pel_transform transform = pel_transform_default();
+    transform.rotation[0] = sin(0.5 * angle);
+    transform.rotation[3] = cos(0.5 * angle);
+    assert_int_equal(pel_mesh_transform(block, &transform, NULL), PEL_OK);
+    scene_body(&scene, block);
+    pel_tool_def *tool = scene_tool(&scene, PEL_TOOL_SPHERE);
+    tool->radius = 0.3;
+    scene_move(&scene, 0, 0, 0, 3, 3, 1);
+    pel_sim *sim = scene_create(&scene);
+    /* the middle outside and inside */
+    check_way(&scene, 0, 1.2 * out[1], 1.2 * out[2], 0.1, out);
+    check_way(&scene, 0, 0.8 * out[1], 0.8 * out[2], 0.5, out);
+    scene_end(&scene, sim);
+}
+
 /* a capsule through a sheet goes out the shorter way along its axis */
 static void test_sheet(void **unused)
 {
@@ -92,6 +115,7 @@ static void test_sheet(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_block), cmocka_unit_test(test_sheet)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_block), cmocka_unit_test(test_tilted_block),
+                                       cmocka_unit_test(test_sheet)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
