@@ -317,6 +317,16 @@ bool pel_loads_exist(const pel_sim *sim)
     return sim->load_count > 0 || sim->follower_count > 0 || sim->external != NULL || has_gravity(sim->model);
 }
 
+bool pel_loads_act(const pel_sim *sim)
+{
+    bool any = pel_loads_exist(sim);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && (shell->pressure.outside.value != 0 || shell->pressure_weights != NULL);
+    }
+    return any;
+}
+
 bool pel_loads_apply(pel_sim *sim, pel_gains gains)
 {
     const real_gains gain = {(pel_real)gains.position, (pel_real)gains.velocity};

@@ -437,6 +437,8 @@ void pel_loads_destroy(pel_sim *sim);
 bool pel_loads_apply(pel_sim *sim, pel_gains gains);
 /* there is one, gravity included */
 bool pel_loads_exist(const pel_sim *sim);
+/* the same, or a pressure from outside or inside */
+bool pel_loads_act(const pel_sim *sim);
 /* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
 double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
 /* Adds the loads at a time, gravity included, to force (vertex_count); follower loads at some positions, null = without

@@ -59,16 +59,6 @@ static bool is_keyed(const pel_sim *sim)
     return any;
 }
 
-static bool is_loaded(const pel_sim *sim)
-{
-    bool any = pel_loads_exist(sim);
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_shell *shell = sim->model->bodies[b].shell;
-        any |= shell != NULL && shell->pressure.outside.value != 0;
-    }
-    return any;
-}
-
 static void set_factor(pel_sim *sim, double factor)
 {
     sim->state->load_factor = factor;
@@ -90,7 +80,7 @@ pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
         pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
         return PEL_BAD_ARGUMENT;
     }
-    if (!is_loaded(sim)) {
+    if (!pel_loads_act(sim)) {
         pel_fail(error, PEL_BAD_ARGUMENT, "no load, gravity or pressure acts that a path by arc length could follow");
         pel_fail_remedy(error, "add loads, or use path: time, which moves supports by their keys");
         return PEL_BAD_ARGUMENT;
