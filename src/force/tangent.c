@@ -57,9 +57,8 @@ static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *p
 {
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
-    int32_t stress = part->first_stress + t * part->strains;
     if (own->fibre_begin != NULL)
-        energy->fibres += add_fibres(loop, own, t, stress + own->fibre_begin[t] + part->strains, element);
+        energy->fibres += add_fibres(loop, own, t, pel_tangent_stress(own, part, t) + part->strains, element);
     if (own->pressure != 0 && loop->step == NULL) {
         double weight = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
         const pel_tangent_request request = {.kind = loop->input->kind};

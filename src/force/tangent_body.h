@@ -104,6 +104,12 @@ typedef struct pel_tangent_loop {
     double *stresses; /* extrapolates over the step; both null = not asked for */
 } pel_tangent_loop;
 
+/* the place of a triangle's first stress, in a part of triangles; those of its fibres follow */
+static inline int32_t pel_tangent_stress(const pel_tangent_shell *own, const pel_tangent_part *part, int32_t t)
+{
+    return part->first_stress + t * part->strains + (own->fibre_begin != NULL ? own->fibre_begin[t] : 0);
+}
+
 /* Fills half_angles. */
 void pel_tangent_find_angles(pel_tangent *tangent, const double *unknowns, pel_pool *pool);
 

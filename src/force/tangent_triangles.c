@@ -141,32 +141,6 @@ PEL_INLINE void evaluate(const triangle_lanes *in, bool is_sheet, bool is_plate,
         out->edges = pel_plate_tangent(in->stiffness, in->alpha, in->sign, in->x, &request, &sum);
 }
 
-static void evaluate_energies(const triangle_lanes *in, bool is_sheet, bool is_plate, triangle_sums *out)
-{
-    evaluate(in, is_sheet, is_plate, false, false, false, out);
-}
-
-static void evaluate_gradients(const triangle_lanes *in, bool is_sheet, bool is_plate, triangle_sums *out)
-{
-    evaluate(in, is_sheet, is_plate, true, false, false, out);
-}
-
-static void evaluate_hessians(const triangle_lanes *in, bool is_sheet, bool is_plate, triangle_sums *out)
-{
-    evaluate(in, is_sheet, is_plate, false, true, false, out);
-}
-
-static void extrapolate(const triangle_lanes *in, bool is_sheet, bool is_plate, triangle_sums *out)
-{
-    evaluate(in, is_sheet, is_plate, false, false, true, out);
-}
-
-/* the place of a triangle's first stress */
-static int32_t stress_place(const pel_tangent_shell *own, const pel_tangent_part *part, int32_t t)
-{
-    return part->first_stress + t * part->strains + (own->fibre_begin != NULL ? own->fibre_begin[t] : 0);
-}
-
 static void load(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t t[LANES], triangle_lanes *in)
 {
     const pel_tangent *tangent = loop->tangent;
@@ -175,7 +149,7 @@ static void load(const pel_tangent_loop *loop, const pel_tangent_part *part, con
     const int32_t *nodes[LANES];
     for (int l = 0; l < LANES; l++) {
         nodes[l] = tangent->nodes + tangent->node_begin[part->first + t[l]];
-        places[l] = stress_place(own, part, t[l]);
+        places[l] = pel_tangent_stress(own, part, t[l]);
     }
     load_corners(loop->input->unknowns, nodes, in->x);
     if (own->shell->has_membrane)
@@ -203,26 +177,23 @@ void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part 
             t[l] = triangles[first + (l < lanes ? l : 0)];
         load(loop, part, t, &in);
         if (matrices != NULL)
-            evaluate_hessians(&in, is_sheet, is_plate, &out);
+            evaluate(&in, is_sheet, is_plate, false, true, false, &out);
         else if (gradients != NULL)
-            evaluate_gradients(&in, is_sheet, is_plate, &out);
+            evaluate(&in, is_sheet, is_plate, true, false, false, &out);
         else if (loop->stresses != NULL)
-            extrapolate(&in, is_sheet, is_plate, &out);
+            evaluate(&in, is_sheet, is_plate, false, false, true, &out);
         else
-            evaluate_energies(&in, is_sheet, is_plate, &out);
+            evaluate(&in, is_sheet, is_plate, false, false, false, &out);
         for (int row = 0; matrices != NULL && row < n; row++)
             scatter(&out.hessian[row * PEL_TANGENT_UNKNOWNS], n, lanes, matrices + (first * n + row) * n,
                     (size_t)(n * n));
         if (gradients != NULL)
             scatter(out.gradient, n, lanes, gradients + first * n, (size_t)n);
         for (int l = 0; l < lanes; l++) {
-            double row[STRAINS];
             energy->membrane += is_sheet ? pel_tangent_lane(&out.membrane, l) : 0;
             energy->edges += is_plate ? pel_tangent_lane(&out.edges, l) : 0;
             for (int k = 0; loop->stresses != NULL && k < part->strains; k++)
-                row[k] = pel_tangent_lane(&out.extrapolated[k], l);
-            if (loop->stresses != NULL)
-                memcpy(loop->stresses + stress_place(own, part, t[l]), row, (size_t)part->strains * sizeof *row);
+                loop->stresses[pel_tangent_stress(own, part, t[l]) + k] = pel_tangent_lane(&out.extrapolated[k], l);
         }
     }
 }

@@ -50,8 +50,8 @@ void pel_midedge_moments(const pel_midedge *element, const double alpha[3], doub
 double pel_midedge_tangent(const pel_midedge *element, const double alpha[3], const double sign[3], const double *x,
                            const pel_tangent_request *request, const pel_tangent_sum *sum);
 
-/* The angle about that edge from a triangle's normal to a given direction, the alpha of a boundary edge with this
-   normal. */
+/* The angle about the edge of a triangle (tail, head, tip) from its tail to its head, from the triangle's normal to a
+   given direction: the alpha of a boundary edge with this normal. */
 double pel_midedge_angle(const double x[3][3], const double normal[3]);
 
 #endif
