@@ -37,12 +37,8 @@ pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
         pel_fail_remedy(error, "leave refine out, and subdivide the mesh (pellicle subdivide)");
         return PEL_BAD_ARGUMENT;
     }
-    if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && !pel_loads_act(sim)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "no load acts, so there is no load factor");
-        pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle; displacements of "
-                               "supports do not count");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && !pel_loads_act(sim))
+        return pel_modes_fail_unloaded(error);
     if (sim->tool_count == 0 && sim->contacts == NULL)
         return pel_followers_refuse(sim, "modes and buckling need", error);
     pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support %s", sim->tool_count > 0 ? "tools" : "contact");

@@ -242,6 +242,14 @@ static pel_status prepare_modal(pel_modes *modes, const pel_tangent_input *input
 
 /* ---- buckling ---- */
 
+pel_status pel_modes_fail_unloaded(pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "no load acts, so there is no load factor");
+    pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle; displacements of supports "
+                           "do not count");
+    return PEL_BAD_ARGUMENT;
+}
+
 /* N, what rounding of positions leaves of the forces at rest */
 static double rounding_force(const pel_modes *modes)
 {
@@ -288,11 +296,8 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
         modes->right[u] = modes->fixed[u] ? 0 : modes->vectors[u] - modes->right[u];
         most = u < 3 * modes->pattern->vertex_count ? fmax(most, fabs(modes->right[u])) : most;
     }
-    if (!(most > rounding_force(modes))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "no load acts, so there is no load factor");
-        pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!(most > rounding_force(modes)))
+        return pel_modes_fail_unloaded(error);
     pel_matrix_fix(matrix, modes->system.pool, modes->fixed, NULL, NULL);
     if (!compute_factor(modes))
         return fail_unstable(modes, error);

@@ -20,6 +20,9 @@ pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t c
                             pel_error *error);
 void pel_modes_destroy(pel_modes *modes);
 
+/* Refuses buckling without a load: PEL_BAD_ARGUMENT. */
+pel_status pel_modes_fail_unloaded(pel_error *error);
+
 /* Finds the modes about `unknowns` (unknown_count), the lowest first: about a state of rest; of buckling about the
    state without loads, which are those of the problem. Uses time, state, force, fixed, frames
    and the matrix of the terms of it. PEL_BAD_ARGUMENT where
