@@ -6,7 +6,7 @@
 #include "base/pool.h"
 #include "bench.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_reading.h"
 #include "solve/newton.h"
 
 #include <stdio.h>

@@ -1,4 +1,6 @@
 /* Validation: paths by arc length compared with prescribed volumes or displacements. */
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 #include "validation.h"
 
 #include <math.h>

@@ -4,8 +4,6 @@
 
 #include "experiment.h"
 
-#include <pellicle/sim.h>
-
 enum { CLI_SCENE_SIZE = CLI_EXPERIMENT_PATH + 4000 };
 
 /* A scene at work, without a folder. */

@@ -9,6 +9,8 @@
 #include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 
 static inline pel_mesh *make_shape(const pel_shape_def *def)
 {

@@ -8,7 +8,7 @@ import re
 import sys
 
 root = pathlib.Path(sys.argv[1])
-headers = "".join((root / "include/pellicle" / name).read_text() for name in ("shell.h", "model.h", "sim.h"))
+headers = "".join((root / "include/pellicle" / name).read_text() for name in ("quantity.h", "shell.h", "model.h", "solver.h", "load.h", "tool.h", "support.h", "contact.h", "sim_step.h"))
 headers = re.sub(r"/\*.*?\*/", "", headers, flags=re.S)
 table = (root / "src/physics/model/fingerprint.c").read_text()
 defs = re.findall(r"^typedef struct (pel_\w+_def|pel_quantity) \{(.*?)^\} \1;", headers, re.M | re.S)

@@ -2,6 +2,7 @@
 #include "check.h"
 #include "failing_malloc.h"
 #include "model/def_copy.h"
+#include "pellicle/model.h"
 
 #include <stdlib.h>
 

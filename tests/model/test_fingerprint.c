@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "model/fingerprint.h"
+#include "pellicle/sim_step.h"
 
 #include <stdlib.h>
 

@@ -4,6 +4,7 @@
 #include "run/run_fixture.h"
 
 #include "pellicle/shape.h"
+#include "pellicle/sim_surface.h"
 #include "run/state.h"
 
 #include <ctype.h>

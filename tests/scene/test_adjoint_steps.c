@@ -5,6 +5,8 @@
 #include "failing_malloc.h"
 #include "pellicle/live.h"
 #include "pellicle/scene.h"
+#include "pellicle/sim_adjoint.h"
+#include "pellicle/sim_surface.h"
 
 #include <stdlib.h>
 

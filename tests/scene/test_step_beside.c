@@ -3,6 +3,8 @@
 
 #include "math/vec3.h"
 #include "pellicle/scene.h"
+#include "pellicle/sim_adjoint.h"
+#include "pellicle/sim_surface.h"
 #include "sim/step_newton.h"
 #include "sim/step_path.h"
 

@@ -5,6 +5,9 @@
 #include "sim/fixture.h"
 
 #include "pellicle/geometry.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 
 enum { SCENE_BODIES = 2, SCENE_TOOLS = 2, SCENE_KEYS = 3 };
 

@@ -5,6 +5,10 @@
 #include "sim/fixture.h"
 
 #include "math/vec3.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 
 /* share of the force on the tool that may remain on vertices without contact; positions in float have 24 bits */
 #define LEFT_SHARE (sizeof(pel_real) == 4 ? 2e-2 : 1e-5)

@@ -4,6 +4,7 @@
 
 #include "sim/fixture.h"
 
+#include "pellicle/sim_surface.h"
 #include "sim/sim.h"
 
 /* a tolerance, by the precision of the state: some roundings of it */

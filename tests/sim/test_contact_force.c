@@ -3,6 +3,7 @@
 
 #include "failing_malloc.h"
 #include "math/vec3.h"
+#include "pellicle/sim_reading.h"
 
 static const double density = 1000, thickness = 1e-3;
 

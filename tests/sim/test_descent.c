@@ -1,4 +1,5 @@
 /* A minimisation under a tool against the state of rest of methods in time. */
+#include "pellicle/sim_ledger.h"
 #include "sim/descent_fixture.h"
 
 /* of the force, and of the depth of the tool; xpbd is a little softer than its material (pel_sim_softness) */

@@ -3,6 +3,7 @@
 #include "sim/contact_scene.h"
 
 #include "math/vec3.h"
+#include "pellicle/sim_reading.h"
 
 /* a thin shell with hinges */
 static void scene_shell(contact_scene *scene, int32_t frequency)

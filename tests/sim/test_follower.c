@@ -3,6 +3,7 @@
 
 #include "failing_malloc.h"
 
+#include "pellicle/sim_forces.h"
 #include "sim/follower.h"
 
 #include <string.h>

@@ -4,6 +4,8 @@
 #include "sim/fixture.h"
 
 #include "pellicle/mesh_io.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 #include "source_dir.h"
 
 #include <unistd.h>

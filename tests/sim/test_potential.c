@@ -3,6 +3,7 @@
 
 #include "failing_malloc.h"
 #include "pellicle/potential.h"
+#include "pellicle/sim_forces.h"
 
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* Bodies that refine: invariants of events, the criterion, and that a body without events equals the plain body. */
 #include "failing_malloc.h"
 #include "pellicle/live.h"
+#include "pellicle/sim_forces.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
 

@@ -2,6 +2,7 @@
 #include "sim/contact_scene.h"
 
 #include "math/vec3.h"
+#include "pellicle/sim_reading.h"
 
 static void make_shell(contact_scene *scene, pel_mesh *mesh, double young)
 {

@@ -1,5 +1,8 @@
 /* Shells in a simulation: the leapfrog, stability, descent, pressure, refusals, snapshots. */
 #include "failing_malloc.h"
+#include "pellicle/measure.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 /* of a volume ratio that a minimisation or relaxation ends with; positions in float have 24 bits */

@@ -2,6 +2,9 @@
 #include "sim/fixture.h"
 
 #include "pellicle/measure.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 
 /* tolerance of the figures' numbers: the reference gives them to three digits */
 #define FIGURE 0.0015

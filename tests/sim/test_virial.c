@@ -3,6 +3,9 @@
 #include "sim/fixture.h"
 
 #include "pellicle/measure.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 
 /* rest positions times a factor; 1e-4 for differences and 1e-9 for sums of some hundred springs come from single too */
 static void stretch(pel_sim *sim, const pel_mesh *mesh, double factor)

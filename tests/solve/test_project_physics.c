@@ -5,6 +5,7 @@
 #include "sim/fixture.h"
 
 #include "math/vec3.h"
+#include "pellicle/sim_ledger.h"
 
 #include <stdlib.h>
 

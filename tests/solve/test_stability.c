@@ -3,6 +3,7 @@
 #include "sim/fixture.h"
 
 #include "model/model.h"
+#include "pellicle/sim_ledger.h"
 #include "solve/stability.h"
 
 static pel_model *paper_sphere(double k, double d, double volumetric, double volumetric_damping)

@@ -5,7 +5,7 @@
        pel_law_NAME_refuse   names a number of the material that is out of the law's range
        pel_law_NAME_traits   properties for the generic code
 
-   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h) and an include in law/laws.h. No other code depends on a
+   and has a row in PEL_MEMBRANE_LAWS (pellicle/kinds.h) and an include in law/laws.h. No other code depends on a
    law. */
 #ifndef PEL_LAW_MEMBRANE_H
 #define PEL_LAW_MEMBRANE_H

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "pellicle/model.h"
 
 #include <string.h>
 

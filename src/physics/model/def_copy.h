@@ -4,6 +4,7 @@
 #define PEL_MODEL_DEF_COPY_H
 
 #include "model/fingerprint.h"
+#include "pellicle/base.h"
 
 /* owns the arrays of copied defs */
 typedef struct pel_copies {

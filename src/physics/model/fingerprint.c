@@ -1,6 +1,7 @@
 #include "model/fingerprint.h"
 
 #include "base/hash.h"
+#include "pellicle/sim_step.h"
 
 #include <stdio.h>
 

@@ -4,7 +4,7 @@
 #ifndef PEL_MODEL_FINGERPRINT_H
 #define PEL_MODEL_FINGERPRINT_H
 
-#include "pellicle/sim.h"
+#include "pellicle/base.h"
 
 /* names of the parts for users */
 #define PEL_PARTS(ROW)                                                                                                 \

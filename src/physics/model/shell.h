@@ -6,6 +6,7 @@
 #define PEL_MODEL_SHELL_H
 
 #include "model/model.h"
+#include "pellicle/bending.h"
 #include "pellicle/element.h"
 
 /* Bending of a triangle, as hinges between its parts and its mid-edge element take it. */

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
+#include "pellicle/sim_surface.h"
 #include "sim/field.h"
 
 #include <math.h>

@@ -6,6 +6,8 @@
 #include "base/number.h"
 #include "base/status.h"
 #include "pellicle/measure.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
 

@@ -1,4 +1,5 @@
 #include "results/summary.h"
+#include "pellicle/sim_reading.h"
 #include "run/state.h"
 #include "scene/build.h"
 

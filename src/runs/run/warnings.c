@@ -6,6 +6,7 @@
 #include "mesh/figures.h"
 #include "model/model.h"
 #include "model/shell.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
 #include "sim/step_newton.h"

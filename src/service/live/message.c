@@ -3,6 +3,10 @@
 #include "base/memory.h"
 #include "io/json.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 #include "scene/word_mesh.h"
 
 #include <inttypes.h>

@@ -2,6 +2,7 @@
 #ifndef PEL_SIM_ADJOINT_H
 #define PEL_SIM_ADJOINT_H
 
+#include "pellicle/sim_adjoint.h"
 #include "sim/step_newton.h"
 
 typedef struct pel_adjoint_work {

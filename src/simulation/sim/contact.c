@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "contact/sweep.h"
 #include "geom/wide4.h"
+#include "pellicle/sim_surface.h"
 #include "sim/tool.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
 /* Forces of contacts on vertices and tools, and their readings. */
+#include "pellicle/sim_contact.h"
 #include "sim/tool.h"
 
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action)

@@ -1,6 +1,7 @@
 /* Reads the records of contacts of the last step (contact/record.c). */
 #include "base/status.h"
 #include "pellicle/geometry.h"
+#include "pellicle/sim_contact.h"
 #include "sim/tool.h"
 
 int64_t pel_sim_contact_record_count(const pel_sim *sim)

@@ -4,7 +4,8 @@
 #define PEL_SIM_LEDGER_H
 
 #include "model/model.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 
 typedef struct pel_ledger_chunk {
     double moment[3]; /* kg m: sum of mass times displacement */

@@ -1,6 +1,9 @@
 /* Getters between the model's vertex order and the mesh's, and sums over everything. */
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_surface.h"
 #include "sim/sim.h"
 
 /* velocities of the last step: stored by the explicit method, else the displacement over dt */

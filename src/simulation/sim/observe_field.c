@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/measure.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "sim/field.h"
 #include "sim/field_mechanics.h"

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "bvh/ray.h"
+#include "pellicle/sim_surface.h"
 #include "sim/sim.h"
 
 #include <string.h>

@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "sim/refine_energy.h"
 
 /* triangles that one event changes, roughly: at least, and the surface over this share */

@@ -3,6 +3,7 @@
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "sim/descent.h"
 #include "sim/sim.h"
 #include "solve/shell_stability.h"

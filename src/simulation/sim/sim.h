@@ -10,7 +10,6 @@
 #include "math/pose.h"
 #include "model/boundary.h"
 #include "model/refined_model.h"
-#include "pellicle/sim.h"
 #include "sim/ledger.h"
 #include "sim/stepper.h"
 #include "sim/tool_search.h"

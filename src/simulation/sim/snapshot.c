@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "model/shell.h"
+#include "pellicle/sim_surface.h"
 #include "sim/contact.h"
 #include "sim/hold.h"
 #include "sim/step_modes.h"

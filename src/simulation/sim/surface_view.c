@@ -1,6 +1,7 @@
 /* The surface of a body for its users: rows of vertices, triangles, levels. After an event the rows are rebuilt on the
    next access. */
 #include "base/sort.h"
+#include "pellicle/sim_surface.h"
 #include "sim/sim.h"
 
 #include <string.h>

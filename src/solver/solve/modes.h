@@ -10,7 +10,7 @@
 #ifndef PEL_SOLVE_MODES_H
 #define PEL_SOLVE_MODES_H
 
-#include "pellicle/sim.h"
+#include "pellicle/solver.h"
 #include "solve/newton.h"
 
 typedef struct pel_modes pel_modes;
