@@ -7,7 +7,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -24,6 +24,9 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh (SCAL
 
 test: build ## run the tests
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
+
+check: build/$(PRESET)/build.ninja $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=sim/tool_grip
+	@tools/check build/$(PRESET) "$(NAME)"
 
 nightly: packages ## run checks that take hours: long runs, 2,000 random scenes, all frames with contact, sanitizers, fuzzing, mutations
 	@tools/nightly
