@@ -11,7 +11,7 @@
 static void test_folded_sheet(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     contact_scene scene;
     pel_sim *sim = folded_sheet(&scene, 14);
     assert_true(run_free(sim, 700) > 50);
@@ -108,7 +108,7 @@ static void test_held_tools_catch_up(void **unused)
 static void test_still_tool_is_not_held(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     contact_scene scene;
     pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
     pel_sim_destroy(sim);
@@ -207,7 +207,7 @@ static void test_momentum_of_shells(void **unused)
         pel_sim_measures measures;
         pel_sim_measure(sim, &measures);
         double energy = measures.kinetic_energy;
-        for (int n = 0; n < 60; n++) {
+        for (int n = 0; n < LONG(60, 40); n++) {
             run_free(sim, 1);
             pel_sim_measure(sim, &measures);
             most_energy = fmax(most_energy, measures.kinetic_energy + measures.elastic_energy);
@@ -473,7 +473,7 @@ static void test_shaken(void **unused)
     for (int i = 0; i < 3; i++) {
         contact_scene scene;
         pel_sim *sim = two_spheres(&scene);
-        for (int n = 0; n < ROUNDS(8, 3); n++) {
+        for (int n = 0; n < LONG(8, 3); n++) {
             shake(sim, 0, speeds[i], &random);
             shake(sim, 1, speeds[i], &random);
             run_free(sim, 10);
@@ -563,7 +563,7 @@ static uint64_t hash_of_run(int threads, int save_at)
 {
     contact_scene scene;
     scene_begin(&scene, PEL_METHOD_EXPLICIT);
-    scene_body(&scene, make_sphere(12));
+    scene_body(&scene, make_sphere(8));
     scene_body(&scene, make_moved_sphere(5, 1.9, 0.1, 0.05));
     scene.def.contact.allow_tangled = true;
     scene.def.contact.friction = 0.3;

@@ -239,7 +239,7 @@ static void test_tools_come_and_go(void **unused)
     (void)unused;
     static const pel_method methods[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD,
                                          PEL_METHOD_IMPLICIT};
-    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+    for (size_t m = 0; m < sizeof methods / sizeof *methods - LONG(0, 1); m++) {
         stage s = make_stage(methods[m], 1e-3);
         run_steps(s.sim, 10);
         pel_error error;
@@ -266,7 +266,7 @@ static void test_tools_come_and_go(void **unused)
         assert_int_equal(kept.contact_count, reading.contact_count);
         const pel_pose_key away = {0.05, {1.6, 0, 0}, {0, 0, 0, 1}, {0}};
         assert_int_equal(pel_sim_set_tool_keys(s.sim, 0, &away, 1, NULL), PEL_OK);
-        run_steps(s.sim, methods[m] == PEL_METHOD_IMPLICIT ? LONG(120, 40) : 120);
+        run_steps(s.sim, 120);
         pel_sim_get_tool(s.sim, 0, &kept);
         assert_near(kept.position[0], 1.6, 1e-6);
         assert_int_equal(kept.contact_count, 0);
