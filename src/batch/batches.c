@@ -16,6 +16,7 @@
 #include "batch/batches.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/functions.h"
 #include "measure/element.h"
@@ -533,9 +534,7 @@ static pel_status create_body(plan *p, pel_error *error)
     made->pieces = (pel_pieces){.piece_count = piece_count_of(p->body->mesh->vertex_count)};
     made->pieces.first_place = p->first_place;
     made->pieces.place_count = p->place_count;
-    made->pieces.piece_of_place = pel_allocate((size_t)p->place_count, sizeof *made->pieces.piece_of_place);
-    made->scratch = pel_allocate(1, sizeof *made->scratch);
-    if (made->pieces.piece_of_place == NULL || made->scratch == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->pieces.piece_of_place, p->place_count), PEL_ROOM(made->scratch, 1)))
         return pel_fail_memory(error);
     update_pieces(p);
     if (caves(p->body->shell)) {
@@ -557,10 +556,7 @@ static void destroy_body(pel_body_batches *body)
         pel_batch_destroy(&body->batches[i]);
     if (body->scratch != NULL)
         pel_build_scratch_destroy(body->scratch);
-    pel_free(body->scratch);
-    pel_free(body->batches);
-    pel_free(body->areas);
-    pel_free(body->pieces.piece_of_place);
+    PEL_FREE_ALL(body->scratch, body->batches, body->areas, body->pieces.piece_of_place);
 }
 
 /* ---- all bodies ---- */
@@ -629,9 +625,7 @@ void pel_batches_destroy(pel_batches *batches)
         return;
     for (int32_t b = 0; batches->bodies != NULL && b < batches->model->body_count; b++)
         destroy_body(&batches->bodies[b]);
-    pel_free(batches->bodies);
-    pel_free(batches->bundles);
-    pel_free(batches);
+    PEL_FREE_ALL(batches->bodies, batches->bundles, batches);
 }
 
 void pel_batches_rebuild(pel_batches *batches, int32_t body)
