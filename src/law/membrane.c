@@ -17,6 +17,13 @@ static const law_row rows[] = {
 #undef ROW
 };
 
+static const pel_material_number numbers[] = {
+    {"poisson", PEL_LAW_READS_POISSON, offsetof(pel_membrane_material, poisson)},
+    {"mooney_ratio", PEL_LAW_READS_MOONEY_RATIO, offsetof(pel_membrane_material, mooney_ratio)},
+    {"extension_limit", PEL_LAW_READS_EXTENSION_LIMIT, offsetof(pel_membrane_material, extension_limit)},
+    {"stiffening", PEL_LAW_READS_STIFFENING, offsetof(pel_membrane_material, stiffening)},
+};
+
 void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda)
 {
     *mu = young * thickness / (2 * (1 + poisson));
@@ -41,6 +48,11 @@ pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material)
 int pel_membrane_law_traits(pel_membrane_kind kind)
 {
     return pel_law_traits(kind);
+}
+
+const pel_material_number *pel_material_number_at(int32_t index)
+{
+    return index >= 0 && (size_t)index < sizeof numbers / sizeof *numbers ? &numbers[index] : NULL;
 }
 
 static pel_status refuse(pel_error *error, const char *member, double value, const char *range)

@@ -1,5 +1,7 @@
 #include "sim/parameter_table.h"
 
+#include "law/membrane.h"
+
 #include <math.h>
 
 #define NUMBER .kind = PEL_PARAMETER_NUMBER, .store = PEL_STORE_DOUBLE
@@ -81,29 +83,30 @@ static bool has_membrane(const void *def)
     return ((const pel_body_def *)def)->shell.membrane.on;
 }
 
-static pel_membrane_kind law_of(const void *def)
+static bool reads(const void *def, pel_law_trait number)
 {
-    return ((const pel_body_def *)def)->shell.membrane.kind;
+    return has_membrane(def) &&
+           (pel_membrane_law_traits(((const pel_body_def *)def)->shell.membrane.kind) & (int)number) != 0;
 }
 
-static bool is_mooney(const void *def)
+static bool reads_poisson(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_MOONEY_RIVLIN;
+    return reads(def, PEL_LAW_READS_POISSON);
 }
 
-static bool is_gent(const void *def)
+static bool reads_mooney_ratio(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_GENT;
+    return reads(def, PEL_LAW_READS_MOONEY_RATIO);
 }
 
-static bool is_fung(const void *def)
+static bool reads_extension_limit(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_FUNG;
+    return reads(def, PEL_LAW_READS_EXTENSION_LIMIT);
 }
 
-static bool has_poisson(const void *def)
+static bool reads_stiffening(const void *def)
 {
-    return has_membrane(def) && !is_mooney(def) && !is_gent(def);
+    return reads(def, PEL_LAW_READS_STIFFENING);
 }
 
 static bool has_bending(const void *def)
@@ -278,12 +281,14 @@ static const pel_parameter_row rows[] = {
     {"bodies[].membrane.young", BODY(shell.membrane.young), QUANTITY, .unit = "Pa", POSITIVE, .applies = has_membrane,
      .is_implying = true},
     {"bodies[].membrane.poisson", BODY(shell.membrane.poisson), NUMBER, .is_open = true, BETWEEN(-1, 1),
-     .applies = has_poisson},
+     .applies = reads_poisson},
     {"bodies[].membrane.thickness", BODY(shell.membrane.thickness), QUANTITY, .unit = "m", POSITIVE,
      .applies = has_membrane, .is_implying = true},
-    {"bodies[].membrane.mooney_ratio", BODY(shell.membrane.mooney_ratio), NUMBER, AT_LEAST(0), .applies = is_mooney},
-    {"bodies[].membrane.extension_limit", BODY(shell.membrane.extension_limit), NUMBER, POSITIVE, .applies = is_gent},
-    {"bodies[].membrane.stiffening", BODY(shell.membrane.stiffening), NUMBER, POSITIVE, .applies = is_fung},
+    {"bodies[].membrane.mooney_ratio", BODY(shell.membrane.mooney_ratio), NUMBER, AT_LEAST(0),
+     .applies = reads_mooney_ratio},
+    {"bodies[].membrane.extension_limit", BODY(shell.membrane.extension_limit), NUMBER, POSITIVE,
+     .applies = reads_extension_limit},
+    {"bodies[].membrane.stiffening", BODY(shell.membrane.stiffening), NUMBER, POSITIVE, .applies = reads_stiffening},
     {"bodies[].membrane.strain_limit", BODY(shell.membrane.strain_limit), NUMBER, .is_open = true, BETWEEN(0, 0.99),
      AUTO(0), .applies = has_membrane},
     {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT,

@@ -13,6 +13,8 @@ TREES = ("src", "cli", "view", "python", "include", "examples", "bench")
 OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "src/haptic", "src/live", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
          "libwebsockets": {"src/live"}}
+# headers that the build makes, and their folders
+MADE = {"law/files.h": "src/law"}
 
 
 def read_ranks(root):
@@ -28,6 +30,8 @@ def folder_of(path):
 
 def resolve(root, path, name):
     """the folder of the file that name stands for in the file at path, or None"""
+    if name in MADE:
+        return MADE[name]
     places = [pathlib.PurePath("include", name), pathlib.PurePath("src", name), pathlib.PurePath(name)]
     if not path.parts[0] == "src":
         places.append(path.parent / name)
