@@ -1,7 +1,6 @@
 /* One sheet for all laws under the methods that use a material: explicit, xpbd and descent stretch it by the pull of
    the law's closed form, pbd, which knows no stiffness, brings it back to its rest shape. Each law reads the numbers
    that it declares, and no other; they are its live parameters. */
-#include "law/membrane.h"
 #include "law_forms.h"
 #include "pellicle/live.h"
 #include "shell_fixture.h"
