@@ -1,5 +1,5 @@
 /* Membrane laws by their principal stretches, written with the C library from theory page sections 3 and 17: the oracle
-   of all that is made of src/law. A new law needs a case in law_tension. */
+   of all that is made of src/physics/law. A new law needs a case in law_tension. */
 #ifndef PEL_TESTS_LAW_FORMS_H
 #define PEL_TESTS_LAW_FORMS_H
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that nothing in src calls a function of the C library whose rounding differs between platforms: src/math/functions.h
+"""Checks that nothing in src calls a function of the C library whose rounding differs between platforms: src/ground/math/functions.h
 has those that give the same bits. sqrt, floor, rint, fmod, frexp and their like are exact.
 
 usage: functions.py ROOT | functions.py --self-test
@@ -17,7 +17,7 @@ def calls(name, text):
     code = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
     for number, line in enumerate(code.splitlines(), 1):
         for found in CALL.finditer(line):
-            yield f"{name}:{number}: {found[1]} of the C library has other bits elsewhere; src/math/functions.h has its like"
+            yield f"{name}:{number}: {found[1]} of the C library has other bits elsewhere; src/ground/math/functions.h has its like"
 
 
 def self_test():

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the graph of links: which object file of src/ needs which other one.
 
-Reads the symbols of the built objects. Files of different folders form no cycle, files of one folder none of more than
+Reads the symbols of the built objects. Files of different rooms form no cycle, files of one room none of more than
 LIMIT files.
 
 usage: links.py SOURCE_DIR BUILD_DIR NM | links.py --self-test
@@ -17,7 +17,7 @@ LIMIT = 4
 def read_symbols(source, build, nm):
     """file in src/ -> (symbols that it defines, symbols that it needs)"""
     paths = {}
-    for path in sorted(build.glob("CMakeFiles/*.dir/src/*/*.c.o")):
+    for path in sorted(build.glob("CMakeFiles/*.dir/src/*/*/*.c.o")):
         name = re.search(r"\.dir/src/(.*)\.c\.o", path.as_posix()).group(1)
         # objects of sources that are no more stay in the build folder
         if (source / "src" / f"{name}.c").is_file():
@@ -73,7 +73,7 @@ def find_cycles(graph):
 
 
 def is_allowed(cycle):
-    return len({name.split("/")[0] for name in cycle}) == 1 and len(cycle) <= LIMIT
+    return len({name.rsplit("/", 1)[0] for name in cycle}) == 1 and len(cycle) <= LIMIT
 
 
 def describe(cycle, graph):

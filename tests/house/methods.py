@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that nothing in src/sim but the files of the methods asks which method runs: traits and functions of the stepper
-answer that (src/sim/stepper.h).
+"""Checks that nothing in src/simulation/sim but the files of the methods asks which method runs: traits and functions of the stepper
+answer that (src/simulation/sim/stepper.h).
 
 usage: methods.py ROOT | methods.py --self-test
 """
@@ -31,7 +31,7 @@ def questions(name, text):
     for number, line in enumerate(text.splitlines(), 1):
         found = QUESTION.search(line.split("/*")[0])
         if found:
-            yield f"src/sim/{name}:{number}: asks for the method: {found[0]}; use a trait or function of the stepper"
+            yield f"src/simulation/sim/{name}:{number}: asks for the method: {found[0]}; use a trait or function of the stepper"
 
 
 def self_test():
@@ -45,10 +45,10 @@ def self_test():
 def main():
     if sys.argv[1] == "--self-test":
         return self_test()
-    files = sorted(pathlib.Path(sys.argv[1], "src/sim").glob("*.[ch]"))
+    files = sorted(pathlib.Path(sys.argv[1], "src/simulation/sim").glob("*.[ch]"))
     found = [line for path in files for line in questions(path.name, path.read_text())]
     found += [f"{name}: allowed to ask, but does not" for name in ALLOWED
-              if not QUESTION.search(pathlib.Path(sys.argv[1], "src/sim", name).read_text())]
+              if not QUESTION.search(pathlib.Path(sys.argv[1], "src/simulation/sim", name).read_text())]
     print("\n".join(found) if found else "ok")
     sys.exit(1 if found or not files else 0)
 

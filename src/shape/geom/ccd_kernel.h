@@ -1,7 +1,7 @@
-/* The kernel of continuous collision detection, as text: src/geom/ccd_pair.h includes it once for double and once for
-   wide4, so that one query and four queries are computed by the same operations in the same order.
-   It needs CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max, real_sqrt and real_if_less. No
-   include guard on purpose. */
+/* The kernel of continuous collision detection, as text: src/shape/geom/ccd_pair.h includes it once for double and once
+   for wide4, so that one query and four queries are computed by the same operations in the same order. It needs
+   CCD_INLINE, REAL, NAME(function), real_set, real_abs, real_min, real_max, real_sqrt and real_if_less. No include
+   guard on purpose. */
 
 typedef struct NAME(ccd_pair) {
     REAL offset[2][3], edge1[2][3], edge2[2][3]; /* [time 0 and 1] */

@@ -34,7 +34,8 @@ PEL_WASM int32_t pel_wasm_sim_status(const pel_wasm_sim *sim);
 PEL_WASM const pel_wasm_text *pel_wasm_sim_error(pel_wasm_sim *sim);
 /* Notes of the mesh reader, as an array of texts. */
 PEL_WASM const pel_wasm_text *pel_wasm_sim_notes(pel_wasm_sim *sim);
-/* Title, dt, bodies, tools and fields; parameters; time, step, hash, hand, tools and measures (src/live/message.h). */
+/* Title, dt, bodies, tools and fields; parameters; time, step, hash, hand, tools and measures
+ * (src/service/live/message.h). */
 PEL_WASM const pel_wasm_text *pel_wasm_sim_hello(pel_wasm_sim *sim);
 PEL_WASM const pel_wasm_text *pel_wasm_sim_parameters(pel_wasm_sim *sim);
 PEL_WASM const pel_wasm_text *pel_wasm_sim_summary(pel_wasm_sim *sim);
@@ -81,7 +82,8 @@ PEL_WASM void pel_wasm_live_destroy(pel_wasm_live *live);
 /* PEL_OK, or why creation failed */
 PEL_WASM int32_t pel_wasm_live_status(const pel_wasm_live *live);
 PEL_WASM const pel_wasm_text *pel_wasm_live_error(pel_wasm_live *live);
-/* A line from the page, as sent to a server: "received", those of src/live/player.c, and commands of a session. */
+/* A line from the page, as sent to a server: "received", those of src/service/live/player.c, and commands of a session.
+ */
 PEL_WASM void pel_wasm_live_line(pel_wasm_live *live, const char *line);
 /* Does lines and steps that are due, for at most as long as a picture lasts; returns the seconds until the next turn.
  */
