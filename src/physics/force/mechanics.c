@@ -88,7 +88,7 @@ static double hinge_moment(const pel_shell *shell, const pel_record *rest, const
                            const double x[4][3])
 {
     const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
-    if (shell->bending == PEL_BENDING_HINGE)
+    if (shell->bending->is_angle)
         return hinge->stiffness * stencil.factor * pel_angle_from_rest(x[0], stencil.rest_angle);
     return hinge->stiffness * stencil.factor * 2 * pel_sin(0.5 * pel_dihedral_angle(x, NULL));
 }

@@ -31,7 +31,7 @@ static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, cons
                             double *sums)
 {
     double norms[4], gradient[4][3], x[4][3], factor = pel_shell_hinge_factor(shell, hinge);
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         pel_load_points(rest, hinge->vertices, 4, x);
         pel_dihedral_angle((const double(*)[3])x, gradient);
         for (int a = 0; a < 4; a++)

@@ -4,7 +4,7 @@
 
 double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge)
 {
-    return shell->bending == PEL_BENDING_HINGE ? hinge->stiffness : hinge->stiffness / 3;
+    return shell->bending->is_angle ? hinge->stiffness : hinge->stiffness / 3;
 }
 
 double pel_shell_rest_length(const pel_shell_region *region, double time)
@@ -59,11 +59,10 @@ double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const dou
 double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
                               const double x[4][3], double gradient[4][3])
 {
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
         return pel_hinge_energy(&stencil, x, gradient);
     }
     const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
-    pel_bending_form form = shell->bending == PEL_BENDING_ISOMETRIC ? PEL_BENDING_LITERAL : PEL_BENDING_REST_SUBTRACTED;
-    return pel_bending_isometric_energy(&stencil, form, x, gradient);
+    return pel_bending_isometric_energy(&stencil, shell->bending->form, x, gradient);
 }

@@ -13,16 +13,6 @@ static bool has_energy(const pel_shell_region *region)
     return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
 }
 
-static bool has_midedge(const pel_shell *shell)
-{
-    return shell->bending == PEL_BENDING_MIDEDGE;
-}
-
-static bool has_hinges(const pel_shell *shell)
-{
-    return shell->bending != PEL_BENDING_NONE && !has_midedge(shell);
-}
-
 static bool has_springs(const pel_model *model, int32_t body)
 {
     return model->bodies[body].plain_spring != 0; /* the same on a refined surface */
@@ -36,7 +26,7 @@ static bool depends_on_volume(const pel_shell *shell)
 /* most edges that a surface of a shell can have */
 static int32_t edge_limit(const pel_shell *shell)
 {
-    return has_midedge(shell) ? 3 * shell->triangle_limit : 0;
+    return shell->bending->turns_edges ? 3 * shell->triangle_limit : 0;
 }
 
 static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
@@ -81,12 +71,12 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
     bool all = allocate_fibres(own);
     own->rests = pel_allocate(triangles, sizeof *own->rests);
     all &= own->rests != NULL;
-    if (has_midedge(shell)) {
+    if (shell->bending->turns_edges) {
         own->edges = pel_allocate(triangles, sizeof *own->edges);
         own->midedges = pel_allocate(triangles, sizeof *own->midedges);
         all &= own->edges != NULL && own->midedges != NULL;
     }
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         own->hinges = pel_allocate((size_t)shell->hinge_limit, sizeof *own->hinges);
         all &= own->hinges != NULL;
     }
@@ -124,12 +114,12 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
     pel_tangent_room room = {0};
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_shell *shell = tangent->shells[i].shell;
-        add_room(&room, (size_t)shell->triangle_limit, 3, has_midedge(shell) ? 3 : 0);
-        if (has_hinges(shell))
+        add_room(&room, (size_t)shell->triangle_limit, 3, shell->bending->turns_edges ? 3 : 0);
+        if (shell->bending->has_hinges)
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
         room.edges += (size_t)edge_limit(shell);
-        room.stresses +=
-            (size_t)shell->triangle_limit * (has_midedge(shell) ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
+        room.stresses += (size_t)shell->triangle_limit *
+                         (shell->bending->turns_edges ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
         room.stresses += (size_t)shell->hinge_limit * PEL_HINGE_STRAINS + fibre_limit(shell);
     }
     /* a spring is stored at both of its ends */
@@ -259,7 +249,7 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         own->hinges[i] = pel_shell_angle(shell, tangent->model->rest, &hinge);
     }
-    if (!has_midedge(shell))
+    if (!shell->bending->turns_edges)
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
@@ -327,11 +317,11 @@ static void fill_parts(pel_tangent *tangent)
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_tangent_shell *own = &tangent->shells[i];
         const pel_shell *shell = own->shell;
-        int edges = has_midedge(shell) ? 3 : 0;
+        int edges = shell->bending->turns_edges ? 3 : 0;
         add_part(tangent, PEL_TANGENT_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
         if (own->fibre_begin != NULL)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
-        if (has_hinges(shell))
+        if (shell->bending->has_hinges)
             add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
     }
     add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);

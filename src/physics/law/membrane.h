@@ -51,6 +51,9 @@ pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material);
 /* pel_law_trait of a kind, combined */
 int pel_membrane_law_traits(pel_membrane_kind kind);
 
+/* words of scenes, by kind; null after the last */
+extern const char *const pel_membrane_words[];
+
 /* null after the last */
 const pel_material_number *pel_material_number_at(int32_t index);
 

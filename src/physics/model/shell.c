@@ -123,7 +123,7 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
 static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_bending_def *bending = &def->shell.bending;
-    pel_status status = check_choice((int)bending->model, PEL_BENDING_MIDEDGE + 1, body, "bending model", error);
+    pel_status status = check_choice((int)bending->model, PEL_BENDING_COUNT, body, "bending model", error);
     if (status != PEL_OK || bending->model == PEL_BENDING_NONE)
         return status;
     if (!(bending->weight < 0)) {
@@ -154,8 +154,7 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
-    pel_bending_model bending = body_def->shell.bending.model;
-    if (status == PEL_OK && !fibres && bending != PEL_BENDING_HINGE && bending != PEL_BENDING_MIDEDGE) {
+    if (status == PEL_OK && !fibres && !pel_bending_traits_of(body_def->shell.bending.model)->has_rest_angles) {
         pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
         pel_fail_element(error, "body", body);
         pel_fail_remedy(error, "give the bending the model hinge");
@@ -299,7 +298,7 @@ static double triangle_bending(const pel_shell *shell, int32_t t)
 /* bending of triangles: of hinges between their parts, or of mid-edge elements */
 static pel_status create_parts(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
-    if (body->detail == NULL && def->shell.bending.model != PEL_BENDING_MIDEDGE)
+    if (body->detail == NULL && !shell->bending->turns_edges)
         return PEL_OK;
     shell->parts = pel_allocate((size_t)shell->triangle_count, sizeof *shell->parts);
     if (shell->parts == NULL)
@@ -393,9 +392,9 @@ static pel_status allocate_hinges(const pel_body_def *def, const pel_topology *t
 static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
                                 pel_shell *shell, pel_error *error)
 {
-    shell->bending = def->shell.bending.model;
+    shell->bending = pel_bending_traits_of(def->shell.bending.model);
     shell->bending_weight = def->shell.bending.weight;
-    if (shell->bending == PEL_BENDING_NONE)
+    if (!pel_bending_is_on(shell->bending))
         return PEL_OK;
     pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
     /* of a mesh without an inner edge, whose refined surface has some */

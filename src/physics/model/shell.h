@@ -5,6 +5,7 @@
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
+#include "model/bending_model.h"
 #include "model/model.h"
 #include "pellicle/element.h"
 
@@ -56,7 +57,7 @@ struct pel_shell {
 
     double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
 
-    pel_bending_model bending;
+    const pel_bending_traits *bending;
     double bending_weight; /* k_B; negative = automatic */
     int32_t hinge_count, hinge_limit;
     int32_t (*hinge_sides)[2]; /* (hinge_count) half-edges 3 t + i of the left and the right triangle; by rising edge
@@ -74,10 +75,10 @@ struct pel_shell {
     double mean_edge;          /* m, at rest */
 };
 
-/* hinges with an energy: in mid-edge bending hinges only give rest angles */
+/* hinges with an energy: others only give rest angles */
 static inline int32_t pel_shell_elastic_hinges(const pel_shell *shell)
 {
-    return shell->bending == PEL_BENDING_MIDEDGE ? 0 : shell->hinge_count;
+    return shell->bending->has_hinges ? shell->hinge_count : 0;
 }
 
 /* the corners of an element, for loops in double */

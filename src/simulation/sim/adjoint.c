@@ -27,8 +27,7 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
         const pel_body *body = &sim->model->bodies[b];
         bool has_volume = body->shell != NULL && (body->shell->pressure.kind == PEL_PRESSURE_GAS ||
                                                   body->shell->pressure.kind == PEL_PRESSURE_VOLUME);
-        bool has_hinges = body->shell != NULL && body->shell->bending != PEL_BENDING_MIDEDGE &&
-                          body->shell->bending != PEL_BENDING_NONE;
+        bool has_hinges = body->shell != NULL && body->shell->bending->has_hinges;
         if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
             (body->shell != NULL && body->shell->region_count > 0))
             return refuse(

@@ -1,6 +1,7 @@
 #include "sim/parameter_table.h"
 
 #include "law/membrane.h"
+#include "model/bending_model.h"
 
 #include <math.h>
 
@@ -36,10 +37,6 @@
 
 #define REFUSED(why, instead) .refusal = why, .remedy = instead
 #define STRUCTURE(why) REFUSED(why, "make a simulation with the new value, and set positions and velocities in it")
-
-#define LAW_NAME(KIND, law, name) name,
-static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
-#undef LAW_NAME
 
 /* ---- members of defs ---- */
 
@@ -277,7 +274,7 @@ static const pel_parameter_row rows[] = {
     {"bodies[].scale_with_area", BODY(volumetric_by_area), SWITCH, BETWEEN(0, 1)},
     {"bodies[].reference_count", BODY(reference_count), INTEGER, COUNT_FROM(1)},
     {"bodies[].membrane.material", BODY(shell.membrane.kind), .kind = PEL_PARAMETER_WORD, .store = PEL_STORE_INT,
-     .words = law_names, .applies = has_membrane, .is_implying = true},
+     .words = pel_membrane_words, .applies = has_membrane, .is_implying = true},
     {"bodies[].membrane.young", BODY(shell.membrane.young), QUANTITY, .unit = "Pa", POSITIVE, .applies = has_membrane,
      .is_implying = true},
     {"bodies[].membrane.poisson", BODY(shell.membrane.poisson), NUMBER, .is_open = true, BETWEEN(-1, 1),
@@ -291,8 +288,8 @@ static const pel_parameter_row rows[] = {
     {"bodies[].membrane.stiffening", BODY(shell.membrane.stiffening), NUMBER, POSITIVE, .applies = reads_stiffening},
     {"bodies[].membrane.strain_limit", BODY(shell.membrane.strain_limit), NUMBER, .is_open = true, BETWEEN(0, 0.99),
      AUTO(0), .applies = has_membrane},
-    {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT,
-     WORD("none", "isometric", "isometric-rest", "hinge", "midedge"), .applies = has_bending,
+    {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT, .kind = PEL_PARAMETER_WORD,
+     .words = pel_bending_words, .applies = has_bending,
      STRUCTURE("the model of bending decides what elements there are")},
     {"bodies[].bending.weight", BODY(shell.bending.weight), NUMBER, BETWEEN(0, 1), AUTO(-1), .applies = has_bending},
     {"bodies[].bending.stiffness", BODY(shell.bending.stiffness), QUANTITY, .unit = "N m", AT_LEAST(0), AUTO(-1),

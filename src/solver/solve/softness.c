@@ -296,13 +296,13 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
                              const pel_bending_isometric *isometric, const pel_record *positions)
 {
     double x[4][3], gradient[4][3] = {{0}}, sum = 0;
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         pel_load_points(positions, hinge->vertices, 4, x);
         pel_dihedral_angle((const double(*)[3])x, gradient);
     }
     for (int k = 0; k < 4; k++) {
         double weight = isometric->weight[k];
-        double square = shell->bending == PEL_BENDING_HINGE ? pel_vec3_squared_length(gradient[k]) : weight * weight;
+        double square = shell->bending->is_angle ? pel_vec3_squared_length(gradient[k]) : weight * weight;
         sum += (double)model->inverse_mass[hinge->vertices[k]] * square;
     }
     return sum;
@@ -312,7 +312,7 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
 static void add_bending(const pel_model *model, const pel_shell *shell, const pel_record *positions,
                         const pel_softness_scratch *scratch)
 {
-    bool is_angle = shell->bending == PEL_BENDING_HINGE;
+    bool is_angle = shell->bending->is_angle;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         const pel_bending_isometric isometric = pel_shell_isometric(model->rest, &hinge);
