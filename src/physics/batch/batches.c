@@ -126,7 +126,7 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
         return;
     pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
     double stiffness = rest.area * sheet.young * sheet.thickness;
-    bool constant = (pel_membrane_law_traits(p->body->shell->material.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
+    bool constant = (pel_membrane_law_traits(p->body->shell->law.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
     *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
 }
 
@@ -307,9 +307,7 @@ static bool projects_shells(const plan *p)
 
 static pel_status add_membrane(plan *p, pel_error *error)
 {
-    pel_membrane_material material = p->body->shell->material;
-    material.young = material.thickness = 1;
-    pel_membrane_law law = pel_membrane_law_of(&material);
+    const pel_membrane_law law = p->body->shell->law;
     pel_batch batch = {.arity = 3, .number_count = PEL_TRIANGLE_NUMBERS, .multiplier_count = 3, .region = -1};
     batch.kind = (pel_constraint)((int)(p->literal ? PEL_CONSTRAINT_MEMBRANE : PEL_CONSTRAINT_STRAIN) + (int)law.kind);
     batch.is_projected = projects_shells(p);

@@ -267,7 +267,7 @@ static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_reco
     }
     out->rest_area = shape.area;
     out->area = pel_vec3_triangle_area(x[0], x[1], x[2]);
-    double ratio = out->area / out->rest_area, determinant = ratio * ratio, poisson = own->law.poisson;
+    double ratio = out->area / out->rest_area, determinant = ratio * ratio, poisson = own->shell->law.poisson;
     const double green[3] = {0.5 * (c11 - 1), 0.5 * (c22 - 1), 0.5 * c12};
     to_space(axes, 1, green, out->strain);
     double moment[3] = {out->moment[0], out->moment[1], out->moment[2]}, per_area = 0;

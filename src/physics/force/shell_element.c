@@ -41,17 +41,9 @@ int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)
     return low < count && pel_shell_fibre_triangle(region, low) == triangle ? low : -1;
 }
 
-static pel_membrane_law law_of(const pel_shell_body *own, int32_t t)
-{
-    pel_membrane_law law = own->law;
-    pel_shell_sheet sheet = pel_shell_sheet_of(own->shell, t);
-    law.modulus *= sheet.young * sheet.thickness;
-    return law;
-}
-
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
 {
-    const pel_membrane_law law = law_of(own, t);
+    const pel_membrane_law law = pel_shell_law(own->shell, t);
     const pel_rest_triangle rest = pel_shell_rest(own->shell, t);
     return pel_membrane_law_energy(&rest, &law, x, gradient);
 }

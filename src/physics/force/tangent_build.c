@@ -29,19 +29,6 @@ static int32_t edge_limit(const pel_shell *shell)
     return shell->bending->turns_edges ? 3 * shell->triangle_limit : 0;
 }
 
-static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
-{
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
-            continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
-    }
-    return PEL_OK;
-}
-
 static size_t fibre_limit(const pel_shell *shell)
 {
     size_t count = 0;
@@ -238,10 +225,6 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
 static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
 {
     const pel_shell *shell = own->shell;
-    pel_membrane_material material = shell->material;
-    double poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
-    material.young = material.thickness = 1;
-    own->law = pel_membrane_law_of(&material);
     fill_fibres(own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
         own->rests[t] = pel_shell_rest(shell, t);
@@ -253,7 +236,7 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, poisson);
+        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, shell->law.poisson);
 }
 
 /* ---- springs and points ---- */
@@ -415,7 +398,7 @@ static pel_status find_shells(pel_tangent *tangent, pel_error *error)
     for (int32_t b = 0; b < model->body_count; b++) {
         if (model->bodies[b].shell == NULL)
             continue;
-        pel_status status = check_bending(model->bodies[b].shell, b, error);
+        pel_status status = pel_shell_check_bending(model->bodies[b].shell, b, error);
         if (status != PEL_OK)
             return status;
         pel_tangent_shell *own = &tangent->shells[tangent->shell_count++];

@@ -283,6 +283,11 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
     shell->material = material_at(membrane, mesh->triangles[0][0]);
     shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
     shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);
+    pel_membrane_material unit = shell->material;
+    unit.young = unit.thickness = 1;
+    shell->law = pel_membrane_law_of(&unit);
+    if (!shell->has_membrane)
+        shell->law.poisson = membrane->poisson;
     return check_areas(body, shell, error);
 }
 
@@ -292,7 +297,7 @@ static double triangle_bending(const pel_shell *shell, int32_t t)
     if (!shell->has_membrane)
         return 0;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
-    return pel_bending_stiffness(sheet.young, pel_membrane_law_of(&shell->material).poisson, sheet.thickness);
+    return pel_bending_stiffness(sheet.young, shell->law.poisson, sheet.thickness);
 }
 
 /* bending of triangles: of hinges between their parts, or of mid-edge elements */
@@ -547,6 +552,19 @@ bool pel_shell_needs_projection(const pel_shell *shell)
     for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
         needs |= shell->regions[r].def.mode == PEL_FIBRE_CAVE;
     return needs;
+}
+
+pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_error *error)
+{
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
 }
 
 void pel_shell_destroy(pel_shell *shell)
