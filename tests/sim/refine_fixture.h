@@ -2,10 +2,10 @@
 #ifndef PEL_TESTS_SIM_REFINE_FIXTURE_H
 #define PEL_TESTS_SIM_REFINE_FIXTURE_H
 
-#include "sim/fixture.h"
-
+#include "pellicle/sim_ledger.h"
 #include "pellicle/sim_surface.h"
-#include "sim/sim.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 /* a tolerance, by the precision of the state: some roundings of it */
 static inline double rounding(double in_double, double in_single)

@@ -3,6 +3,7 @@
 #include "pellicle/sim_ledger.h"
 #include "pellicle/sim_reading.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 static pel_body_def keyed_body(const pel_mesh *mesh)
 {

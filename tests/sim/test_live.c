@@ -1,8 +1,9 @@
 /* Changes between steps: continuation, refusals, and undo. */
 #include "failing_malloc.h"
 #include "pellicle/live.h"
+#include "pellicle/sim_ledger.h"
 #include "sim/fixture.h"
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 static pel_body_def shell_body(const pel_mesh *mesh)
 {
@@ -421,7 +422,9 @@ static void test_drag(void **unused)
         assert_int_equal(pel_drag_begin(s.sim, &hit, 20, 0.1, &drag, NULL), PEL_OK);
         double target[3] = {hit.point[0] + 0.2, hit.point[1], hit.point[2]};
         double hardest = 0;
-        int steps = methods[m] == PEL_METHOD_STATIC || methods[m] == PEL_METHOD_DESCENT ? 30 : methods[m] == PEL_METHOD_IMPLICIT ? LONG(1500, 40) : ROUNDS(1500, 40);
+        int steps = methods[m] == PEL_METHOD_STATIC || methods[m] == PEL_METHOD_DESCENT ? 30
+                    : methods[m] == PEL_METHOD_IMPLICIT                                 ? LONG(1500, 40)
+                                                                                        : ROUNDS(1500, 40);
         for (int i = 0; i < steps; i++) {
             assert_int_equal(pel_drag_move(drag, target, NULL), PEL_OK);
             run_steps(s.sim, 1);

@@ -3,6 +3,7 @@
 #include "pellicle/observe.h"
 #include "pellicle/sim_surface.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 static stage make_stage(void)
 {

@@ -1,9 +1,9 @@
-#include "random.h"
-#include "sim/fixture.h"
-
 #include "failing_malloc.h"
 #include "pellicle/potential.h"
 #include "pellicle/sim_forces.h"
+#include "random.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* Steps that are stopped on their way: the state is that before the step, to the bit, whenever the stop comes. */
 #include "pellicle/sim_ledger.h"
 #include "sim/descent_fixture.h"
+#include "stage/stage.h"
 
 enum { STEPS = 4, FREQUENCY = 4 };
 

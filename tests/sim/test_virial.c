@@ -1,6 +1,8 @@
 #include "gradient.h"
+#include "pellicle/shape.h"
 #include "random.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 #include "pellicle/measure.h"
 #include "pellicle/sim_forces.h"

@@ -4,7 +4,7 @@
 #define PEL_SIM_CHANGE_H
 
 #include "model/def_copy.h"
-#include "pellicle/sim_step.h"
+#include "stage/stage.h"
 
 typedef struct pel_change {
     pel_model_def model; /* copies of the present defs, to be changed; pointers in them may be written to */
