@@ -6,16 +6,16 @@
    With tools or contact the energy is minimised under their constraints (minimise.h), in rounds: minimise, update the
    multipliers, search for new contacts. After a collision during a step, the next round starts there. Multipliers are
    not part of the state: a step computes its initial ones from the balance of forces at its start. */
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/functions.h"
-#include "minimise/minimise_contact.h"
-#include "minimise/minimise_free.h"
-#include "minimise/minimise_tool.h"
+#include "minimise/constraint.h"
+#include "minimise/constraint_tool.h"
+#include "minimise/free_body.h"
 #include "minimise/step_newton.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"

@@ -1,4 +1,4 @@
-#include "minimise/minimise_contact.h"
+#include "minimise/constraint.h"
 
 #include "base/memory.h"
 #include "base/status.h"
