@@ -14,7 +14,7 @@
 #include "sim/ledger.h"
 
 #include "base/lane.h"
-#include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
 #include "math/functions.h"
@@ -513,13 +513,9 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 {
     pel_ledger *ledger = &sim->ledger;
     size_t body_count = (size_t)sim->model->body_count;
-    ledger->tools = pel_allocate((size_t)sim->tool_count, sizeof *ledger->tools);
-    ledger->factors = pel_allocate(body_count, sizeof *ledger->factors);
-    ledger->volumes = pel_allocate(body_count, sizeof *ledger->volumes);
-    ledger->checked_volumes = pel_allocate(body_count, sizeof *ledger->checked_volumes);
-    ledger->chunks = pel_allocate((size_t)pel_slice_chunk_count(0, sim->model->slice_count), sizeof *ledger->chunks);
-    if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL ||
-        ledger->checked_volumes == NULL || ledger->chunks == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tool_count), PEL_ROOM(ledger->factors, body_count),
+                          PEL_ROOM(ledger->volumes, body_count), PEL_ROOM(ledger->checked_volumes, body_count),
+                          PEL_ROOM(ledger->chunks, pel_slice_chunk_count(0, sim->model->slice_count))))
         return pel_fail_memory(error);
     pel_ledger_refill(sim);
     pel_ledger_follow(sim);
@@ -528,9 +524,6 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 
 void pel_ledger_destroy(pel_sim *sim)
 {
-    pel_free(sim->ledger.tools);
-    pel_free(sim->ledger.factors);
-    pel_free(sim->ledger.volumes);
-    pel_free(sim->ledger.checked_volumes);
-    pel_free(sim->ledger.chunks);
+    PEL_FREE_ALL(sim->ledger.tools, sim->ledger.factors, sim->ledger.volumes, sim->ledger.checked_volumes,
+                 sim->ledger.chunks);
 }
