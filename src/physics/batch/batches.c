@@ -143,7 +143,7 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
         return;
     pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
     double stiffness = rest.area * sheet.young * sheet.thickness;
-    bool constant = (pel_membrane_law_traits(p->body->shell->material.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
+    bool constant = (pel_membrane_law_traits(p->body->shell->law.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
     *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
 }
 
@@ -157,7 +157,7 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
     const pel_shell *shell = p->body->shell;
     const pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         const pel_hinge stencil = pel_shell_angle(shell, p->model->rest, &h);
         *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(stencil.rest_angle);
         *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(stencil.rest_angle);
@@ -169,7 +169,7 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
         *pel_batch_number(batch, i, j) = (pel_real)stencil.weight[j + 1];
     /* E = D / 3 times factor / 2 |K x|^2 represents a plate (theory page, section 5) */
     *pel_batch_number(batch, i, 3) = (pel_real)(3 / (h.stiffness * stencil.factor));
-    double square = shell->bending == PEL_BENDING_ISOMETRIC ? 0 : 2 * stencil.rest_energy / stencil.factor;
+    double square = shell->bending->form == PEL_BENDING_LITERAL ? 0 : 2 * stencil.rest_energy / stencil.factor;
     *pel_batch_number(batch, i, 4) = (pel_real)square;
 }
 
@@ -324,9 +324,7 @@ static bool projects_shells(const plan *p)
 
 static pel_status add_membrane(plan *p, pel_error *error)
 {
-    pel_membrane_material material = p->body->shell->material;
-    material.young = material.thickness = 1;
-    pel_membrane_law law = pel_membrane_law_of(&material);
+    const pel_membrane_law law = p->body->shell->law;
     pel_batch batch = {.arity = 3, .number_count = PEL_TRIANGLE_NUMBERS, .multiplier_count = 3, .region = -1};
     batch.kind = (pel_constraint)((int)(p->literal ? PEL_CONSTRAINT_MEMBRANE : PEL_CONSTRAINT_STRAIN) + (int)law.kind);
     batch.is_projected = projects_shells(p);
@@ -349,7 +347,7 @@ static pel_status add_limit(plan *p, pel_error *error)
 
 static pel_status add_bending(plan *p, pel_error *error)
 {
-    bool hinge = p->body->shell->bending == PEL_BENDING_HINGE;
+    bool hinge = p->body->shell->bending->is_angle;
     pel_batch batch = {.arity = 4, .region = -1, .is_projected = projects_shells(p)};
     batch.kind = p->literal ? PEL_CONSTRAINT_ISOMETRIC : PEL_CONSTRAINT_ISOMETRIC_COMPLIANT;
     if (hinge)
@@ -444,7 +442,7 @@ static pel_status add_batches(plan *p, pel_error *error)
         return status;
     if (status == PEL_OK && shell->has_membrane)
         status = add_membrane(p, error);
-    if (status == PEL_OK && shell->bending != PEL_BENDING_NONE && shell->bending != PEL_BENDING_MIDEDGE)
+    if (status == PEL_OK && shell->bending->has_hinges)
         status = add_bending(p, error);
     for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
         if (has_elements(p, &shell->regions[r]))

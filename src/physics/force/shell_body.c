@@ -4,36 +4,12 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
-#include "measure/element.h"
 
 #include <string.h>
 
 const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t body)
 {
     return forces != NULL && forces->bodies[body].shell != NULL ? &forces->bodies[body] : NULL;
-}
-
-/* bending needs a stiffness when forces are asked for */
-static pel_status check_bending(const pel_shell_body *own, pel_error *error)
-{
-    const pel_shell *shell = own->shell;
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
-            continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", own->body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
-    }
-    return PEL_OK;
-}
-
-static void set_law(pel_shell_body *own)
-{
-    pel_membrane_material material = own->shell->material;
-    material.young = material.thickness = 1;
-    own->law = pel_membrane_law_of(&material);
-    own->stiffness = pel_membrane_law_stiffness(&own->law);
 }
 
 /* ---- elements at a place ---- */
@@ -106,8 +82,7 @@ static pel_status start_body(pel_shell_forces *forces, int32_t b, pel_error *err
     /* it stands last */
     if (own->pressure_part != 0)
         own->pressed = &batches->batches[batches->batch_count - 1];
-    set_law(own);
-    return check_bending(own, error);
+    return pel_shell_check_bending(own->shell, own->body, error);
 }
 
 static pel_status fill_forces(pel_shell_forces *forces, pel_error *error)

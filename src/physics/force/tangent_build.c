@@ -14,16 +14,6 @@ static bool has_energy(const pel_shell_region *region)
     return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
 }
 
-static bool has_midedge(const pel_shell *shell)
-{
-    return shell->bending == PEL_BENDING_MIDEDGE;
-}
-
-static bool has_hinges(const pel_shell *shell)
-{
-    return shell->bending != PEL_BENDING_NONE && !has_midedge(shell);
-}
-
 static bool has_springs(const pel_model *model, int32_t body)
 {
     return model->bodies[body].plain_spring != 0; /* the same on a refined surface */
@@ -37,20 +27,7 @@ static bool depends_on_volume(const pel_shell *shell)
 /* most edges that a surface of a shell can have */
 static int32_t edge_limit(const pel_shell *shell)
 {
-    return has_midedge(shell) ? 3 * shell->triangle_limit : 0;
-}
-
-static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
-{
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
-            continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
-    }
-    return PEL_OK;
+    return shell->bending->turns_edges ? 3 * shell->triangle_limit : 0;
 }
 
 static size_t fibre_limit(const pel_shell *shell)
@@ -68,14 +45,14 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
     int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH, triangles = shell->triangle_limit;
     int32_t places = pel_body_place_end(tangent->model, own->body) - first;
     size_t fibres = fibre_limit(shell);
-    bool is_midedge = has_midedge(shell),
+    bool is_midedge = shell->bending->turns_edges,
          has_normals = shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
     double **normal = own->normal_pressure;
     bool all = PEL_ALLOCATE_ALL(
         PEL_ROOM_IF(fibres > 0, own->fibre_begin, (size_t)triangles + 2), PEL_ROOM_IF(fibres > 0, own->fibres, fibres),
         PEL_ROOM(own->rests, triangles), PEL_ROOM_IF(is_midedge, own->edges, triangles),
         PEL_ROOM_IF(is_midedge, own->midedges, triangles),
-        PEL_ROOM_IF(shell->bending == PEL_BENDING_HINGE, own->hinges, shell->hinge_limit),
+        PEL_ROOM_IF(shell->bending->is_angle, own->hinges, shell->hinge_limit),
         PEL_ROOM_IF(has_normals, normal[0], places), PEL_ROOM_IF(has_normals, normal[1], places),
         PEL_ROOM_IF(has_normals, normal[2], places), PEL_ROOM_IF(has_normals, normal[3], places));
     if (!all || !depends_on_volume(shell))
@@ -106,12 +83,12 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
     pel_tangent_room room = {0};
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_shell *shell = tangent->shells[i].shell;
-        add_room(&room, (size_t)shell->triangle_limit, 3, has_midedge(shell) ? 3 : 0);
-        if (has_hinges(shell))
+        add_room(&room, (size_t)shell->triangle_limit, 3, shell->bending->turns_edges ? 3 : 0);
+        if (shell->bending->has_hinges)
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
         room.edges += (size_t)edge_limit(shell);
-        room.stresses +=
-            (size_t)shell->triangle_limit * (has_midedge(shell) ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
+        room.stresses += (size_t)shell->triangle_limit *
+                         (shell->bending->turns_edges ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
         room.stresses += (size_t)shell->hinge_limit * PEL_HINGE_STRAINS + fibre_limit(shell);
     }
     /* a spring is stored at both of its ends */
@@ -219,10 +196,6 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
 static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
 {
     const pel_shell *shell = own->shell;
-    pel_membrane_material material = shell->material;
-    double poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
-    material.young = material.thickness = 1;
-    own->law = pel_membrane_law_of(&material);
     fill_fibres(own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
         own->rests[t] = pel_shell_rest(shell, t);
@@ -230,11 +203,11 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         own->hinges[i] = pel_shell_angle(shell, tangent->model->rest, &hinge);
     }
-    if (!has_midedge(shell))
+    if (!shell->bending->turns_edges)
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, poisson);
+        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, shell->law.poisson);
 }
 
 /* ---- springs and points ---- */
@@ -298,11 +271,11 @@ static void fill_parts(pel_tangent *tangent)
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_tangent_shell *own = &tangent->shells[i];
         const pel_shell *shell = own->shell;
-        int edges = has_midedge(shell) ? 3 : 0;
+        int edges = shell->bending->turns_edges ? 3 : 0;
         add_part(tangent, PEL_TANGENT_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
         if (own->fibre_begin != NULL)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
-        if (has_hinges(shell))
+        if (shell->bending->has_hinges)
             add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
     }
     add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
@@ -394,7 +367,7 @@ static pel_status find_shells(pel_tangent *tangent, pel_error *error)
     for (int32_t b = 0; b < model->body_count; b++) {
         if (model->bodies[b].shell == NULL)
             continue;
-        pel_status status = check_bending(model->bodies[b].shell, b, error);
+        pel_status status = pel_shell_check_bending(model->bodies[b].shell, b, error);
         if (status != PEL_OK)
             return status;
         pel_tangent_shell *own = &tangent->shells[tangent->shell_count++];

@@ -38,7 +38,7 @@ static bool allocate_shell(pel_shell_front *own)
     pel_shell *shell = &own->shell;
     size_t triangles = (size_t)shell->triangle_limit, hinges = (size_t)shell->hinge_limit;
     /* of each triangle for mid-edge elements; hinges look them up in the given shell */
-    bool has_parts = shell->bending == PEL_BENDING_MIDEDGE && given->parts != NULL;
+    bool has_parts = shell->bending->turns_edges && given->parts != NULL;
     shell->regions = NULL;
     bool room = PEL_ALLOCATE_ALL(PEL_ROOM(own->corners, triangles), PEL_ROOM(shell->rests, triangles),
                                  PEL_ROOM(shell->hinge_sides, hinges), PEL_ROOM(shell->rest_angles, hinges),
@@ -85,7 +85,7 @@ pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, c
     own->place_count = place_limit - own->first_place;
     own->shell.triangle_limit = triangle_limit;
     /* each triangle has three sides, and each hinge two triangles */
-    own->shell.hinge_limit = given->shell->bending != PEL_BENDING_NONE ? triangle_limit / 2 * 3 + 3 : 0;
+    own->shell.hinge_limit = pel_bending_is_on(given->shell->bending) ? triangle_limit / 2 * 3 + 3 : 0;
     own->shell.triangle_count = own->shell.hinge_count = 0;
     bool room = allocate_shell(own);
     if (!room || !allocate_scratch(own)) {
@@ -257,7 +257,7 @@ static void update_hinges(pel_shell_front *own, const pel_front *front)
 {
     pel_shell *shell = &own->shell;
     shell->hinge_count = 0;
-    if (shell->bending == PEL_BENDING_NONE)
+    if (!pel_bending_is_on(shell->bending))
         return;
     sort_half_edges(own);
     for (int32_t h = 0; h < 3 * shell->triangle_count; h++) {

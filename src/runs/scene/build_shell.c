@@ -28,14 +28,11 @@ static pel_status read_membrane(const pel_scene_body_source *source, pel_membran
 
 static pel_status read_bending(const pel_scene_body_source *source, pel_bending_def *bending)
 {
-    /* in the order of the words in the table */
-    static const pel_bending_model models[] = {PEL_BENDING_NONE, PEL_BENDING_ISOMETRIC, PEL_BENDING_ISOMETRIC_REST,
-                                               PEL_BENDING_HINGE, PEL_BENDING_MIDEDGE};
     const pel_scene_value *value = pel_scene_value_entry(source->value, "bending");
     if (value == NULL)
         return PEL_OK;
     const pel_scene_value *weight = pel_scene_value_entry(value, "weight");
-    bending->model = models[pel_scene_value_integer(value, "model")];
+    bending->model = (pel_bending_model)pel_scene_value_integer(value, "model");
     bending->weight = weight->form == PEL_FORM_NUMBER ? weight->number : -1;
     if (pel_scene_value_entry(value, "stiffness")->form == PEL_FORM_WORD) {
         bending->stiffness = (pel_quantity){.value = -1};

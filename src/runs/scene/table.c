@@ -1,5 +1,7 @@
 #include "scene/table.h"
 
+#include "law/membrane.h"
+#include "model/bending_model.h"
 #include "pellicle/preset.h"
 #include "scene/shape_rows.h"
 
@@ -40,10 +42,6 @@
 #define ALTERNATIVE .alternative = true
 
 /* in the order of the reference page and of resolved scenes */
-#define LAW_NAME(KIND, law, name) name,
-static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
-#undef LAW_NAME
-
 static const pel_scene_row rows[] = {
     {"version", INTEGER, BETWEEN(1, 1), REQUIRED, .doc = "version of the scene format"},
     {"title", TEXT, .doc = "title of the run, shown in reports"},
@@ -157,7 +155,7 @@ static const pel_scene_row rows[] = {
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},
     {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
      .doc = "a material of `pellicle presets`; other keys of `membrane` override its numbers"},
-    {"bodies[].membrane.material", .forms = PEL_FORM_WORD, .words = law_names, .preset = "stvk",
+    {"bodies[].membrane.material", .forms = PEL_FORM_WORD, .words = pel_membrane_words, .preset = "stvk",
      .doc = "constitutive law"},
     {"bodies[].membrane.young", FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
      .doc = "Young's modulus"},
@@ -177,8 +175,7 @@ static const pel_scene_row rows[] = {
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
             "material, but none under pbd and pbd-distance"},
-    {"bodies[].bending.model", WORD("none", "isometric", "isometric-rest", "hinge", "midedge"), .preset = "hinge",
-     .varies = true,
+    {"bodies[].bending.model", .forms = PEL_FORM_WORD, .words = pel_bending_words, .preset = "hinge", .varies = true,
      .doc = "none: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
             "same with the minimum of its energy at the rest shape; hinge: change of the dihedral angles; midedge: "
             "plate bending that does not depend on the mesh, only for the methods static and implicit. Default: hinge; "

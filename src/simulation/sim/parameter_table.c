@@ -1,5 +1,8 @@
 #include "sim/parameter_table.h"
 
+#include "law/membrane.h"
+#include "model/bending_model.h"
+
 #include <math.h>
 
 #define NUMBER .kind = PEL_PARAMETER_NUMBER, .store = PEL_STORE_DOUBLE
@@ -34,10 +37,6 @@
 
 #define REFUSED(why, instead) .refusal = why, .remedy = instead
 #define STRUCTURE(why) REFUSED(why, "make a simulation with the new value, and set positions and velocities in it")
-
-#define LAW_NAME(KIND, law, name) name,
-static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
-#undef LAW_NAME
 
 /* ---- members of defs ---- */
 
@@ -81,29 +80,30 @@ static bool has_membrane(const void *def)
     return ((const pel_body_def *)def)->shell.membrane.on;
 }
 
-static pel_membrane_kind law_of(const void *def)
+static bool reads(const void *def, pel_law_trait number)
 {
-    return ((const pel_body_def *)def)->shell.membrane.kind;
+    return has_membrane(def) &&
+           (pel_membrane_law_traits(((const pel_body_def *)def)->shell.membrane.kind) & (int)number) != 0;
 }
 
-static bool is_mooney(const void *def)
+static bool reads_poisson(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_MOONEY_RIVLIN;
+    return reads(def, PEL_LAW_READS_POISSON);
 }
 
-static bool is_gent(const void *def)
+static bool reads_mooney_ratio(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_GENT;
+    return reads(def, PEL_LAW_READS_MOONEY_RATIO);
 }
 
-static bool is_fung(const void *def)
+static bool reads_extension_limit(const void *def)
 {
-    return has_membrane(def) && law_of(def) == PEL_MEMBRANE_FUNG;
+    return reads(def, PEL_LAW_READS_EXTENSION_LIMIT);
 }
 
-static bool has_poisson(const void *def)
+static bool reads_stiffening(const void *def)
 {
-    return has_membrane(def) && !is_mooney(def) && !is_gent(def);
+    return reads(def, PEL_LAW_READS_STIFFENING);
 }
 
 static bool has_bending(const void *def)
@@ -274,20 +274,22 @@ static const pel_parameter_row rows[] = {
     {"bodies[].scale_with_area", BODY(volumetric_by_area), SWITCH, BETWEEN(0, 1)},
     {"bodies[].reference_count", BODY(reference_count), INTEGER, COUNT_FROM(1)},
     {"bodies[].membrane.material", BODY(shell.membrane.kind), .kind = PEL_PARAMETER_WORD, .store = PEL_STORE_INT,
-     .words = law_names, .applies = has_membrane, .is_implying = true},
+     .words = pel_membrane_words, .applies = has_membrane, .is_implying = true},
     {"bodies[].membrane.young", BODY(shell.membrane.young), QUANTITY, .unit = "Pa", POSITIVE, .applies = has_membrane,
      .is_implying = true},
     {"bodies[].membrane.poisson", BODY(shell.membrane.poisson), NUMBER, .is_open = true, BETWEEN(-1, 1),
-     .applies = has_poisson},
+     .applies = reads_poisson},
     {"bodies[].membrane.thickness", BODY(shell.membrane.thickness), QUANTITY, .unit = "m", POSITIVE,
      .applies = has_membrane, .is_implying = true},
-    {"bodies[].membrane.mooney_ratio", BODY(shell.membrane.mooney_ratio), NUMBER, AT_LEAST(0), .applies = is_mooney},
-    {"bodies[].membrane.extension_limit", BODY(shell.membrane.extension_limit), NUMBER, POSITIVE, .applies = is_gent},
-    {"bodies[].membrane.stiffening", BODY(shell.membrane.stiffening), NUMBER, POSITIVE, .applies = is_fung},
+    {"bodies[].membrane.mooney_ratio", BODY(shell.membrane.mooney_ratio), NUMBER, AT_LEAST(0),
+     .applies = reads_mooney_ratio},
+    {"bodies[].membrane.extension_limit", BODY(shell.membrane.extension_limit), NUMBER, POSITIVE,
+     .applies = reads_extension_limit},
+    {"bodies[].membrane.stiffening", BODY(shell.membrane.stiffening), NUMBER, POSITIVE, .applies = reads_stiffening},
     {"bodies[].membrane.strain_limit", BODY(shell.membrane.strain_limit), NUMBER, .is_open = true, BETWEEN(0, 0.99),
      AUTO(0), .applies = has_membrane},
-    {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT,
-     WORD("none", "isometric", "isometric-rest", "hinge", "midedge"), .applies = has_bending,
+    {"bodies[].bending.model", BODY(shell.bending.model), .store = PEL_STORE_INT, .kind = PEL_PARAMETER_WORD,
+     .words = pel_bending_words, .applies = has_bending,
      STRUCTURE("the model of bending decides what elements there are")},
     {"bodies[].bending.weight", BODY(shell.bending.weight), NUMBER, BETWEEN(0, 1), AUTO(-1), .applies = has_bending},
     {"bodies[].bending.stiffness", BODY(shell.bending.stiffness), QUANTITY, .unit = "N m", AT_LEAST(0), AUTO(-1),
