@@ -3,6 +3,7 @@
 #include "minimise/step_turn.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
 #include "boundary/follower.h"
@@ -40,13 +41,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         return status;
     size_t vertices = (size_t)sim->model->vertex_count;
     size_t count = (size_t)pel_newton_pattern(sim->newton)->unknown_limit;
-    newton->unknowns = pel_allocate(count, sizeof *newton->unknowns);
-    newton->target = pel_allocate(count, sizeof *newton->target);
-    newton->loads = pel_allocate(count, sizeof *newton->loads);
-    newton->fixed = pel_allocate(count, sizeof *newton->fixed);
-    newton->force = pel_allocate_aligned(vertices, sizeof *newton->force);
-    bool room = newton->unknowns != NULL && newton->target != NULL && newton->loads != NULL && newton->fixed != NULL &&
-                newton->force != NULL;
+    bool room = PEL_ALLOCATE_ALL(PEL_ROOM(newton->unknowns, count), PEL_ROOM(newton->target, count),
+                                 PEL_ROOM(newton->loads, count), PEL_ROOM(newton->fixed, count),
+                                 PEL_ROOM_ALIGNED(newton->force, vertices));
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
@@ -66,11 +63,9 @@ void pel_sim_newton_destroy(pel_sim *sim)
     if (newton == NULL)
         return;
     pel_newton_destroy(sim->newton);
-    void *arrays[] = {newton->unknowns, newton->target,    newton->loads,  newton->fixed,           newton->force,
-                      newton->points,   newton->couplings, newton->radial, newton->point_stiffness, newton->groups,
-                      newton->collided, newton->kinks,     newton->turns};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
+                 newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
+                 newton->kinks, newton->turns);
     pel_free(newton);
 }
 

@@ -2,6 +2,7 @@
 #include "tool/create.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/mesh_query.h"
 #include "tool/pose.h"
@@ -217,10 +218,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
 static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
     size_t count = (size_t)sim->model->vertex_count;
-    sim->tools->held_vertices = pel_allocate(count, sizeof *sim->tools->held_vertices);
-    sim->tools->held_targets = pel_allocate(count, sizeof *sim->tools->held_targets);
-    sim->tools->grip_forces = pel_allocate(count, sizeof *sim->tools->grip_forces);
-    if (sim->tools->held_vertices == NULL || sim->tools->held_targets == NULL || sim->tools->grip_forces == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->held_vertices, count), PEL_ROOM(sim->tools->held_targets, count),
+                          PEL_ROOM(sim->tools->grip_forces, count)))
         return pel_fail_memory(error);
     return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
@@ -233,15 +232,12 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->tools->count = count;
     if (count == 0)
         return PEL_OK;
-    sim->tools->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->near_triangles);
-    sim->tools->plane_of_triangle =
-        pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->plane_of_triangle);
-    sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
-    sim->tools->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->looked_at);
-    sim->tools->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->moved_at);
-    sim->tools->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->cornered_at);
-    if (sim->tools->near_triangles == NULL || sim->tools->plane_of_triangle == NULL || sim->held == NULL ||
-        sim->tools->looked_at == NULL || sim->tools->moved_at == NULL || sim->tools->cornered_at == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->near_triangles, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->plane_of_triangle, sim->model->triangle_count),
+                          PEL_ROOM(sim->held, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->looked_at, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->moved_at, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->cornered_at, sim->model->vertex_count)))
         return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
     bool grasps = false;
@@ -283,23 +279,15 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes,         tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,           tool->anchors,
-                          tool->support, tool->support_marks,   tool->near.triangles, tool->in_reach.triangles};
-        for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
-            pel_free(arrays[a]);
+        PEL_FREE_ALL(tool->keys, tool->key_spins, tool->planes, tool->planes_before, tool->touches,
+                     tool->touch_of_vertex, tool->held, tool->anchors, tool->support, tool->support_marks,
+                     tool->near.triangles, tool->in_reach.triangles);
         pel_mesh_destroy(tool->mesh);
         pel_mesh_query_destroy(tool->query);
     }
     pel_free(sim->tools->items);
     pel_tool_search_destroy(sim->tools->search);
-    pel_free(sim->tools->near_triangles);
-    pel_free(sim->tools->plane_of_triangle);
-    pel_free(sim->held);
-    pel_free(sim->tools->looked_at);
-    pel_free(sim->tools->moved_at);
-    pel_free(sim->tools->cornered_at);
-    pel_free(sim->tools->held_vertices);
-    pel_free(sim->tools->held_targets);
-    pel_free(sim->tools->grip_forces);
+    PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
+                 sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
+                 sim->tools->grip_forces);
 }
