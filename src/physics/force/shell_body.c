@@ -1,6 +1,7 @@
 #include "force/shell_body.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
 
@@ -53,9 +54,7 @@ pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_err
     if (shell == NULL || own->elements != NULL)
         return PEL_OK;
     size_t count = 3 * (size_t)shell->triangle_limit + 4 * (size_t)shell->hinge_limit;
-    own->element_begin = pel_allocate((size_t)own->place_count + 2, sizeof *own->element_begin);
-    own->elements = pel_allocate(count, sizeof *own->elements);
-    if (own->element_begin == NULL || own->elements == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(own->element_begin, (size_t)own->place_count + 2), PEL_ROOM(own->elements, count)))
         return pel_fail_memory(error);
     fill_elements(own);
     return PEL_OK;
@@ -90,10 +89,9 @@ static pel_status fill_forces(pel_shell_forces *forces, pel_error *error)
 {
     const pel_model *model = forces->model;
     bool normal_form = false;
-    forces->bodies = pel_allocate((size_t)model->body_count, sizeof *forces->bodies);
-    forces->energies = pel_allocate((size_t)forces->batches->phase_begin[PEL_PHASE_COUNT], sizeof *forces->energies);
-    forces->sums = pel_allocate((size_t)model->vertex_count, sizeof *forces->sums);
-    if (forces->bodies == NULL || forces->energies == NULL || forces->sums == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(forces->bodies, model->body_count),
+                          PEL_ROOM(forces->energies, forces->batches->phase_begin[PEL_PHASE_COUNT]),
+                          PEL_ROOM(forces->sums, model->vertex_count)))
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++) {
@@ -143,9 +141,5 @@ void pel_shell_forces_destroy(pel_shell_forces *forces)
         pel_free(forces->bodies[b].element_begin);
         pel_free(forces->bodies[b].elements);
     }
-    pel_free(forces->bodies);
-    pel_free(forces->energies);
-    pel_free(forces->area_vectors);
-    pel_free(forces->sums);
-    pel_free(forces);
+    PEL_FREE_ALL(forces->bodies, forces->energies, forces->area_vectors, forces->sums, forces);
 }

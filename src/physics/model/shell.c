@@ -1,6 +1,7 @@
 #include "model/shell.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "law/membrane.h"
 #include "math/vec3.h"
@@ -453,9 +454,7 @@ static pel_status create_region(const pel_anisotropy_def *def, const pel_body *b
     size_t count = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++)
         count += mean_weight(def->weights, mesh->triangles[t]) > 0;
-    region->triangles = pel_allocate(count, sizeof *region->triangles);
-    region->weights = pel_allocate(count, sizeof *region->weights);
-    if (region->triangles == NULL || region->weights == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(region->triangles, count), PEL_ROOM(region->weights, count)))
         return pel_fail_memory(error);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         double weight = mean_weight(def->weights, mesh->triangles[t]);
@@ -572,15 +571,10 @@ void pel_shell_destroy(pel_shell *shell)
     if (shell == NULL)
         return;
     for (int32_t i = 0; i < shell->region_count; i++) {
-        pel_free(shell->regions[i].triangles);
-        pel_free(shell->regions[i].weights);
-        pel_free(shell->regions[i].rest_length.keys);
+        PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].rest_length.keys);
     }
-    void *arrays[] = {shell->sheets,       shell->hinge_sides, shell->hinge_stiffnesses,
-                      shell->rest_angles,  shell->regions,     shell->parts,
-                      shell->outside.keys, shell->target.keys, shell->pressure_weights};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(shell->sheets, shell->hinge_sides, shell->hinge_stiffnesses, shell->rest_angles, shell->regions,
+                 shell->parts, shell->outside.keys, shell->target.keys, shell->pressure_weights);
     pel_free(shell);
 }
 

@@ -1,10 +1,11 @@
 #include "results/tool_surface.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "geom/solid_surface.h"
 #include "results/folder.h"
-#include "sim/tool.h"
+#include "tool/tool.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -26,9 +27,7 @@ struct pel_tool_surface {
 
 static void free_shape(pel_tool_surface *surface)
 {
-    pel_free(surface->local);
-    pel_free(surface->positions);
-    pel_free(surface->triangles);
+    PEL_FREE_ALL(surface->local, surface->positions, surface->triangles);
     surface->local = surface->positions = NULL;
     surface->triangles = NULL;
 }
@@ -38,10 +37,8 @@ static pel_status make_room(pel_tool_surface *surface, int32_t vertex_count, int
     free_shape(surface);
     surface->vertex_count = vertex_count;
     surface->triangle_count = triangle_count;
-    surface->local = pel_allocate((size_t)vertex_count, sizeof *surface->local);
-    surface->positions = pel_allocate((size_t)vertex_count, sizeof *surface->positions);
-    surface->triangles = pel_allocate((size_t)triangle_count, sizeof *surface->triangles);
-    bool made = surface->local != NULL && surface->positions != NULL && surface->triangles != NULL;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(surface->local, vertex_count), PEL_ROOM(surface->positions, vertex_count),
+                                 PEL_ROOM(surface->triangles, triangle_count));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -138,9 +135,9 @@ pel_status pel_tool_surfaces_read(pel_tool_surfaces *surfaces, const pel_sim *si
     surfaces->time = pel_sim_time(sim);
     for (int32_t i = 0; i < surfaces->count; i++)
         surfaces->list[i].is_there = false;
-    for (int32_t i = 0; status == PEL_OK && i < sim->tool_count; i++)
-        if (sim->tools[i].support == NULL)
-            status = read_tool(surfaces, &sim->tools[i], error);
+    for (int32_t i = 0; status == PEL_OK && i < sim->tools->count; i++)
+        if (sim->tools->items[i].support == NULL)
+            status = read_tool(surfaces, &sim->tools->items[i], error);
     return status;
 }
 

@@ -1,11 +1,11 @@
 #include "scene/build.h"
 
 #include "geom/solid.h"
+#include "observe/field.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"
 #include "scene/validate.h"
-#include "sim/field.h"
 
 #include <math.h>
 #include <stdio.h>

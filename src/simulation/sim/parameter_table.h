@@ -4,6 +4,7 @@
 #define PEL_SIM_PARAMETER_TABLE_H
 
 #include "pellicle/live.h"
+#include "stage/stage.h"
 
 /* def that contains a parameter; the order of lists of parameters */
 typedef enum pel_parameter_owner {
