@@ -1,6 +1,7 @@
 #include "live/message.h"
 
 #include "base/memory.h"
+#include "geom/solid.h"
 #include "io/json.h"
 #include "pellicle/observe.h"
 #include "scene/word_mesh.h"
@@ -63,12 +64,6 @@ static unsigned char *text_message(pel_json *json, size_t *size)
 
 /* ---- hello ---- */
 
-static const char *shape_name(pel_tool_shape shape)
-{
-    static const char *const names[] = {"sphere", "capsule", "box", "mesh", "support"};
-    return names[shape];
-}
-
 static void put_mesh(pel_json *json, const pel_mesh *mesh)
 {
     put_key(json, "positions");
@@ -88,7 +83,7 @@ static void put_tools(pel_json *json, const pel_scene *scene)
         const pel_tool_def *tool = &scene->sim.tools[t];
         next_element(json, t == 0);
         put_string(json, "name", tool->name);
-        put_string(json, "shape", shape_name(tool->shape));
+        put_string(json, "shape", pel_solid_rows[tool->shape].word);
         put_number(json, "radius", tool->radius);
         put_number(json, "half_length", tool->half_length);
         put_numbers(json, "half_extents", tool->half_extents, 3);
@@ -319,7 +314,7 @@ static void put_hand(pel_json *json, const pel_session *session)
     put_key(json, "hand");
     pel_json_print(json, "{");
     put_string(json, "kind", kinds[hand.kind]);
-    put_string(json, "shape", shape_name(hand.shape));
+    put_string(json, "shape", pel_solid_rows[hand.shape].word);
     put_number(json, "radius", hand.radius);
     put_numbers(json, "point", hand.point, 3);
     put_numbers(json, "rotation", hand.rotation, 4);

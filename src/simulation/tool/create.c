@@ -39,18 +39,23 @@ static bool is_positive(double value)
 
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
 {
+    const pel_solid_row *row = &pel_solid_rows[def->shape];
     const double *half = def->half_extents;
+    char text[64];
     if (def->shape == PEL_TOOL_MESH) {
         if (def->mesh == NULL)
             return refuse(error, tool, "tool of shape mesh has no mesh", "give a mesh");
-    } else if (def->shape == PEL_TOOL_BOX) {
-        if (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))
-            return refuse(error, tool, "box has no size", "give three half extents above 0");
-    } else if (!is_positive(def->radius)) {
-        return refuse(error, tool, "radius is not above 0", "give a radius above 0");
     }
-    if (def->shape == PEL_TOOL_CAPSULE && !(def->half_length >= 0 && isfinite(def->half_length)))
-        return refuse(error, tool, "capsule length is below 0", "give a half length of at least 0");
+    if (row->has_size && (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))) {
+        snprintf(text, sizeof text, "%s has no size", row->word);
+        return refuse(error, tool, text, "give three half extents above 0");
+    }
+    if (row->has_radius && !is_positive(def->radius))
+        return refuse(error, tool, "radius is not above 0", "give a radius above 0");
+    if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length))) {
+        snprintf(text, sizeof text, "%s length is below 0", row->word);
+        return refuse(error, tool, text, "give a half length of at least 0");
+    }
     return PEL_OK;
 }
 
@@ -81,7 +86,7 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
             return refuse(error, tool, "two tools have the same name", "give each tool a name of its own");
     if (def->body < -1 || def->body >= sim->model->body_count)
         return refuse(error, tool, "tool names a body that does not exist", "give a body of the model, or -1 for all");
-    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SUPPORT + 1))
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT))
         return refuse(error, tool, "shape of the tool is unknown", "give one of pel_tool_shape");
     if (def->key_count < 1 || def->keys == NULL)
         return refuse(error, tool, "tool has no pose: no keys", "give at least one key");
@@ -118,7 +123,7 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
     double radius = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
-    tool->solid = (pel_solid){.kind = PEL_SOLID_SPHERE, .radius = radius};
+    tool->solid = (pel_solid){.shape = PEL_TOOL_SPHERE, .radius = radius};
     return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
                            mesh->triangle_count, &tool->mesh, error);
 }
@@ -157,13 +162,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     size_t vertex_count = (size_t)sim->model->vertex_count;
     size_t triangle_count = (size_t)sim->model->triangle_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
-    static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
-                                           [PEL_TOOL_BOX] = PEL_SOLID_BOX,
-                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
-    tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
-    memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
+    tool->solid = pel_solid_of(def);
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
         if (status == PEL_OK && def->grasp)
