@@ -49,9 +49,9 @@ static pel_status repeat(const cli_bench_case *bench, void *inner, double *times
             status = bench->rewind(inner, error);
         if (status != PEL_OK)
             break;
-        double start = cli_clock();
+        double start = pel_seconds();
         status = bench->once(inner, error);
-        times[i] = cli_clock() - start;
+        times[i] = pel_seconds() - start;
     }
     return status;
 }

@@ -118,10 +118,10 @@ static pel_status once(void *inner, pel_error *error)
     for (int turn = 0; turn < TURNS; turn++) {
         double base = 0;
         for (int i = 0; i < SPHERES; i++) {
-            double start = cli_processor_clock();
+            double start = pel_thread_seconds();
             for (int n = 0; status == PEL_OK && n < TURN; n++)
                 status = pel_sim_step(table->spheres[i].sim, error);
-            double seconds = cli_processor_clock() - start;
+            double seconds = pel_thread_seconds() - start;
             times[i] += seconds;
             if (i == BASE)
                 base = seconds;
@@ -151,9 +151,9 @@ static pel_status time_events(table1 *table, double *refine, double *coarsen, pe
     pel_status status = PEL_OK;
     for (int n = 0; n < EVENTS; n++)
         for (int i = 0; status == PEL_OK && i < 2; i++) {
-            double start = cli_processor_clock();
+            double start = pel_thread_seconds();
             status = pel_sim_refine(table->spheres[LOCAL].sim, 0, table->center, levels[i], error);
-            times[i][n] = cli_processor_clock() - start;
+            times[i][n] = pel_thread_seconds() - start;
         }
     *coarsen = cli_bench_median(times[0], EVENTS);
     *refine = cli_bench_median(times[1], EVENTS);

@@ -161,9 +161,9 @@ typedef struct trial {
 
 static pel_status try_steps(trial *one, int steps, pel_error *error)
 {
-    double begin = cli_processor_clock();
+    double begin = pel_thread_seconds();
     pel_status status = settle(one->sim, steps, error);
-    one->step = fmin(one->step, (cli_processor_clock() - begin) / steps);
+    one->step = fmin(one->step, (pel_thread_seconds() - begin) / steps);
     return status;
 }
 

@@ -300,7 +300,7 @@ static pel_status time_cubic(cli_experiment *experiment, const char *run, double
     if (status == PEL_OK)
         status = cli_shrink_read(experiment, run, 61, &end);
     int hits = 0;
-    double begin = cli_processor_clock();
+    double begin = pel_thread_seconds();
     for (int i = 0; status == PEL_OK && i < PAIRS; i++) {
         double from[4][3], to[4][3];
         int32_t vertex = (int32_t)((int64_t)i * 7919 % start->vertex_count),
@@ -313,7 +313,7 @@ static pel_status time_cubic(cli_experiment *experiment, const char *run, double
         pel_ccd_hit hit;
         hits += pel_ccd_bridson((const double(*)[3])from, (const double(*)[3])to, false, 1e-4, 1e-9, &hit);
     }
-    *seconds = (cli_processor_clock() - begin) / PAIRS;
+    *seconds = (pel_thread_seconds() - begin) / PAIRS;
     pel_mesh_destroy(start);
     pel_mesh_destroy(end);
     return hits < 0 ? PEL_BAD_FORMAT : status;
@@ -335,13 +335,13 @@ static pel_status run_search(cli_experiment *experiment, int body, char names[2]
     for (int i = 0; status == PEL_OK && i < 2; i++) {
         char method[64];
         pel_run_summary summary = {0};
-        double begin = cli_clock(), begin_busy = cli_processor_clock();
+        double begin = pel_seconds(), begin_busy = pel_thread_seconds();
         snprintf(method, sizeof method, "contact={ self: true, method: %s }", methods[i]);
         const char *settings[] = {method, "bodies.0.bending.weight=auto", "stop.frames=150", "solver.threads=1", NULL};
         status = cli_shrink(experiment, body, methods[i], settings, &summary);
         cli_shrink_name(experiment, body, methods[i], names[i]);
         if (i == 0)
-            share = fmin((cli_processor_clock() - begin_busy) / (cli_clock() - begin), 1);
+            share = fmin((pel_thread_seconds() - begin_busy) / (pel_seconds() - begin), 1);
         made->intersections += (double)summary.self_intersections_final;
         made->volume = summary.volume_ratio_final;
     }

@@ -64,7 +64,7 @@ static struct {
 
 static void tell_progress(const cli_experiment *experiment, const char *run)
 {
-    int seconds = (int)(cli_clock() - at.begin);
+    int seconds = (int)(pel_seconds() - at.begin);
     bool terminal = isatty(STDERR_FILENO) != 0;
     fprintf(stderr, "%s%2d of %d, %d:%02d  %s: %s%s", terminal ? "\r\033[K" : "  ", at.number, at.count, seconds / 60,
             seconds % 60, experiment->name, run, terminal ? "" : "\n");
@@ -209,13 +209,13 @@ static pel_status run_case(job *work, const cli_experiment_case *which, pel_erro
     snprintf(folder, CLI_EXPERIMENT_PATH, "%s/%s", work->parent, which->name);
     experiment->folder = folder;
     pel_status status = make_folder(folder, error);
-    double begin = cli_clock();
+    double begin = pel_seconds();
     /* a case without its own claims is judged by its subject */
     if (strcmp(which->group, "own") == 0)
         cli_experiment_claim(experiment, which->origin, which->doc, NULL);
     if (status == PEL_OK)
         status = which->run(experiment);
-    experiment->seconds = cli_clock() - begin;
+    experiment->seconds = pel_seconds() - begin;
     if (status == PEL_OK)
         status = write_findings(experiment);
     if (!work->quiet)
@@ -246,7 +246,7 @@ static bool is_wanted(const cli_call *call, const char *name)
 static int run_cases(const cli_call *call, job *work)
 {
     pel_error error;
-    at.begin = cli_clock();
+    at.begin = pel_seconds();
     at.count = 0;
     for (int i = 0; i < CASE_COUNT; i++)
         at.count += is_wanted(call, cases[i]->name);

@@ -120,7 +120,7 @@ static const char *frame_path(const job *j, view_shot shot)
 
 static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *error)
 {
-    double start = view_clock();
+    double start = pel_seconds();
     *mesh = NULL;
     if (j->def.progress != NULL && !j->def.progress(j->def.user))
         return pel_fail(error, PEL_STOPPED, "stopped while drawing");
@@ -134,7 +134,7 @@ static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *
             status = pel_fail_memory(error);
         }
     }
-    j->summary.read_s += view_clock() - start;
+    j->summary.read_s += pel_seconds() - start;
     if (status != PEL_OK) {
         pel_mesh_destroy(*mesh);
         *mesh = NULL;
@@ -609,7 +609,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     pel_status status = read_shot(j, shot, &mesh, error);
     if (status != PEL_OK)
         return status;
-    double start = view_clock();
+    double start = pel_seconds();
     parts ends;
     int32_t x, y;
     view_sheet_cell(&j->page, cell, &x, &y);
@@ -621,7 +621,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     }
     if (status == PEL_OK && !j->def.hide_labels)
         draw_label(j, shot, cell);
-    j->summary.draw_s += view_clock() - start;
+    j->summary.draw_s += pel_seconds() - start;
     pel_mesh_destroy(mesh);
     return status;
 }
@@ -642,7 +642,7 @@ static void turn_camera(job *j, int32_t page)
 static pel_status draw_page(job *j, int32_t page, pel_error *error)
 {
     const view_shot *shots = j->shots.shots + (size_t)page * (size_t)j->shots.cell_count;
-    double start = view_clock();
+    double start = pel_seconds();
     double before = j->summary.draw_s;
     if (j->def.turn != 0)
         turn_camera(j, page);
@@ -651,7 +651,7 @@ static pel_status draw_page(job *j, int32_t page, pel_error *error)
         if (j->fields[f].name[0] != '\0')
             view_sheet_bar(&j->page, &j->image, bar++, j->fields[f].color_map, &j->fields[f].scale);
     }
-    j->summary.draw_s += view_clock() - start;
+    j->summary.draw_s += pel_seconds() - start;
     pel_status status = PEL_OK;
     for (int32_t cell = 0; status == PEL_OK && cell < j->shots.cell_count; ++cell) {
         if (shots[cell].run >= 0)
@@ -724,10 +724,10 @@ static pel_status write_film(job *j, pel_error *error)
         return status;
     for (int32_t p = 0; status == PEL_OK && p < j->shots.page_count; ++p) {
         status = draw_page(j, p, error);
-        double start = view_clock();
+        double start = pel_seconds();
         if (status == PEL_OK)
             status = view_film_add(film, &j->image, error);
-        j->summary.write_s += view_clock() - start;
+        j->summary.write_s += pel_seconds() - start;
         j->summary.picture_count += status == PEL_OK;
     }
     pel_status ended = view_film_close(film, status == PEL_OK, status == PEL_OK ? error : NULL);

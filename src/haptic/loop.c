@@ -23,9 +23,7 @@ struct pel_loop {
 
 static int64_t clock_now(void)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * SECOND + now.tv_nsec;
+    return (int64_t)(SECOND * pel_seconds());
 }
 
 static void sleep_until(int64_t time)

@@ -44,7 +44,7 @@ static void fill_buffer(pel_run_state *run)
         .totals = run->totals,
     };
     memcpy(header.magic, magic, sizeof magic);
-    header.totals.wall_seconds += pel_run_clock() - run->start;
+    header.totals.wall_seconds += pel_seconds() - run->start;
     unsigned char *out = run->checkpoint;
     memcpy(out, &header, sizeof header);
     memcpy(out + sizeof header, run->tool_force, tool_bytes(run));

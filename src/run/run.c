@@ -339,7 +339,7 @@ static bool report(const pel_run_state *run)
     if (def->progress == NULL)
         return true;
     int64_t step = pel_sim_step_count(run->sim), end = pel_run_plan_step(&run->plan, run->plan.frame_end);
-    double seconds = pel_run_clock() - run->start, done = (double)(step - run->start_step);
+    double seconds = pel_seconds() - run->start, done = (double)(step - run->start_step);
     const pel_run_progress progress = {
         .step = step,
         .step_total = end,
@@ -447,7 +447,7 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
     if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL)
         return PEL_OK;
-    double now = pel_run_clock();
+    double now = pel_seconds();
     if (now < run->keep_at)
         return PEL_OK;
     pel_status status = settle_frames(run, error);
@@ -458,7 +458,7 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     if (pel_run_checkpoint_write(run, false, &failure) != PEL_OK)
         pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
                      pel_error_text(&failure, text, sizeof text));
-    double end = pel_run_clock();
+    double end = pel_seconds();
     run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
     return PEL_OK;
 }
@@ -478,11 +478,11 @@ static pel_status advance(pel_run_state *run, pel_error *error)
 {
     /* the clock takes a thirtieth of the steps of a small body, and no row of a study has times */
     bool is_timed = run->kept == NULL;
-    double before = is_timed ? pel_run_clock() : 0;
+    double before = is_timed ? pel_seconds() : 0;
     pel_status status = step(run, error);
     if (status != PEL_OK)
         return status;
-    double seconds = is_timed ? pel_run_clock() - before : 0;
+    double seconds = is_timed ? pel_seconds() - before : 0;
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
@@ -622,7 +622,7 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
         status = check_inputs(scene, def, cause);
     if (status != PEL_OK)
         return status;
-    pel_run_state run = {.scene = scene, .def = def, .kept = kept, .start = pel_run_clock(), .lock = -1};
+    pel_run_state run = {.scene = scene, .def = def, .kept = kept, .start = pel_seconds(), .lock = -1};
     run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
     if (def->folder == NULL)

@@ -8,7 +8,6 @@
 #include "sim/tool.h"
 
 #include <string.h>
-#include <time.h>
 
 enum {
     SWEEP_PRESET = 10,
@@ -331,13 +330,6 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 
 /* ---- search ---- */
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* tools where they are and where they will want to be; the substeps have moved them already */
 static void expect_tools(pel_sim *sim)
 {
@@ -455,7 +447,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
             return PEL_OK;
         if (round == 0 && pel_parts_can_halve(sim))
             sim->contact.solved_energy = pel_sim_next_energy(sim);
-        double began = seconds_now();
+        double began = pel_seconds();
         status = pel_contact_set_add_way(contacts, &found, error);
         if (status != PEL_OK)
             return status;
@@ -466,7 +458,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contacts_place(sim);
-        contacts->statistics.solve_seconds += seconds_now() - began;
+        contacts->statistics.solve_seconds += pel_seconds() - began;
     }
 }
 
@@ -524,14 +516,14 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
     sim->parts.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
     if (sim->parts.is_refused)
         return PEL_OK;
-    double began = seconds_now();
+    double began = pel_seconds();
     release_tools(sim);
     /* the cubic may have missed some */
     if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
         status = pel_contact_look(contacts, error);
     if (status == PEL_OK && contacts->conflict_count > 0)
         status = guard(sim, error);
-    contacts->statistics.guard_seconds += seconds_now() - began;
+    contacts->statistics.guard_seconds += pel_seconds() - began;
     contacts->statistics.contacts += contacts->list.count;
     if (status == PEL_OK && contacts->tangles.count > 0) {
         contacts->way_is_searched = false;

@@ -13,8 +13,6 @@
 #include "sim/tool.h"
 #include "sim/tool_solid.h"
 
-#include <time.h>
-
 enum { SIM_COOKIE = 0x73696d21 };
 
 /* below this many chunks (of 512 vertices) threads cost more than they give */
@@ -141,14 +139,6 @@ static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error 
     return status;
 }
 
-/* s */
-static double read_clock(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* a copy of the def, for changes; meshes of tools belong to the sim */
 static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
@@ -181,7 +171,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         return status;
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
-    sim->clock = read_clock;
+    sim->clock = pel_seconds;
     sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
     status = check_start(sim, error);
