@@ -19,10 +19,9 @@ static pel_status check_bending(const pel_shell_body *own, pel_error *error)
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", own->body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", own->body,
+                                  "give the bending a stiffness above 0 [N m], or the body a membrane",
+                                  "bending has no stiffness");
     }
     return PEL_OK;
 }

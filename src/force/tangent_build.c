@@ -44,10 +44,9 @@ static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error 
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "give the bending a stiffness above 0 [N m], or the body a membrane",
+                                  "bending has no stiffness");
     }
     return PEL_OK;
 }

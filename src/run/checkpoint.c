@@ -88,8 +88,7 @@ pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error
 
 static pel_status refuse(const char *path, const char *what, const char *remedy, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
+    pel_refuse(error, PEL_BAD_FORMAT, remedy, "%s", what);
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FORMAT;
 }

@@ -41,11 +41,9 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
 {
     if (def->cookie != RUN_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "run def was not made by pel_run_def_default()");
-    if (def->folder != NULL && (def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the name of the output folder is empty or very long");
-        pel_fail_remedy(error, "name a folder for the results");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->folder != NULL && (def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "name a folder for the results",
+                          "the name of the output folder is empty or very long");
     if (def->max_frames < 0 || def->thread_count < 0 || !(def->keep_seconds >= 0))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames, threads or seconds is below 0");
     if (def->folder == NULL && def->resume != NULL)
@@ -174,10 +172,10 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
         any |= pel_model_is_closed(run->model, b);
     if (any)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
-    pel_fail_remedy(error,
-                    "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time");
-    return PEL_BAD_SCENE;
+    return pel_refuse(
+        error, PEL_BAD_SCENE,
+        "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time",
+        "stop.volume_ratio_below needs a volume, but no body is closed");
 }
 
 /* remedy for a run that xpbd makes too soft */
@@ -220,9 +218,8 @@ static pel_status refuse_resume(const pel_run_state *run, pel_error *error)
 {
     if (run->scene->session_count == 0 || run->def->resume == NULL)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_SCENE, "a run of a scene with a session cannot be resumed");
-    pel_fail_remedy(error, "run it from its start, without --resume");
-    return PEL_BAD_SCENE;
+    return pel_refuse(error, PEL_BAD_SCENE, "run it from its start, without --resume",
+                      "a run of a scene with a session cannot be resumed");
 }
 
 static pel_status prepare(pel_run_state *run, pel_error *error)
