@@ -295,15 +295,9 @@ static pel_status fit(pel_mesh *mesh, const char *source, int turn, cli_body *bo
     pel_status status = pel_mesh_transform(mesh, &upright, error);
     if (status != PEL_OK)
         return status;
-    for (int i = 0; i < 3; i++) {
-        low[i] = (double)HUGE_VAL;
-        high[i] = -(double)HUGE_VAL;
-        for (int32_t v = 0; v < mesh->vertex_count; v++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    pel_mesh_box(mesh, low, high);
+    for (int i = 0; i < 3; i++)
         size = fmax(size, high[i] - low[i]);
-    }
     for (int i = 0; i < 3; i++) {
         fitted.scale[i] = SIZE / size;
         fitted.translation[i] = -0.5 * (low[i] + high[i]) * fitted.scale[i];

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "model/levels.h"
 #include "model/orient.h"
 #include "model/quantity.h"
@@ -164,20 +165,6 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
 static double rest_volume(const pel_mesh *mesh)
 {
     return pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
-}
-
-static double bounding_diagonal(const pel_mesh *mesh)
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double low = mesh->positions[0][i], high = low;
-        for (int32_t v = 1; v < mesh->vertex_count; v++) {
-            low = fmin(low, mesh->positions[v][i]);
-            high = fmax(high, mesh->positions[v][i]);
-        }
-        square += (high - low) * (high - low);
-    }
-    return sqrt(square);
 }
 
 /* ---- arrays ---- */
@@ -449,7 +436,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
             return pel_refuse_element(error, PEL_BAD_MESH, "vertex", (int64_t)v,
                                       "repair the mesh with `pellicle check --fix`", "vertex belongs to no triangle");
     copy_numbers(def, body);
-    body->diameter = bounding_diagonal(def->mesh);
+    body->diameter = pel_mesh_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }

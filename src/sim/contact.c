@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "contact/sweep.h"
 #include "geom/wide4.h"
+#include "math/bounds.h"
 #include "sim/tool.h"
 
 #include <string.h>
@@ -52,11 +53,12 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
 
 static double diagonal(const pel_model *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3], x[3];
+    pel_bounds_clear(low, high);
     for (int32_t v = 0; v < model->vertex_count; v++)
-        for (int k = 0; k < 3 && model->mesh_vertex[v] >= 0; k++) {
-            low[k] = fmin(low[k], (double)model->rest[v][k]);
-            high[k] = fmax(high[k], (double)model->rest[v][k]);
+        if (model->mesh_vertex[v] >= 0) {
+            pel_vertex_position(model->rest, v, x);
+            pel_bounds_add(low, high, x);
         }
     return pel_vec3_distance(low, high);
 }
