@@ -6,7 +6,7 @@ if(PELLICLE_NATIVE OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" OR N
     return()
 endif()
 add_library(pellicle_core_avx2 OBJECT ${PELLICLE_SOURCES})
-target_include_directories(pellicle_core_avx2 PRIVATE include src)
+target_include_directories(pellicle_core_avx2 PRIVATE include ${PELLICLE_ROOMS})
 set_target_properties(pellicle_core_avx2 PROPERTIES C_VISIBILITY_PRESET hidden)
 target_link_libraries(pellicle_core_avx2 PRIVATE pellicle_flags ZLIB::ZLIB Threads::Threads)
 target_compile_options(pellicle_core_avx2 PRIVATE -mavx2)

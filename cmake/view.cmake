@@ -1,4 +1,4 @@
-# pictures and films: rank 9, on top of the scene library
+# pictures and films: on top of the scene library
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
 find_package(Freetype REQUIRED)
 find_package(PNG REQUIRED)

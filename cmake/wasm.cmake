@@ -1,9 +1,9 @@
 # `make wasm`: the library with scenes and live simulation as the JavaScript package build/wasm/pellicle
-file(GLOB WASM_SOURCES CONFIGURE_DEPENDS src/wasm/*.c src/live/*.c)
+file(GLOB WASM_SOURCES CONFIGURE_DEPENDS src/service/wasm/*.c src/service/live/*.c)
 list(FILTER WASM_SOURCES EXCLUDE REGEX "live/(server|page)[.]c$")
 add_executable(pellicle_wasm ${WASM_SOURCES})
 set_target_properties(pellicle_wasm PROPERTIES OUTPUT_NAME core SUFFIX .mjs RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/pellicle)
-target_include_directories(pellicle_wasm PRIVATE src)
+target_include_directories(pellicle_wasm PRIVATE ${PELLICLE_ROOMS})
 target_link_libraries(pellicle_wasm PRIVATE pellicle_scene pellicle_flags)
 # one file system in memory for meshes; the caller brings the bytes of core.wasm, so that no loader of emscripten is needed
 target_link_options(pellicle_wasm PRIVATE -O3 --no-entry -sMODULARIZE -sEXPORT_ES6 -sUSE_ES6_IMPORT_META=0 -sENVIRONMENT=web,worker

@@ -36,8 +36,8 @@
 extern "C" {
 #endif
 
-/* The laws: enumerator, name of the functions in src/law, name in scene files. To add a law, add its file in src/law
-   and a row here. */
+/* The laws: enumerator, name of the functions in src/physics/law, name in scene files. To add a law, add its file in
+   src/physics/law and a row here. */
 #define PEL_MEMBRANE_LAWS(ROW)                                                                                         \
     ROW(STVK, stvk, "stvk")                                                                                            \
     ROW(COROTATED, corotated, "corotated")                                                                             \

@@ -530,9 +530,9 @@ typedef struct pel_adjoint_steps {
 } pel_adjoint_steps;
 
 /* Takes step_count steps of PEL_METHOD_IMPLICIT and computes the derivatives of a function of them
-   (src/sim/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ slightly from those of
-   pel_sim_step. The simulation ends after the steps, or at their start on failure. Takes the time of three to five
-   times as many steps, and memory for 2 sqrt(step_count) snapshots.
+   (src/simulation/sim/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ slightly
+   from those of pel_sim_step. The simulation ends after the steps, or at their start on failure. Takes the time of
+   three to five times as many steps, and memory for 2 sqrt(step_count) snapshots.
 
    PEL_BAD_ARGUMENT as pel_sim_adjoint, and for refinement, damping of volumetric springs, fibres along principal
    directions, moments on edges, a budget, and steps that do not converge. PEL_STOPPED by the gradient;
@@ -542,12 +542,12 @@ PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *
 /* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
    small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
    the end of its step: two or three solutions per step instead of the factorizations of Newton's method
-   (src/solve/newton_beside.c). To get the derivative of a reading with respect to a number along the steps, use two
-   simulations, in which the number is slightly smaller and slightly larger, and divide the difference of the reading by
-   the difference of the number. For PEL_METHOD_STATIC (including arc length) and PEL_METHOD_IMPLICIT, without tools,
-   contact, refinement, analyses and a time budget. The call fails if a step does not converge; the simulations may then
-   be at different steps. PEL_BAD_ARGUMENT for unsupported features, for simulations that do not match, and
-   for changes that are too large; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
+   (src/solver/solve/newton_beside.c). To get the derivative of a reading with respect to a number along the steps, use
+   two simulations, in which the number is slightly smaller and slightly larger, and divide the difference of the
+   reading by the difference of the number. For PEL_METHOD_STATIC (including arc length) and PEL_METHOD_IMPLICIT,
+   without tools, contact, refinement, analyses and a time budget. The call fails if a step does not converge; the
+   simulations may then be at different steps. PEL_BAD_ARGUMENT for unsupported features, for simulations that do not
+   match, and for changes that are too large; PEL_OUT_OF_MEMORY; errors of pel_sim_step. */
 PEL_API pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t count, pel_error *error);
 
 /* Sums over all bodies; the first columns of series.csv. */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Checks that nothing in src calls a function of the C library whose rounding differs between platforms: src/math/functions.h
+"""Checks that nothing in src calls a function of the C library whose rounding differs between platforms: src/ground/math/functions.h
 has those that give the same bits. sqrt, floor, rint, fmod, frexp and their like are exact. Nor does anything but
-src/base/clock.c read a clock.
+src/ground/base/clock.c read a clock.
 
 usage: functions.py ROOT | functions.py --self-test
 """
@@ -12,7 +12,7 @@ import sys
 NAMES = "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p pow cbrt hypot erf erfc tgamma lgamma"
 CALL = re.compile(rf"(?<![\w.>])({'|'.join(NAMES.split())})[fl]?\s*\(")
 CLOCK = re.compile(r"(?<![\w.>])(clock_gettime|timespec_get|gettimeofday|clock|time)\s*\(")
-CLOCK_DOOR = "src/base/clock.c"
+CLOCK_DOOR = "src/ground/base/clock.c"
 COMMENT = re.compile(r"/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"", re.S)
 
 
@@ -20,7 +20,7 @@ def calls(name, text):
     code = COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
     for number, line in enumerate(code.splitlines(), 1):
         for found in CALL.finditer(line):
-            yield f"{name}:{number}: {found[1]} of the C library has other bits elsewhere; src/math/functions.h has its like"
+            yield f"{name}:{number}: {found[1]} of the C library has other bits elsewhere; src/ground/math/functions.h has its like"
         for found in CLOCK.finditer(line) if name != CLOCK_DOOR else ():
             yield f"{name}:{number}: {found[1]} reads a clock outside {CLOCK_DOOR}; use pel_seconds"
 

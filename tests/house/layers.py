@@ -12,25 +12,31 @@ TREES = ("src", "cli", "papers", "view", "python", "include", "examples", "bench
 # trees outside src, and those whose lower ranks they see
 SEES = {"papers": {"papers"}, "cli": {"papers"}}
 # outer libraries and the folders that may use them
-OUTER = {"libfyaml": {"src/scene"}, "assimp": {"src/scene"}, "zlib": {"src/io"}, "pthread": {"src/base", "src/haptic", "src/live", "cli", "view"},
+OUTER = {"libfyaml": {"src/runs/scene"}, "assimp": {"src/runs/scene"}, "zlib": {"src/shape/io"},
+         "pthread": {"src/ground/base", "src/service/haptic", "src/service/live", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
-         "libwebsockets": {"src/live"}}
+         "libwebsockets": {"src/service/live"}}
+# headers that the build makes, and their folders
+MADE = {"law/files.h": "src/physics/law"}
 
 
 def read_ranks(root):
-    """folder -> rank, from the rows `| 3 | `src/io`, ... |`"""
+    """folder -> rank, from the rows `| 3 | `src/shape/io`, ... |`"""
     rows = re.findall(r"^\| (\d+) \| ([^|]+) \|", (root / "docs/architecture.md").read_text(), re.M)
     return {folder: int(rank) for rank, cell in rows for folder in re.findall(r"`([^`]+)`", cell)}
 
 
 def folder_of(path):
-    """src/io/ply.c -> src/io; papers/papers.c -> papers; examples/press/main.c -> examples"""
+    """src/shape/io/ply.c -> src/shape/io; papers/papers.c -> papers; examples/press/main.c -> examples"""
     return path.parent.as_posix() if path.parts[0] in ("src", "papers") else path.parts[0]
 
 
 def resolve(root, path, name):
     """the folder of the file that name stands for in the file at path, or None"""
-    places = [pathlib.PurePath("include", name), pathlib.PurePath("src", name), pathlib.PurePath(name)]
+    if name in MADE:
+        return MADE[name]
+    floors = [floor.relative_to(root) / name for floor in sorted((root / "src").glob("*/"))]
+    places = [pathlib.PurePath("include", name), *floors, pathlib.PurePath(name)]
     if not path.parts[0] == "src":
         places.append(path.parent / name)
     return next((folder_of(place) for place in places if (root / place).is_file()), None)
@@ -43,7 +49,7 @@ def complaint(root, ranks, path, folder, name):
     if target is None and outer in OUTER:
         return None if folder in OUTER[outer] | {"bench"} else f"only {', '.join(OUTER[outer])} may use it"
     if target is None:
-        return 'not found; write "folder/file.h" or "pellicle/file.h"'
+        return 'not found; write "room/file.h" or "pellicle/file.h"'
     if target in (folder, "include") or folder == "bench":
         return None
     tree, seen = folder.split("/")[0], target.split("/")[0]
@@ -54,9 +60,23 @@ def complaint(root, ranks, path, folder, name):
     return None
 
 
+def floor_problems(ranks):
+    """ranks of one floor must not enclose a rank of another, and two rooms must not have one name"""
+    floors, rooms, found = {}, {}, []
+    for folder, rank in ranks.items():
+        if folder.startswith("src/"):
+            _, floor, room = folder.split("/")
+            floors.setdefault(floor, []).append(rank)
+            rooms.setdefault(room, []).append(folder)
+    for floor, own in floors.items():
+        found += [f"docs/architecture.md: rank {rank} of {other} lies between ranks of {floor}" for other in floors
+                  for rank in set(floors[other]) if other != floor and min(own) <= rank <= max(own)]
+    return found + [f"docs/architecture.md: rooms of one name: {' '.join(same)}" for same in rooms.values() if len(same) > 1]
+
+
 def problems(root):
     ranks = read_ranks(root)
-    found = []
+    found = floor_problems(ranks)
     for path in sorted(p.relative_to(root) for tree in TREES for p in (root / tree).rglob("*.[ch]*")):
         folder = folder_of(path)
         if folder not in ranks and folder not in ("include", "bench"):
@@ -78,16 +98,16 @@ def problems(root):
 def self_test(root):
     """each bad include in a small tree is found, each good one is not"""
     cases = {  # path: (included, bad)
-        "src/base/low.h": ("pellicle/base.h", False),
-        "src/math/own.c": ("math/vector.h", False),
-        "src/math/vector.h": ("base/low.h", False),
-        "src/base/upward.c": ("math/vector.h", True),
-        "src/mesh/mesh.h": ("math/vector.h", False),
-        "src/geom/equal.c": ("mesh/mesh.h", True),
-        "src/geom/absent.c": ("math/absent.h", True),
-        "src/geom/yaml.c": ("libfyaml.h", True),
-        "src/attic/old.c": ("base/low.h", True),
-        "src/io/relative.c": ("../base/low.h", True),
+        "src/ground/base/low.h": ("pellicle/base.h", False),
+        "src/ground/math/own.c": ("math/vector.h", False),
+        "src/ground/math/vector.h": ("base/low.h", False),
+        "src/ground/base/upward.c": ("math/vector.h", True),
+        "src/shape/mesh/mesh.h": ("math/vector.h", False),
+        "src/shape/geom/equal.c": ("mesh/mesh.h", True),
+        "src/shape/geom/absent.c": ("math/absent.h", True),
+        "src/shape/geom/yaml.c": ("libfyaml.h", True),
+        "src/shape/attic/old.c": ("base/low.h", True),
+        "src/shape/io/relative.c": ("../base/low.h", True),
         "cli/main.c": ("cli/options.h", False),
         "cli/options.h": ("pellicle/base.h", False),
         "cli/inner.c": ("base/low.h", True),
@@ -113,12 +133,17 @@ def self_test(root):
         for path, (name, _) in cases.items():
             (tree / path).parent.mkdir(parents=True, exist_ok=True)
             (tree / path).write_text(f'#include "{name}"\n')
-        (tree / "src/solve").mkdir()
-        (tree / "src/solve/angle.c").write_text("#include <libfyaml.h>\n")
-        (tree / "src/base/angle.c").write_text("#include <math/vector.h>\n")
-        bad = {path for path, (_, is_bad) in cases.items() if is_bad} | {"src/solve/angle.c", "src/base/angle.c"}
+        (tree / "src/solver/solve").mkdir(parents=True)
+        (tree / "src/solver/solve/angle.c").write_text("#include <libfyaml.h>\n")
+        (tree / "src/ground/base/angle.c").write_text("#include <math/vector.h>\n")
+        bad = {path for path, (_, is_bad) in cases.items() if is_bad} | {"src/solver/solve/angle.c", "src/ground/base/angle.c"}
         caught = {line.split(":")[0] for line in problems(tree)}
-    return [f"self-test: {path} should be {'refused' if path in bad else 'allowed'}" for path in sorted(bad ^ caught)]
+    wrong = [f"self-test: {path} should be {'refused' if path in bad else 'allowed'}" for path in sorted(bad ^ caught)]
+    if floor_problems({"src/a/x": 0, "src/a/y": 1, "src/b/z": 2}):
+        wrong.append("self-test: two floors, one above the other, should be allowed")
+    if len(floor_problems({"src/a/x": 0, "src/b/y": 1, "src/a/z": 2})) != 1 or not floor_problems({"src/a/x": 0, "src/b/x": 1}):
+        wrong.append("self-test: mixed floors and rooms of one name should be refused")
+    return wrong
 
 
 def main():

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the graph of links: which object file of src/ and papers/ needs which other one.
 
-Reads the symbols of the built objects. Files of different folders form no cycle, files of one folder none of more than
+Reads the symbols of the built objects. Files of different rooms form no cycle, files of one room none of more than
 LIMIT files.
 
 usage: links.py SOURCE_DIR BUILD_DIR NM | links.py --self-test

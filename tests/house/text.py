@@ -15,7 +15,7 @@ WORDS = {
     r"(?<![\w.])/(?:work|root|home|farm)/": "path of one machine",
 }
 HEAP = r"\b(malloc|calloc|realloc|aligned_alloc|strdup|strndup|asprintf|getline)\s*\("
-HEAP_DOOR = "src/base/memory.c"
+HEAP_DOOR = "src/ground/base/memory.c"
 
 
 def text_files(root):

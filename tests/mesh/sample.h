@@ -1,4 +1,4 @@
-/* Meshes for the tests of src/mesh: small meshes from literal arrays, the shared real meshes. */
+/* Meshes for the tests of src/shape/mesh: small meshes from literal arrays, the shared real meshes. */
 #ifndef PEL_TESTS_SAMPLE_H
 #define PEL_TESTS_SAMPLE_H
 

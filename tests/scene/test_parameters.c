@@ -1,11 +1,11 @@
 /* Live parameters against the scene: the table of parameters agrees with that of scenes, and a parameter that is set
    before the first step gives the same bits as a scene with that value, for every parameter and method. */
 #include "check.h"
-
 #include "pellicle/live.h"
 #include "pellicle/scene.h"
 #include "scene/table.h"
 #include "sim/parameter_table.h"
+#include "stage/surface_view.h"
 
 #include <stdlib.h>
 

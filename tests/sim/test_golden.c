@@ -3,6 +3,7 @@
    commit. Only sqrt and the four operations are on the way (no sin, no exp), so the C library does not matter; hinges
    under Newton's method take angles from that of Debian 12. */
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 typedef struct golden_case {
     pel_solver_def solver;
@@ -80,20 +81,20 @@ static const golden_case cases[] = {
      .early = UINT64_C(0xe2bd982afd66159b),
      .hash = UINT64_C(0xe556640eb37ed050)},
     {.solver = {.method = PEL_METHOD_PBD, .dt = 0.01},
-     .early = UINT64_C(0x0aa97b7146d65fe0),
-     .hash = UINT64_C(0x0d88ac60648ac5bf),
+     .early = UINT64_C(0xc5131512376206fd),
+     .hash = UINT64_C(0x506e90fd4c4f0255),
      .shell = true},
     {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
-     .early = UINT64_C(0xdc31f4723f89e989),
-     .hash = UINT64_C(0x60c1fddf447f598a),
+     .early = UINT64_C(0xd580eec367a0af17),
+     .hash = UINT64_C(0x4b82045cec65d24c),
      .shell = true},
     {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 4, .second_order = PEL_YES},
-     .early = UINT64_C(0xa0bbe909be2d071b),
-     .hash = UINT64_C(0x812da8e0dedff6b2),
+     .early = UINT64_C(0xe64b6ec88cf862c4),
+     .hash = UINT64_C(0x86d0a10fe2400bd2),
      .shell = true},
     {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
-     .early = UINT64_C(0x2e87655d9495d43b),
-     .hash = UINT64_C(0x10e722ce61c419c9),
+     .early = UINT64_C(0x4b6f9e2b0dc78609),
+     .hash = UINT64_C(0xb751bebffb486b76),
      .shell = true,
      .contact = true},
     {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},

@@ -1,0 +1,295 @@
+/* All surfaces as one: the present triangles of the bodies and those of obstacles. */
+#include "contact/set.h"
+
+#include "base/memory.h"
+#include "base/room.h"
+#include "base/status.h"
+#include "geom/wide4.h"
+
+#include <string.h>
+
+enum { BOX_CORNERS = 8, BOX_TRIANGLES = 12 };
+
+/* of the mean edge: motion for which the collider keeps pairs */
+#define MARGIN_SHARE 0.2
+
+static const int32_t box_triangles[BOX_TRIANGLES][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                        {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                        {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* ---- obstacles ---- */
+
+static bool is_surface(const pel_obstacle *obstacle)
+{
+    return obstacle->presses && (obstacle->mesh != NULL || obstacle->solid.kind == PEL_SOLID_BOX);
+}
+
+static int32_t triangle_count_of(const pel_obstacle *obstacle)
+{
+    if (!is_surface(obstacle))
+        return 0;
+    return obstacle->mesh != NULL ? obstacle->mesh->triangle_count : BOX_TRIANGLES;
+}
+
+/* its points, from `point` on */
+static void set_points(pel_obstacle *obstacle, int32_t point)
+{
+    const pel_mesh *mesh = obstacle->mesh;
+    obstacle->point_begin = obstacle->point_end = point;
+    if (!is_surface(obstacle))
+        return;
+    obstacle->point_end += mesh != NULL ? mesh->vertex_count : BOX_CORNERS;
+    obstacle->local = mesh != NULL ? (const double(*)[3])mesh->positions : (const double(*)[3])obstacle->corners;
+    for (int i = 0; i < BOX_CORNERS; i++)
+        for (int k = 0; k < 3; k++)
+            obstacle->corners[i][k] = (i >> k & 1 ? 1 : -1) * obstacle->solid.half_extents[k];
+}
+
+int32_t pel_contact_obstacle_of(const pel_contact_set *set, int32_t point)
+{
+    return point < set->vertex_count ? -1 : set->group_of_point[point] - set->def.body_count;
+}
+
+void pel_obstacle_points(const pel_obstacle *obstacle, const pel_pose *pose, double (*points)[3])
+{
+    for (int32_t p = 0; p < obstacle->point_end - obstacle->point_begin; p++)
+        pel_pose_to_world(pose, obstacle->local[p], points[p]);
+}
+
+/* ---- points ---- */
+
+enum { POINT_PARTS = 64 };
+
+/* false if the point was there already */
+static bool set_point(const double x[3], double point[3])
+{
+    bool differs = x[0] != point[0] || x[1] != point[1] || x[2] != point[2];
+    pel_vec3_copy(x, point);
+    return differs;
+}
+
+typedef struct point_job {
+    pel_contact_set *set;
+    const pel_record *position, *next;
+    bool differs[POINT_PARTS];
+} point_job;
+
+/* whether a vertex is where the point is; reads the number behind the point as well */
+static bool is_at(pel_record record, const double point[3])
+{
+    wide4 x = __builtin_convertvector(record, wide4), y;
+    memcpy(&y, point, sizeof y);
+    wide4_mask same = x == y;
+    same[3] = -1;
+    return wide4_all(same);
+}
+
+/* returns whether a point differs; looks at no more of them than that takes */
+static bool set_range(const pel_record *records, int64_t begin, int64_t end, double (*points)[3])
+{
+    while (begin < end && is_at(records[begin], points[begin]))
+        begin++;
+    for (int64_t p = begin; p < end; p++)
+        pel_vertex_position(records, (int32_t)p, points[p]);
+    return begin < end;
+}
+
+static void set_part(void *context, int32_t part)
+{
+    point_job *job = context;
+    pel_contact_set *set = job->set;
+    int64_t count = set->vertex_count, begin = count * part / POINT_PARTS, end = count * (part + 1) / POINT_PARTS;
+    bool moved = set_range(job->position, begin, end, set->start);
+    job->differs[part] = set_range(job->next, begin, end, set->end) || moved;
+}
+
+void pel_contact_set_place(pel_contact_set *set, const pel_record *position, const pel_record *next)
+{
+    point_job job = {.set = set, .position = position, .next = next};
+    pel_pool_run(set->def.pool, POINT_PARTS, set_part, &job);
+    bool differs = false;
+    for (int part = 0; part < POINT_PARTS; part++)
+        differs |= job.differs[part];
+    set->way_is_searched &= !differs;
+    pel_contact_set_place_obstacles(set);
+}
+
+void pel_contact_set_place_obstacles(pel_contact_set *set)
+{
+    bool differs = false;
+    double x[3];
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        for (int32_t p = obstacle->point_begin; p < obstacle->point_end; p++) {
+            pel_pose_to_world(&obstacle->before, obstacle->local[p - obstacle->point_begin], x);
+            differs |= set_point(x, set->start[p]);
+            pel_pose_to_world(&obstacle->pose, obstacle->local[p - obstacle->point_begin], x);
+            differs |= set_point(x, set->end[p]);
+        }
+    }
+    set->way_is_searched &= !differs;
+}
+
+void pel_contact_set_place_start(pel_contact_set *set, const pel_record *position)
+{
+    set->way_is_searched = set->was_clear = false;
+    for (int32_t p = 0; p < set->vertex_count; p++)
+        pel_vertex_position(position, p, set->start[p]);
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        pel_obstacle_points(&set->obstacles[i], &set->obstacles[i].pose, set->start + set->obstacles[i].point_begin);
+}
+
+/* ---- triangles ---- */
+
+static void add_obstacles(pel_contact_set *set)
+{
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        const pel_obstacle *obstacle = &set->obstacles[i];
+        int32_t count = triangle_count_of(obstacle), first = obstacle->point_begin;
+        const int32_t(*triangles)[3] =
+            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : box_triangles;
+        for (int32_t t = 0; t < count; t++)
+            pel_contact_surface_add(
+                set, (const int32_t[3]){first + triangles[t][0], first + triangles[t][1], first + triangles[t][2]});
+    }
+}
+
+pel_status pel_contact_surface_begin(pel_contact_set *set, pel_error *error)
+{
+    size_t limit = (size_t)(set->obstacle_triangle_count + set->def.triangle_limit);
+    set->way_is_searched = false;
+    set->next_count = 0;
+    if (set->next_triangles == NULL)
+        set->next_triangles = pel_allocate(limit, sizeof *set->next_triangles);
+    if (set->next_triangles == NULL)
+        return pel_fail_memory(error);
+    add_obstacles(set);
+    return PEL_OK;
+}
+
+void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3])
+{
+    memcpy(set->next_triangles[set->next_count++], corners, sizeof set->next_triangles[0]);
+}
+
+/* of the bodies: obstacles may have far larger triangles */
+static double mean_edge(const pel_contact_set *set)
+{
+    double sum = 0;
+    int64_t count = 0;
+    for (int32_t t = set->obstacle_triangle_count; t < set->next_count; t++) {
+        const int32_t *v = set->next_triangles[t];
+        for (int c = 0; c < 3; c++, count++)
+            sum += pel_vec3_distance(set->start[v[c]], set->start[v[(c + 1) % 3]]);
+    }
+    return isfinite(sum) ? sum / (double)count : 0;
+}
+
+static pel_status create_collider(pel_contact_set *set, pel_error *error)
+{
+    const pel_mesh mesh = {.vertex_count = set->point_count,
+                           .triangle_count = set->next_count,
+                           .positions = set->start,
+                           .triangles = set->next_triangles};
+    pel_collider_def def = pel_collider_def_default();
+    def.mesh = &mesh;
+    set->mean_edge = mean_edge(set);
+    def.margin = MARGIN_SHARE * set->mean_edge;
+    def.memory_limit = set->def.memory_limit;
+    pel_status status = pel_collider_create(&def, &set->collider, error);
+    if (status != PEL_OK)
+        return status;
+    pel_collider_use_pool(set->collider, set->def.pool);
+    const pel_collision_groups groups = {set->group_of_point, set->may_meet,
+                                         set->def.body_count + set->def.obstacle_count};
+    pel_collider_use_groups(set->collider, &groups);
+    pel_free(set->next_triangles); /* it has a copy */
+    return PEL_OK;
+}
+
+pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)
+{
+    pel_status status;
+    if (set->collider == NULL)
+        status = create_collider(set, error);
+    else
+        status = (is_known ? pel_collider_recall
+                           : pel_collider_set_surface)(set->collider, (const double(*)[3])set->start, set->point_count,
+                                                       set->next_triangles, set->next_count, error);
+    if (status != PEL_OK)
+        return status;
+    set->next_triangles = NULL;
+    set->triangles = pel_collider_tree(set->collider)->triangles;
+    set->triangle_count = set->next_count;
+    pel_contact_heights_set_surface(set);
+    return PEL_OK;
+}
+
+pel_mesh pel_contact_mesh(const pel_contact_set *set)
+{
+    return (pel_mesh){.vertex_count = set->point_count,
+                      .triangle_count = set->triangle_count,
+                      .positions = set->start,
+                      .triangles = (int32_t(*)[3])set->triangles};
+}
+
+/* ---- creation ---- */
+
+static void set_groups(pel_contact_set *set)
+{
+    int32_t body_count = set->def.body_count, count = body_count + set->def.obstacle_count;
+    for (int32_t p = 0; p < set->vertex_count; p++)
+        set->group_of_point[p] = set->def.body_of_slice[p / PEL_WIDTH];
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        for (int32_t p = set->obstacles[i].point_begin; p < set->obstacles[i].point_end; p++)
+            set->group_of_point[p] = body_count + i;
+    for (int32_t a = 0; a < body_count; a++) {
+        for (int32_t b = 0; b < body_count; b++)
+            set->may_meet[a * count + b] = a == b ? set->def.self : set->def.between;
+        for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+            bool meets = set->obstacles[i].body < 0 || set->obstacles[i].body == a;
+            set->may_meet[a * count + body_count + i] = set->may_meet[(body_count + i) * count + a] = meets;
+        }
+    }
+}
+
+static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
+{
+    size_t group_count = (size_t)(set->def.body_count + set->def.obstacle_count);
+    size_t point_count = (size_t)set->point_count, obstacle_points = point_count - (size_t)set->vertex_count;
+    size_t triangles = (size_t)(set->obstacle_triangle_count + set->def.triangle_limit);
+    /* start and end have one more: points are read four numbers at once */
+    bool made =
+        PEL_ALLOCATE_ALL(PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
+                         PEL_ROOM(set->start, point_count + 1), PEL_ROOM(set->end, point_count + 1),
+                         PEL_ROOM(set->substep_start, obstacle_points), PEL_ROOM(set->substep_end, obstacle_points),
+                         PEL_ROOM(set->heights.bounds, triangles), PEL_ROOM(set->heights.places, set->vertex_count));
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
+pel_status pel_contact_surface_create(pel_contact_set *set, pel_error *error)
+{
+    set->point_count = set->vertex_count;
+    for (int32_t i = 0; i < set->def.obstacle_count; i++) {
+        set_points(&set->obstacles[i], set->point_count);
+        set->point_count = set->obstacles[i].point_end;
+        set->obstacle_triangle_count += triangle_count_of(&set->obstacles[i]);
+    }
+    pel_status status = allocate_surface(set, error);
+    if (status != PEL_OK)
+        return status;
+    set_groups(set);
+    return PEL_OK;
+}
+
+void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *found)
+{
+    pel_contact_statistics *sum = &set->statistics;
+    const pel_ccd_statistics *kinds[] = {&found->vertex_face, &found->edge_edge};
+    for (int i = 0; i < 2; i++) {
+        sum->candidates += kinds[i]->queries;
+        sum->passed_filter += kinds[i]->passed_filter;
+        sum->passed_hull += kinds[i]->passed_hull;
+        sum->cubics += kinds[i]->cubics;
+    }
+}

@@ -1,0 +1,60 @@
+#include "force/shell_body.h"
+#include "math/vec3.h"
+#include "measure/element.h"
+
+double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge)
+{
+    return shell->bending->is_angle ? hinge->stiffness : hinge->stiffness / 3;
+}
+
+double pel_shell_rest_length(const pel_shell_region *region, double time)
+{
+    const pel_curve *curve = &region->rest_length;
+    if (region->def.mode != PEL_FIBRE_ACTIVE)
+        return 1;
+    return region->def.rest_length.value * pel_curve_value(curve->keys, curve->key_count, time);
+}
+
+double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
+                              const double x[3][3], double gradient[3][3])
+{
+    pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, i);
+    const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
+    double stiffness = region->def.stiffness * fibre.weight;
+    if (region->def.direction == PEL_FIBRE_PRINCIPAL)
+        pel_principal_direction(&rest, x, fibre.direction);
+    if (region->def.mode == PEL_FIBRE_STRAIN)
+        return pel_fibre_energy(&rest, region->def.kind, stiffness, fibre.direction, x, gradient);
+    return pel_fibre_active_energy(&rest, stiffness, pel_shell_rest_length(region, time), fibre.direction, x, gradient);
+}
+
+int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)
+{
+    int32_t low = 0, count = pel_shell_fibre_count(region), high = count;
+    while (low < high) {
+        int32_t middle = low + (high - low) / 2;
+        if (pel_shell_fibre_triangle(region, middle) < triangle)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < count && pel_shell_fibre_triangle(region, low) == triangle ? low : -1;
+}
+
+double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
+{
+    const pel_membrane_law law = pel_shell_law(own->shell, t);
+    const pel_rest_triangle rest = pel_shell_rest(own->shell, t);
+    return pel_membrane_law_energy(&rest, &law, x, gradient);
+}
+
+double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
+                              const double x[4][3], double gradient[4][3])
+{
+    if (shell->bending->is_angle) {
+        const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
+        return pel_hinge_energy(&stencil, x, gradient);
+    }
+    const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
+    return pel_bending_isometric_energy(&stencil, shell->bending->form, x, gradient);
+}

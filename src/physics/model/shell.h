@@ -1,0 +1,164 @@
+/* The shell of a body, in addition to springs: triangles and hinges, fibres and pressure, with vertices by their places
+   in the model's order: the reference from which solvers lay out their own data (colour batches, lists by vertex). Only
+   values that differ from element to element are stored. Rest shapes follow from the mesh and are computed on demand; a
+   body that refines keeps those of its present surface. Storing everything took 156 bytes a triangle. */
+#ifndef PEL_MODEL_SHELL_H
+#define PEL_MODEL_SHELL_H
+
+#include "law/membrane.h"
+#include "model/bending_model.h"
+#include "model/model.h"
+#include "pellicle/element.h"
+
+/* Bending of a triangle, as hinges between its parts and its mid-edge element take it. */
+typedef struct pel_shell_part_bending {
+    double stiffness; /* D, N m; 0 = unknown */
+    double curl;      /* factor on rest angles */
+} pel_shell_part_bending;
+
+/* Two triangles that share an edge: vertices as in pellicle/bending.h. */
+typedef struct pel_shell_hinge {
+    int32_t number;
+    int32_t vertices[4];
+    int32_t triangles[2]; /* of the shell, left and right */
+    double stiffness;     /* D, N m; 0 = unknown (no membrane and none given) */
+} pel_shell_hinge;
+
+/* Fibres of one region in one triangle. */
+typedef struct pel_shell_fibre {
+    int32_t triangle;
+    double direction[2]; /* in the rest frame; of PEL_FIBRE_PRINCIPAL any */
+    double weight;       /* mean of the corners, > 0 */
+} pel_shell_fibre;
+
+typedef struct pel_shell_region {
+    pel_anisotropy_def def;           /* pointers null */
+    pel_curve rest_length;            /* with def.rest_length.value as its factor */
+    int32_t fibre_count, fibre_limit; /* 0 for PEL_FIBRE_CURL */
+    int32_t *triangles;               /* (fibre_count) with fibres, rising; null = all */
+    double *weights;                  /* (fibre_count) null = 1 */
+    double (*directions)[2];          /* (fibre_count) null = as in the rest shape */
+} pel_shell_region;
+
+/* Young's modulus [Pa] and thickness [m] of a triangle: means of its corners. */
+typedef struct pel_shell_sheet {
+    double young, thickness;
+} pel_shell_sheet;
+
+struct pel_shell {
+    bool has_membrane;
+    pel_membrane_material material; /* young and thickness: of the first triangle */
+    pel_membrane_law law;           /* for young and thickness 1; without a membrane its poisson is that of bending */
+    const pel_mesh *mesh;           /* of the body: the rest shape, but where `rests` has it */
+    /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
+    int32_t triangle_count, triangle_limit;
+    const int32_t (*corners)[3];   /* (triangle_count) places; not owned */
+    pel_rest_triangle *rests;      /* (triangle_count) of a body that refines, else null */
+    pel_shell_sheet *sheets;       /* (triangle_count) null = the material's */
+    pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine or has mid-edge bending, else null */
+
+    double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
+
+    const pel_bending_traits *bending;
+    double bending_weight; /* k_B; negative = automatic */
+    int32_t hinge_count, hinge_limit;
+    int32_t (*hinge_sides)[2]; /* (hinge_count) half-edges 3 t + i of the left and the right triangle; by rising edge
+                                  number of the topology; none without bending */
+    double hinge_stiffness;    /* D of every hinge, unless they differ: */
+    double *hinge_stiffnesses; /* (hinge_count) else null */
+    double *rest_angles;       /* (hinge_count) rad, with curls applied; null = as in the rest shape */
+
+    int32_t region_count;
+    pel_shell_region *regions;
+
+    pel_pressure_def pressure; /* pointers null */
+    pel_curve outside, target; /* over time, times the def's values; no keys = 1 */
+    double *pressure_weights;  /* (triangle_count) region times field of `outside`; null = 1 */
+    double mean_edge;          /* m, at rest */
+};
+
+/* hinges with an energy: others only give rest angles */
+static inline int32_t pel_shell_elastic_hinges(const pel_shell *shell)
+{
+    return shell->bending->has_hinges ? shell->hinge_count : 0;
+}
+
+/* the corners of an element, for loops in double */
+static inline void pel_load_points(const pel_record *position, const int32_t *vertices, int count, double x[][3])
+{
+    for (int i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++)
+            x[i][c] = (double)position[vertices[i]][c];
+}
+
+/* ---- elements ---- */
+
+static inline pel_shell_sheet pel_shell_sheet_of(const pel_shell *shell, int32_t t)
+{
+    return shell->sheets != NULL ? shell->sheets[t]
+                                 : (pel_shell_sheet){shell->material.young, shell->material.thickness};
+}
+/* of triangle t */
+static inline pel_membrane_law pel_shell_law(const pel_shell *shell, int32_t t)
+{
+    pel_membrane_law law = shell->law;
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+    law.modulus *= sheet.young * sheet.thickness;
+    return law;
+}
+pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t);
+
+static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i)
+{
+    return shell->hinge_stiffnesses != NULL ? shell->hinge_stiffnesses[i] : shell->hinge_stiffness;
+}
+pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
+double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
+
+static inline int32_t pel_shell_fibre_triangle(const pel_shell_region *region, int32_t i)
+{
+    return region->triangles != NULL ? region->triangles[i] : i;
+}
+static inline double pel_shell_fibre_weight(const pel_shell_region *region, int32_t i)
+{
+    return region->weights != NULL ? region->weights[i] : 1;
+}
+pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i);
+
+/* The stencils of a hinge, from rest positions (model vertex_count). */
+static inline pel_hinge pel_shell_angle(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge)
+{
+    double x[4][3];
+    pel_hinge stencil;
+    pel_load_points(rest, hinge->vertices, 4, x);
+    pel_hinge_setup((const double(*)[3])x, &stencil);
+    stencil.rest_angle = pel_shell_rest_angle(shell, hinge->number);
+    return stencil;
+}
+static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, const pel_shell_hinge *hinge)
+{
+    double x[4][3];
+    pel_bending_isometric stencil;
+    pel_load_points(rest, hinge->vertices, 4, x);
+    pel_bending_isometric_setup((const double(*)[3])x, &stencil);
+    return stencil;
+}
+
+/* Refuses numbers out of range (PEL_BAD_ARGUMENT with the body). */
+pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *error);
+
+/* Fills the body's shell when its def asks for one; its vertices have to be in the model already. PEL_BAD_MESH for a
+   triangle without area, PEL_OUT_OF_MEMORY. */
+pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
+                                 pel_error *error);
+void pel_shell_destroy(pel_shell *shell);
+
+/* Refuses bending without a stiffness, which pbd alone can do with (PEL_BAD_ARGUMENT with the body). */
+pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_error *error);
+/* name of a feature that only position-based methods support (a strain limit, a region that caves in); null: none */
+bool pel_shell_needs_projection(const pel_shell *shell);
+
+/* Direction of a region's fibres in the frame of a rest triangle. */
+void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2]);
+
+#endif

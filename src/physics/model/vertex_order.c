@@ -1,0 +1,92 @@
+#include "model/vertex_order.h"
+
+#include "base/memory.h"
+#include "base/room.h"
+#include "base/status.h"
+
+/* vertices of one window are re-sorted by valence; small enough to stay in the first-level cache */
+enum { WINDOW = 64 };
+
+typedef struct adjacency {
+    int32_t *begin;     /* (vertex_count + 1) */
+    int32_t *neighbour; /* (2 edge_count) */
+} adjacency;
+
+static pel_status build_adjacency(const pel_topology *topology, adjacency *adjacent, pel_error *error)
+{
+    int32_t vertex_count = topology->vertex_count;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(adjacent->begin, (size_t)vertex_count + 2),
+                          PEL_ROOM(adjacent->neighbour, 2 * (size_t)topology->edge_count)))
+        return pel_fail_memory(error);
+    int32_t *begin = adjacent->begin;
+    for (int32_t e = 0; e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e];
+        begin[pel_half_edge_origin(topology, h) + 2]++;
+        begin[pel_half_edge_target(topology, h) + 2]++;
+    }
+    for (int32_t v = 0; v <= vertex_count; v++)
+        begin[v + 1] += begin[v];
+    /* begin[v + 1] is the fill position of v now and its end afterwards */
+    for (int32_t e = 0; e < topology->edge_count; e++) {
+        int32_t h = topology->half_edge_of_edge[e];
+        int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
+        adjacent->neighbour[begin[a + 1]++] = b;
+        adjacent->neighbour[begin[b + 1]++] = a;
+    }
+    return PEL_OK;
+}
+
+/* appends everything connected to start to order[count..], marking it with `mark`; returns the new count */
+static int32_t breadth_first(const adjacency *adjacent, int32_t start, int32_t *order, int32_t count, uint8_t *marks,
+                             uint8_t mark)
+{
+    int32_t head = count;
+    order[count++] = start;
+    marks[start] = mark;
+    while (head < count) {
+        int32_t v = order[head++];
+        for (int32_t i = adjacent->begin[v]; i < adjacent->begin[v + 1]; i++) {
+            int32_t other = adjacent->neighbour[i];
+            if (marks[other] < mark) {
+                marks[other] = mark;
+                order[count++] = other;
+            }
+        }
+    }
+    return count;
+}
+
+/* stable insertion sort by falling valence */
+static void sort_window(int32_t *order, int32_t count, const int32_t *valence)
+{
+    for (int32_t i = 1; i < count; i++) {
+        int32_t v = order[i], j = i;
+        for (; j > 0 && valence[order[j - 1]] < valence[v]; j--)
+            order[j] = order[j - 1];
+        order[j] = v;
+    }
+}
+
+pel_status pel_vertex_order_vertices(const pel_topology *topology, int32_t *order, int32_t *valence, pel_error *error)
+{
+    int32_t vertex_count = topology->vertex_count;
+    adjacency adjacent = {0};
+    uint8_t *marks = pel_allocate((size_t)vertex_count, 1);
+    pel_status status = marks == NULL ? pel_fail_memory(error) : build_adjacency(topology, &adjacent, error);
+    if (status == PEL_OK) {
+        for (int32_t v = 0; v < vertex_count; v++)
+            valence[v] = adjacent.begin[v + 1] - adjacent.begin[v];
+        int32_t count = 0;
+        for (int32_t v = 0; v < vertex_count; v++) {
+            if (marks[v] != 0)
+                continue;
+            /* the last vertex reached from anywhere lies at an end of the component: start there */
+            int32_t end = breadth_first(&adjacent, v, order, count, marks, 1);
+            count = breadth_first(&adjacent, order[end - 1], order, count, marks, 2);
+        }
+        for (int32_t first = 0; first < vertex_count; first += WINDOW)
+            sort_window(order + first, vertex_count - first < WINDOW ? vertex_count - first : WINDOW, valence);
+    }
+    PEL_FREE_ALL(adjacent.begin, adjacent.neighbour, marks);
+    return status;
+}

@@ -1,0 +1,774 @@
+#include "run/warnings.h"
+
+#include "base/status.h"
+#include "math/functions.h"
+#include "math/vec3.h"
+#include "mesh/figures.h"
+#include "minimise/step_newton.h"
+#include "model/model.h"
+#include "model/shell.h"
+#include "pellicle/topology.h"
+#include "run/state.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* stretch beyond the material's, as a share */
+#define SOFTNESS_LIMIT 0.05
+/* of descent, in each round, in a scene that leaves them to the method */
+enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
+/* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
+#define JAM_SHARE 0.1
+/* share from which one step is enough */
+#define JAM_AT_ONCE 0.5
+enum { JAM_STEPS = 10 };
+/* thickness over size: a large body as thin as that is probably measured in millimetres */
+#define THIN_SHARE 1e-4
+/* edges of a mesh that turn by less than this are flat */
+#define FLAT_ANGLE 1e-6
+/* shares of the elastic energy of shells above which bending matters, and of the supplied energy below which is
+   rounding */
+#define LAYER_SHARE 0.1
+#define LEAST_ENERGY 1e-6
+
+/* a tool that touches fewer vertices has a force that depends on the mesh: a disc with a radius of three edges has 33.
+   Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
+   (docs/scenes.md) */
+enum { LEAST_CONTACTS = 30 };
+/* of the largest force: forces on free vertices of a quasi-static run at rest */
+#define SETTLED_SHARE 0.05
+
+static const char *const codes[PEL_WARN_COUNT] = {
+    [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
+    [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
+    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
+    [PEL_WARN_UNSTABLE] = "unstable-balance",       [PEL_WARN_STRAY] = "stray-body",
+    [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
+    [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
+    [PEL_WARN_HELD_IN_PLACE] = "held-in-place",     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
+};
+
+void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
+{
+    pel_warning_tally *tally = &tallies->of[kind];
+    if (tally->count == 0 || frame < tally->first_frame)
+        tally->first_frame = frame;
+    tally->worst = tally->count == 0 ? value : fmax(tally->worst, value);
+    tally->count++;
+}
+
+void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from)
+{
+    for (int k = 0; k < PEL_WARN_COUNT; k++) {
+        const pel_warning_tally *more = &from->of[k];
+        if (more->count == 0)
+            continue;
+        pel_warn(tallies, (pel_warning_kind)k, more->first_frame, more->worst);
+        tallies->of[k].count += more->count - 1;
+    }
+    *from = (pel_warning_tallies){0};
+}
+
+/* ---- the scene ---- */
+
+static double mean_of(const pel_quantity *quantity, int32_t count)
+{
+    double sum = 0;
+    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
+        sum += quantity->field[v] / count;
+    return quantity->field != NULL ? sum : quantity->value;
+}
+
+static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
+{
+    const int32_t *v = mesh->triangles[t];
+    double a[3], b[3];
+    pel_vec3_subtract(mesh->positions[v[1]], mesh->positions[v[0]], a);
+    pel_vec3_subtract(mesh->positions[v[2]], mesh->positions[v[0]], b);
+    pel_vec3_cross(a, b, normal);
+}
+
+/* Mean radius of curvature, and mean length of an edge. Steiner's formula for the integral of the mean curvature of a
+   polyhedron, the sum over edges of length times angle over 2, here without sign; a sphere gives its radius. */
+static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *edge, pel_error *error)
+{
+    pel_topology *topology;
+    pel_status status = pel_topology_create(mesh, &topology, error);
+    if (status != PEL_OK)
+        return status;
+    double area = 0, turn = 0, length_sum = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double n[3], m[3], cross[3];
+        triangle_normal(mesh, t, n);
+        area += pel_vec3_length(n) / 2;
+        for (int i = 0; i < 3; i++) {
+            int32_t twin = topology->twin[3 * t + i];
+            const int32_t *v = mesh->triangles[t];
+            double length = pel_vec3_distance(mesh->positions[v[i]], mesh->positions[v[(i + 1) % 3]]);
+            length_sum += length;
+            if (twin < 0)
+                continue;
+            triangle_normal(mesh, twin / 3, m);
+            pel_vec3_cross(n, m, cross);
+            double angle = pel_atan2(pel_vec3_length(cross), pel_vec3_dot(n, m));
+            /* each inner edge comes twice */
+            turn += angle > FLAT_ANGLE ? length * angle / 4 : 0;
+        }
+    }
+    pel_topology_destroy(topology);
+    *radius = turn > 0 ? area / turn : HUGE_VAL;
+    *edge = length_sum / (3.0 * mesh->triangle_count);
+    return PEL_OK;
+}
+
+/* position-based methods that know no material have no dents to resolve */
+static bool knows_material(pel_method method)
+{
+    return method != PEL_METHOD_PBD && method != PEL_METHOD_PBD_DISTANCE;
+}
+
+/* remembers the first body of its kind for the text */
+static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, double value, double limit)
+{
+    if (run->totals.warnings.of[kind].count == 0)
+        run->flagged[kind] = (pel_flagged_body){b, value, limit};
+    pel_warn(&run->totals.warnings, kind, 0, value);
+}
+
+/* Edges against sqrt(R h), the width of the layer in which a load bends a shell as well as stretching it (Calladine
+   1983, Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter edges where needed. Loads
+   that only stretch need no such edges: frames show whether it bends (bends_locally). */
+static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const pel_membrane_def *membrane = &body->shell.membrane;
+    double radius, edge;
+    if (!membrane->on || body->shell.bending.model == PEL_BENDING_NONE ||
+        !knows_material(run->scene->sim.solver.method))
+        return PEL_OK;
+    pel_status status = measure_edges(body->mesh, &radius, &edge, error);
+    if (status != PEL_OK)
+        return status;
+    edge = ldexp(edge, -body->refine.levels);
+    double limit = sqrt(radius * mean_of(&membrane->thickness, body->mesh->vertex_count));
+    if (edge > limit && !(run->flagged[PEL_WARN_COARSE].limit > 0))
+        run->flagged[PEL_WARN_COARSE] = (pel_flagged_body){b, edge, limit};
+    return PEL_OK;
+}
+
+static void check_size(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const pel_membrane_def *membrane = &body->shell.membrane;
+    double size = pel_mesh_diagonal(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
+    if (size > PEL_LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
+        flag_body(run, PEL_WARN_MILLIMETRES, b, size, PEL_LARGE_BODY);
+}
+
+/* the model turned inside-out parts, so that pressure and volume have their usual sign */
+static void check_orientation(pel_run_state *run, int32_t b)
+{
+    int32_t turned = pel_model_turned_count(run->model, b);
+    if (turned > 0)
+        flag_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
+}
+
+/* at a place by something other than its filling */
+static bool is_supported(const pel_scene *scene, int32_t b)
+{
+    bool is_held = scene->model.bodies[b].pinned_count > 0;
+    for (int32_t s = 0; s < scene->sim.support_count; s++)
+        is_held |= scene->sim.supports[s].body == b;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        is_held |= (tool->shape == PEL_TOOL_SUPPORT || tool->grasp) && (tool->body == b || tool->body < 0);
+    }
+    return is_held;
+}
+
+/* volumetric springs lead to fixed places (paper A, eq. A-4): a body with them does not move freely */
+static void check_filling(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    double stiffness = mean_of(&body->volumetric_stiffness, body->mesh->vertex_count);
+    double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
+    if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
+        flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
+}
+
+pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
+{
+    double softness = pel_sim_softness(run->sim);
+    pel_status status = PEL_OK;
+    if (softness > SOFTNESS_LIMIT)
+        pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
+    for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
+        status = check_edges(run, b, error);
+        check_size(run, b);
+        check_orientation(run, b);
+        check_filling(run, b);
+    }
+    return status;
+}
+
+/* ---- steps and frames ---- */
+
+/* closed grasps of tools that touch nothing; the value is the number of the tool, negated so that the first is kept */
+static void check_grasps(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    double time = pel_sim_time(run->sim);
+    for (int32_t t = 0; t < def->tool_count; t++) {
+        pel_tool_reading reading;
+        if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+            continue;
+        pel_sim_get_tool(run->sim, t, &reading);
+        if (reading.contact_count == 0 && reading.lost_count == 0)
+            pel_warn(&run->totals.warnings, PEL_WARN_GRASP_EMPTY, frame, -(double)t);
+    }
+}
+
+/* steps in which any tool was held back or lost vertices, and the largest number of lost vertices of a tool */
+static void check_tools(pel_run_state *run, int64_t frame)
+{
+    pel_warning_tallies *tallies = &run->totals.warnings;
+    double end = pel_sim_time(run->sim), most_lost = 0;
+    bool is_held_back = false;
+    int64_t lost_count = 0;
+    for (int32_t t = 0; t < pel_sim_tool_count(run->sim); t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(run->sim, t, &reading);
+        is_held_back |= reading.is_held_back;
+        lost_count += reading.lost_count;
+        most_lost = fmax(most_lost, (double)reading.lost_count);
+    }
+    if (is_held_back)
+        pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, end);
+    if (lost_count > run->totals.lost_count)
+        pel_warn(tallies, PEL_WARN_GRASP_LOST, frame, most_lost);
+    run->totals.lost_count = lost_count;
+}
+
+void pel_warnings_check_step(pel_run_state *run)
+{
+    pel_warning_tallies *tallies = &run->totals.warnings;
+    int64_t frame = run->totals.frame_count, vertex_count = 0;
+    pel_solver_reading solver;
+    pel_contact_statistics now;
+    pel_sim_get_solver(run->sim, &solver);
+    if (solver.solves && !solver.converged)
+        pel_warn(tallies, PEL_WARN_UNCONVERGED, frame, solver.residual);
+    if (solver.unstable)
+        pel_warn(tallies, PEL_WARN_UNSTABLE, frame, 0);
+    if (solver.stray_body >= 0) {
+        run->flagged[PEL_WARN_STRAY] = (pel_flagged_body){solver.stray_body, solver.stray_way, 0};
+        pel_warn(tallies, PEL_WARN_STRAY, frame, solver.stray_way);
+    }
+    if (solver.softness > SOFTNESS_LIMIT)
+        pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);
+    pel_sim_get_contact_statistics(run->sim, &now);
+    for (int32_t b = 0; b < run->scene->model.body_count; b++)
+        vertex_count += pel_sim_vertex_count(run->sim, b);
+    double share = (double)(now.fall_backs - run->contact_before.fall_backs) / (double)vertex_count;
+    if (share >= JAM_SHARE)
+        pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
+    check_grasps(run, frame);
+    run->contact_before = now;
+    check_tools(run, frame);
+}
+
+/* In that layer bending and stretching have energies of the same size (Pogorelov 1988, Bendings of Surfaces and
+   Stability of Shells, chapter 1). In a membrane state the share of bending is h / R; inextensional bending extends
+   over the length of the body. */
+static bool bends_locally(const pel_sim_measures *measures, const pel_sim_ledger *ledger)
+{
+    double bending = measures->bending_energy, both = bending + measures->membrane_energy;
+    return both > LEAST_ENERGY * ledger->supplied && bending > LAYER_SHARE * both && bending < (1 - LAYER_SHARE) * both;
+}
+
+void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
+                              const pel_sim_ledger *ledger)
+{
+    if (measures->least_volume_ratio <= 0)
+        pel_warn(tallies, PEL_WARN_INVERTED_VOLUME, frame, -measures->least_volume_ratio);
+    if (bends_locally(measures, ledger))
+        pel_warn(tallies, PEL_WARN_COARSE, frame, 0);
+    if (ledger->energy_error > ledger->tolerance)
+        pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
+}
+
+/* ---- the end ---- */
+
+/* vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
+static int32_t pressed_count(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    bool presses = !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
+    return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
+}
+
+/* the measures do not include forces of contact between surfaces */
+static void check_rest(pel_run_state *run, int64_t frame)
+{
+    const pel_sim_def *sim = &run->scene->sim;
+    /* of tools and of unbalanced forces at a frame, such as a load that has just started */
+    double largest = fmax(run->totals.unbalanced_force, pel_run_max_tool_force(run));
+    double share = run->measures.unbalanced_force / fmax(largest, DBL_MIN);
+    /* where nothing acts there is only rounding */
+    bool acts = run->ledger.supplied > run->ledger.tolerance;
+    if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && acts && share > SETTLED_SHARE)
+        pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
+}
+
+/* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
+   the last steps may have fallen to nothing. */
+static bool is_idle(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
+           !(run->tool_force[run->tool_count + t] > 0);
+}
+
+void pel_warnings_check_end(pel_run_state *run)
+{
+    int64_t frame = run->totals.frame_count - 1;
+    for (int32_t t = 0; t < run->tool_count && knows_material(run->scene->sim.solver.method); t++) {
+        int32_t count = pressed_count(run, t);
+        if (count > 0 && count < LEAST_CONTACTS)
+            pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
+    }
+    for (int32_t t = 0; t < run->tool_count; t++)
+        if (is_idle(run, t))
+            pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
+    check_rest(run, frame);
+}
+
+/* ---- texts ---- */
+
+typedef struct text_context {
+    const pel_run_state *run;
+    const pel_warning_tally *tally;
+    char *text;
+    size_t size;
+} text_context;
+
+static void tell_softness(const text_context *at)
+{
+    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const pel_model *model = at->run->model;
+    bool has_other = true;
+    pel_solver_reading reading;
+    pel_sim_get_solver(at->run->sim, &reading);
+    for (int32_t b = 0; b < model->body_count; b++)
+        has_other &= !pel_shell_needs_projection(model->bodies[b].shell);
+    snprintf(at->text, at->size,
+             "xpbd with %d substeps stretches up to %.3g times as far as the material. use %s >= %d%s",
+             (int)reading.most_substeps, 1 + at->tally->worst, solver->substeps > 0 ? "substeps" : "max_substeps",
+             (int)reading.needed_substeps, has_other ? ", or method implicit" : "");
+}
+
+static const pel_flagged_body *flagged_of(const text_context *at, pel_warning_kind kind, const char **name)
+{
+    const pel_flagged_body *flagged = &at->run->flagged[kind];
+    *name = at->run->scene->model.bodies[flagged->body].name;
+    return flagged;
+}
+
+static void tell_coarseness(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_COARSE, &name);
+    snprintf(at->text, at->size,
+             "the edges of body '%s' are %.3g m long on average, but its shell bends within a length of sqrt(R h) = "
+             "%.3g m. subdivide the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
+             name, flagged->value, flagged->limit, fmax(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
+}
+
+static void tell_millimetres(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_MILLIMETRES, &name);
+    snprintf(at->text, at->size,
+             "body '%s' is %.4g m across. if its mesh is in millimetres, write mesh: { ..., scale: 0.001 }", name,
+             flagged->value);
+}
+
+static void tell_inverted_mesh(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_INVERTED_MESH, &name);
+    snprintf(at->text, at->size,
+             "the mesh of body '%s' is inside out: %.0f triangles were turned outward. turn them in the file with "
+             "pellicle check --fix",
+             name, flagged->value);
+}
+
+static void tell_held_in_place(const text_context *at)
+{
+    const char *name;
+    flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
+    snprintf(at->text, at->size,
+             "body '%s' does not move freely: its volumetric springs pull each vertex back to its rest position. for a "
+             "body that falls or flies, omit volumetric and use a membrane, with pressure: { volume: { target: "
+             "1, bulk: 1e5 } } if it is filled",
+             name);
+}
+
+static void tell_inverted_volume(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "a body turned inside out: its volume is %.3g times that at rest. use smaller loads, switch contact on, "
+             "or stop earlier (stop: volume_ratio_below)",
+             -at->tally->worst);
+}
+
+/* the first body that contact alone may hold; null if there is none */
+static const char *free_body(const text_context *at, bool has_contact)
+{
+    const pel_model_def *model = &at->run->scene->model;
+    for (int32_t b = 0; has_contact && b < model->body_count; b++)
+        if (pel_sim_newton_is_free(at->run->sim, b))
+            return model->bodies[b].name;
+    return NULL;
+}
+
+/* implicit steps are divided before they fail; static steps have more iterations than they can use, and find equilibria
+   that are near */
+static void write_remedy(const text_context *at, bool has_contact, int32_t automatic, char *text, size_t size)
+{
+    const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const char *body = free_body(at, has_contact);
+    if (solver->budget > 0)
+        snprintf(text, size, "use a larger solver.budget");
+    else if (solver->method == PEL_METHOD_IMPLICIT && solver->iterations <= 0)
+        snprintf(text, size, "use a smaller solver.dt");
+    else if (solver->method == PEL_METHOD_STATIC && body != NULL)
+        snprintf(text, size,
+                 "nothing but contact holds '%.40s': if it has to fall or slide before it rests, use method implicit "
+                 "with solver.drag; otherwise use more steps (solver.steps)",
+                 body);
+    else if (solver->method == PEL_METHOD_STATIC && solver->iterations <= 0)
+        snprintf(text, size, "use more steps (solver.steps, with a duration a smaller solver.dt)");
+    else
+        snprintf(text, size, "use solver.iterations above %d",
+                 (int)(solver->iterations > 0 ? solver->iterations : automatic));
+}
+
+static void tell_unconverged(const text_context *at)
+{
+    const pel_sim_def *sim = &at->run->scene->sim;
+    if (pel_sim_get_path_end(at->run->sim) == PEL_PATH_END_LOST) {
+        snprintf(
+            at->text, at->size,
+            "the path ends at load factor %.6g: even the shortest step finds no equilibrium beyond it. two paths may "
+            "cross there (buckling): add a small load that selects one, or find the factor with analysis: buckling",
+            pel_sim_load_factor(at->run->sim));
+        return;
+    }
+    bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
+    char remedy[240];
+    write_remedy(at, in_rounds, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
+    snprintf(at->text, at->size,
+             "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N%s. %s, or let "
+             "loads and tools move over more steps",
+             at->tally->count, pel_sim_step_count(at->run->sim), at->tally->worst,
+             in_rounds ? ", or contacts are not settled" : "", remedy);
+}
+
+static void tell_unstable(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "%" PRId64 " of %" PRId64 " states are unstable equilibria (buckling), and no stable one was found near "
+             "them. add a small load that selects a direction, or use path: arc-length",
+             at->tally->count, pel_sim_step_count(at->run->sim));
+}
+
+static void tell_stray(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_STRAY, &name);
+    snprintf(at->text, at->size,
+             "only contact holds body '%s', and it slid by %.3g m, farther than the tools moved: without friction it "
+             "can rest at many positions. set contact.friction, pin it against sliding, or use the method implicit",
+             name, flagged->value);
+}
+
+static const char *energy_remedy(const pel_sim_def *sim)
+{
+    switch (sim->solver.method) {
+    case PEL_METHOD_PBD:
+    case PEL_METHOD_PBD_DISTANCE:
+        return "use the method xpbd: pbd does not follow the material";
+    case PEL_METHOD_XPBD:
+        /* pairs that touch are found once a step: substeps do not add any */
+        return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
+    case PEL_METHOD_DESCENT:
+        return "raise solver.iterations, or let loads and tools move over more steps";
+    case PEL_METHOD_STATIC:
+        return "the work of tools and supports is that of their mean force in a step: give them keys and raise "
+               "solver.steps";
+    default:
+        return "use a smaller solver.dt";
+    }
+}
+
+static void tell_energy(const text_context *at)
+{
+    double supplied = at->run->ledger.supplied, worst = at->tally->worst;
+    const char *remedy = energy_remedy(&at->run->scene->sim);
+    if (supplied > 0)
+        snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
+                 100 * worst / supplied, supplied, remedy);
+    else
+        snprintf(at->text, at->size, "%.3g J appeared, though nothing was supplied. %s", worst, remedy);
+}
+
+static void tell_jam(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "contact stepped back up to %.0f %% of all vertices, and in %" PRId64
+             " steps at least a tenth: bodies are "
+             "jammed. use a smaller solver.dt, or slower tools and loads",
+             100 * at->tally->worst, at->tally->count);
+}
+
+/* the tool to which a state happened first, and how many others it happened to */
+typedef struct first_tool {
+    pel_tool_reading reading;
+    const char *name;
+    int32_t other_count;
+} first_tool;
+
+static bool is_before(double time, const first_tool *first, double first_time)
+{
+    return first->name == NULL || time < first_time;
+}
+
+static first_tool find_first_tool(const pel_sim *sim, bool lost)
+{
+    first_tool first = {.other_count = -1};
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading now;
+        pel_sim_get_tool(sim, t, &now);
+        if ((lost ? now.lost_count : now.held_back_count) == 0)
+            continue;
+        first.other_count++;
+        if (is_before(lost ? now.lost_time : now.held_back_time, &first,
+                      lost ? first.reading.lost_time : first.reading.held_back_time)) {
+            first.reading = now;
+            first.name = pel_sim_tool_name(sim, t);
+        }
+    }
+    return first;
+}
+
+/* " (and 2 other tools)", or nothing */
+static const char *others_text(const first_tool *first, char text[40])
+{
+    text[0] = '\0';
+    if (first->other_count > 0)
+        snprintf(text, 40, " (and %d other tool%s)", (int)first->other_count, first->other_count > 1 ? "s" : "");
+    return text;
+}
+
+static void tell_tool(const text_context *at)
+{
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, false);
+    snprintf(at->text, at->size,
+             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because it trapped a body. move it "
+             "more slowly or less far, or use a smaller solver.dt",
+             first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
+}
+
+static void tell_grasp(const text_context *at)
+{
+    char others[40];
+    first_tool first = find_first_tool(at->run->sim, true);
+    snprintf(at->text, at->size,
+             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: their forces exceeded its grasp.max_force. pull "
+             "more slowly, or raise grasp.max_force or grasp.reach",
+             first.name, others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
+             at->tally->count > 1 ? " and later" : "");
+}
+
+static void tell_empty_grasp(const text_context *at)
+{
+    const pel_sim_def *def = &at->run->scene->sim;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    snprintf(at->text, at->size,
+             "the grasp of tool '%s' holds nothing in %" PRId64
+             " steps: when it closed, no vertex was inside the tool or "
+             "within grasp.reach of it. move the tool there before grasp.from, or raise grasp.reach",
+             t < def->tool_count ? def->tools[t].name : "", at->tally->count);
+}
+
+static void tell_uncounted(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "self-intersections at the end are not counted: too many triangles overlap, as around a vertex of "
+             "thousands of triangles. divide the triangles around it in a mesh editor");
+}
+
+/* the tool that touched the fewest vertices */
+static int32_t find_coarsest(const pel_run_state *run)
+{
+    int32_t coarsest = 0, least = INT32_MAX;
+    for (int32_t t = 0; t < run->tool_count; t++) {
+        int32_t count = pressed_count(run, t);
+        if (count > 0 && count < least) {
+            least = count;
+            coarsest = t;
+        }
+    }
+    return coarsest;
+}
+
+static double mean_edge(const pel_mesh *mesh)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            sum += pel_vec3_distance(mesh->positions[mesh->triangles[t][i]],
+                                     mesh->positions[mesh->triangles[t][(i + 1) % 3]]);
+    return sum / (3.0 * mesh->triangle_count);
+}
+
+/* a level has four times the vertices */
+static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
+{
+    const pel_body_def *body = &run->scene->model.bodies[0];
+    int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
+    if (run->scene->model.body_count > 1)
+        snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
+    else if (body->refine.levels > 0)
+        snprintf(text, size, "use bodies.%s.refine.levels=%d%s", body->name, (int)body->refine.levels + levels,
+                 body->refine.near_tools > 0 ? "" : ", with near_tools");
+    else
+        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
+                 levels, 2.5 * mean_edge(body->mesh));
+}
+
+static void tell_coarse_contact(const text_context *at)
+{
+    char remedy[200];
+    int32_t t = find_coarsest(at->run), contacts = at->run->tool_count > 0 ? pressed_count(at->run, t) : 0;
+    write_refinement(at->run, contacts, remedy, sizeof remedy);
+    snprintf(at->text, at->size,
+             "tool '%s' touches %d vertices where its force is largest; with fewer than %d the force depends on the "
+             "mesh. %s",
+             at->run->tool_count > 0 ? at->run->scene->sim.tools[t].name : "", (int)contacts, (int)LEAST_CONTACTS,
+             remedy);
+}
+
+/* of the tool that is told, and of the bodies that it may touch */
+static void tell_idle_tool(const text_context *at)
+{
+    const pel_scene *scene = at->run->scene;
+    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    if (t >= scene->sim.tool_count)
+        t = 0;
+    const pel_tool_def *tool = scene->sim.tool_count > 0 ? &scene->sim.tools[t] : NULL;
+    double last[3] = {0}, rotation[4];
+    if (tool != NULL)
+        pel_tool_def_pose(tool, HUGE_VAL, last, rotation);
+    const pel_body_def *body = &scene->model.bodies[tool != NULL && tool->body > 0 ? tool->body : 0];
+    double low[3], high[3];
+    pel_mesh_box(body->mesh, low, high);
+    snprintf(
+        at->text, at->size,
+        "tool '%s' moves but touches nothing: its force is 0 throughout. its last position is (%.3g, %.3g, %.3g) m; "
+        "body '%s' begins within (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m. correct its motion or its size, or run "
+        "longer",
+        tool != NULL ? tool->name : "", last[0], last[1], last[2], body->name, low[0], low[1], low[2], high[0], high[1],
+        high[2]);
+}
+
+static void tell_unsettled(const text_context *at)
+{
+    snprintf(at->text, at->size,
+             "the run ended before it settled: a net force of %.3g N remains, %.0f %% of the largest force. use a "
+             "longer duration, or method static",
+             at->run->measures.unbalanced_force, 100 * at->tally->worst);
+}
+
+static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
+    [PEL_WARN_SOFT] = tell_softness,
+    [PEL_WARN_COARSE] = tell_coarseness,
+    [PEL_WARN_MILLIMETRES] = tell_millimetres,
+    [PEL_WARN_INVERTED_MESH] = tell_inverted_mesh,
+    [PEL_WARN_HELD_IN_PLACE] = tell_held_in_place,
+    [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
+    [PEL_WARN_UNCONVERGED] = tell_unconverged,
+    [PEL_WARN_UNSTABLE] = tell_unstable,
+    [PEL_WARN_STRAY] = tell_stray,
+    [PEL_WARN_ENERGY] = tell_energy,
+    [PEL_WARN_JAMMED] = tell_jam,
+    [PEL_WARN_TOOL_HELD] = tell_tool,
+    [PEL_WARN_GRASP_LOST] = tell_grasp,
+    [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
+    [PEL_WARN_UNCOUNTED] = tell_uncounted,
+    [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
+    [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
+    [PEL_WARN_UNSETTLED] = tell_unsettled,
+};
+
+/* created energy is compared with all energy supplied until the end of the run */
+static bool holds(const pel_run_state *run, pel_warning_kind kind)
+{
+    const pel_warning_tally *tally = &run->totals.warnings.of[kind];
+    if (kind == PEL_WARN_COARSE)
+        return tally->count > 0 && run->flagged[kind].limit > 0;
+    /* checkpoints do not contain the body: it is found again while it is away */
+    if (kind == PEL_WARN_STRAY)
+        return tally->count > 0 && run->flagged[kind].value > 0;
+    if (kind == PEL_WARN_JAMMED)
+        return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
+    if (kind == PEL_WARN_ENERGY)
+        return tally->count > 0 && tally->worst > run->ledger.tolerance;
+    return tally->count > 0;
+}
+
+int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
+{
+    int32_t count = 0;
+    for (int k = 0; k < PEL_WARN_COUNT; k++) {
+        const pel_warning_tally *tally = &run->totals.warnings.of[k];
+        if (!holds(run, (pel_warning_kind)k))
+            continue;
+        pel_run_warning *warning = &warnings[count++];
+        *warning = (pel_run_warning){.code = codes[k], .first_frame = tally->first_frame, .count = tally->count};
+        text_context at = {run, tally, warning->text, sizeof warning->text};
+        tellers[k](&at);
+    }
+    return count;
+}
+
+/* known before the first step */
+static bool is_of_scene(int kind)
+{
+    return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
+           kind == PEL_WARN_HELD_IN_PLACE;
+}
+
+void pel_warnings_tell(pel_run_state *run, bool is_over)
+{
+    pel_run_warning warnings[PEL_RUN_WARNING_LIMIT];
+    int32_t count = pel_warnings_list(run, warnings);
+    for (int32_t i = 0; i < count; i++) {
+        int kind = 0;
+        while (codes[kind] != warnings[i].code)
+            kind++;
+        if (run->told[kind] || !(is_over || is_of_scene(kind)))
+            continue;
+        run->told[kind] = true;
+        pel_log_line(run->def->warnings, "%s", warnings[i].text);
+    }
+}
+
+_Static_assert((int)PEL_WARN_COUNT <= (int)PEL_RUN_WARNING_LIMIT, "the summary has room for one warning of each kind");

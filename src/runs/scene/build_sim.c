@@ -1,0 +1,434 @@
+#include "scene/build.h"
+
+#include "observe/field.h"
+#include "scene/mesh.h"
+#include "scene/region.h"
+#include "scene/table.h"
+#include "scene/validate.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_NAMES = 64 };
+
+/* the index of the body that a value names */
+static pel_status find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
+                            int32_t *body)
+{
+    const char *names[MOST_NAMES];
+    size_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        if (strcmp(model->bodies[b].name, name->text) == 0) {
+            *body = b;
+            return PEL_OK;
+        }
+        if (count < MOST_NAMES)
+            names[count++] = model->bodies[b].name;
+    }
+    return pel_scene_fail_name(reader, &name->place, "body", name->text, names, count);
+}
+
+/* a load without body acts on the only one, whose name is added to the tree */
+static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model)
+{
+    if (pel_scene_value_entry(load, "body") != NULL)
+        return PEL_OK;
+    if (model->body_count > 1) {
+        pel_scene_fail(reader, &load->place, "the load does not say on which body it acts");
+        pel_fail_remedy(reader->error, "add `body: %s` or another name", model->bodies[0].name);
+        return PEL_BAD_SCENE;
+    }
+    pel_scene_value *body = pel_scene_value_text(reader, model->bodies[0].name, load->place);
+    if (body == NULL)
+        return PEL_OUT_OF_MEMORY;
+    body->form = PEL_FORM_TEXT;
+    pel_scene_value_append(load, "body", body);
+    return PEL_OK;
+}
+
+/* from and until of a load or a grasp; `end` is infinity */
+static pel_status read_times(pel_scene_reader *reader, const pel_scene_value *value, double *from, double *until)
+{
+    const pel_scene_value *until_value = pel_scene_value_entry(value, "until");
+    *from = pel_scene_value_number(value, "from");
+    *until = until_value->form == PEL_FORM_WORD ? (double)HUGE_VAL : until_value->number;
+    if (*until > *from)
+        return PEL_OK;
+    pel_scene_fail(reader, &until_value->place, "`until` %g is not after `from` %g", *until, *from);
+    pel_fail_remedy(reader->error, "use a later time, or omit it (default: the end of the run)");
+    return PEL_BAD_SCENE;
+}
+
+static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, const pel_model_def *model,
+                            pel_load_def *load)
+{
+    *load = pel_load_def_default();
+    load->name = pel_scene_value_entry(value, "name")->text;
+    load->kind = (pel_load_kind)pel_scene_value_integer(value, "per"); /* in the order of the words in the table */
+    pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
+    load->follower = pel_scene_value_entry(value, "follower") != NULL && pel_scene_value_boolean(value, "follower");
+    pel_status status = fill_body(reader, value, model);
+    if (status == PEL_OK)
+        status = find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);
+    if (status == PEL_OK)
+        status = read_times(reader, value, &load->from, &load->until);
+    if (status == PEL_OK)
+        status = pel_scene_build_keys(reader, pel_scene_value_entry(value, "keys"), &load->keys, &load->key_count);
+    if (status != PEL_OK)
+        return status;
+    pel_scene_region region;
+    status = pel_scene_region_find(reader, pel_scene_value_entry(value, "at"), model->bodies[load->body].mesh, &region);
+    load->vertices = region.vertices;
+    load->vertex_count = region.vertices != NULL ? region.count : 0;
+    load->weights = region.weights;
+    return status;
+}
+
+static pel_status read_loads(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+{
+    pel_load_def *loads = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *loads);
+    if (loads == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_check_names(reader, list);
+    int32_t count = 0;
+    for (pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
+        status = read_load(reader, value, &scene->model, &loads[count++]);
+    scene->sim.loads = loads;
+    scene->sim.load_count = count;
+    return status;
+}
+
+/* positions are about an origin */
+static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, const double origin[3],
+                              pel_tool_def *tool)
+{
+    int32_t count = 0;
+    pel_pose_key *keys = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *keys);
+    if (keys == NULL)
+        return pel_fail_memory(reader->error);
+    for (const pel_scene_value *value = list->first; value != NULL; value = value->next) {
+        pel_pose_key *key = &keys[count++];
+        key->time = pel_scene_value_number(value, "time");
+        pel_scene_value_numbers(pel_scene_value_entry(value, "position"), key->position);
+        for (int i = 0; i < 3; i++)
+            key->position[i] += origin[i];
+        key->rotation[3] = 1;
+        pel_status status =
+            pel_scene_rotation_vector(reader, pel_scene_value_entry(value, "rotation"), key->rotation_vector);
+        if (status != PEL_OK)
+            return status;
+        if (count > 1 && !(key->time > key[-1].time)) {
+            pel_scene_fail(reader, &value->place, "the times of the poses do not increase: %g after %g", key->time,
+                           key[-1].time);
+            pel_fail_remedy(reader->error, "give each pose a later time than the one before");
+            return PEL_BAD_SCENE;
+        }
+    }
+    tool->keys = keys;
+    tool->key_count = count;
+    return PEL_OK;
+}
+
+static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
+{
+    /* in the order of the words in the table */
+    static const pel_tool_shape shapes[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_BOX};
+    tool->shape = shapes[pel_scene_value_integer(value, "shape")];
+    if (tool->shape == PEL_TOOL_BOX) {
+        pel_scene_value_numbers(pel_scene_value_entry(value, "size"), tool->half_extents);
+        for (int i = 0; i < 3; i++)
+            tool->half_extents[i] /= 2;
+        return;
+    }
+    tool->radius = pel_scene_value_number(value, "radius");
+    if (tool->shape == PEL_TOOL_CAPSULE)
+        tool->half_length = pel_scene_value_number(value, "length") / 2;
+}
+
+/* where meshes are made and who owns them */
+typedef struct mesh_store {
+    const char *folder;
+    pel_mesh **meshes;
+    int32_t *count;
+} mesh_store;
+
+static pel_status read_mesh(pel_scene_reader *reader, pel_scene_value *value, const mesh_store *store,
+                            pel_tool_def *tool)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_scene_mesh(reader, value, store->folder, &mesh);
+    if (status != PEL_OK)
+        return status;
+    store->meshes[(*store->count)++] = mesh;
+    tool->shape = PEL_TOOL_MESH;
+    tool->mesh = mesh;
+    return PEL_OK;
+}
+
+static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+                            const mesh_store *store, pel_tool_def *tool)
+{
+    const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
+    *tool = pel_tool_def_default();
+    tool->name = pel_scene_value_entry(value, "name")->text;
+    tool->press = pel_scene_value_boolean(value, "press");
+    tool->grasp = grasp != NULL;
+    pel_scene_value_read(value, "friction", &tool->friction);
+    pel_scene_value_read(value, "restitution", &tool->restitution);
+    pel_scene_value_read(value, "thickness", &tool->thickness);
+    pel_status status = PEL_OK;
+    pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
+    if (mesh != NULL)
+        status = read_mesh(reader, mesh, store, tool);
+    else
+        read_shape(value, tool);
+    if (status == PEL_OK && body != NULL)
+        status = find_body(reader, body, model, &tool->body);
+    if (status == PEL_OK && grasp != NULL) {
+        tool->reach = pel_scene_value_number(grasp, "reach");
+        tool->grasp_max_force =
+            pel_scene_value_entry(grasp, "max_force") != NULL ? pel_scene_value_number(grasp, "max_force") : 0;
+        status = read_times(reader, grasp, &tool->grasp_from, &tool->grasp_until);
+    }
+    static const double origin[3] = {0};
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), origin, tool) : status;
+}
+
+/* pinned vertices that move; the motion is that of the center, from its rest position */
+static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
+                               int32_t number, pel_tool_def *tool)
+{
+    const pel_scene_value *support = pel_scene_value_entry(value, "support");
+    size_t size = strlen(body->name) + sizeof "_support";
+    char *name = pel_arena_take(reader->arena, size, 1);
+    if (name == NULL)
+        return pel_fail_memory(reader->error);
+    snprintf(name, size, "%s_support", body->name);
+    *tool = pel_tool_def_default();
+    tool->name = name;
+    tool->shape = PEL_TOOL_SUPPORT;
+    tool->body = number;
+    tool->press = false;
+    pel_scene_value_numbers(pel_scene_value_entry(support, "center"), tool->center);
+    const pel_scene_body_source source = {reader, value, body->mesh};
+    pel_status status =
+        pel_scene_read_vertices(&source, pel_scene_value_entry(value, "pinned"), &tool->vertices, &tool->vertex_count);
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(support, "motion"), tool->center, tool)
+                            : status;
+}
+
+/* after the tools of the scene */
+static pel_status read_supports(pel_scene_reader *reader, const pel_scene_value *bodies, const pel_scene *scene,
+                                pel_tool_def *tools, int32_t *count)
+{
+    pel_status status = PEL_OK;
+    int32_t b = 0;
+    for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++)
+        if (pel_scene_value_entry(value, "support") != NULL)
+            status = read_support(reader, value, &scene->model.bodies[b], b, &tools[(*count)++]);
+    return status;
+}
+
+static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *root, const mesh_store *store,
+                             pel_scene *scene)
+{
+    const pel_scene_value *list = pel_scene_value_entry(root, "tools"), *bodies = pel_scene_value_entry(root, "bodies");
+    size_t most = (size_t)pel_scene_value_count(list) + (size_t)pel_scene_value_count(bodies);
+    pel_tool_def *tools = pel_arena_take(reader->arena, most, sizeof *tools);
+    if (tools == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_check_names(reader, list);
+    int32_t count = 0;
+    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
+        status = read_tool(reader, value, &scene->model, store, &tools[count++]);
+    if (status == PEL_OK)
+        status = read_supports(reader, bodies, scene, tools, &count);
+    scene->sim.tools = tools;
+    scene->sim.tool_count = count;
+    return status;
+}
+
+/* 0 for auto */
+static int32_t count_or_auto(const pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = pel_scene_value_entry(map, key);
+    return value->form == PEL_FORM_INTEGER ? (int32_t)value->number : 0;
+}
+
+static pel_choice choice(const pel_scene_value *value)
+{
+    if (value->form != PEL_FORM_BOOLEAN)
+        return PEL_AUTO;
+    return value->number > 0 ? PEL_YES : PEL_NO;
+}
+
+/* in the order of pel_method and of the words in the table */
+static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
+                                           "xpbd",         "descent",  "static", "implicit"};
+
+const char *pel_scene_method_name(pel_method method)
+{
+    return method_names[method];
+}
+
+static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
+{
+    const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
+    sim->solver.method = (pel_method)pel_scene_value_integer(value, "method");
+    sim->solver.dt = pel_scene_value_number(value, "dt");
+    sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
+    sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
+    sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
+    sim->solver.iterations = count_or_auto(value, "iterations");
+    sim->solver.substeps = count_or_auto(value, "substeps");
+    sim->solver.second_order = choice(pel_scene_value_entry(value, "second_order"));
+    sim->solver.max_substeps = pel_scene_value_integer(value, "max_substeps");
+    sim->solver.drag = pel_scene_value_number(value, "drag");
+    sim->solver.gradient_only = pel_scene_value_integer(value, "descent") == 1;
+    sim->solver.analysis = (pel_analysis)pel_scene_value_integer(value, "analysis");
+    sim->solver.mode_count = sim->solver.analysis != PEL_ANALYSIS_NONE ? pel_scene_value_integer(value, "modes") : 0;
+    sim->solver.path = (pel_path)pel_scene_value_integer(value, "path");
+    sim->solver.budget = 1e-3 * pel_scene_value_number(value, "budget");
+    sim->thread_count = pel_scene_value_integer(value, "threads");
+}
+
+/* pbd-distance uses only the edges and masses of a body; other properties affect only reported energies */
+static void note_ignored(pel_scene_reader *reader, const pel_scene_value *body)
+{
+    static const char *const keys[] = {"membrane", "bending", "anisotropy"};
+    const pel_scene_place *place = NULL;
+    char names[64] = "";
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        const pel_scene_value *value = pel_scene_value_entry(body, keys[i]);
+        if (value == NULL)
+            continue;
+        place = place == NULL ? &value->key_place : place;
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", length > 0 ? ", " : "", keys[i]);
+    }
+    if (place != NULL)
+        pel_log_line(reader->log,
+                     "%s:%d:%d: pbd-distance constrains edge lengths only and ignores %s. use pbd, or xpbd for the "
+                     "response of the material",
+                     place->source, (int)place->line, (int)place->column, names);
+}
+
+/* a field that every run has, or one of a mesh */
+static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *field, const pel_model_def *model)
+{
+    const char *names[MOST_NAMES];
+    size_t count = 0;
+    for (; count < PEL_FIELD_COUNT; count++)
+        names[count] = pel_field_at((int32_t)count)->name;
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t f = 0; f < model->bodies[b].mesh->field_count; f++)
+            if (count < MOST_NAMES)
+                names[count++] = model->bodies[b].mesh->fields[f].name;
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(names[i], field->text) == 0)
+            return PEL_OK;
+    return pel_scene_fail_name(reader, &field->place, "field", field->text, names, count);
+}
+
+static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *value, pel_scene *scene)
+{
+    pel_output_def *output = &scene->output;
+    const pel_scene_value *every = pel_scene_value_entry(value, "every");
+    const pel_scene_value *list = pel_scene_value_entry(value, "fields");
+    output->every = every != NULL ? every->number : 0;
+    output->every_frame = every != NULL ? 1 : pel_scene_value_integer(value, "every_frame");
+    output->checkpoint = pel_scene_value_number(value, "checkpoint");
+    output->compress = pel_scene_value_boolean(value, "compress");
+    output->float64 = pel_scene_value_integer(value, "precision") == 1;
+    const char **fields = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *fields);
+    if (fields == NULL)
+        return pel_fail_memory(reader->error);
+    output->fields = fields;
+    for (const pel_scene_value *field = list->first; field != NULL; field = field->next) {
+        pel_status status = check_field(reader, field, &scene->model);
+        if (status != PEL_OK)
+            return status;
+        fields[output->field_count++] = field->text;
+    }
+    return PEL_OK;
+}
+
+/* a number of a map that may be missing */
+static double number_or(const pel_scene_value *map, const char *key, double otherwise)
+{
+    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
+    return value != NULL ? value->number : otherwise;
+}
+
+static void read_stop(const pel_scene_value *value, pel_scene *scene)
+{
+    scene->rest_speed = number_or(value, "at_rest", 0);
+    scene->least_volume_ratio = number_or(value, "volume_ratio_below", 0);
+    scene->stop_at_contact = number_or(value, "self_contact", 0) > 0;
+    scene->frame_limit = (int64_t)number_or(value, "frames", 0);
+    scene->time_limit = number_or(value, "time", 0);
+}
+
+/* "STEP COMMAND"; the command itself is read by who repeats it */
+static pel_status read_command(pel_scene_reader *reader, const pel_scene_value *value, int64_t least,
+                               pel_scene_command *command)
+{
+    char *end;
+    long long step = strtoll(value->text, &end, 10);
+    if (value->text[0] < '0' || value->text[0] > '9' || *end != ' ' || step < least || step > INT32_MAX) {
+        pel_scene_fail(reader, &value->place, "a command of the session has no step from %lld on: \"%.60s\"",
+                       (long long)least, value->text);
+        pel_fail_remedy(reader->error, "write the step, a space and the command: \"120 release\"");
+        return PEL_BAD_SCENE;
+    }
+    *command = (pel_scene_command){step, end + 1, value->place.line, value->place.column};
+    return PEL_OK;
+}
+
+static pel_status read_session(pel_scene_reader *reader, const pel_scene_value *list, pel_scene *scene)
+{
+    if (list == NULL)
+        return PEL_OK;
+    pel_scene_command *commands = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *commands);
+    if (commands == NULL)
+        return pel_fail_memory(reader->error);
+    scene->session = commands;
+    int64_t least = 0;
+    for (const pel_scene_value *value = list->first; value != NULL; value = value->next) {
+        pel_scene_command *command = &commands[scene->session_count];
+        pel_status status = read_command(reader, value, least, command);
+        if (status != PEL_OK)
+            return status;
+        least = command->step;
+        scene->session_count++;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                               pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
+{
+    const mesh_store store = {folder, meshes, mesh_count};
+    const pel_scene_value *title = pel_scene_value_entry(root, "title");
+    scene->title = title != NULL ? title->text : "";
+    scene->duration = pel_scene_value_number(root, "duration");
+    scene->sim = pel_sim_def_default();
+    read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
+    for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
+        if (scene->sim.solver.method == PEL_METHOD_PBD_DISTANCE)
+            note_ignored(reader, body);
+    read_stop(pel_scene_value_entry(root, "stop"), scene);
+    pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
+    if (status == PEL_OK)
+        status = read_tools(reader, root, &store, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_supports(reader, bodies, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
+    if (status == PEL_OK)
+        status = read_session(reader, pel_scene_value_entry(root, "session"), scene);
+    return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;
+}

@@ -1,0 +1,368 @@
+#include "scene/defaults.h"
+
+#include "base/number.h"
+#include "law/membrane.h"
+#include "pellicle/preset.h"
+#include "scene/validate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* density of presets without one, and of membranes without a preset [kg/m3] */
+#define TISSUE_DENSITY "1000"
+/* dt of the table */
+#define DEFAULT_DT 0.01
+
+enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
+
+/* the entry of a map; one without value counts as missing */
+static pel_scene_value *find(pel_scene_value *map, const char *key)
+{
+    pel_scene_value *entry = map != NULL && map->kind == PEL_SCENE_MAP ? pel_scene_value_entry(map, key) : NULL;
+    if (entry == NULL || !pel_scene_value_is_null(entry))
+        return entry;
+    pel_scene_value_remove(entry);
+    return NULL;
+}
+
+static pel_scene_value *find_map(pel_scene_value *map, const char *key)
+{
+    pel_scene_value *entry = find(map, key);
+    return entry != NULL && entry->kind == PEL_SCENE_MAP ? entry : NULL;
+}
+
+/* a new entry; null when out of memory */
+static pel_scene_value *add(pel_scene_reader *reader, pel_scene_value *map, const char *key, pel_scene_value_kind kind)
+{
+    pel_scene_value *value = pel_scene_value_create(reader, kind, map->place);
+    if (value != NULL)
+        pel_scene_value_append(map, key, value);
+    return value;
+}
+
+static pel_status set_text(pel_scene_reader *reader, pel_scene_value *map, const char *key, const char *text)
+{
+    if (find(map, key) != NULL)
+        return PEL_OK;
+    pel_scene_value *value = add(reader, map, key, PEL_SCENE_SCALAR);
+    if (value == NULL)
+        return PEL_OUT_OF_MEMORY;
+    value->is_implied = true;
+    value->text = pel_arena_text(reader->arena, text, strlen(text));
+    return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
+}
+
+static pel_status set_number(pel_scene_reader *reader, pel_scene_value *map, const char *key, double number)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, number);
+    return set_text(reader, map, key, text);
+}
+
+/* a copy of a value with all that is below it as an entry of a map */
+static pel_status set_copy(pel_scene_reader *reader, pel_scene_value *map, const char *key,
+                           const pel_scene_value *source)
+{
+    pel_scene_value *copy = add(reader, map, key, source->kind);
+    if (copy == NULL)
+        return PEL_OUT_OF_MEMORY;
+    copy->quoted = source->quoted;
+    copy->text = source->text;
+    copy->place = source->place;
+    pel_status status = PEL_OK;
+    for (const pel_scene_value *child = source->first; status == PEL_OK && child != NULL; child = child->next)
+        status = set_copy(reader, copy, child->key, child);
+    return status;
+}
+
+static bool is_word(pel_scene_value *map, const char *key, const char *word)
+{
+    const pel_scene_value *value = find(map, key);
+    return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
+}
+
+/* the number of an entry, 0 unless it is a number above 0 */
+static double positive(pel_scene_value *map, const char *key)
+{
+    const pel_scene_value *value = find(map, key);
+    double number = 0;
+    bool is_number = value != NULL && value->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(value->text, &number);
+    return is_number && number > 0 ? number : 0;
+}
+
+/* preset of a membrane, null for none; report a wrong name before missing keys */
+static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset **preset)
+{
+    const char *names[MOST_PRESETS];
+    int32_t count;
+    const pel_material_preset *presets = pel_material_presets(&count);
+    const pel_scene_value *name = find(membrane, "preset");
+    *preset = NULL;
+    if (name == NULL || name->kind != PEL_SCENE_SCALAR)
+        return PEL_OK;
+    *preset = pel_material_preset_find(name->text);
+    if (*preset != NULL)
+        return PEL_OK;
+    size_t known = 0;
+    for (int32_t i = 0; i < count && known < MOST_PRESETS; i++)
+        names[known++] = presets[i].name;
+    return pel_scene_fail_word(reader, name, names, known);
+}
+
+static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
+{
+    const pel_membrane_material *material = &preset->material;
+    const struct {
+        const char *key;
+        double number;
+    } numbers[] = {{"young", material->young}, {"poisson", material->poisson}, {"thickness", material->thickness}};
+    const pel_material_number *own;
+    pel_status status = PEL_OK;
+    /* the numbers of the law, unless the scene takes another */
+    bool is_same = find(membrane, "material") == NULL;
+    for (int32_t i = 0; is_same && status == PEL_OK && (own = pel_material_number_at(i)) != NULL; i++)
+        if ((pel_membrane_law_traits(material->kind) & own->trait) != 0)
+            status = set_number(reader, membrane, own->name, *(const double *)((const char *)material + own->offset));
+    if (status == PEL_OK)
+        status = set_text(reader, membrane, "material", pel_membrane_kind_name(material->kind));
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = set_number(reader, membrane, numbers[i].key, numbers[i].number);
+    return status;
+}
+
+/* the mass of a sheet: density and thickness */
+static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane,
+                             const pel_material_preset *preset)
+{
+    pel_scene_value *thickness = find(membrane, "thickness"), *mass = find(body, "mass");
+    if (thickness == NULL || (mass != NULL && mass->kind != PEL_SCENE_MAP))
+        return PEL_OK;
+    /* a wrong thickness is to be told where it stands */
+    if (thickness->kind == PEL_SCENE_SCALAR && !(positive(membrane, "thickness") > 0))
+        return PEL_OK;
+    if (mass == NULL && (mass = add(reader, body, "mass", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    if (find(mass, "per_vertex") != NULL || find(mass, "total") != NULL)
+        return PEL_OK;
+    pel_status status = preset != NULL ? set_number(reader, mass, "density", preset->density)
+                                       : set_text(reader, mass, "density", TISSUE_DENSITY);
+    if (status == PEL_OK && find(mass, "thickness") == NULL)
+        status = set_copy(reader, mass, "thickness", thickness);
+    return status;
+}
+
+static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane)
+{
+    const pel_material_preset *preset;
+    pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
+    pel_status status = find_preset(reader, membrane, &preset);
+    if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&
+        !is_word(mass, "thickness", "auto"))
+        status = set_copy(reader, membrane, "thickness", thickness);
+    if (status == PEL_OK && preset != NULL)
+        status = imply_material(reader, membrane, preset);
+    return status == PEL_OK ? imply_mass(reader, body, membrane, preset) : status;
+}
+
+/* springs of no stiffness */
+static pel_status imply_no_springs(pel_scene_reader *reader, pel_scene_value *body)
+{
+    if (find(body, "springs") != NULL)
+        return PEL_OK;
+    pel_scene_value *springs = add(reader, body, "springs", PEL_SCENE_MAP);
+    if (springs == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = set_text(reader, springs, "stiffness", "0");
+    return status == PEL_OK ? set_text(reader, springs, "damping", "0") : status;
+}
+
+/* a number of paper A in a map, unless one of the keys that exclude it is there */
+static pel_status imply_number(pel_scene_reader *reader, pel_scene_value *map, const char *key, const char *number,
+                               const char *const *others)
+{
+    for (; *others != NULL; others++)
+        if (find(map, *others) != NULL)
+            return PEL_OK;
+    return set_text(reader, map, key, number);
+}
+
+static pel_status find_or_add(pel_scene_reader *reader, pel_scene_value *body, const char *key, pel_scene_value **map)
+{
+    *map = find(body, key);
+    if (*map == NULL)
+        *map = add(reader, body, key, PEL_SCENE_MAP);
+    return *map != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+static pel_status imply_paper_a(pel_scene_reader *reader, pel_scene_value *body)
+{
+    static const char *const masses[] = {"total", "density", NULL}, *const young[] = {"young", NULL};
+    pel_scene_value *mass, *springs, *volumetric = find_map(body, "volumetric");
+    pel_status status = find_or_add(reader, body, "mass", &mass);
+    if (status == PEL_OK)
+        status = find_or_add(reader, body, "springs", &springs);
+    if (status == PEL_OK && mass->kind == PEL_SCENE_MAP)
+        status = imply_number(reader, mass, "per_vertex", "1", masses);
+    if (status == PEL_OK && springs->kind == PEL_SCENE_MAP)
+        status = imply_number(reader, springs, "stiffness", "3", young);
+    if (status == PEL_OK && volumetric != NULL)
+        status = imply_number(reader, volumetric, "stiffness", "1.5", young);
+    return status;
+}
+
+/* the filling is as stiff as the skin */
+static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
+{
+    pel_scene_value *young = find(find_map(body, "springs"), "young"), *volumetric = find_map(body, "volumetric");
+    if (young == NULL || volumetric == NULL || find(volumetric, "young") != NULL ||
+        find(volumetric, "stiffness") != NULL)
+        return PEL_OK;
+    return set_copy(reader, volumetric, "young", young);
+}
+
+/* A sheet resists bending, unless pbd gives it its own weight. method.c may choose another model once the method is
+   known. */
+static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
+{
+    pel_scene_value *solver = find_map(root, "solver"), *bending = find(body, "bending");
+    bool is_weight = is_word(solver, "method", "pbd") || is_word(solver, "method", "pbd-distance");
+    if (bending == NULL && find_map(body, "membrane") != NULL && !is_weight &&
+        (bending = add(reader, body, "bending", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    return bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
+}
+
+/* `has_material`: its response follows from a material, not from numbers per edge */
+static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
+{
+    pel_scene_value *membrane = find_map(body, "membrane");
+    pel_status status = PEL_OK;
+    if (membrane != NULL)
+        status = imply_membrane(reader, body, membrane);
+    if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
+        status = imply_no_springs(reader, body);
+    if (status != PEL_OK)
+        return status;
+    bool is_paper_a = body->kind == PEL_SCENE_MAP && is_word(body, "preset", "paper-a");
+    status = is_paper_a ? imply_paper_a(reader, body) : imply_tissue(reader, body);
+    *has_material |= membrane != NULL || find(find_map(body, "springs"), "stiffness") == NULL;
+    return status;
+}
+
+static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find(root, "solver");
+    if (solver == NULL && (solver = add(reader, root, "solver", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    /* method.c may choose another one once the meshes are known */
+    return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
+}
+
+/* ---- statics: neither duration nor dt ---- */
+
+static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find_map(root, "solver");
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    return has_modes || is_word(solver, "path", "arc-length") ? set_text(reader, solver, "method", "static") : PEL_OK;
+}
+
+/* the greatest common divisor of two times, at least `least` */
+static double common_time(double a, double b, double least)
+{
+    while (b > least) {
+        double rest = fmod(a, b);
+        a = b;
+        b = b - rest > least ? rest : 0;
+    }
+    return a;
+}
+
+/* when loads, tools and numbers change: the last time and the greatest one that all are multiples of */
+typedef struct key_times {
+    double last, step;
+} key_times;
+
+static void take_time(const pel_scene_value *value, key_times *times)
+{
+    double time;
+    if (value == NULL || value->kind != PEL_SCENE_SCALAR || !pel_scene_parse_number(value->text, &time) ||
+        !(time > 0) || !isfinite(time))
+        return;
+    times->last = fmax(times->last, time);
+    times->step = times->step > 0 ? common_time(fmax(time, times->step), fmin(time, times->step), 1e-6 * time) : time;
+}
+
+static void take_times(const pel_scene_value *value, key_times *times)
+{
+    for (const pel_scene_value *entry = value->first; entry != NULL; entry = entry->next) {
+        const char *key = entry->key;
+        if (key != NULL && (strcmp(key, "from") == 0 || strcmp(key, "until") == 0 || strcmp(key, "time") == 0))
+            take_time(entry, times);
+        for (pel_scene_value *pair = entry->first; key != NULL && strcmp(key, "keys") == 0 && pair != NULL;
+             pair = pair->next)
+            if (pair->kind == PEL_SCENE_LIST)
+                take_time(pair->first, times);
+        take_times(entry, times);
+    }
+}
+
+/* A step, and a frame, for each multiple of the common divisor of all keys; with `steps`, that number to the last key;
+   for each mode; for each step of a path; one step if nothing is keyed. */
+static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *solver = find_map(root, "solver"), *output = find(root, "output");
+    const char *const parts[] = {"bodies", "loads", "tools"};
+    double modes = positive(solver, "modes"), steps = positive(solver, "steps"), dt = positive(solver, "dt");
+    key_times times = {0};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (find(root, parts[i]) != NULL)
+            take_times(find(root, parts[i]), &times);
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    double last = times.last > 0 ? times.last : 1, step = times.last > 0 ? times.step : 1;
+    step = steps > 0 ? last / steps : fmax(step, last / MOST_STATIC_STEPS);
+    if (has_modes)
+        last = (modes > 0 ? modes : DEFAULT_MODES) * (step = dt > 0 ? dt : 1);
+    else if (is_word(solver, "path", "arc-length"))
+        last = (steps > 0 ? steps : DEFAULT_PATH_STEPS) * (step = dt > 0 ? dt : 1);
+    if (output == NULL && (output = add(reader, root, "output", PEL_SCENE_MAP)) == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = set_number(reader, solver, "dt", step);
+    if (status == PEL_OK)
+        status = set_number(reader, root, "duration", fmax(last, dt));
+    bool is_open = output->kind == PEL_SCENE_MAP && find(output, "every") == NULL;
+    return status == PEL_OK && is_open ? set_text(reader, output, "every_frame", "1") : status;
+}
+
+static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *stop = find_map(root, "stop");
+    if (find(root, "duration") != NULL)
+        return PEL_OK;
+    double dt = positive(find_map(root, "solver"), "dt");
+    double time = positive(stop, "time"), frames = positive(stop, "frames") * (dt > 0 ? dt : DEFAULT_DT);
+    if (time > 0 || frames > 0)
+        return set_number(reader, root, "duration", time > 0 && (!(frames > 0) || time < frames) ? time : frames);
+    if (is_word(find_map(root, "solver"), "method", "static"))
+        return imply_static_times(reader, root);
+    return PEL_OK;
+}
+
+pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *root)
+{
+    pel_scene_value *bodies = root->kind == PEL_SCENE_MAP ? pel_scene_value_entry(root, "bodies") : NULL;
+    bool has_material = false;
+    pel_status status = PEL_OK;
+    if (bodies == NULL || bodies->kind != PEL_SCENE_LIST)
+        return PEL_OK;
+    for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next) {
+        status = imply_body(reader, body, &has_material);
+        if (status == PEL_OK)
+            status = imply_bending(reader, root, body);
+    }
+    if (status == PEL_OK)
+        status = imply_static(reader, root);
+    if (status == PEL_OK && has_material)
+        status = imply_method(reader, root);
+    return status == PEL_OK ? imply_duration(reader, root) : status;
+}

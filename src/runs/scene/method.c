@@ -1,0 +1,147 @@
+/* The cost of a step is estimated from counts, so that a scene has the same method on all machines: processor time of
+   one core per triangle, measured on balls and sheets of 320 to 20,480 triangles (docs/solvers.md, cost of a step). A
+   step of implicit grows faster than the triangles, with the fill of its factor. */
+#include "scene/method.h"
+
+#include "model/model.h"
+#include "model/shell.h"
+#include "scene/build.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static bool needs_projection(const pel_model *model)
+{
+    bool needs = false;
+    for (int32_t b = 0; b < model->body_count; b++)
+        needs |= pel_shell_needs_projection(model->bodies[b].shell);
+    return needs;
+}
+
+static bool refines(const pel_model *model)
+{
+    bool any = false;
+    for (int32_t b = 0; b < model->body_count; b++)
+        any |= model->bodies[b].detail != NULL;
+    return any;
+}
+
+/* ms of one core */
+typedef struct step_cost {
+    double substep, implicit; /* a substep of xpbd, a step of implicit */
+} step_cost;
+
+static step_cost cost_of(const pel_scene *scene, const pel_model *model)
+{
+    enum { FREE, TOOLS, CONTACT };
+    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 40e-3}; /* of a triangle */
+    int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
+    double triangles = model->triangle_begin[model->body_count];
+    return (step_cost){substep[kind] * triangles, implicit[kind] * triangles * sqrt(sqrt(triangles / 1000))};
+}
+
+/* with more substeps than this, implicit is as exact in less time */
+static bool is_cheaper(const step_cost *cost, int32_t substeps)
+{
+    return cost->implicit < cost->substep * substeps;
+}
+
+static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
+{
+    scene->sim.solver.method = method;
+    pel_scene_value_at(root, "solver.method")->text = pel_scene_method_name(method);
+}
+
+static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed,
+                          const step_cost *cost)
+{
+    const pel_solver_def *solver = &scene->sim.solver;
+    char reason[100];
+    if (needed > solver->max_substeps)
+        snprintf(reason, sizeof reason, "more than max_substeps %d", (int)solver->max_substeps);
+    else
+        snprintf(reason, sizeof reason, "about %.2g ms of one core against %.2g ms", cost->substep * needed,
+                 cost->implicit);
+    pel_log_line(reader->log, "method implicit: xpbd would need %d substeps in a step of %g s, %s", (int)needed,
+                 solver->dt, reason);
+    set_method(root, scene, PEL_METHOD_IMPLICIT);
+}
+
+/* feature that only methods with rotations of edges support, in words that may be in `text`; null = none */
+static const char *find_edge_feature(const pel_scene *scene, char text[64])
+{
+    if (scene->sim.support_count > 0)
+        return "`supports`";
+    for (int32_t l = 0; l < scene->sim.load_count; l++)
+        if (scene->sim.loads[l].kind == PEL_LOAD_MOMENT)
+            return "a moment on edges";
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        pel_bending_model model = scene->model.bodies[b].shell.bending.model;
+        if (!pel_bending_traits_of(model)->turns_edges)
+            continue;
+        snprintf(text, 64, "bending of the model %s", pel_bending_words[model]);
+        return text;
+    }
+    return NULL;
+}
+
+pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+{
+    const pel_solver_def *solver = &scene->sim.solver;
+    const pel_scene_value *method = pel_scene_value_at(root, "solver.method");
+    pel_model *model;
+    int32_t needed = 0;
+    if (!method->is_implied || solver->method != PEL_METHOD_XPBD || solver->substeps > 0 || solver->iterations > 0)
+        return PEL_OK;
+    char text[64];
+    const char *feature = find_edge_feature(scene, text);
+    if (feature != NULL) {
+        pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not support", feature);
+        set_method(root, scene, PEL_METHOD_IMPLICIT);
+        return PEL_OK;
+    }
+    pel_status status = pel_model_create(&scene->model, &model, NULL);
+    if (status != PEL_OK)
+        return status == PEL_OUT_OF_MEMORY ? pel_fail_memory(reader->error) : PEL_OK;
+    pel_sim_def def = scene->sim;
+    def.model = model;
+    status = pel_sim_needed_substeps(&def, &needed, NULL);
+    const step_cost cost = cost_of(scene, model);
+    /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
+    bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
+    bool is_better = needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed));
+    bool takes = status == PEL_OK && is_better && !needs_projection(model);
+    pel_model_destroy(model);
+    if (status == PEL_OUT_OF_MEMORY)
+        return pel_fail_memory(reader->error);
+    if (takes)
+        take_implicit(reader, root, scene, needed, &cost);
+    return PEL_OK;
+}
+
+/* ---- bending ---- */
+
+static bool needs_hinges(const pel_shell_def *shell)
+{
+    for (int32_t r = 0; r < shell->anisotropy_count; r++)
+        if (shell->anisotropies[r].mode == PEL_FIBRE_CURL)
+            return true;
+    return false;
+}
+
+void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)
+{
+    pel_method method = scene->sim.solver.method;
+    const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
+    if (method != PEL_METHOD_STATIC && method != PEL_METHOD_IMPLICIT)
+        return;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        /* the defs of the arena may be written to */
+        pel_shell_def *shell = (pel_shell_def *)(uintptr_t)&scene->model.bodies[b].shell;
+        pel_scene_value *model = pel_scene_value_at(pel_scene_value_element(list, b), "bending.model");
+        if (model == NULL || !model->is_implied || needs_hinges(shell))
+            continue;
+        model->text = pel_bending_words[PEL_BENDING_MIDEDGE];
+        shell->bending.model = PEL_BENDING_MIDEDGE;
+    }
+}

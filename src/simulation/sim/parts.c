@@ -1,0 +1,194 @@
+/* Steps in parts. Contacts are searched once per step, along straight paths. If surfaces move by many thicknesses in a
+   step, or press each other in layers, too many pairs meet for the substeps: the guard would step bodies back, and
+   corrections would add energy. An implicit step may have no solution near its start. Such a step is repeated in
+   halves, each with its own search, substeps and guard, and divided again if necessary. Parts grow after a number of
+   good ones. */
+#include "sim/parts.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "method/softness.h"
+#include "sim/sim.h"
+#include "tool/tool.h"
+#include "touch/contact.h"
+
+#include <string.h>
+
+void pel_parts_create(pel_sim *sim)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.step_size = PEL_PART_LIMIT;
+    parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    sim->part.substeps = sim->solver.substeps;
+    /* restitution detects collisions by whole steps, and a budget of work applies to a whole step */
+    bool is_bounded = sim->solver.budget > 0 || (!pel_sim_is_projected(sim) && sim->solver.iterations > 0);
+    bool divides = pel_sim_is_projected(sim) ? sim->contacts != NULL : sim->stepper->divides;
+    parts->divides = divides && sim->touch->collisions == NULL;
+    sim->part.can_halve = parts->divides && !is_bounded;
+}
+
+void pel_parts_destroy(pel_sim *sim)
+{
+    pel_free(pel_house_of(sim)->parts.before);
+}
+
+/* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
+   forces of the caller that come or go change its size. */
+static pel_status save_before(pel_sim *sim, pel_error *error)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    size_t size = pel_sim_save_size(sim);
+    if (parts->before == NULL || size != parts->before_size) {
+        void *before = pel_allocate(size, 1);
+        if (before == NULL)
+            return pel_fail_memory(error);
+        pel_free(parts->before);
+        parts->before = before;
+        parts->before_size = size;
+    }
+    pel_sim_save(sim, parts->before);
+    return PEL_OK;
+}
+
+/* Substeps from which on a snapshot takes 3 % of a step at most. */
+enum { LONG_SUBSTEPS = 32 };
+
+static bool is_long(const pel_sim *sim)
+{
+    return sim->stepper->minimises || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
+}
+
+/* Contact or many iterations make steps long that are short as a rule: a snapshot may take longer than these. */
+pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
+{
+    bool keeps = sim->def.wanted != NULL && is_long(sim);
+    bool can_be_long = sim->contacts != NULL || pel_sim_is_projected(sim);
+    bool asks = keeps || (sim->def.stops_short_steps && can_be_long);
+    pel_status status = keeps ? save_before(sim, error) : PEL_OK;
+    pel_house_of(sim)->parts.is_kept = keeps && status == PEL_OK;
+    pel_pool_watch(sim->pool, asks && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
+    return status;
+}
+
+/* update quantities that depend on the length of a part */
+static void set_size(pel_sim *sim, int32_t size)
+{
+    double before = sim->step.dt;
+    sim->part.step_size = size;
+    sim->step.dt = sim->solver.dt * size / PEL_PART_LIMIT;
+    if (sim->stepper->set_time != NULL)
+        sim->stepper->set_time(sim, before);
+}
+
+pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.at = 0;
+    sim->part.is_refused = false;
+    if (pel_sim_is_projected(sim))
+        pel_substeps_follow(sim);
+    sim->part.substeps = sim->solver.substeps;
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        sim->tools->items[t].hold_is_counted = sim->tools->items[t].was_held_back = false;
+        memset(sim->tools->items[t].force_sum, 0, sizeof sim->tools->items[t].force_sum);
+        memset(sim->tools->items[t].torque_sum, 0, sizeof sim->tools->items[t].torque_sum);
+    }
+    if (parts->now.size == PEL_PART_LIMIT)
+        return PEL_OK;
+    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
+    if (status == PEL_OK)
+        set_size(sim, parts->now.size);
+    return status;
+}
+
+pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.is_refused = false;
+    bool is_first = sim->part.step_size == PEL_PART_LIMIT && !parts->is_kept;
+    pel_status status = is_first ? save_before(sim, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
+    if (parts->now.calm == 0)
+        parts->now.patience = parts->now.patience < PEL_MOST_PATIENCE ? 2 * parts->now.patience : PEL_MOST_PATIENCE;
+    parts->now.calm = 0;
+    parts->now.size /= 2;
+    set_size(sim, parts->now.size);
+    return PEL_OK;
+}
+
+/* readings of the step are means of its parts */
+static void sum_readings(pel_sim *sim)
+{
+    double share = pel_part_share(sim);
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        pel_vec3_along(tool->force_sum, share, tool->force, tool->force_sum);
+        pel_vec3_along(tool->torque_sum, share, tool->torque, tool->torque_sum);
+        tool->was_held_back |= tool->is_held_back;
+    }
+}
+
+void pel_parts_accept(pel_sim *sim)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    pel_parts_now *now = &parts->now;
+    if (sim->part.step_size < PEL_PART_LIMIT)
+        sum_readings(sim);
+    sim->part.at += sim->part.step_size;
+    if (now->size == PEL_PART_LIMIT)
+        return;
+    now->calm++;
+    if (now->calm < now->patience || sim->part.at % (2 * now->size) != 0)
+        return;
+    now->size *= 2;
+    now->calm = 0;
+    if (now->size == PEL_PART_LIMIT)
+        now->patience = PEL_LEAST_PATIENCE;
+    if (sim->part.at < PEL_PART_LIMIT)
+        set_size(sim, now->size);
+}
+
+void pel_parts_end(pel_sim *sim, pel_status status)
+{
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    bool is_whole = sim->part.step_size == PEL_PART_LIMIT;
+    bool goes_back = status != PEL_OK && (!is_whole || (status == PEL_STOPPED && parts->is_kept));
+    sim->part.at = 0;
+    parts->is_kept = false;
+    pel_pool_watch(sim->pool, NULL, NULL);
+    if (!is_whole)
+        set_size(sim, PEL_PART_LIMIT);
+    if (goes_back)
+        pel_sim_load(sim, parts->before, parts->before_size, NULL);
+    if (is_whole)
+        return;
+    for (int32_t t = 0; t < sim->tools->count && status == PEL_OK; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        pel_vec3_copy(tool->force_sum, tool->force);
+        pel_vec3_copy(tool->torque_sum, tool->torque);
+        tool->is_held_back = tool->was_held_back;
+    }
+}
+
+/* ---- snapshots ---- */
+
+void pel_parts_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    if (parts->divides)
+        pel_transfer(at, &parts->now, sizeof parts->now);
+}
+
+bool pel_parts_restore(pel_sim *sim)
+{
+    pel_parts_now *now = &pel_house_of(sim)->parts.now;
+    bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
+    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE) {
+        now->size = sim->part.can_halve ? now->size : PEL_PART_LIMIT;
+        return true;
+    }
+    *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    return false;
+}

@@ -1,0 +1,113 @@
+/* Snapshots with the defs of the simulation, so that they undo changes of parameters. */
+#include "base/memory.h"
+#include "base/status.h"
+#include "pellicle/live.h"
+#include "sim/change.h"
+#include "sim/own_def.h"
+#include "sim/sim.h"
+
+#include <string.h>
+
+struct pel_snapshot {
+    const pel_sim *sim; /* whose it is: only compared */
+    pel_model_def model;
+    pel_sim_def def;
+    pel_copies copies;
+    pel_mesh **meshes; /* (def.tool_count) of tools, null = none */
+    pel_fingerprint fingerprint;
+    size_t size;
+    void *bytes;
+};
+
+/* meshes of bodies live as long as the simulation, meshes of tools as long as the tools */
+static pel_status copy_meshes(pel_snapshot *snapshot, pel_error *error)
+{
+    pel_tool_def *tools = (pel_tool_def *)(uintptr_t)snapshot->def.tools;
+    int32_t count = snapshot->def.tool_count;
+    snapshot->def.tool_count = 0;
+    snapshot->meshes = pel_allocate((size_t)count, sizeof *snapshot->meshes);
+    if (snapshot->meshes == NULL)
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    for (int32_t t = 0; status == PEL_OK && t < count; t++) {
+        const pel_mesh *mesh = tools[t].mesh;
+        if (mesh != NULL)
+            status = pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count,
+                                     &snapshot->meshes[t], error);
+        tools[t].mesh = snapshot->meshes[t];
+        snapshot->def.tool_count = t + 1;
+    }
+    return status;
+}
+
+pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(snapshot, error);
+    *snapshot = NULL;
+    pel_snapshot *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->sim = sim;
+    made->model = sim->given->def;
+    made->def = sim->def;
+    made->fingerprint = pel_house_of(sim)->fingerprint;
+    made->size = pel_sim_save_size(sim);
+    made->bytes = pel_allocate(made->size, 1);
+    pel_status status = made->bytes != NULL ? PEL_OK : pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = pel_def_copy(&made->copies, pel_model_members, &made->model, error);
+    if (status == PEL_OK)
+        status = pel_sim_def_copy(&made->copies, &made->def, error);
+    if (status == PEL_OK)
+        status = copy_meshes(made, error);
+    if (status != PEL_OK) {
+        pel_snapshot_destroy(made);
+        return status;
+    }
+    pel_sim_save(sim, made->bytes);
+    *snapshot = made;
+    return PEL_OK;
+}
+
+void pel_snapshot_destroy(pel_snapshot *snapshot)
+{
+    if (snapshot == NULL)
+        return;
+    for (int32_t t = 0; snapshot->meshes != NULL && t < snapshot->def.tool_count; t++)
+        pel_mesh_destroy(snapshot->meshes[t]);
+    pel_free(snapshot->meshes);
+    pel_copies_free(&snapshot->copies);
+    pel_free(snapshot->bytes);
+    pel_free(snapshot);
+}
+
+size_t pel_snapshot_size(const pel_snapshot *snapshot)
+{
+    if (snapshot == NULL)
+        return 0;
+    return sizeof *snapshot + snapshot->size;
+}
+
+pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(snapshot, error);
+    if (snapshot->sim != sim) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "the snapshot is of another simulation");
+        pel_fail_remedy(error, "restore the simulation that it was made from");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (memcmp(&snapshot->fingerprint, &pel_house_of(sim)->fingerprint, sizeof pel_house_of(sim)->fingerprint) == 0)
+        return pel_sim_load(sim, snapshot->bytes, snapshot->size, error);
+    /* the defs are the snapshot's own; only the address of the meshes of bodies may be another one by now */
+    pel_body_def *bodies = (pel_body_def *)(uintptr_t)snapshot->model.bodies;
+    for (int32_t b = 0; b < snapshot->model.body_count; b++)
+        bodies[b].mesh = sim->given->bodies[b].mesh;
+    const pel_change change = {.model = snapshot->model,
+                               .sim = snapshot->def,
+                               .changes_model = true,
+                               .state = snapshot->bytes,
+                               .state_size = snapshot->size};
+    return pel_change_apply(sim, &change, error);
+}

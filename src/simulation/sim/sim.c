@@ -1,0 +1,168 @@
+/* The step, the same for all methods: surface, method, contact and tools, readings, ledger; then it is accepted. */
+#include "sim/sim.h"
+
+#include "adapt/refine.h"
+#include "base/pool.h"
+#include "base/status.h"
+#include "method/bending_weight.h"
+#include "stage/accessors.h"
+#include "stage/shells.h"
+#include "tool/grip.h"
+#include "tool/reading.h"
+#include "tool/support.h"
+#include "tool/tools.h"
+#include "touch/restitution.h"
+
+#include <string.h>
+
+static pel_status report_divergence(const pel_sim *sim, pel_error *error)
+{
+    const pel_model *model = sim->model;
+    int32_t bad = pel_sim_first_outside(sim);
+    /* it was rounding that went beyond the bound */
+    if (bad < 0)
+        bad = model->vertex_count - 1;
+    const pel_body *body = &model->bodies[model->body_of_slice[bad / PEL_WIDTH]];
+    pel_fail(error, PEL_DIVERGED, "body '%s' diverged in step %lld (t = %g s)", body->name,
+             (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
+    pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
+    sim->stepper->advise(sim, error);
+    return PEL_DIVERGED;
+}
+
+/* the new positions and velocities become the present ones */
+static void accept(pel_state *state)
+{
+    pel_record *oldest = state->position_before, *velocity = state->velocity;
+    state->position_before = state->position;
+    state->position = state->position_next;
+    state->position_next = oldest;
+    state->velocity = state->velocity_next;
+    state->velocity_next = velocity;
+}
+
+static void mark_contacts(pel_sim *sim)
+{
+    if (sim->tools->count == 0 && sim->contacts == NULL)
+        return;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        int32_t first = body->slice_begin * PEL_WIDTH, count = body->slice_end * PEL_WIDTH - first;
+        if (sim->part.at == 0)
+            memset(sim->state->contact + first, 0, (size_t)count);
+    }
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        for (int32_t k = 0; k < sim->tools->items[i].touch_count; k++)
+            sim->state->contact[sim->tools->items[i].touches[k].vertex] = 1;
+    if (sim->contacts != NULL)
+        pel_contact_set_mark(sim->contacts, sim->state->contact);
+    if (sim->stepper->mark_contacts != NULL)
+        sim->stepper->mark_contacts(sim);
+}
+
+/* Refinement comes before the tools, so that they push new vertices out as well; contact follows the new surface. */
+static pel_status follow_surface(pel_sim *sim, pel_error *error)
+{
+    sim->present.has_force = false;
+    sim->state_number++;
+    if (sim->active != NULL)
+        pel_refine_step(sim);
+    return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;
+}
+
+/* the new positions and velocities of the method */
+static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_error *error)
+{
+    const pel_stepper *stepper = sim->stepper;
+    pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
+    pel_status status = stepper->step(sim, result, error);
+    /* some methods do not bound the motion: the search of tools needs the new edges */
+    if (status == PEL_OK && !result->diverged && !stepper->bounds_motion && sim->tools->count > 0)
+        result->longest = pel_sim_longest_edge(sim);
+    if (status == PEL_OK && result->diverged)
+        status = report_divergence(sim, error);
+    /* a surface that never cuts itself cannot turn inside out */
+    if (status == PEL_OK && !sim->part.is_refused && !pel_sim_has_self_contact(sim))
+        status = pel_shells_check_volume(sim, error);
+    if ((status != PEL_OK || sim->part.is_refused) && stepper->moves_tools)
+        pel_tools_return(sim);
+    return status;
+}
+
+/* correct remaining violations, then guard; without contact tools press by themselves */
+static pel_status keep_apart(pel_sim *sim, double next, const pel_step_result *result, pel_error *error)
+{
+    if (sim->contacts != NULL)
+        return pel_contacts_apply(sim, next, result, error);
+    if (sim->tools->count == 0)
+        return PEL_OK;
+    if (!sim->stepper->moves_tools)
+        pel_tools_move(sim, next);
+    pel_tools_press(sim, result->longest, false);
+    pel_tools_read(sim, next);
+    return PEL_OK;
+}
+
+/* accept the new positions and velocities of a part */
+static void accept_part(pel_sim *sim, double next)
+{
+    bool is_last = pel_parts_are_last(sim);
+    pel_supports_read(sim, next);
+    mark_contacts(sim);
+    pel_ledger_step(sim, next);
+    accept(sim->state);
+    pel_contact_forces_accept(&sim->contact_forces, pel_part_share(sim), sim->part.at == 0);
+    sim->state->step += is_last;
+    pel_tools_end_step(sim, next);
+    if (is_last)
+        pel_bending_weights_follow(sim);
+    if (sim->stepper->accept != NULL)
+        sim->stepper->accept(sim);
+    pel_restitution_apply(sim);
+    pel_parts_accept(sim);
+}
+
+/* a part that failed, or is refused, leaves the state before it */
+static pel_status step_part(pel_sim *sim, pel_error *error)
+{
+    double next = pel_sim_next_time(sim);
+    pel_step_result result = {0};
+    pel_contact_forces_begin(&sim->contact_forces);
+    pel_status status = solve(sim, next, &result, error);
+    if (status == PEL_OK && !sim->part.is_refused)
+        status = keep_apart(sim, next, &result, error);
+    /* a shorter part has fewer pairs, and does not go that far */
+    bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
+    if (sim->part.is_refused || (is_too_long && pel_parts_can_halve(sim)))
+        return pel_parts_halve(sim, error);
+    if (status == PEL_OK)
+        status = pel_pool_check(sim->pool, error);
+    if (status == PEL_OK && sim->contact_forces.is_short) {
+        sim->contact_forces.is_short = false;
+        status = pel_fail_memory(error);
+    }
+    if (status == PEL_OK)
+        accept_part(sim, next);
+    return status;
+}
+
+pel_status pel_sim_step(pel_sim *sim, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    pel_status status = pel_parts_keep(sim, error);
+    pel_ledger_start(sim);
+    if (status == PEL_OK)
+        status = follow_surface(sim, error);
+    if (status == PEL_OK) {
+        /* substeps depend on the stiffness at this time */
+        pel_sim_update_factors(sim, pel_sim_time(sim));
+        status = pel_parts_begin(sim, error);
+    }
+    while (status == PEL_OK && sim->part.at < PEL_PART_LIMIT)
+        status = step_part(sim, error);
+    /* a stop that was asked for after the last part was accepted is not lost */
+    if (status == PEL_OK)
+        status = pel_pool_check(sim->pool, error);
+    pel_parts_end(sim, status);
+    return status;
+}

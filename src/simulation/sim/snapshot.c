@@ -1,0 +1,381 @@
+/* Snapshots: a header with the fingerprint of the model and sim that it was made with and a checksum, then all that the
+   steps to come depend on. The size is fixed for one sim, so that it can be written without allocation. */
+#include "sim/snapshot.h"
+
+#include "adapt/criterion.h"
+#include "adapt/refine.h"
+#include "adapt/transfer.h"
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/forces.h"
+#include "boundary/hold.h"
+#include "boundary/loads.h"
+#include "method/softness.h"
+#include "minimise/minimise.h"
+#include "minimise/step_modes.h"
+#include "minimise/step_newton.h"
+#include "minimise/step_path.h"
+#include "model/shell.h"
+#include "observe/ledger.h"
+#include "sim/parts.h"
+#include "sim/sim.h"
+#include "stage/shells.h"
+#include "stage/surface_view.h"
+#include "tool/reading.h"
+#include "tool/support.h"
+#include "tool/tools.h"
+#include "touch/contact.h"
+#include "touch/transfer.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SNAPSHOT_VERSION = 12 };
+
+typedef struct header {
+    char magic[8];
+    uint32_t version, real_size;
+    uint64_t size; /* bytes of the whole */
+    pel_fingerprint fingerprint;
+    int64_t step;
+    uint64_t has_forces; /* of the caller */
+    uint64_t checksum;   /* of the whole, with 0 in its place */
+} header;
+
+static uint64_t hash_double(uint64_t hash, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return pel_hash_word(hash, bits);
+}
+
+static uint64_t hash_records(uint64_t hash, const pel_sim *sim, int32_t body, const pel_record *records)
+{
+    int32_t count = pel_output_count(sim, body);
+    for (int32_t r = 0; r < count; r++) {
+        int32_t place = pel_output_model_index(sim, body, r);
+        for (int c = 0; c < 3; c++)
+            hash = hash_double(hash, (double)records[place][c]);
+    }
+    return hash;
+}
+
+uint64_t pel_sim_hash(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    uint64_t hash = pel_hash_word(PEL_HASH_START, (uint64_t)sim->state->step);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_state *state = sim->state;
+        hash = hash_records(hash, sim, b, state->position);
+        hash = hash_records(hash, sim, b, state->velocity != NULL ? state->velocity : state->position_before);
+    }
+    return hash;
+}
+
+/* in the order of the format */
+static void transfer_sim(pel_cursor *at, const pel_sim *sim)
+{
+    static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
+                                                pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors};
+    static pel_transfer_part *const after[] = {
+        pel_supports_transfer, pel_touch_transfer_forces,     pel_touch_transfer_pairs,    pel_transfer_held,
+        pel_forces_transfer,   pel_touch_transfer_statistics, pel_touch_transfer_collider, pel_minimise_transfer,
+        pel_sim_path_transfer, pel_sim_modes_transfer,        pel_ledger_transfer};
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++)
+        before[i](at, sim, 0);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        pel_transfer_bending(at, sim, b);
+    for (int32_t l = 0; l < sim->loads->count; l++)
+        pel_load_transfer(at, sim, l);
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        pel_tool_transfer(at, sim, t);
+    for (size_t i = 0; i < sizeof after / sizeof *after; i++)
+        after[i](at, sim, 0);
+}
+
+static void transfer_fronts(pel_cursor *at, const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->model->bodies[b].front != NULL)
+            pel_refine_transfer(at, sim, b);
+}
+
+size_t pel_sim_save_size(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    pel_cursor place = {.at = sizeof(header)};
+    transfer_fronts(&place, sim);
+    transfer_sim(&place, sim);
+    return place.at;
+}
+
+static uint64_t checksum_of(const void *bytes, size_t size)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    head.checksum = 0;
+    uint64_t hash = pel_hash_block(PEL_HASH_START, &head, sizeof head);
+    return pel_hash_block(hash, (const unsigned char *)bytes + sizeof head, size - sizeof head);
+}
+
+void pel_snapshot_seal(void *bytes, size_t size)
+{
+    uint64_t checksum = checksum_of(bytes, size);
+    memcpy((unsigned char *)bytes + offsetof(header, checksum), &checksum, sizeof checksum);
+}
+
+/* returns its size */
+static size_t save(const pel_sim *sim, void *bytes)
+{
+    header head = {
+        .magic = "PELSNAP",
+        .version = SNAPSHOT_VERSION,
+        .real_size = sizeof(pel_real),
+        .size = pel_sim_save_size(sim),
+        .fingerprint = pel_house_of(sim)->fingerprint,
+        .step = sim->state->step,
+        .has_forces = sim->loads->external != NULL,
+    };
+    memcpy(bytes, &head, sizeof head);
+    pel_cursor place = {.bytes = bytes, .at = sizeof head};
+    transfer_fronts(&place, sim);
+    transfer_sim(&place, sim);
+    return place.at;
+}
+
+void pel_snapshot_keep(const pel_sim *sim, void *bytes)
+{
+    (void)save(sim, bytes);
+}
+
+void pel_sim_save(const pel_sim *sim, void *bytes)
+{
+    if (sim != NULL && bytes != NULL)
+        pel_snapshot_seal(bytes, save(sim, bytes));
+}
+
+static const char damage_remedy[] = "load another one before the next step";
+
+static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
+{
+    char parts[sizeof error->what];
+    if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
+        return pel_refuse(error, PEL_BAD_FORMAT, "give what save has filled", "not a snapshot");
+    memset(head, 0, sizeof *head);
+    memcpy(head, bytes, size < sizeof *head ? size : sizeof *head);
+    if (head->version != SNAPSHOT_VERSION)
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it with the version of the program that saved it",
+                          "the snapshot has version %u of the format, not %d", head->version, (int)SNAPSHOT_VERSION);
+    if (size < sizeof *head || size < head->size)
+        return pel_refuse(error, PEL_BAD_FORMAT, "give all of its bytes", "the snapshot is cut short");
+    if (head->real_size != sizeof(pel_real))
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it with a program of that precision",
+                          "the snapshot is of %s precision", head->real_size == sizeof(float) ? "single" : "double");
+    if (head->size != size || head->checksum != checksum_of(bytes, size))
+        return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
+    pel_fingerprint_compare(&head->fingerprint, &pel_house_of(sim)->fingerprint, parts, sizeof parts);
+    if (parts[0] != '\0')
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
+                          "the snapshot was made with other: %s", parts);
+    pel_status status = pel_sim_make_forces(sim, head->has_forces != 0, error);
+    if (status == PEL_OK && size != pel_sim_save_size(sim))
+        return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
+    return status;
+}
+
+/* places that are not in use are the same in all arrays that change places from step to step (clear_place) */
+static void rest_unused_places(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    size_t size = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(state->position_next, state->position, size);
+    if (state->velocity != NULL)
+        memcpy(state->velocity_next, state->velocity, size);
+}
+
+/* a snapshot whose header fits the simulation */
+static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    /* the bytes are only read: the cursor copies out of them */
+    pel_cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    sim->present.has_force = false;
+    sim->state_number++;
+    pel_minimise_forget(sim);
+    transfer_fronts(&place, sim);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->model->bodies[b].front != NULL && !pel_refine_restore(sim, b))
+            return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                              "the snapshot is damaged: its surface does not match its positions");
+    sim->contact_forces.is_short = false;
+    transfer_sim(&place, sim);
+    sim->tools->held_is_listed = false;
+    pel_contact_records_forget(&sim->contact_forces);
+    sim->state->step = head.step;
+    for (int32_t l = 0; l < sim->loads->count; l++)
+        memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads->items[l].force,
+               sizeof sim->loads->items[l].force);
+    rest_unused_places(sim);
+    pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
+    if (sim->contacts != NULL) {
+        sim->contacts->tangles.is_known = false;
+        sim->touch->is_loaded = true;
+    }
+    /* first, so that readings of tools are complete even if other data are damaged */
+    bool has_tools = pel_tools_restore(sim);
+    pel_ledger_follow(sim);
+    if (!has_tools)
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
+    if (!pel_parts_restore(sim))
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its parts of a step are out of range");
+    if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its number of substeps is out of range");
+    return sim->contact_forces.is_short ? pel_fail_memory(error) : PEL_OK;
+}
+
+pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(bytes, error);
+    header head;
+    pel_status status = check_snapshot(sim, bytes, size, &head, error);
+    return status == PEL_OK ? restore(sim, bytes, error) : status;
+}
+
+pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    pel_status status = pel_sim_make_forces(sim, head.has_forces != 0, error);
+    return status == PEL_OK ? restore(sim, bytes, error) : status;
+}
+
+/* ---- from one simulation to another ---- */
+
+/* room for one part at a time */
+typedef struct carrier {
+    const pel_sim *from;
+    pel_sim *to;
+    unsigned char *bytes;
+    size_t capacity;
+    bool is_full; /* memory is out */
+} carrier;
+
+/* nothing where the two have another layout */
+static void carry(carrier *c, pel_transfer_part *part, int32_t from, int32_t to)
+{
+    pel_cursor old_size = {.at = 0}, new_size = {.at = 0};
+    part(&old_size, c->from, from);
+    part(&new_size, c->to, to);
+    if (old_size.at != new_size.at || old_size.at == 0)
+        return;
+    if (old_size.at > c->capacity) {
+        pel_free(c->bytes);
+        c->bytes = pel_allocate(old_size.at, 1);
+        c->capacity = c->bytes != NULL ? old_size.at : 0;
+        c->is_full |= c->bytes == NULL;
+    }
+    if (c->bytes == NULL)
+        return;
+    pel_cursor save = {.bytes = c->bytes}, load = {.bytes = c->bytes, .load = true};
+    part(&save, c->from, from);
+    part(&load, c->to, to);
+}
+
+static pel_status carry_surfaces(carrier *c, pel_error *error)
+{
+    for (int32_t b = 0; b < c->to->model->body_count; b++) {
+        if (c->to->model->bodies[b].front == NULL)
+            continue;
+        pel_status status = pel_refine_check_room(c->from, c->to, b, error);
+        if (status != PEL_OK)
+            return status;
+        carry(c, pel_refine_transfer, b, b);
+        if (c->is_full)
+            return pel_fail_memory(error);
+        if (!pel_refine_restore(c->to, b))
+            return pel_fail(error, PEL_BAD_ARGUMENT, "the refined surface does not fit the change");
+    }
+    return PEL_OK;
+}
+
+/* inverse masses come from the new model; pinned vertices keep their positions */
+static void take_mobility(const pel_sim *from, pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        pel_real mobility = sim->model->inverse_mass[v];
+        state->position[v][3] = state->position_before[v][3] = mobility;
+        if (mobility != from->model->inverse_mass[v])
+            state->older_is_known = false;
+        if (mobility > 0 || !(from->model->inverse_mass[v] > 0))
+            continue;
+        state->position_before[v] = state->position[v];
+        if (state->velocity != NULL)
+            state->velocity[v] = (pel_record){0};
+    }
+}
+
+/* A tool that waits for its first step is at its keys, which may have changed. Held vertices stay held. */
+static void carry_tool(carrier *c, int32_t from, int32_t to)
+{
+    pel_tool *tool = &c->to->tools->items[to];
+    pel_pose start = tool->pose;
+    carry(c, pel_tool_transfer, from, to);
+    if (c->from->state->step == 0)
+        tool->pose = start;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        c->to->held[v] = 1;
+        c->to->state->position[v][3] = 0;
+    }
+}
+
+pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error)
+{
+    carrier c = {.from = from, .to = to};
+    bool has_run = from->state->step > 0;
+    pel_status status = carry_surfaces(&c, error);
+    if (status == PEL_OK) {
+        carry(&c, pel_transfer_motion, 0, 0);
+        /* its presence depends on tools and contact */
+        carry(&c, pel_transfer_history, 0, 0);
+        take_mobility(from, to);
+        for (int32_t t = 0; t < to->tools->count; t++) {
+            int32_t old = pel_sim_find_tool(from, to->tools->items[t].name);
+            if (old >= 0)
+                carry_tool(&c, old, t);
+        }
+        static pel_transfer_part *const parts[] = {
+            pel_parts_transfer,       pel_transfer_marks,  pel_supports_transfer,         pel_touch_transfer_forces,
+            pel_touch_transfer_pairs, pel_forces_transfer, pel_touch_transfer_statistics, pel_minimise_transfer,
+            pel_ledger_transfer};
+        for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+            carry(&c, parts[i], 0, 0);
+        pel_supports_release(from, to);
+        pel_substeps_carry(from, to);
+        for (int32_t b = 0; b < to->model->body_count; b++) {
+            const pel_shell *old = from->model->bodies[b].shell, *new = to->model->bodies[b].shell;
+            if (old != NULL && new != NULL && old->bending_weight == new->bending_weight)
+                carry(&c, pel_transfer_bending, b, b);
+        }
+        to->state->older_is_known &= from->solver.substeps == to->solver.substeps;
+        to->state->step = from->state->step;
+        if (to->contacts != NULL && has_run) {
+            to->contacts->tangles.is_known = false;
+            to->touch->revisions[0] = -1;
+        }
+        rest_unused_places(to);
+    }
+    if (status == PEL_OK && (c.is_full || to->contact_forces.is_short))
+        status = pel_fail_memory(error);
+    pel_free(c.bytes);
+    return status;
+}

@@ -1,0 +1,462 @@
+#include "solve/project.h"
+
+#include "base/memory.h"
+#include "base/room.h"
+#include "base/status.h"
+#include "contact/sweep.h"
+#include "math/functions.h"
+
+#include <math.h>
+#include <string.h>
+
+/* vertices of one chunk of a loop over vertices */
+enum { VERTEX_CHUNK = 2048 };
+
+/* ---- creation ---- */
+
+static pel_status make_multipliers(const pel_batches *batches)
+{
+    for (int32_t b = 0; b < batches->model->body_count; b++)
+        for (int32_t i = 0; i < batches->bodies[b].batch_count; i++) {
+            pel_batch *batch = &batches->bodies[b].batches[i];
+            size_t count = (size_t)batch->capacity * PEL_BLOCK * (size_t)batch->multiplier_count;
+            if (!batch->is_projected || count == 0 || batch->multipliers != NULL)
+                continue;
+            batch->multipliers = pel_allocate_aligned(count, sizeof *batch->multipliers);
+            if (batch->multipliers == NULL)
+                return PEL_OUT_OF_MEMORY;
+        }
+    return PEL_OK;
+}
+
+static pel_status build(pel_projector *projector, pel_error *error)
+{
+    const pel_model *model = projector->model;
+    const pel_solver_def *solver = &projector->solver;
+    size_t count = (size_t)model->vertex_count;
+    projector->base = pel_allocate_aligned(count, sizeof *projector->base);
+    bool made = projector->base != NULL;
+    if (solver->second_order) {
+        projector->touches = pel_allocate((size_t)model->body_count, sizeof *projector->touches);
+        projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
+        projector->older_velocity = pel_allocate_aligned(count, sizeof *projector->older_velocity);
+        made &= projector->older_position != NULL && projector->older_velocity != NULL && projector->touches != NULL;
+    }
+    if (made && solver->method == PEL_METHOD_XPBD && solver->iterations > 1)
+        made = make_multipliers(projector->batches) == PEL_OK;
+    return made ? PEL_OK : pel_fail_memory(error);
+}
+
+pel_status pel_projector_create(pel_batches *batches, const pel_solver_def *solver, pel_projector **projector,
+                                pel_error *error)
+{
+    *projector = NULL;
+    pel_projector *made = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->model = batches->model;
+    made->batches = batches;
+    made->solver = *solver;
+    made->whole_dt = solver->dt;
+    made->substep = made->whole_substep = solver->dt / solver->substeps;
+    pel_status status = build(made, error);
+    if (status == PEL_OK)
+        *projector = made;
+    else
+        pel_projector_destroy(made);
+    return status;
+}
+
+void pel_projector_destroy(pel_projector *projector)
+{
+    if (projector == NULL)
+        return;
+    PEL_FREE_ALL(projector->base, projector->older_position, projector->older_velocity, projector->reaction,
+                 projector->is_fixed, projector->touches);
+    pel_free(projector);
+}
+
+void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int32_t substeps)
+{
+    pel_projector_set_time(projector, state, projector->solver.dt, substeps);
+}
+
+void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps)
+{
+    double substep = dt / substeps;
+    if (state != NULL)
+        pel_state_move_history(projector->model, state, projector->substep, substep);
+    projector->solver.dt = dt;
+    projector->solver.substeps = substeps;
+    projector->substep = substep;
+}
+
+/* ---- sweeps ---- */
+
+typedef struct sweep_job {
+    const pel_projector *projector;
+    pel_record *positions;
+    int32_t first; /* bundle of the phase */
+} sweep_job;
+
+static void sweep_bundle(void *context, int32_t chunk)
+{
+    const sweep_job *job = context;
+    const pel_batches *batches = job->projector->batches;
+    const pel_bundle *bundle = &batches->bundles[job->first + chunk];
+    const pel_body_batches *body = &batches->bodies[bundle->body];
+    pel_batch_sweep *const *kernels = job->projector->is_plain ? pel_project_plain : pel_project_wide;
+    for (int32_t i = 0; i < body->batch_count; i++) {
+        const pel_batch *batch = &body->batches[i];
+        if (batch->is_on)
+            kernels[batch->kind](batch, batch->bundle_begin[bundle->number], batch->bundle_begin[bundle->number + 1],
+                                 job->positions);
+    }
+}
+
+void pel_project_sweep(const pel_projector *projector, pel_record *positions)
+{
+    for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
+        const int32_t *begin = &projector->batches->phase_begin[phase];
+        sweep_job job = {projector, positions, begin[0]};
+        pel_pool_run(projector->pool, begin[1] - begin[0], sweep_bundle, &job);
+    }
+}
+
+static void forget_multipliers(const pel_projector *projector)
+{
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        for (int32_t i = 0; i < projector->batches->bodies[b].batch_count; i++) {
+            const pel_batch *batch = &projector->batches->bodies[b].batches[i];
+            size_t count = (size_t)batch->block_count * PEL_BLOCK * (size_t)batch->multiplier_count;
+            if (batch->multipliers != NULL)
+                memset(batch->multipliers, 0, count * sizeof *batch->multipliers);
+        }
+}
+
+/* ---- vertices ---- */
+
+typedef struct vertex_job {
+    pel_projector *projector;
+    pel_state *state;
+    pel_record *force;
+    const uint8_t *is_held; /* see pel_boundary */
+    bool first;             /* substep of the step */
+    bool is_moving;         /* velocities are still to be taken from the substep before */
+    bool second_order;      /* there is a past */
+    pel_real rate;          /* of velocities by ways, drag included */
+} vertex_job;
+
+/* y and u of a vertex, see project.h */
+typedef struct launch {
+    pel_record base, velocity;
+} launch;
+
+static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x, pel_record speed)
+{
+    pel_projector *projector = job->projector;
+    const pel_state *state = job->state;
+    pel_record x1 = job->first ? state->older_position[v] : projector->older_position[v];
+    pel_record v1 = job->first ? state->older_velocity[v] : projector->older_velocity[v];
+    projector->older_position[v] = x;
+    projector->older_velocity[v] = speed;
+    if (!job->second_order)
+        return (launch){x, speed};
+    const pel_real third = (pel_real)(1.0 / 3);
+    return (launch){third * (4 * x - x1), third * (4 * speed - v1)};
+}
+
+/* damping of the motion along the volumetric spring, implicit: v -= (1 - 1 / (1 + tau w d')) (v.e) e / |e|^2 */
+static pel_record damp_radially(pel_record velocity, pel_record offset, double rate)
+{
+    double along = 0, square = 0;
+    for (int i = 0; i < 3; i++) {
+        along += (double)velocity[i] * (double)offset[i];
+        square += (double)offset[i] * (double)offset[i];
+    }
+    double change = square > 0 ? rate / (1 + rate) * along / square : 0;
+    return velocity - (pel_real)change * offset;
+}
+
+/* The drag of everything [1/s] as far as it is taken up by the mass. In second order it has to be: a factor on the
+   velocities, of which the last two count, would act one and a half times. */
+static double massive_drag(const pel_projector *projector)
+{
+    return projector->solver.second_order ? projector->solver.drag : 0;
+}
+
+/* drag and volumetric spring as a larger mass, see project.h */
+static pel_record hold_back(const vertex_job *job, int32_t v, const double *factors, pel_record x, const launch *from,
+                            pel_record push, pel_real *w)
+{
+    const pel_model *model = job->projector->model;
+    pel_record velocity = from->velocity;
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
+    if (radial > 0)
+        velocity = damp_radially(velocity, x - model->rest[v], job->projector->tau * (double)*w * radial);
+    double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w);
+    pel_real drag = (pel_real)((rate + massive_drag(job->projector)) * job->projector->tau);
+    pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) *
+                                 job->projector->tau * job->projector->tau);
+    pel_real share = 1 / (1 + drag + spring);
+    *w *= share;
+    return share *
+           (from->base + (pel_real)job->projector->tau * velocity + push + drag * from->base + spring * model->rest[v]);
+}
+
+/* drag or a volumetric spring of its own */
+static bool is_held(const pel_model *model, int32_t v)
+{
+    return model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0;
+}
+
+/* of the substep that ends at x */
+static pel_record velocity_of(const vertex_job *job, int32_t v, pel_record x)
+{
+    pel_record velocity = job->rate * (x - job->projector->base[v]);
+    velocity[3] = 0;
+    return velocity;
+}
+
+static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
+{
+    const pel_model *model = job->projector->model;
+    pel_state *state = job->state;
+    bool held = job->is_held != NULL && job->is_held[v];
+    pel_real w = held ? 0 : model->inverse_mass[v], tau = (pel_real)job->projector->tau;
+    pel_record x = job->first ? state->position[v] : state->position_next[v], speed;
+    if (job->is_moving)
+        speed = velocity_of(job, v, x);
+    else
+        speed = job->first ? state->velocity[v] : state->velocity_next[v];
+    launch from = {x, speed};
+    if (state->older_position != NULL)
+        from = second_order_launch(job, v, x, speed);
+    if (!(w > 0))
+        from = (launch){x, speed - speed};
+    pel_record force = job->force[v], push = tau * tau * w * force;
+    pel_record next = from.base + tau * from.velocity + push;
+    if (job->projector->reaction != NULL && job->projector->is_fixed[v])
+        job->projector->reaction[v] += force;
+    job->force[v] = (pel_record){0};
+    bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
+    if (is_dragged || (job->projector->is_held && is_held(model, v)))
+        next = hold_back(job, v, factors, x, &from, push, &w);
+    next[3] = w;
+    state->position_next[v] = next;
+    job->projector->base[v] = from.base;
+}
+
+static void predict_chunk(void *context, int32_t chunk)
+{
+    const vertex_job *job = context;
+    const pel_model *model = job->projector->model;
+    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
+    end = end < model->vertex_count ? end : model->vertex_count;
+    for (int32_t v = first; v < end; v++)
+        predict_vertex(job, v, job->state->factors[model->body_of_slice[v / PEL_WIDTH]]);
+}
+
+static void measure_velocity_chunk(void *context, int32_t chunk)
+{
+    const vertex_job *job = context;
+    const pel_projector *projector = job->projector;
+    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
+    for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
+        job->state->velocity_next[v] = velocity_of(job, v, job->state->position_next[v]);
+        if (job->is_held == NULL || !job->is_held[v])
+            job->state->position_next[v][3] = projector->model->inverse_mass[v];
+    }
+}
+
+/* Second order: what a contact stops has no smooth past. The velocity of a body that touches anything is the way of the
+   substep, and the next one begins as if it had always moved so. Otherwise the past would throw it back from what it
+   ran into. All of the body: were it a part, momentum would not stay. */
+static void forget_past(pel_projector *projector, pel_state *state, int32_t body)
+{
+    const pel_model *model = projector->model;
+    const pel_real rate = (pel_real)(1 / projector->substep);
+    int32_t end = pel_body_place_end(model, body);
+    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < end; v++) {
+        if (!(state->position_next[v][3] > 0))
+            continue;
+        pel_record velocity = rate * (state->position_next[v] - projector->older_position[v]);
+        velocity[3] = 0;
+        state->velocity_next[v] = projector->older_velocity[v] = velocity;
+    }
+}
+
+static void mark_touching_bodies(pel_projector *projector, const pel_contact_list *contacts)
+{
+    for (int32_t c = 0; c < contacts->count; c++) {
+        const pel_contact *contact = &contacts->contacts[c];
+        for (int i = 0; i < 4 && contact->push > 0; i++)
+            if (contact->weights[i] != 0)
+                projector->touches[projector->model->body_of_slice[contact->vertices[i] / PEL_WIDTH]] = 1;
+    }
+}
+
+/* ---- steps ---- */
+
+void pel_projector_begin(pel_projector *projector, const pel_state *state, double time)
+{
+    pel_solver_def whole = projector->solver;
+    whole.dt = projector->whole_dt;
+    whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
+    projector->is_held = false;
+    for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
+        projector->is_held = is_held(projector->model, v);
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        pel_project_body_begin(projector->batches, b, &whole, state, time);
+}
+
+static void set_time(pel_projector *projector, const pel_state *state, double tau)
+{
+    double ratio = fmin(projector->substep / projector->whole_substep, 1);
+    projector->tau = tau;
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau, ratio * ratio);
+}
+
+static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
+                           pel_substep_place place)
+{
+    bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
+    double drag = projector->solver.drag - massive_drag(projector);
+    return (vertex_job){
+        .projector = projector,
+        .state = state,
+        .force = force,
+        .is_held = boundary->is_held,
+        .first = first,
+        .is_moving = !first && !second_order,
+        .second_order = second_order && (!first || state->older_is_known),
+        .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->tau),
+    };
+}
+
+static void run_over_vertices(pel_projector *projector, pel_chunk_function *function, vertex_job *job)
+{
+    pel_pool_run(projector->pool, (projector->model->vertex_count + VERTEX_CHUNK - 1) / VERTEX_CHUNK, function, job);
+}
+
+const pel_record *pel_project_substep_start(const pel_projector *projector)
+{
+    return projector->solver.second_order ? projector->older_position : projector->base;
+}
+
+void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
+                         pel_substep_place place)
+{
+    bool has_past = projector->solver.second_order && (!(place & PEL_SUBSTEP_FIRST) || state->older_is_known);
+    set_time(projector, state, has_past ? 2 * projector->substep / 3 : projector->substep);
+    if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
+        memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
+    vertex_job job = make_job(projector, state, force, boundary, place);
+    run_over_vertices(projector, predict_chunk, &job);
+    for (int32_t i = 0; i < boundary->held_count; i++) {
+        const double *x = boundary->target[i];
+        state->position_next[boundary->held[i]] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0};
+    }
+    forget_multipliers(projector);
+}
+
+/* held vertices have the velocity of their path, which drag does not change */
+static void set_held_velocities(const pel_projector *projector, pel_state *state, const pel_boundary *boundary)
+{
+    const pel_record *start = pel_project_substep_start(projector);
+    const pel_real rate = (pel_real)(1 / projector->substep);
+    for (int32_t i = 0; i < boundary->held_count; i++) {
+        int32_t v = boundary->held[i];
+        pel_record velocity = rate * (state->position_next[v] - start[v]);
+        velocity[3] = 0;
+        state->velocity_next[v] = velocity;
+    }
+}
+
+void pel_project_finish(pel_projector *projector, pel_state *state, const pel_contact_list *const *contacts,
+                        int list_count, const pel_boundary *boundary, pel_substep_place place)
+{
+    /* the next substep takes the velocities of first order on the way */
+    if (!(place & PEL_SUBSTEP_LAST) && !projector->solver.second_order)
+        return;
+    vertex_job job = make_job(projector, state, NULL, boundary, place);
+    run_over_vertices(projector, measure_velocity_chunk, &job);
+    set_held_velocities(projector, state, boundary);
+    if (!projector->solver.second_order)
+        return;
+    int32_t body_count = projector->model->body_count;
+    memset(projector->touches, 0, (size_t)body_count);
+    for (int i = 0; i < list_count; i++)
+        if (contacts[i] != NULL)
+            mark_touching_bodies(projector, contacts[i]);
+    for (int32_t b = 0; b < body_count; b++)
+        if (projector->touches[b])
+            forget_past(projector, state, b);
+}
+
+/* ---- reactions ---- */
+
+static pel_status record_batch(pel_projector *projector, pel_batch *batch)
+{
+    batch->reaction = projector->reaction;
+    batch->has_fixed = pel_allocate((size_t)batch->capacity, sizeof *batch->has_fixed);
+    return batch->has_fixed != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+}
+
+pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *error)
+{
+    size_t count = (size_t)projector->model->vertex_count;
+    if (projector->reaction != NULL)
+        return PEL_OK;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(projector->reaction, count), PEL_ROOM(projector->is_fixed, count));
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        for (int32_t i = 0; made && i < projector->batches->bodies[b].batch_count; i++)
+            made = !projector->batches->bodies[b].batches[i].is_projected ||
+                   record_batch(projector, &projector->batches->bodies[b].batches[i]) == PEL_OK;
+    if (!made)
+        return pel_fail_memory(error);
+    pel_projector_hold(projector, NULL);
+    return PEL_OK;
+}
+
+void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
+{
+    const pel_model *model = projector->model;
+    if (projector->reaction == NULL)
+        return;
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        projector->is_fixed[v] = !(model->inverse_mass[v] > 0) || (is_held != NULL && is_held[v]);
+    for (int32_t b = 0; b < model->body_count; b++)
+        pel_project_body_mark_fixed(&projector->batches->bodies[b], projector->is_fixed);
+}
+
+void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body)
+{
+    const pel_real substep = (pel_real)projector->substep;
+    int32_t end = pel_body_place_end(projector->model, body);
+    if (state->older_position == NULL)
+        return;
+    for (int32_t v = projector->model->bodies[body].slice_begin * PEL_WIDTH; v < end; v++) {
+        state->older_position[v] = state->position[v] - substep * state->velocity[v];
+        state->older_velocity[v] = state->velocity[v];
+    }
+}
+
+void pel_projector_accept(pel_projector *projector, pel_state *state)
+{
+    if (state->older_position == NULL)
+        return;
+    pel_record *position = state->older_position, *velocity = state->older_velocity;
+    state->older_position = projector->older_position;
+    state->older_velocity = projector->older_velocity;
+    state->older_is_known = true;
+    projector->older_position = position;
+    projector->older_velocity = velocity;
+    /* what touched anything has no smooth past, see forget_past */
+    for (int32_t b = 0; b < projector->model->body_count; b++) {
+        int32_t begin = projector->model->bodies[b].slice_begin * PEL_WIDTH;
+        if (memchr(state->contact + begin, 1, (size_t)(pel_body_place_end(projector->model, b) - begin)) != NULL)
+            pel_projector_restart(projector, state, b);
+    }
+}
