@@ -82,13 +82,8 @@ static double spring_energy(const pel_minimise_context *at)
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
         bool has_springs = body->uniform_spring != 0 || body->has_volumetric;
-        for (int32_t slice = body->slice_begin; has_springs && slice < body->slice_end; slice++) {
-            pel_wide spring, volumetric;
-            pel_slice_energy(model, &at->state, slice, &spring, &volumetric);
-            for (int lane = 0; lane < PEL_WIDTH; lane++)
-                if (model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
-                    sum += (double)spring[lane] + (double)volumetric[lane];
-        }
+        for (int32_t slice = body->slice_begin; has_springs && slice < body->slice_end; slice++)
+            sum = pel_slice_energy_add(model, &at->state, slice, true, sum);
     }
     return sum;
 }

@@ -25,8 +25,6 @@
 #include "tool/support.h"
 #include "touch/restitution.h"
 
-#include <time.h>
-
 enum { SIM_COOKIE = 0x73696d21 };
 
 /* below this many chunks (of 512 vertices) threads cost more than they give */
@@ -153,14 +151,6 @@ static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error 
     return status;
 }
 
-/* s */
-static double read_clock(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* a copy of the def, for changes; meshes of tools belong to the sim */
 static pel_status keep_def(pel_house *house, const pel_sim_def *def, pel_error *error)
 {
@@ -202,7 +192,7 @@ static pel_status build_stage(pel_sim *sim, const pel_sim_def *def, pel_error *e
 {
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
-    sim->clock = read_clock;
+    sim->clock = pel_seconds;
     sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_status status = check_start(sim, error);
