@@ -3,8 +3,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
-#include "solve/newton.h"
-#include "solve/newton_run.h"
+#include "newton/newton.h"
+#include "newton/run.h"
 
 #include <string.h>
 

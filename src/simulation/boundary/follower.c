@@ -4,7 +4,7 @@
 
    A displacement turns the frame by w = t x (u_b - u_a) / l + t n . (u_c - (1 - s) u_a - s u_b) / h, with the length l
    of the edge a b, the height h of the tip c over it and the foot a + s (b - a) of that height. So dF = w x F. The
-   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (solve/newton_skew.c).
+   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (newton/skew.c).
  */
 #include "boundary/follower.h"
 

@@ -4,7 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "model/quantity.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "base/number.h"
 #include "base/status.h"
 #include "base/text.h"
-#include "mesh/shape_build.h"
+#include "primitive/shape_build.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Outline of the human eye lens: half of the section through the axis, from the front pole to the back pole. */
-#ifndef PEL_MESH_LENS_H
-#define PEL_MESH_LENS_H
+#ifndef PEL_PRIMITIVE_LENS_H
+#define PEL_PRIMITIVE_LENS_H
 
 #include <stdbool.h>
 #include <stdint.h>

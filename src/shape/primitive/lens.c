@@ -11,7 +11,7 @@
 
    Thickness of the capsule: 13 um at the front pole, 25 um at r = 3 mm on the front, 3 um at the back pole, between
    them smoothly along the outline. */
-#include "mesh/lens.h"
+#include "primitive/lens.h"
 
 #include "math/functions.h"
 

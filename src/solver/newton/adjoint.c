@@ -2,7 +2,7 @@
    by df/dp = -m . dg/dp, where K m = df/dx. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
-#include "mesh/shape_build.h"
+#include "primitive/shape_build.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
 #include "math/vec3.h"
-#include "mesh/lens.h"
+#include "primitive/lens.h"
 
 #include <math.h>
 

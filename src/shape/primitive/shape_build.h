@@ -1,6 +1,6 @@
 /* Builders behind pel_shape_create. Each takes a checked def and returns a new mesh. */
-#ifndef PEL_MESH_SHAPE_BUILD_H
-#define PEL_MESH_SHAPE_BUILD_H
+#ifndef PEL_PRIMITIVE_SHAPE_BUILD_H
+#define PEL_PRIMITIVE_SHAPE_BUILD_H
 
 #include "pellicle/shape.h"
 

@@ -1,7 +1,7 @@
 /* Shapes of revolution about z: a list of rows (parallels), each a ring of equally spaced points or a single point on
    the axis, stitched from one row to the next. Rows run from top to bottom along the outside, which turns the triangles
    outward. Neighbouring rows may have different counts (the discs that close a cylinder). */
-#include "mesh/shape_build.h"
+#include "primitive/shape_build.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -1,4 +1,4 @@
-#include "mesh/implicit.h"
+#include "primitive/implicit.h"
 
 #include "base/memory.h"
 #include "base/status.h"

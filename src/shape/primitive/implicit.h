@@ -1,6 +1,6 @@
 /* Surfaces that are the zero of a function of space, and triangle meshes on them. */
-#ifndef PEL_MESH_IMPLICIT_H
-#define PEL_MESH_IMPLICIT_H
+#ifndef PEL_PRIMITIVE_IMPLICIT_H
+#define PEL_PRIMITIVE_IMPLICIT_H
 
 #include "pellicle/mesh.h"
 

@@ -13,7 +13,7 @@
 
    where c is what the way lacks. */
 #include "base/status.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <math.h>
 #include <string.h>

@@ -9,8 +9,8 @@
 #include "base/status.h"
 #include "math/vec3.h"
 #include "mesh/allocate.h"
-#include "mesh/implicit.h"
 #include "pellicle/topology.h"
+#include "primitive/implicit.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 
        x_1 = (K + s a a^T)^-1 (-g),   x_2 = (K + s a a^T)^-1 L,   df = -(a . x_1) / (a . x_2),   dx = x_1 + df x_2 */
 #include "base/status.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,8 +6,8 @@
 #include "base/status.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
-#include "mesh/implicit.h"
-#include "mesh/shape_build.h"
+#include "primitive/implicit.h"
+#include "primitive/shape_build.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-#include "solve/modes.h"
+#include "newton/modes.h"
 
 #include "base/lane.h"
 #include "base/memory.h"

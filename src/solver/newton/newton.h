@@ -13,8 +13,8 @@
 
    Linear systems are solved by conjugate gradients with a Cholesky factor in float, in double where float does not
    carry; the factor may be kept from one run to the next. */
-#ifndef PEL_SOLVE_NEWTON_H
-#define PEL_SOLVE_NEWTON_H
+#ifndef PEL_NEWTON_NEWTON_H
+#define PEL_NEWTON_NEWTON_H
 
 #include "force/tangent.h"
 #include "linear/factor.h"

@@ -1,4 +1,4 @@
-#include "mesh/shape_build.h"
+#include "primitive/shape_build.h"
 
 #include "base/status.h"
 #include "math/vec3.h"

@@ -1,7 +1,7 @@
 /* What the runs of Newton's method are made of: energy, forces and matrix of a problem, its linear systems, steps. */
 #include "base/memory.h"
 #include "base/status.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <math.h>
 #include <string.h>

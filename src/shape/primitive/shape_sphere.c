@@ -3,7 +3,7 @@
    orientation, so that "nearest to (0, 0, 1)" selects the same vertex as in other programs), or has a vertex on top for
    shapes with a pole. Vertices are numbered corners first, then the inner points of the 30 sides, then of the 20 faces.
    Only sqrt is used, so the positions are the same bits everywhere. */
-#include "mesh/shape_build.h"
+#include "primitive/shape_build.h"
 
 #include "base/status.h"
 #include "math/vec3.h"

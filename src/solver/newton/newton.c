@@ -1,4 +1,4 @@
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include "base/hash.h"
 #include "base/memory.h"

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <math.h>
 #include <string.h>

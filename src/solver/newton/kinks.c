@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/vec3.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,11 +7,11 @@
                                      loads (Bathe, Finite Element Procedures, section 6.8.2)
 
    A free body has six modes of frequency 0: K is shifted by a small multiple of M. */
-#ifndef PEL_SOLVE_MODES_H
-#define PEL_SOLVE_MODES_H
+#ifndef PEL_NEWTON_MODES_H
+#define PEL_NEWTON_MODES_H
 
+#include "newton/newton.h"
 #include "pellicle/sim.h"
-#include "solve/newton.h"
 
 typedef struct pel_modes pel_modes;
 

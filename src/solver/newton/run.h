@@ -1,9 +1,9 @@
 /* Inside of Newton's method: one run at work, and what full steps, steps of least energy and paths are made of. */
-#ifndef PEL_SOLVE_NEWTON_RUN_H
-#define PEL_SOLVE_NEWTON_RUN_H
+#ifndef PEL_NEWTON_RUN_H
+#define PEL_NEWTON_RUN_H
 
 #include "linear/minres.h"
-#include "solve/newton.h"
+#include "newton/newton.h"
 
 /* (newton_skew.c) */
 typedef struct pel_newton_skew pel_newton_skew;
