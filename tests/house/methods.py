@@ -17,7 +17,6 @@ ALLOWED = {
     "adjoint_steps.c": "the same along steps",
     "edge_load.c": "unknowns of the implicit methods",
     "hold.c": "unknowns of the implicit methods",
-    "parameter_table.c": "which keys of a def a method reads",
     "sim_create.c": "checks of defs; releases what all methods made",
     "shells.c": "the layout of elements",
     "snapshot.c": "memory of all methods",

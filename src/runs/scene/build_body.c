@@ -52,8 +52,8 @@ static double mapped(const double map[2], double value)
 }
 
 /* numbers on the vertices from a field and its map */
-static pel_status read_field(const pel_scene_body_source *source, const pel_scene_value *value,
-                             const pel_scene_row *row, pel_quantity *quantity)
+static pel_status read_field(const pel_scene_body_source *source, const pel_scene_value *value, const pel_def_row *row,
+                             pel_quantity *quantity)
 {
     pel_scene_reader *reader = source->reader;
     const pel_scene_value *name = pel_scene_value_entry(value, "field"), *map = pel_scene_value_entry(value, "map");
@@ -69,13 +69,13 @@ static pel_status read_field(const pel_scene_body_source *source, const pel_scen
         return pel_fail_memory(reader->error);
     for (int32_t v = 0; v < source->mesh->vertex_count; v++) {
         numbers[v] = map != NULL ? mapped(ends, values[v]) : values[v];
-        if (pel_scene_range_has(row->range, numbers[v]))
+        if (pel_range_has(row->range, numbers[v]))
             continue;
         char path[160], range[80];
         pel_scene_fail(reader, &name->place, "%s is %g at vertex %d, out of range",
                        pel_scene_value_path(value, path, sizeof path), numbers[v], (int)v);
         pel_fail_remedy(reader->error, "it must be %s %s; `map: [a, b]` maps the field values 0 and 1 to a and b",
-                        pel_scene_range_text(row->range, range, sizeof range), row->unit);
+                        pel_range_text(row->range, range, sizeof range), row->unit);
         return PEL_BAD_SCENE;
     }
     quantity->field = numbers;

@@ -18,7 +18,7 @@ typedef struct pel_scene_value {
     pel_scene_value_kind kind;
     bool quoted;      /* a scalar in quotes is text, never a number */
     bool is_implied;  /* left out, filled in by its preset or by another key (defaults.c) */
-    unsigned form;    /* the pel_scene_form that the checker found it to have */
+    unsigned form;    /* the pel_form that the checker found it to have */
     double number;    /* of numbers; the index of a word; 0 or 1 of a boolean */
     const char *text; /* of scalars */
     const char *key;  /* of the entries of a map */
