@@ -119,7 +119,10 @@ void pel_member_set_keys(const pel_def_row *row, void *def, const pel_key *keys,
 {
     char *at = (char *)def + row->offset;
     if (row->store == PEL_STORE_QUANTITY) {
-        *(pel_quantity *)(void *)at = (pel_quantity){.keys = keys, .key_count = count};
+        const double none = 0;
+        pel_member_set(row, def, &none); /* fingerprints tell 0 from -0 */
+        ((pel_quantity *)(void *)at)->keys = keys;
+        ((pel_quantity *)(void *)at)->key_count = count;
         return;
     }
     memcpy(at, &keys, sizeof keys);
