@@ -2,13 +2,14 @@
 #ifndef PEL_TESTS_SHELL_FIXTURE_H
 #define PEL_TESTS_SHELL_FIXTURE_H
 
-#include "random.h"
-#include "sim/fixture.h"
-
 #include "math/vec3.h"
 #include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/observe.h"
+#include "pellicle/shape.h"
+#include "random.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 static inline pel_mesh *make_shape(const pel_shape_def *def)
 {

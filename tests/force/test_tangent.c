@@ -1,13 +1,15 @@
 /* Tangents of whole models: against differences of the energy, the forces of the other loops, threads, allocation. */
 #include "failing_malloc.h"
-#include "law_forms.h"
-#include "tangent_fixture.h"
-
 #include "force/body_force.h"
 #include "force/pressure.h"
+#include "force/shell_body.h"
 #include "force/shell_force.h"
+#include "force/tangent.h"
+#include "force/tangent_body.h"
+#include "law_forms.h"
 #include "model/refined_model.h"
-#include "sim/sim.h"
+#include "pellicle/shape.h"
+#include "tangent_fixture.h"
 
 /* differences between the tested bodies */
 typedef struct variant {

@@ -7,8 +7,9 @@
 #include "math/vec3.h"
 #include "pellicle/haptic.h"
 #include "pellicle/live.h"
+#include "pellicle/shape.h"
 #include "sim/fixture.h"
-#include "sim/tool.h"
+#include "tool/tool.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -315,8 +316,8 @@ static void test_force_without_vertices(void **unused)
     static const double force[3] = {3, 0, 4};
     stage s = make_press(0.01);
     run_steps(s.sim, 1);
-    assert_int_equal(s.sim->tools[0].touch_count, 0);
-    pel_vec3_copy(force, s.sim->tools[0].force);
+    assert_int_equal(s.sim->tools->items[0].touch_count, 0);
+    pel_vec3_copy(force, s.sim->tools->items[0].force);
     pel_local_model model;
     pel_surface_estimate estimate = {.stiffness = 1000, .least = 1000, .most = 1000};
     pel_local_model_take(s.sim, 0, TIP, NULL, &estimate, &model);

@@ -2,6 +2,7 @@
 #include "misuse.h"
 #include "pellicle/haptic.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 static pel_status start(pel_haptic *haptic, bool reads, bool writes, pel_error *error)
 {

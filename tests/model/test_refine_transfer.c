@@ -1,7 +1,8 @@
 /* Where new vertices of a surface that refines go. */
-#include "sim/refine_fixture.h"
-
+#include "pellicle/shape.h"
 #include "random.h"
+#include "sim/refine_fixture.h"
+#include "stage/stage.h"
 
 /* A flat, uneven sheet under a pure stretch: no triangle turns, whichever way its edges turn. So new vertices keep
    their offsets from the middles of their edges, which lie in the plane. */

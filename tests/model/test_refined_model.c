@@ -1,5 +1,6 @@
 /* Stiffness of springs and pins of the active model on a refined surface. */
 #include "sim/refine_fixture.h"
+#include "stage/stage.h"
 
 /* stiffness of the spring between two vertices of the forest, 0 = none */
 static double stiffness_between(const pel_sim *sim, int32_t v, int32_t w)

@@ -1,12 +1,12 @@
 #include "check.h"
-
 #include "failing_malloc.h"
 #include "math/vec3.h"
+#include "observe/field.h"
 #include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
 #include "results/surface.h"
-#include "sim/field.h"
+#include "stage/stage.h"
 
 #include <stdlib.h>
 

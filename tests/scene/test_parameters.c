@@ -1,9 +1,9 @@
 /* Live parameters against the scene: a parameter that is set before the first step gives the same bits as a scene with
    that value, for every parameter and method. */
 #include "check.h"
-
 #include "pellicle/live.h"
 #include "pellicle/scene.h"
+#include "stage/surface_view.h"
 
 #include <stdlib.h>
 

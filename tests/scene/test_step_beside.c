@@ -1,10 +1,10 @@
 /* Steps of simulations beside each other: derivatives of their readings against differences of whole runs. */
 #include "check.h"
-
 #include "math/vec3.h"
+#include "minimise/minimise.h"
+#include "minimise/step_newton.h"
+#include "minimise/step_path.h"
 #include "pellicle/scene.h"
-#include "sim/step_newton.h"
-#include "sim/step_path.h"
 
 #include <string.h>
 
@@ -115,8 +115,8 @@ static void read(stage *s, double readings[READINGS])
 static void run_alone(stage *s, double readings[READINGS])
 {
     pel_error error;
-    s->sim->parts.can_halve = false;
-    s->sim->descent->newton->is_exact = pel_sim_has_velocity(s->sim);
+    s->sim->part.can_halve = false;
+    s->sim->minimise->newton->is_exact = pel_sim_has_velocity(s->sim);
     for (int i = 0; i < STEPS; i++)
         assert_int_equal(pel_sim_step(s->sim, &error), PEL_OK);
     read(s, readings);

@@ -2,9 +2,10 @@
 #ifndef PEL_TESTS_SIM_CONTACT_SCENE_H
 #define PEL_TESTS_SIM_CONTACT_SCENE_H
 
-#include "sim/fixture.h"
-
 #include "pellicle/geometry.h"
+#include "pellicle/shape.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 enum { SCENE_BODIES = 2, SCENE_TOOLS = 2, SCENE_KEYS = 3 };
 

@@ -2,9 +2,9 @@
 #ifndef PEL_TESTS_SIM_DESCENT_FIXTURE_H
 #define PEL_TESTS_SIM_DESCENT_FIXTURE_H
 
-#include "sim/fixture.h"
-
 #include "math/vec3.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 /* share of the force on the tool that may remain on vertices without contact; positions in float have 24 bits */
 #define LEFT_SHARE (sizeof(pel_real) == 4 ? 2e-2 : 1e-5)

@@ -3,8 +3,7 @@
 #define PEL_TESTS_SIM_REFINE_FIXTURE_H
 
 #include "sim/fixture.h"
-
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 /* a tolerance, by the precision of the state: some roundings of it */
 static inline double rounding(double in_double, double in_single)

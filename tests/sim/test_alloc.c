@@ -1,6 +1,7 @@
 /* Every allocation of model and sim fails once, and a step allocates nothing. */
 #include "failing_malloc.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 static pel_body_def keyed_body(const pel_mesh *mesh)
 {

@@ -1,8 +1,8 @@
 /* The weight of bending that is chosen while a body shrinks: it shrinks further than with the paper's, with less
    jitter, and the same bits again. */
+#include "pellicle/shape.h"
 #include "shell_fixture.h"
-
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 typedef struct shrinking {
     pel_mesh *mesh;

@@ -1,10 +1,10 @@
 /* Contact: after every step of every scene the exact test finds no two triangles that cut each other; tools are stopped
    by trapped bodies; the same bits for any number of threads and after a snapshot; bad input is refused. */
-#include "sim/contact_scene.h"
-
 #include "failing_malloc.h"
 #include "pellicle/live.h"
-#include "sim/tool.h"
+#include "pellicle/shape.h"
+#include "sim/contact_scene.h"
+#include "tool/pose.h"
 
 /* ---- scenes ---- */
 
@@ -85,13 +85,13 @@ static void test_held_tools_catch_up(void **unused)
         pel_pose before[2], keyed[2];
         bool was_blocked[2];
         for (int i = 0; i < 2; i++) {
-            before[i] = sim->tools[i].pose;
-            keyed[i] = pel_tool_pose_at(&sim->tools[i], n * dt);
-            was_blocked[i] = sim->tools[i].blocked;
+            before[i] = sim->tools->items[i].pose;
+            keyed[i] = pel_tool_pose_at(&sim->tools->items[i], n * dt);
+            was_blocked[i] = sim->tools->items[i].blocked;
         }
         run_steps(sim, 1);
         for (int i = 0; i < 2; i++) {
-            const pel_tool *tool = &sim->tools[i];
+            const pel_tool *tool = &sim->tools->items[i];
             pel_pose wanted = pel_tool_pose_at(tool, (n + 1) * dt);
             double way = pel_tool_way(tool, &before[i], &tool->pose), lag = pel_tool_way(tool, &before[i], &wanted);
             assert_true(way <= fmax(2 * pel_tool_way(tool, &keyed[i], &wanted), lag / 8) + 1e-12);

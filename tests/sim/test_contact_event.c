@@ -1,8 +1,7 @@
 /* Refinement beside another surface: new vertices that would cut it move to the middles of their edges, and events that
    still cut it are reverted. */
 #include "sim/contact_scene.h"
-
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 /* a coarse ball that refines, and a thorn whose tip points at the middle of one of its edges */
 typedef struct thorn_scene {

@@ -1,8 +1,9 @@
 /* Forces of contacts: forces on vertices, bodies, tools and pins balance under every method. */
-#include "sim/contact_scene.h"
-
 #include "failing_malloc.h"
 #include "math/vec3.h"
+#include "pellicle/shape.h"
+#include "sim/contact_scene.h"
+#include "stage/stage.h"
 
 static const double density = 1000, thickness = 1e-3;
 

@@ -1,7 +1,8 @@
 /* Triangles that nearly collapse: those that are watched against heights by their definition. */
+#include "contact/set.h"
 #include "random.h"
-#include "sim/contact.h"
 #include "sim/contact_scene.h"
+#include "stage/stage.h"
 
 /* twice the area over the longest edge */
 static double triangle_height(const int32_t *v, const pel_record *positions)

@@ -1,9 +1,10 @@
 /* The proof that contact lets nothing through: frames of all kinds of scenes, each tested exactly. A few hundred frames
    by default; PELLICLE_PROOF_FRAMES=10000 in the environment runs so many, in some minutes. */
-#include "sim/contact_scene.h"
-
 #include "pellicle/mesh_io.h"
+#include "pellicle/shape.h"
+#include "sim/contact_scene.h"
 #include "source_dir.h"
+#include "stage/stage.h"
 
 enum { FEW_FRAMES = 250 };
 

@@ -1,5 +1,7 @@
 /* A minimisation under a tool against the state of rest of methods in time. */
+#include "pellicle/shape.h"
 #include "sim/descent_fixture.h"
+#include "stage/stage.h"
 
 /* of the force, and of the depth of the tool; xpbd is a little softer than its material (pel_sim_softness) */
 #define FORCE_TOLERANCE (method == PEL_METHOD_XPBD ? 0.03 : 0.02)

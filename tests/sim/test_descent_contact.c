@@ -1,8 +1,8 @@
 /* Surfaces that touch while an energy is minimised: collapsing shells stay free of intersections and come to rest,
    friction sticks and slips. */
-#include "sim/contact_scene.h"
-
 #include "math/vec3.h"
+#include "sim/contact_scene.h"
+#include "stage/stage.h"
 
 /* a thin shell with hinges */
 static void scene_shell(contact_scene *scene, int32_t frequency)

@@ -1,5 +1,6 @@
 /* Bodies without a place of least energy are refused under the method descent; those that something holds are not. */
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 #include <stdlib.h>
 

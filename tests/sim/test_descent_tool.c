@@ -1,11 +1,12 @@
 /* Tools under a minimisation: equilibrium under the tool, whose force is that of its contacts. */
 #include "failing_malloc.h"
-#include "random.h"
-#include "sim/descent.h"
-#include "sim/descent_fixture.h"
-#include "sim/tool.h"
-
+#include "minimise/minimise.h"
+#include "minimise/minimise_contact.h"
 #include "pellicle/geometry.h"
+#include "pellicle/shape.h"
+#include "random.h"
+#include "sim/descent_fixture.h"
+#include "tool/tool.h"
 
 /* of the tool's radius: the largest gap where something touches */
 #define GAP_SHARE 1.2e-4
@@ -215,8 +216,8 @@ static void test_gaps_of_capsule(void **unused)
     scene.tool.half_length = 0.3;
     press_move(&scene, 2, 0);
     pel_sim *sim = press_create(&scene);
-    pel_pose *pose = &sim->tools[0].pose;
-    double *position = sim->descent->position;
+    pel_pose *pose = &sim->tools->items[0].pose;
+    double *position = sim->minimise->position;
     for (int n = 0; n < 400; n++) {
         const double half = scene.tool.half_length, low[3] = {0, 0, -half}, high[3] = {0, 0, half};
         double ends[2][3], x[3][3], size = 0, weights[3];
@@ -232,20 +233,20 @@ static void test_gaps_of_capsule(void **unused)
         }
         for (int i = 0; i < 9; i++)
             position[i] = x[i / 3][i % 3] = random_between(&random, -0.8, 0.8);
-        const pel_descent_contact constraint = {
+        const pel_minimise_contact constraint = {
             .vertices = {0, 1, 2, 2}, .offset = 0.01, .points = 1 + n % 3, .end = n % 2 == 0 ? -1 : 1};
         double expected = constraint.points == 1 ? distance_from_segment(x[0], (const double(*)[3])ends)
                           : constraint.points == 2
                               ? distance_of_edge(x, (const double(*)[3])ends)
                               : sqrt(pel_closest_point_triangle(ends[constraint.end > 0], x[0], x[1], x[2], weights));
         pel_gap_sample meeting, moved;
-        pel_descent_contact_meet(sim, &constraint, position, &meeting);
+        pel_minimise_contact_meet(sim, &constraint, position, &meeting);
         assert_near(meeting.gap, expected - 0.1 - 0.01, 1e-9);
         if (expected < 0.05)
             continue;
         for (int i = 0; i < 3 * constraint.points; i++) {
             position[i] += 1e-6;
-            pel_descent_contact_meet(sim, &constraint, position, &moved);
+            pel_minimise_contact_meet(sim, &constraint, position, &moved);
             assert_near((moved.gap - meeting.gap) / 1e-6, meeting.weights[i / 3] * meeting.normal[i % 3], 1e-4);
             position[i] = x[i / 3][i % 3];
         }
@@ -280,10 +281,10 @@ static void test_edges_along_capsule(void **unused)
     }
     pel_sim *sim = press_create(&scene);
     run_steps(sim, 1);
-    const pel_sim_descent *descent = sim->descent;
+    const pel_minimise *descent = sim->minimise;
     int32_t counts[4] = {0};
     for (int32_t c = 0; c < descent->count; c++) {
-        const pel_descent_contact *constraint = &descent->constraints[c];
+        const pel_minimise_contact *constraint = &descent->constraints[c];
         const double *from = descent->position + 3 * (size_t)constraint->vertices[0];
         const double *to = descent->position + 3 * (size_t)constraint->vertices[1];
         counts[constraint->points]++;

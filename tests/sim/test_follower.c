@@ -1,9 +1,9 @@
 /* Follower loads: slopes against differences, turns with the surface, and a cantilever under one. */
-#include "shell_fixture.h"
-
+#include "boundary/follower.h"
+#include "boundary/loads.h"
 #include "failing_malloc.h"
-
-#include "sim/follower.h"
+#include "pellicle/shape.h"
+#include "shell_fixture.h"
 
 #include <string.h>
 
@@ -83,14 +83,14 @@ static void test_slopes(void **unused)
     double *sides[2] = {malloc((size_t)count * sizeof *x), malloc((size_t)count * sizeof *x)};
     for (int32_t u = 0; u < count; u++)
         x[u] = (double)c.model->rest[u / 3][u % 3] + random_between(&random, -0.1, 0.1);
-    assert_int_equal(sim->follower_count, 2);
-    for (int32_t i = 0; i < sim->follower_count; i++) {
-        const int32_t *v = sim->followers[i].vertices;
+    assert_int_equal(sim->loads->follower_count, 2);
+    for (int32_t i = 0; i < sim->loads->follower_count; i++) {
+        const int32_t *v = sim->loads->followers[i].vertices;
         double slopes[3][3][3];
         gradient_at(sim, x, count, gradient);
         pel_follower_slopes(sim, i, slopes);
-        double kept = sim->followers[1 - i].length;
-        sim->followers[1 - i].length = 0; /* alone */
+        double kept = sim->loads->followers[1 - i].length;
+        sim->loads->followers[1 - i].length = 0; /* alone */
         for (int by = 0; by < 3; by++)
             for (int k = 0; k < 3; k++) {
                 const double h = 1e-6, at = x[3 * v[by] + k];
@@ -105,7 +105,7 @@ static void test_slopes(void **unused)
                         assert_near(slopes[by][row][k], (sides[1][u] - sides[0][u]) / (2 * h), 1e-7);
                     }
             }
-        sim->followers[1 - i].length = kept;
+        sim->loads->followers[1 - i].length = kept;
     }
     free(x);
     free(gradient);
@@ -132,9 +132,9 @@ static void test_perimeter(void **unused)
         c.load.weights = weighted ? weights : NULL;
         pel_sim *sim = make_sim(&c.def);
         double sum = 0;
-        for (int32_t i = 0; i < sim->follower_count; i++)
-            sum += sim->followers[i].length;
-        assert_int_equal(sim->follower_count, 2 * CELLS + 4);
+        for (int32_t i = 0; i < sim->loads->follower_count; i++)
+            sum += sim->loads->followers[i].length;
+        assert_int_equal(sim->loads->follower_count, 2 * CELLS + 4);
         assert_near(sum, (weighted ? 6 : 1) * 2 * (strip_length + 1), 1e-12);
         pel_sim_destroy(sim);
     }

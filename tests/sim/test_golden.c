@@ -3,6 +3,7 @@
    commit. Only sqrt and the four operations are on the way (no sin, no exp), so the C library does not matter; hinges
    under Newton's method take angles from that of Debian 12. */
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 typedef struct golden_case {
     pel_solver_def solver;

@@ -1,7 +1,7 @@
 /* Supports of single components: standard problems of shells against their answers, reactions, and bad supports. */
+#include "pellicle/shape.h"
 #include "shell_fixture.h"
-
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 #include <string.h>
 

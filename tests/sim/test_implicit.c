@@ -1,8 +1,9 @@
 /* Steps in time by Newton's method: order, conservation, and contact. */
 #include "pellicle/geometry.h"
+#include "pellicle/shape.h"
 #include "sim/contact_scene.h"
 #include "sim/descent_fixture.h"
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 /* ---- free motion ---- */
 

@@ -1,5 +1,6 @@
 /* The energy ledger: supplied energy is stored or removed, for all methods and across snapshots. */
 #include "failing_malloc.h"
+#include "observe/ledger.h"
 #include "shell_fixture.h"
 #include "sim/refine_fixture.h"
 
@@ -431,7 +432,7 @@ static void test_signs(void **unused)
     pel_sim_ledger ledger = ledger_of(sim);
     assert_true(ledger.dissipated_solver > 0.05 * ledger.elastic_start && ledger.energy_error == 0);
     /* sums that miss half of the energy at the start */
-    sim->ledger.sums.elastic_start = sim->ledger.sums.supplied = 0.5 * ledger.elastic;
+    sim->ledger->sums.elastic_start = sim->ledger->sums.supplied = 0.5 * ledger.elastic;
     ledger = ledger_of(sim);
     assert_true(ledger.energy_error > ledger.tolerance && ledger.dissipated_solver == 0);
     pel_sim_destroy(sim);

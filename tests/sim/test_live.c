@@ -2,7 +2,7 @@
 #include "failing_malloc.h"
 #include "pellicle/live.h"
 #include "sim/fixture.h"
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 static pel_body_def shell_body(const pel_mesh *mesh)
 {

@@ -1,4 +1,10 @@
 /* Loads that are refused, each with its number and defect. */
+#include "model/model.h"
+#include "pellicle/base.h"
+#include "pellicle/mesh.h"
+#include "pellicle/model.h"
+#include "pellicle/shape.h"
+#include "pellicle/sim.h"
 #include "sim/fixture.h"
 
 /* change of a good load in a case */

@@ -2,6 +2,7 @@
 #include "failing_malloc.h"
 #include "pellicle/observe.h"
 #include "sim/fixture.h"
+#include "stage/stage.h"
 
 static stage make_stage(void)
 {

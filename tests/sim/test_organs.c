@@ -1,10 +1,10 @@
 /* Real surfaces under a ball: it is pressed in, its force rises, it is withdrawn, its force falls to zero, and the
    surface recovers. Scales from edges of 0.3 mm to busts of 0.5 m in millimetres. Runs where the shared meshes are; a
    sphere of uneven triangles stands in elsewhere. */
-#include "sim/fixture.h"
-
 #include "pellicle/mesh_io.h"
+#include "sim/fixture.h"
 #include "source_dir.h"
+#include "stage/stage.h"
 
 #include <unistd.h>
 

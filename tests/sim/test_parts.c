@@ -1,6 +1,8 @@
 /* Contact under violence: steps in parts, energy that must not appear, triangles that must not collapse. */
-#include "sim/contact.h"
 #include "sim/contact_scene.h"
+#include "sim/parts.h"
+#include "sim/sim.h"
+#include "tool/tool.h"
 
 static void make_shell(pel_body_def *body, double young)
 {
@@ -41,7 +43,7 @@ static void check_bullet(pel_method method)
     for (int n = 0; n < 12; n++) {
         run_free(sim, 1);
         most = fmax(most, energy_of(sim));
-        was_divided |= sim->parts.now.size < PEL_PART_LIMIT;
+        was_divided |= pel_house_of(sim)->parts.now.size < PEL_PART_LIMIT;
         /* between steps everything is whole */
         assert_near(pel_sim_time(sim), (n + 1) * 0.01, 1e-12);
         assert_near(sim->step.dt, 0.01, 0);
@@ -71,7 +73,7 @@ static void check_snapshot(pel_method method)
     contact_scene scene;
     pel_sim *sim = bullet(&scene, method), *other;
     run_free(sim, 3);
-    assert_true(sim->parts.now.size < PEL_PART_LIMIT);
+    assert_true(pel_house_of(sim)->parts.now.size < PEL_PART_LIMIT);
     void *bytes = malloc(pel_sim_save_size(sim));
     pel_sim_save(sim, bytes);
     assert_int_equal(pel_sim_create(&scene.def, &other, NULL), PEL_OK);
@@ -80,7 +82,7 @@ static void check_snapshot(pel_method method)
     run_free(other, 3);
     assert_true(pel_sim_hash(sim) == pel_sim_hash(other));
     /* sizes that cannot be are refused */
-    sim->parts.now.size = 3;
+    pel_house_of(sim)->parts.now.size = 3;
     pel_sim_save(sim, bytes);
     assert_int_equal(pel_sim_load(other, bytes, pel_sim_save_size(other), NULL), PEL_BAD_FORMAT);
     free(bytes);
@@ -111,7 +113,7 @@ static void test_failure(void **unused)
     assert_int_equal(pel_parts_begin(sim, NULL), PEL_OK);
     assert_true(sim->step.dt < 0.01);
     sim->state->position[0][2] += 1;
-    sim->parts.at += sim->parts.step_size;
+    sim->part.at += sim->part.step_size;
     pel_parts_end(sim, PEL_DIVERGED);
     assert_true(pel_sim_hash(sim) == before);
     assert_near(sim->step.dt, 0.01, 0);
@@ -179,7 +181,7 @@ static double caved_volume(pel_method method, int32_t size)
     scene.bodies[0].shell.pressure.outside.value = 30;
     pel_sim *sim = scene_create(&scene);
     for (int n = 0; n < 12; n++) {
-        sim->parts.now = (pel_parts_now){.size = size, .patience = INT32_MAX};
+        pel_house_of(sim)->parts.now = (pel_parts_now){.size = size, .patience = INT32_MAX};
         run_free(sim, 1);
     }
     double ratio = pel_sim_volume_ratio(sim);
@@ -241,7 +243,7 @@ static pel_sim *hold_sheet(sheet_scene *s, pel_method method, bool has_support, 
         scene_move(scene, 0, corner[0], corner[1], corner[2], corner[2], 1);
     }
     pel_sim *sim = scene_create(scene);
-    sim->parts.now = (pel_parts_now){.size = size, .patience = PEL_MOST_PATIENCE};
+    pel_house_of(sim)->parts.now = (pel_parts_now){.size = size, .patience = PEL_MOST_PATIENCE};
     return sim;
 }
 
@@ -282,8 +284,8 @@ static void test_driven_tool(void **unused)
             assert_int_equal(pel_sim_set_tool_pose(sim, 0, place, rotation, NULL), PEL_OK);
             run_steps(sim, 1);
         }
-        assert_int_equal(sim->tools[0].held_count, 1);
-        assert_near((double)sim->state->velocity[sim->tools[0].held[0]][0], -0.2, 2e-3);
+        assert_int_equal(sim->tools->items[0].held_count, 1);
+        assert_near((double)sim->state->velocity[sim->tools->items[0].held[0]][0], -0.2, 2e-3);
         scene_end(&s.scene, sim);
     }
 }
@@ -316,14 +318,14 @@ static void test_load_before_grasp(void **unused)
     (void)unused;
     sheet_scene s;
     pel_sim *sim = hold_sheet(&s, PEL_METHOD_XPBD, false, true, PEL_PART_LIMIT);
-    sim->tools[0].grasp_from = 0.025;
+    sim->tools->items[0].grasp_from = 0.025;
     size_t size = pel_sim_save_size(sim);
     void *before = malloc(size);
     pel_sim_save(sim, before);
     run_steps(sim, 1);
     uint64_t right = pel_sim_hash(sim);
     run_steps(sim, 4);
-    assert_int_equal(sim->tools[0].held_count, 1);
+    assert_int_equal(sim->tools->items[0].held_count, 1);
     assert_int_equal(pel_sim_load(sim, before, size, NULL), PEL_OK);
     run_steps(sim, 1);
     assert_true(pel_sim_hash(sim) == right);

@@ -1,8 +1,8 @@
-#include "random.h"
-#include "sim/fixture.h"
-
 #include "failing_malloc.h"
 #include "pellicle/potential.h"
+#include "random.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 #include <string.h>
 

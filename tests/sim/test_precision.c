@@ -1,9 +1,8 @@
 /* Answers that the precision of the state must not change: numbers here are those of a build in double. */
+#include "pellicle/shape.h"
 #include "shell_fixture.h"
 #include "sim/fixture.h"
-#include "sim/sim.h"
-
-#include "sim/descent.h"
+#include "stage/stage.h"
 
 /* a clamped strip of steel, 10 cm long and half a millimetre thick */
 typedef struct strip {

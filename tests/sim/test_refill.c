@@ -1,12 +1,12 @@
 /* Other numbers in a simulation at its start: every parameter of bodies and the solver, by itself and one after the
    other, gives the snapshot of a simulation that was created with them, then and some steps later. What cannot be taken
    over is refused. */
-#include "sim/fixture.h"
-
 #include "failing_malloc.h"
 #include "model/model.h"
+#include "sim/fixture.h"
 #include "sim/parameter.h"
 #include "sim/sim.h"
+#include "sim/snapshot.h"
 
 enum { STEPS = 5, VALUES = 5 };
 

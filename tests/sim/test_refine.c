@@ -1,8 +1,11 @@
 /* Bodies that refine: invariants of events, the criterion, and that a body without events equals the plain body. */
+#include "boundary/loads.h"
 #include "failing_malloc.h"
 #include "pellicle/live.h"
+#include "pellicle/shape.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
+#include "tool/tool.h"
 
 /* ---- the plain body ---- */
 
@@ -661,7 +664,7 @@ static void test_loads_follow(void **unused)
         assert_int_equal(row_count, expected_count);
         assert_memory_equal(forces, expected, (size_t)row_count * 3 * sizeof *forces);
         /* what the sim steps with: each vertex once */
-        assert_int_equal(made.sim->loads[0].vertex_count, once.sim->loads[0].vertex_count);
+        assert_int_equal(made.sim->loads->items[0].vertex_count, once.sim->loads->items[0].vertex_count);
         free(forces);
         free(expected);
         end(&once);
@@ -693,7 +696,7 @@ static void test_planes_follow(void **unused)
         pel_model *model = make_model(&body);
         def.model = model;
         pel_sim *sim = make_sim(&def);
-        pel_tool *tool = &sim->tools[0];
+        pel_tool *tool = &sim->tools->items[0];
         pel_contact_plane plane = {.triangle = 0};
         /* a triangle at the vertex in the middle, far from the rim: there butterfly keeps the grid */
         int32_t middle = 4 * 9 + 4, t = 0;

@@ -1,6 +1,11 @@
 /* Where a body refines: curvature, tools, regions, and who wins within a budget. */
+#include "adapt/criterion.h"
+#include "adapt/refine.h"
+#include "pellicle/shape.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
+#include "stage/surface_view.h"
+#include "tool/tool.h"
 
 static double present[3 * 20000];
 static int32_t levels_of[20000];
@@ -149,7 +154,7 @@ static void test_box_of_tool(void **unused)
     int near_count = 0, far_count = 0;
     for (int n = 0; n < 60; n++) {
         bench made = beside_tool(shapes[n % 3], 0.15);
-        pel_tool *tool = &made.sim->tools[0];
+        pel_tool *tool = &made.sim->tools->items[0];
         double turn = random_between(&random, 0, 3);
         tool->pose.rotation[0] = sin(turn / 2);
         tool->pose.rotation[3] = cos(turn / 2);
@@ -183,7 +188,7 @@ static void test_tool_without_near(void **unused)
 {
     (void)unused;
     bench made = beside_tool(PEL_TOOL_SPHERE, 0);
-    pel_tool *tool = &made.sim->tools[0];
+    pel_tool *tool = &made.sim->tools->items[0];
     const pel_real far = (pel_real)HUGE_VAL, all[2][3] = {{-far, -far, -far}, {far, far, far}};
     pel_vec3_set(tool->pose.position, 0, 0, 1);
     pel_refine_criterion_begin(made.sim, 0);

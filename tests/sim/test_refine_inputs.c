@@ -1,5 +1,6 @@
 /* Refinement on meshes that are as coarse, open or uneven as they may be. */
 #include "sim/refine_fixture.h"
+#include "stage/stage.h"
 
 static const double two_pi = 6.283185307179586;
 

@@ -1,7 +1,8 @@
 /* Restitution against Newton's law for rigid bodies. */
-#include "sim/contact_scene.h"
-
 #include "math/vec3.h"
+#include "pellicle/shape.h"
+#include "sim/contact_scene.h"
+#include "stage/stage.h"
 
 static void make_shell(contact_scene *scene, pel_mesh *mesh, double young)
 {

@@ -1,7 +1,8 @@
 /* Paper A's body against the numbers of the reference computation (figures 6 and 7) and against closed forms. */
-#include "sim/fixture.h"
-
 #include "pellicle/measure.h"
+#include "pellicle/shape.h"
+#include "sim/fixture.h"
+#include "stage/stage.h"
 
 /* tolerance of the figures' numbers: the reference gives them to three digits */
 #define FIGURE 0.0015

@@ -1,7 +1,10 @@
 /* Defs of simulations that are refused, each with its defect. */
-#include "sim/fixture.h"
-
 #include "base/pool.h"
+#include "model/model.h"
+#include "pellicle/mesh.h"
+#include "pellicle/model.h"
+#include "pellicle/sim.h"
+#include "sim/fixture.h"
 
 typedef enum fault {
     FAULT_NONE,

@@ -1,9 +1,9 @@
 /* Snapshots: one made with any other member of a def is refused with the name of the difference; so are other versions,
    other precisions and damage, and a refusal changes nothing. */
-#include "sim/fixture.h"
-
+#include "contact/set.h"
 #include "failing_malloc.h"
-#include "sim/contact.h"
+#include "sim/fixture.h"
+#include "sim/snapshot.h"
 
 /* all that a sim is made from; addresses are taken of the members, so it lies still */
 typedef struct setup {

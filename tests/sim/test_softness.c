@@ -1,8 +1,9 @@
 /* Automatic substeps of xpbd: how soft bodies are with them, and when they change. */
 #include "failing_malloc.h"
+#include "pellicle/shape.h"
 #include "shell_fixture.h"
-
-#include "sim/sim.h"
+#include "solve/project.h"
+#include "stage/stage.h"
 
 #ifdef PEL_SINGLE
 enum { IS_DOUBLE = 0 };

@@ -1,5 +1,6 @@
 /* Steps that are stopped on their way: the state is that before the step, to the bit, whenever the stop comes. */
 #include "sim/descent_fixture.h"
+#include "stage/stage.h"
 
 enum { STEPS = 4, FREQUENCY = 4 };
 

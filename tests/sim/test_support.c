@@ -1,7 +1,7 @@
 /* Supports: forces on pinned vertices, and supports that move on keys. */
+#include "pellicle/shape.h"
 #include "shell_fixture.h"
-
-#include "sim/sim.h"
+#include "stage/stage.h"
 
 static const double young = 1e5, thickness = 1e-3, width = 0.1, length = 0.4;
 

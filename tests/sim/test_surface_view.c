@@ -1,7 +1,9 @@
 /* The surface of a body that refines, as the public interface shows it. */
-#include "sim/refine_fixture.h"
-
+#include "pellicle/model.h"
+#include "pellicle/shape.h"
+#include "pellicle/sim.h"
 #include "pellicle/topology.h"
+#include "sim/refine_fixture.h"
 
 /* rows: triangles are within the rows, levels and places in the mesh fit the rest positions of a flat body */
 static void test_rows(void **unused)

@@ -1,4 +1,9 @@
 /* Tools that are refused, each with its number and what is wrong. */
+#include "model/model.h"
+#include "pellicle/base.h"
+#include "pellicle/mesh.h"
+#include "pellicle/model.h"
+#include "pellicle/sim.h"
 #include "sim/fixture.h"
 
 typedef enum fault {

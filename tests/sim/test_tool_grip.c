@@ -1,9 +1,7 @@
 /* Grasps with a largest force: vertices tear out, and are told; tools that were held back catch up. */
-#include "sim/fixture.h"
-
 #include "math/vec3.h"
-#include "sim/sim.h"
-#include "sim/tool.h"
+#include "sim/fixture.h"
+#include "tool/grip.h"
 
 #define FROM 0.05
 
@@ -61,8 +59,8 @@ static void end(pull_scene *scene, pel_sim *sim)
 static double grip_force(const pel_sim *sim)
 {
     double sum = 0;
-    for (int32_t i = 0; i < sim->tools[0].held_count; i++)
-        sum += pel_vec3_length(sim->grip_forces[sim->tools[0].held[i]]);
+    for (int32_t i = 0; i < sim->tools->items[0].held_count; i++)
+        sum += pel_vec3_length(sim->tools->grip_forces[sim->tools->items[0].held[i]]);
     return sum;
 }
 
@@ -76,7 +74,7 @@ static double largest_force(pel_sim *sim)
         run_steps(sim, 1);
         pel_sim_get_tool(sim, 0, &reading);
         for (int32_t i = 0; i < reading.held_count; i++)
-            pel_vec3_add(sum, sim->grip_forces[sim->tools[0].held[i]], sum);
+            pel_vec3_add(sum, sim->tools->grip_forces[sim->tools->items[0].held[i]], sum);
         assert_near(pel_vec3_distance(sum, reading.force), 0, 1e-5);
         largest = fmax(largest, grip_force(sim));
     }
@@ -100,7 +98,7 @@ static void check_limit(pel_method method)
     end(&scene, sim);
     sim = create(&scene, method, limit);
     for (int n = 1; n <= 200; n++) {
-        int64_t lost_before = sim->tools[0].tally.lost_count;
+        int64_t lost_before = sim->tools->items[0].tally.lost_count;
         run_steps(sim, 1);
         pel_sim_get_tool(sim, 0, &reading);
         assert_true(grip_force(sim) <= limit * (1 + 1e-12));
@@ -157,16 +155,16 @@ static void test_largest_first(void **unused)
     pull_scene scene;
     pel_sim *sim = create(&scene, PEL_METHOD_XPBD, 0);
     run_steps(sim, 40);
-    pel_tool *tool = &sim->tools[0];
+    pel_tool *tool = &sim->tools->items[0];
     int32_t largest = tool->held[0], count = tool->held_count;
     double sum = 0;
     for (int32_t i = 0; i < count; i++) {
-        double size = pel_vec3_length(sim->grip_forces[tool->held[i]]);
+        double size = pel_vec3_length(sim->tools->grip_forces[tool->held[i]]);
         sum += size;
-        if (size > pel_vec3_length(sim->grip_forces[largest]))
+        if (size > pel_vec3_length(sim->tools->grip_forces[largest]))
             largest = tool->held[i];
     }
-    tool->grasp_max_force = sum - 0.5 * pel_vec3_length(sim->grip_forces[largest]);
+    tool->grasp_max_force = sum - 0.5 * pel_vec3_length(sim->tools->grip_forces[largest]);
     pel_tools_end_step(sim, 7);
     assert_int_equal(tool->held_count, count - 1);
     assert_true(!sim->held[largest] && sim->state->position[largest][3] == sim->model->inverse_mass[largest]);
@@ -241,7 +239,7 @@ static void test_catches_up(void **unused)
     (void)unused;
     pull_scene scene;
     pel_sim *sim = create(&scene, PEL_METHOD_XPBD, 0);
-    pel_tool *tool = &sim->tools[0];
+    pel_tool *tool = &sim->tools->items[0];
     run_steps(sim, 120);
     pel_pose wanted = tool->pose;
     tool->pose.position[2] -= 0.1;

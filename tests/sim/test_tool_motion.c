@@ -1,8 +1,6 @@
 /* Motion of tools on their keys: angles as written, poses in between, velocities, catching up; what meshes grasp. */
 #include "sim/fixture.h"
-
-#include "sim/sim.h"
-#include "sim/tool.h"
+#include "tool/pose.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -122,14 +120,14 @@ static void test_velocity(void **unused)
     stage s = make_stage(&tool, 0.005);
     run_steps(s.sim, 3);
     const double omega[3] = {0, 0, 200 * pi};
-    for (int32_t i = 0; i < s.sim->tools[0].held_count; i++) {
+    for (int32_t i = 0; i < s.sim->tools->items[0].held_count; i++) {
         double x[3], v[3], expected[3];
-        pel_vertex_position(s.sim->state->position, s.sim->tools[0].held[i], x);
-        pel_vertex_position(s.sim->state->velocity, s.sim->tools[0].held[i], v);
+        pel_vertex_position(s.sim->state->position, s.sim->tools->items[0].held[i], x);
+        pel_vertex_position(s.sim->state->velocity, s.sim->tools->items[0].held[i], v);
         pel_vec3_cross(omega, x, expected);
         assert_near(pel_vec3_distance(v, expected), 0, sizeof(pel_real) == 4 ? 1e-2 : 1e-8);
     }
-    assert_int_equal(s.sim->tools[0].held_count, s.mesh->vertex_count);
+    assert_int_equal(s.sim->tools->items[0].held_count, s.mesh->vertex_count);
     end_stage(&s);
 }
 
@@ -146,7 +144,7 @@ static void test_held_back(void **unused)
     tool.keys = keys;
     tool.key_count = 3;
     stage s = make_stage(&tool, 0.001);
-    pel_tool *own = &s.sim->tools[0];
+    pel_tool *own = &s.sim->tools->items[0];
     pel_pose from = pel_tool_pose_at(own, 0.25), to = pel_tool_pose_at(own, 1.5), middle;
     assert_near(pel_tool_way(own, &from, &to), 540 * pi / 180 * 1.5, 1e-9);
     pel_pose_between(&from, &to, 0.5, &middle);
@@ -180,9 +178,9 @@ static void test_set_pose(void **unused)
     run_steps(s.sim, 100);
     const double rotation[4] = {0, 0, sin(pi / 6), cos(pi / 6)};
     assert_int_equal(pel_sim_set_tool_pose(s.sim, 0, (double[3]){0}, rotation, NULL), PEL_OK);
-    pel_pose wanted = pel_tool_pose_at(&s.sim->tools[0], 1), half;
-    assert_near(pel_tool_way(&s.sim->tools[0], &s.sim->tools[0].pose, &wanted), pi / 3 * 1.5, 1e-9);
-    pel_pose_between(&s.sim->tools[0].pose, &wanted, 0.5, &half);
+    pel_pose wanted = pel_tool_pose_at(&s.sim->tools->items[0], 1), half;
+    assert_near(pel_tool_way(&s.sim->tools->items[0], &s.sim->tools->items[0].pose, &wanted), pi / 3 * 1.5, 1e-9);
+    pel_pose_between(&s.sim->tools->items[0].pose, &wanted, 0.5, &half);
     double x[3];
     pel_rotate(half.rotation, (double[3]){1, 2, 3}, x);
     expect_turn(x, (double[3]){0, 0, 1}, 30);
@@ -208,7 +206,7 @@ static int32_t hold(const pel_tool_def *def, uint8_t *flags)
 {
     stage s = make_stage(def, 0.01);
     run_steps(s.sim, 1);
-    const pel_tool *tool = &s.sim->tools[0];
+    const pel_tool *tool = &s.sim->tools->items[0];
     memset(flags, 0, 64);
     for (int32_t i = 0; i < tool->held_count; i++)
         flags[s.sim->model->mesh_vertex[tool->held[i]]] = 1;
@@ -270,7 +268,7 @@ static void test_speed_of_catching_up(void **unused)
     sim_def.tools = &def;
     sim_def.tool_count = 1;
     pel_sim *sim = make_sim(&sim_def);
-    pel_tool *tool = &sim->tools[0];
+    pel_tool *tool = &sim->tools->items[0];
     const double lags[3] = {0.05, 0.005, 1}, strides[3] = {0.02, 0.005, 0.125};
     for (int i = 0; i < 3; i++) {
         tool->blocked = true;

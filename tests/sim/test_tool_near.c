@@ -1,8 +1,8 @@
 /* Lists of near triangles that are kept over many steps, beside a look at every triangle and beside new lists. */
 #include "random.h"
 #include "refine_fixture.h"
-
-#include "sim/tool.h"
+#include "stage/surface_view.h"
+#include "tool/near.h"
 
 static const pel_pose_key above = {0, {0.1, 0, 1.5}, {0, 0, 0, 1}, {0, 0, 0}};
 
@@ -35,15 +35,15 @@ static bench make_scene(const pel_tool_def *tool, int32_t levels)
 /* the result of a list beside that of all triangles; returns how many are near */
 static int32_t compare(pel_sim *sim, pel_near_list *list, double margin)
 {
-    const pel_search_box box = pel_tool_box(&sim->tools[0], sim->tools[0].press_margin, margin);
+    const pel_search_box box = pel_tool_box(&sim->tools->items[0], sim->tools->items[0].press_margin, margin);
     const pel_record *x = sim->state->position;
-    int32_t count = pel_tool_near_triangles(sim, &sim->tools[0], list, x, margin), expected = 0;
+    int32_t count = pel_tool_near_triangles(sim, &sim->tools->items[0], list, x, margin), expected = 0;
     for (int32_t t = 0; t < sim->model->triangle_count; t++) {
         const pel_search_box around = pel_search_triangle(x, sim->model->triangles[t]);
         if (pel_search_apart(&around, &box))
             continue;
         assert_true(expected < count);
-        assert_int_equal(sim->near_triangles[expected++], t);
+        assert_int_equal(sim->tools->near_triangles[expected++], t);
     }
     assert_int_equal(count, expected);
     return count;
@@ -71,14 +71,14 @@ static void compare_steps(pel_tool_shape shape)
                 sim->state->position[v][c] -= (pel_real)(shift[c] * random_between(&random, 0.9, 1.1));
         for (int c = 0; c < 3; c++) {
             place[c] += shift[c];
-            sim->tools[0].pose.position[c] += n % 2 == 0 ? 0 : shift[c];
+            sim->tools->items[0].pose.position[c] += n % 2 == 0 ? 0 : shift[c];
         }
-        near += compare(sim, &sim->tools[0].near, 0.1);
-        near += compare(sim, &sim->tools[0].in_reach, 0.2);
+        near += compare(sim, &sim->tools->items[0].near, 0.1);
+        near += compare(sim, &sim->tools->items[0].in_reach, 0.2);
     }
     assert_true(near > 40 * STEPS);
     /* they are made in few of the steps */
-    assert_in_range(sim->tool_search->fit_count, 10, STEPS / 5);
+    assert_in_range(sim->tools->search->fit_count, 10, STEPS / 5);
     end(&made);
 }
 
@@ -108,12 +108,12 @@ static void test_vertex(void **unused)
     bench made = make_scene(&tool, 0);
     pel_sim *sim = made.sim;
     int32_t bottom = nearest_vertex(made.mesh, 0, 0, -1), v = pel_output_model_index(sim, 0, bottom);
-    compare(sim, &sim->tools[0].near, 0.1);
-    int32_t before = compare(sim, &sim->tools[0].near, 0.1);
+    compare(sim, &sim->tools->items[0].near, 0.1);
+    int32_t before = compare(sim, &sim->tools->items[0].near, 0.1);
     sim->state->position[v][2] = (pel_real)1.2;
-    assert_true(compare(sim, &sim->tools[0].near, 0.1) > before);
+    assert_true(compare(sim, &sim->tools->items[0].near, 0.1) > before);
     sim->state->position[v][2] = -1;
-    assert_int_equal(compare(sim, &sim->tools[0].near, 0.1), before);
+    assert_int_equal(compare(sim, &sim->tools->items[0].near, 0.1), before);
     end(&made);
 }
 
@@ -130,14 +130,14 @@ static void compare_bits(int32_t levels)
             assert_int_equal(pel_sim_set_tool_pose(made[i].sim, 0, place, upright, NULL), PEL_OK);
             assert_int_equal(pel_sim_step(made[i].sim, NULL), PEL_OK);
         }
-        touched += made[0].sim->tools[0].contact_count;
-        made[1].sim->tool_search->is_fitted = false;
-        made[1].sim->tools[0].near.fit = 0;
+        touched += made[0].sim->tools->items[0].contact_count;
+        made[1].sim->tools->search->is_fitted = false;
+        made[1].sim->tools->items[0].near.fit = 0;
         assert_true(pel_sim_hash(made[0].sim) == pel_sim_hash(made[1].sim));
     }
     assert_true(touched > 100);
     if (levels == 0)
-        assert_in_range(made[0].sim->tool_search->fit_count, 2, 40);
+        assert_in_range(made[0].sim->tools->search->fit_count, 2, 40);
     for (int i = 0; i < 2; i++)
         end(&made[i]);
 }

@@ -1,9 +1,8 @@
 /* Balls pressed into filled tissue: the same force on coarse and fine meshes. */
-#include "sim/fixture.h"
-#include "sim/sim.h"
-#include "sim/tool.h"
-
 #include "pellicle/shape.h"
+#include "sim/fixture.h"
+#include "tool/pose.h"
+#include "tool/sagitta.h"
 
 #define BALL 0.02
 
@@ -98,7 +97,7 @@ static void check_solid(double edge, bool contact, double share)
 {
     stage s = make_pad(edge, 0, PEL_TOOL_SPHERE, PEL_METHOD_XPBD, 0.01, contact);
     const pel_model *model = s.sim->model;
-    const pel_tool *tool = &s.sim->tools[0];
+    const pel_tool *tool = &s.sim->tools->items[0];
     bool found = false;
     for (int32_t t = 0; t < model->triangle_count; t++) {
         double square = 0, x[3][3];

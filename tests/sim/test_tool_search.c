@@ -2,8 +2,8 @@
 #include "failing_malloc.h"
 #include "random.h"
 #include "refine_fixture.h"
-
-#include "sim/tool_search.h"
+#include "stage/stage.h"
+#include "tool/search.h"
 
 typedef struct scene {
     bench made;

@@ -1,7 +1,8 @@
 /* Tools that start inside a body: the way out that the error tells, for every shape. */
-#include "sim/contact_scene.h"
-
 #include "math/vec3.h"
+#include "pellicle/shape.h"
+#include "sim/contact_scene.h"
+#include "stage/stage.h"
 
 /* the way that the error tells; -1 when the tool may start */
 static double way_told(contact_scene *scene)

@@ -1,9 +1,8 @@
 /* Tools: no penetration, forces that balance, grasping, refusals. */
-#include "sim/fixture.h"
-
 #include "geom/solid.h"
 #include "math/pose.h"
-#include "sim/sim.h"
+#include "sim/fixture.h"
+#include "sim/snapshot.h"
 
 static stage make_stage_with(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method,
                              const pel_load_def *load)

@@ -1,8 +1,9 @@
 /* A tube whose rims are held and turn against each other: a neck, then a rope of its own folds. With PELLICLE_LONG in
    the environment (make nightly) that of pbd with thick contact has 40 x 40 cells, and makes three turns. */
+#include "pellicle/shape.h"
 #include "sim/contact_scene.h"
-
 #include "sim/sim.h"
+#include "stage/stage.h"
 
 #include <stdlib.h>
 
@@ -120,7 +121,7 @@ static void test_energy(void **unused)
         pel_sim_ledger ledger;
         pel_tool_reading rims[2];
         step(sim, n);
-        was_divided |= sim->parts.now.size < PEL_PART_LIMIT;
+        was_divided |= pel_house_of(sim)->parts.now.size < PEL_PART_LIMIT;
         pel_sim_get_ledger(sim, &ledger);
         worst = fmax(worst, ledger.energy_error / ledger.supplied);
         for (int i = 0; i < 2 && n >= 20; i++) {
@@ -152,7 +153,7 @@ static void test_parts_of_pbd(void **unused)
         pel_tool_reading rim;
         step(sim, n);
         pel_sim_get_tool(sim, 0, &rim);
-        double *most = sim->parts.now.size < PEL_PART_LIMIT ? &divided : &whole;
+        double *most = pel_house_of(sim)->parts.now.size < PEL_PART_LIMIT ? &divided : &whole;
         *most = fmax(*most, fabs(rim.force[2]));
     }
     print_message("largest force in whole steps %g, in parts %g\n", whole, divided);

@@ -1,10 +1,10 @@
 /* What position-based methods converge to: closed forms of materials, the pressurised sphere, leapfrog, and exact
    solutions of single vertices. */
 #include "law_forms.h"
+#include "math/vec3.h"
 #include "random.h"
 #include "sim/fixture.h"
-
-#include "math/vec3.h"
+#include "stage/stage.h"
 
 #include <stdlib.h>
 

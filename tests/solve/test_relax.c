@@ -1,7 +1,9 @@
+/* P_s(x) by Bonnet's recursion */
 #include "random.h"
 #include "sim/refine_fixture.h"
+#include "solve/relax.h"
+#include "stage/stage.h"
 
-/* P_s(x) by Bonnet's recursion */
 static double legendre(int32_t s, double x)
 {
     double before = 1, now = x;
@@ -97,7 +99,7 @@ static void test_energy_falls(void **unused)
         for (int32_t v = 0; v < model->vertex_count; v++)
             for (int c = 0; c < 3; c++)
                 state->position[v][c] = model->rest[v][c] + (pel_real)noise(&random);
-        made.sim->force_is_present = false;
+        made.sim->present.has_force = false;
         pel_sim_measures before, after;
         pel_sim_measure(made.sim, &before);
         run_steps(made.sim, 1);

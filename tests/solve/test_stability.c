@@ -1,9 +1,9 @@
 /* Stability limits: the numbers of the theory for paper A's sphere, and that runs just below a limit stay bounded while
    runs just above it grow. */
-#include "sim/fixture.h"
-
 #include "model/model.h"
+#include "sim/fixture.h"
 #include "solve/stability.h"
+#include "stage/stage.h"
 
 static pel_model *paper_sphere(double k, double d, double volumetric, double volumetric_damping)
 {

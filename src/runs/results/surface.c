@@ -3,9 +3,9 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "observe/field.h"
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
-#include "sim/field.h"
 
 #include <math.h>
 #include <string.h>

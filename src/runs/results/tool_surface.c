@@ -4,7 +4,7 @@
 #include "base/status.h"
 #include "math/functions.h"
 #include "results/folder.h"
-#include "sim/tool.h"
+#include "tool/tool.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -174,9 +174,9 @@ pel_status pel_tool_surfaces_read(pel_tool_surfaces *surfaces, const pel_sim *si
     surfaces->time = pel_sim_time(sim);
     for (int32_t i = 0; i < surfaces->count; i++)
         surfaces->list[i].is_there = false;
-    for (int32_t i = 0; status == PEL_OK && i < sim->tool_count; i++)
-        if (sim->tools[i].support == NULL)
-            status = read_tool(surfaces, &sim->tools[i], error);
+    for (int32_t i = 0; status == PEL_OK && i < sim->tools->count; i++)
+        if (sim->tools->items[i].support == NULL)
+            status = read_tool(surfaces, &sim->tools->items[i], error);
     return status;
 }
 

@@ -1,8 +1,8 @@
 /* Runs beside a run: simulations that are stepped with it, and rows of their series at its frames. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "gradient/step_beside.h"
 #include "run/state.h"
-#include "sim/sim.h"
 
 static pel_status make_room(pel_run_state *run, pel_error *error)
 {

@@ -2,9 +2,9 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "observe/observe.h"
 #include "pellicle/parallel.h"
 #include "results/files.h"
-#include "sim/sim.h"
 
 #include <math.h>
 #include <stdatomic.h>

@@ -11,6 +11,7 @@
 #include "results/files.h"
 #include "run/state.h"
 #include "sim/sim.h"
+#include "sim/snapshot.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -104,7 +105,7 @@ static uint64_t hash_scene(const pel_scene *scene)
 static void keep_at_start(pel_run_kept *kept)
 {
     const unsigned readers = PEL_RUN_ENERGIES | PEL_RUN_WARNINGS;
-    kept->sim->ledger.is_unread = (kept->skips & readers) == readers;
+    kept->sim->ledger->is_unread = (kept->skips & readers) == readers;
     pel_ledger_start(kept->sim);
     pel_snapshot_keep(kept->sim, kept->start);
     kept->is_at_start = true;

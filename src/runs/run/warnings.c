@@ -4,11 +4,11 @@
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
+#include "minimise/step_newton.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
-#include "sim/step_newton.h"
 
 #include <float.h>
 #include <inttypes.h>

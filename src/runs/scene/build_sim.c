@@ -1,10 +1,10 @@
 #include "base/number.h"
+#include "observe/field.h"
 #include "scene/build.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"
 #include "scene/validate.h"
-#include "sim/field.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,12 +1,13 @@
-#include "pellicle/haptic.h"
 
+
+#include "pellicle/haptic.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "haptic/exchange.h"
 #include "haptic/local_model.h"
 #include "haptic/loop.h"
 #include "haptic/proxy.h"
-#include "sim/tool.h"
+#include "tool/tool.h"
 
 #include <string.h>
 
@@ -104,12 +105,12 @@ static pel_status check_numbers(const pel_haptic_def *def, pel_error *error)
 
 static pel_status check_tool(const pel_haptic_def *def, pel_error *error)
 {
-    if (def->tool < 0 || def->tool >= def->sim->tool_count) {
+    if (def->tool < 0 || def->tool >= def->sim->tools->count) {
         pel_fail(error, PEL_BAD_ARGUMENT, "tool %d does not exist", (int)def->tool);
-        pel_fail_remedy(error, "add a tool that presses to the scene; it has %d tools", (int)def->sim->tool_count);
+        pel_fail_remedy(error, "add a tool that presses to the scene; it has %d tools", (int)def->sim->tools->count);
         return PEL_BAD_ARGUMENT;
     }
-    const pel_tool *tool = &def->sim->tools[def->tool];
+    const pel_tool *tool = &def->sim->tools->items[def->tool];
     if (tool->support == NULL)
         return PEL_OK;
     pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' is a support and has no surface", tool->name);
@@ -134,7 +135,7 @@ static pel_status resolve_coupling(pel_haptic_def *def, pel_error *error)
     if (!(def->surface_stiffness > 0))
         def->surface_stiffness = ASSUMED_STIFFNESS * def->coupling_stiffness;
     if (!(def->reach > 0))
-        def->reach = 0.5 * pel_tool_size(&def->sim->tools[def->tool]) / 3;
+        def->reach = 0.5 * pel_tool_size(&def->sim->tools->items[def->tool]) / 3;
     return PEL_OK;
 }
 
@@ -142,7 +143,7 @@ static void fill(pel_haptic *haptic, const pel_haptic_def *def)
 {
     haptic->sim = def->sim;
     haptic->tool = def->tool;
-    memcpy(haptic->tool_name, def->sim->tools[def->tool].name, sizeof haptic->tool_name);
+    memcpy(haptic->tool_name, def->sim->tools->items[def->tool].name, sizeof haptic->tool_name);
     haptic->rate = def->rate;
     haptic->reach = def->reach;
     haptic->model_step = -1;
@@ -209,7 +210,7 @@ static void send_model(pel_haptic *haptic)
 /* the proxy's place, at most the reach from where the tool is */
 static void tool_target(const pel_haptic *haptic, const double proxy[3], double target[3])
 {
-    const double *at = haptic->sim->tools[haptic->tool].pose.position;
+    const double *at = haptic->sim->tools->items[haptic->tool].pose.position;
     double way[3];
     pel_vec3_subtract(proxy, at, way);
     double length = pel_vec3_length(way);
@@ -220,7 +221,7 @@ pel_status pel_haptic_sync(pel_haptic *haptic, pel_error *error)
 {
     PEL_REFUSE_NULL(haptic, error);
     pel_sim *sim = haptic->sim;
-    if (haptic->tool >= sim->tool_count || strcmp(sim->tools[haptic->tool].name, haptic->tool_name) != 0) {
+    if (haptic->tool >= sim->tools->count || strcmp(sim->tools->items[haptic->tool].name, haptic->tool_name) != 0) {
         pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' was removed", haptic->tool_name);
         pel_fail_remedy(error, "create a new haptic loop when tools change");
         return PEL_BAD_ARGUMENT;

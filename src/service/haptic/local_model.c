@@ -3,10 +3,13 @@
    makes it push with N at the tool's position x. Near triangles, which the tool has not touched yet, give planes
    through the tool's position minus the gap; they count where the surface is concave there, since the half spaces of a
    convex surface exclude more than the surface does. */
+
 #include "haptic/local_model.h"
 
 #include "math/vec3.h"
-#include "sim/tool.h"
+#include "tool/near.h"
+#include "tool/pose.h"
+#include "tool/sagitta.h"
 
 /* directions within 60 degrees make one plane */
 #define SAME_DIRECTION 0.5
@@ -232,7 +235,7 @@ static void add_near(pel_sim *sim, pel_tool *tool, double reach, candidates *fou
     int32_t count = pel_tool_near_triangles(sim, tool, &tool->in_reach, sim->state->position, reach);
     for (int32_t i = 0; i < count; i++) {
         candidate near;
-        if (near_plane(sim, tool, sim->near_triangles[i], reach, &nearest, &near))
+        if (near_plane(sim, tool, sim->tools->near_triangles[i], reach, &nearest, &near))
             consider(&near, &nearest);
     }
     /* in the order of their gaps */
@@ -322,7 +325,7 @@ static void tool_place(const pel_sim *sim, const pel_tool *tool, double place[3]
 void pel_local_model_take(pel_sim *sim, int32_t tool, double reach, const pel_local_model *last,
                           pel_surface_estimate *estimate, pel_local_model *model)
 {
-    pel_tool *t = &sim->tools[tool];
+    pel_tool *t = &sim->tools->items[tool];
     candidates found = {.count = 0};
     *model = (pel_local_model){.reach = reach};
     tool_place(sim, t, model->tool_position);

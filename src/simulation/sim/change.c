@@ -2,8 +2,15 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "sim/contact.h"
-#include "sim/tool.h"
+#include "boundary/forces.h"
+#include "sim/own_def.h"
+#include "sim/sim.h"
+#include "sim/snapshot.h"
+#include "stage/accessors.h"
+#include "tool/pose.h"
+#include "tool/reading.h"
+#include "tool/start.h"
+#include "touch/tangle.h"
 
 pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error)
 {
@@ -33,8 +40,8 @@ static pel_status make_model(const pel_model *old, const pel_model_def *def, pel
 static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error)
 {
     bool any = false;
-    for (int32_t t = 0; t < sim->tool_count; t++) {
-        pel_tool *tool = &sim->tools[t];
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
         if (pel_sim_find_tool(old, tool->name) >= 0)
             continue;
         any = true;
@@ -46,7 +53,7 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
     if (!any || sim->contacts == NULL)
         return PEL_OK;
     pel_contacts_place_start(sim);
-    sim->contact.revisions[0] = -1;
+    sim->touch->revisions[0] = -1;
     pel_status status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK)
         status = pel_tangles_find(sim->contacts, error);
@@ -57,7 +64,7 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
 static pel_status go_on(pel_sim *old, pel_sim *sim, pel_error *error)
 {
     double energy_before = pel_ledger_energy(old);
-    pel_status status = pel_sim_make_forces(sim, old->external != NULL, error);
+    pel_status status = pel_sim_make_forces(sim, old->loads->external != NULL, error);
     if (status == PEL_OK)
         status = pel_snapshot_carry(old, sim, error);
     if (status != PEL_OK)
@@ -71,25 +78,33 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-/* makes it in the place of the old one, so that addresses stay */
-static pel_status remake(pel_sim *sim, pel_sim *old, const pel_change *change, pel_model *model, pel_error *error)
+/* to another place, from which the rooms are reached again */
+static void move(pel_house *from, pel_house *to)
 {
+    *to = *from;
+    pel_house_link(to);
+}
+
+/* makes it in the place of the old one, so that addresses stay */
+static pel_status remake(pel_house *house, pel_house *old, const pel_change *change, pel_model *model, pel_error *error)
+{
+    pel_sim *sim = &house->sim;
     pel_sim_def def = change->sim;
     def.model = model != NULL ? model : sim->given;
-    const pel_ledger ledger = sim->ledger;
-    *old = *sim;
-    *sim = (pel_sim){.goes_on = true};
-    pel_status status = pel_sim_build(sim, &def, error);
+    const pel_ledger ledger = house->ledger;
+    move(house, old);
+    *house = (pel_house){.sim.goes_on = true};
+    pel_status status = pel_sim_build(house, &def, error);
     if (status == PEL_OK)
         status = change->state != NULL ? pel_sim_load(sim, change->state, change->state_size, error)
-                                       : go_on(old, sim, error);
+                                       : go_on(&old->sim, sim, error);
     if (status != PEL_OK) {
-        pel_sim_release(sim);
-        *sim = *old;
-        sim->ledger = ledger;
+        pel_sim_release(house);
+        move(old, house);
+        house->ledger = ledger;
         return status;
     }
-    sim->own_model = model != NULL ? model : old->own_model;
+    house->own_model = model != NULL ? model : old->own_model;
     if (model == NULL)
         old->own_model = NULL;
     pel_sim_release(old);
@@ -102,8 +117,8 @@ pel_status pel_change_apply(pel_sim *sim, const pel_change *change, pel_error *e
     pel_status status = change->changes_model ? make_model(sim->given, &change->model, &model, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
-    pel_sim *old = pel_allocate(1, sizeof *old);
-    status = old != NULL ? remake(sim, old, change, model, error) : pel_fail_memory(error);
+    pel_house *old = pel_allocate(1, sizeof *old);
+    status = old != NULL ? remake(pel_house_of(sim), old, change, model, error) : pel_fail_memory(error);
     pel_free(old);
     if (status != PEL_OK)
         pel_model_destroy(model);

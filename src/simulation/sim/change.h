@@ -5,6 +5,7 @@
 
 #include "def/copy.h"
 #include "pellicle/sim.h"
+#include "stage/stage.h"
 
 typedef struct pel_change {
     pel_model_def model; /* copies of the present defs, to be changed; pointers in them may be written to */

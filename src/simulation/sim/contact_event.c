@@ -3,25 +3,17 @@
    New vertices lie a little off the middle of their edge (refine_transfer.c), and coarsened regions lose their bulges,
    so the new surface is tested exactly. If it cuts itself, new vertices move to the middles, which does not move a
    refined surface; if that does not help, the event is reverted by a snapshot from before it. */
+#include "sim/contact_event.h"
+
 #include "base/memory.h"
 #include "base/status.h"
-#include "sim/contact.h"
-#include "sim/tool.h"
+#include "boundary/loads.h"
+#include "touch/contact.h"
 
-pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
+static void save_before(pel_sim *sim)
 {
-    if (sim->contacts == NULL || sim->active == NULL)
-        return PEL_OK;
-    /* forces of the caller may come later */
-    size_t forces = sim->external == NULL ? (size_t)sim->model->vertex_count * sizeof *sim->external : 0;
-    sim->contact.before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
-    return sim->contact.before_event != NULL ? PEL_OK : pel_fail_memory(error);
-}
-
-void pel_contacts_before_event(pel_sim *sim)
-{
-    sim->contact.event_size = pel_sim_save_size(sim);
-    pel_sim_save(sim, sim->contact.before_event);
+    sim->touch->event_size = pel_sim_save_size(sim);
+    pel_sim_save(sim, sim->touch->before_event);
 }
 
 /* pairs at the present positions; false when that cannot be told */
@@ -50,7 +42,7 @@ static void move_to_middle(pel_sim *sim, const pel_refined_body *own, int32_t v)
     }
 }
 
-bool pel_contacts_accept_event(pel_sim *sim, int32_t body)
+static bool accept(pel_sim *sim, int32_t body)
 {
     const pel_refined_body *own = &sim->active->bodies[body];
     const pel_tangles *tangles = &sim->contacts->tangles;
@@ -62,6 +54,18 @@ bool pel_contacts_accept_event(pel_sim *sim, int32_t body)
         move_to_middle(sim, own, own->front->added_vertices[i]);
     if (count_pairs(sim, &count) && count <= known)
         return true;
-    pel_sim_load(sim, sim->contact.before_event, sim->contact.event_size, NULL);
+    pel_sim_load(sim, sim->touch->before_event, sim->touch->event_size, NULL);
     return false;
+}
+
+pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
+{
+    if (sim->contacts == NULL || sim->active == NULL)
+        return PEL_OK;
+    /* forces of the caller may come later */
+    size_t forces = sim->loads->external == NULL ? (size_t)sim->model->vertex_count * sizeof *sim->loads->external : 0;
+    static const pel_event_guard guards = {save_before, accept};
+    sim->guards = &guards;
+    sim->touch->before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
+    return sim->touch->before_event != NULL ? PEL_OK : pel_fail_memory(error);
 }

@@ -11,11 +11,11 @@
    1/2 on, and slow below. So the hand has a mass M, a multiple of m and at least 2 K dt^2, and critical damping for k
    and M; then a = c m / M, where c, 1 to 4, depends on the integrator. The spring is evaluated at the end of the step,
    so any stiffness is stable. */
-#include "pellicle/live.h"
-
 #include "base/memory.h"
 #include "base/status.h"
-#include "sim/tool.h"
+#include "pellicle/live.h"
+#include "stage/surface_view.h"
+#include "tool/reading.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -211,7 +211,7 @@ pel_status pel_drag_end(pel_drag *drag, pel_error *error)
     pel_status status = tool >= 0 ? pel_sim_remove_tool(drag->sim, tool, error) : PEL_OK;
     /* a tool that stays for want of memory lets go in the next step */
     if (status != PEL_OK)
-        drag->sim->tools[tool].grasp_until = pel_sim_time(drag->sim);
+        drag->sim->tools->items[tool].grasp_until = pel_sim_time(drag->sim);
     pel_free(drag);
     return status;
 }

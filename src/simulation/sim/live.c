@@ -1,10 +1,11 @@
 /* Loads, tools, pins and forces that are added, removed or moved while a simulation runs. */
 #include "pellicle/live.h"
-
 #include "base/memory.h"
 #include "base/status.h"
+#include "boundary/forces.h"
+#include "boundary/loads.h"
 #include "sim/change.h"
-#include "sim/tool.h"
+#include "tool/tool.h"
 
 #include <string.h>
 
@@ -50,14 +51,14 @@ int32_t pel_sim_load_count(const pel_sim *sim)
 {
     if (sim == NULL)
         return 0;
-    return sim->load_count;
+    return sim->loads->count;
 }
 
 const char *pel_sim_load_name(const pel_sim *sim, int32_t load)
 {
     if (load < 0 || load >= pel_sim_load_count(sim))
         return "";
-    return sim->loads[load].name;
+    return sim->loads->items[load].name;
 }
 
 pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *error)
@@ -65,8 +66,8 @@ pel_status pel_sim_add_load(pel_sim *sim, const pel_load_def *def, pel_error *er
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(def, error);
     pel_change change;
-    for (int32_t l = 0; def->name != NULL && def->name[0] != '\0' && l < sim->load_count; l++)
-        if (strcmp(sim->loads[l].name, def->name) == 0)
+    for (int32_t l = 0; def->name != NULL && def->name[0] != '\0' && l < sim->loads->count; l++)
+        if (strcmp(sim->loads->items[l].name, def->name) == 0)
             return pel_fail(error, PEL_BAD_ARGUMENT, "there is a load '%s' already", def->name);
     pel_status status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK)
@@ -81,7 +82,7 @@ pel_status pel_sim_remove_load(pel_sim *sim, int32_t load, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
     pel_change change;
-    if (load < 0 || load >= sim->load_count)
+    if (load < 0 || load >= sim->loads->count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
     pel_status status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK)
@@ -122,7 +123,7 @@ pel_status pel_sim_remove_tool(pel_sim *sim, int32_t tool, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
     pel_change change;
-    if (tool < 0 || tool >= sim->tool_count)
+    if (tool < 0 || tool >= sim->tools->count)
         return refuse_tool(tool, error);
     pel_status status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK)
@@ -139,7 +140,7 @@ pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key 
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(keys, error);
     pel_change change;
-    if (tool < 0 || tool >= sim->tool_count)
+    if (tool < 0 || tool >= sim->tools->count)
         return refuse_tool(tool, error);
     pel_status status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK) {
@@ -152,8 +153,8 @@ pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key 
     if (status != PEL_OK)
         return status;
     /* from where it is it catches up with its keys */
-    sim->tools[tool].driven = false;
-    sim->tools[tool].blocked = pel_sim_step_count(sim) > 0;
+    sim->tools->items[tool].driven = false;
+    sim->tools->items[tool].blocked = pel_sim_step_count(sim) > 0;
     return PEL_OK;
 }
 
@@ -191,11 +192,11 @@ pel_status pel_sim_set_forces(pel_sim *sim, int32_t body, const double *forces, 
             pel_fail_element(error, "vertex", (int64_t)(i / 3));
             return PEL_BAD_ARGUMENT;
         }
-    if (forces == NULL && sim->external == NULL)
+    if (forces == NULL && sim->loads->external == NULL)
         return PEL_OK;
     pel_status status = pel_sim_make_forces(sim, true, error);
     for (size_t i = 0; status == PEL_OK && i < count; i++)
-        sim->external[own->model_index[i / 3]][i % 3] = forces != NULL ? (pel_real)forces[i] : 0;
-    sim->force_is_present = false;
+        sim->loads->external[own->model_index[i / 3]][i % 3] = forces != NULL ? (pel_real)forces[i] : 0;
+    sim->present.has_force = false;
     return status;
 }

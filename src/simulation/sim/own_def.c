@@ -1,4 +1,6 @@
 /* The def of a simulation: a deep copy, and its fingerprint. */
+#include "sim/own_def.h"
+
 #include "base/status.h"
 #include "sim/sim.h"
 
@@ -10,12 +12,12 @@ static int32_t weight_count(const pel_sim_def *def, const pel_load_def *load)
 void pel_sim_take_fingerprint(pel_sim *sim)
 {
     const pel_sim_def *def = &sim->def;
-    sim->fingerprint = sim->given->fingerprint;
+    pel_house_of(sim)->fingerprint = sim->given->fingerprint;
     for (int32_t l = 0; l < def->load_count; l++)
         if (def->loads[l].weights != NULL)
-            pel_fingerprint_add_bytes(&sim->fingerprint, PEL_PART_LOADS, def->loads[l].weights,
+            pel_fingerprint_add_bytes(&pel_house_of(sim)->fingerprint, PEL_PART_LOADS, def->loads[l].weights,
                                       (size_t)weight_count(def, &def->loads[l]) * sizeof(double));
-    pel_fingerprint_add(&sim->fingerprint, PEL_DEF_SIM, def);
+    pel_fingerprint_add(&pel_house_of(sim)->fingerprint, PEL_DEF_SIM, def);
 }
 
 pel_status pel_sim_def_copy(pel_copies *copies, pel_sim_def *def, pel_error *error)

@@ -1,10 +1,13 @@
 /* Parameters by path: list, read, change. A path is made from the row of the table and the names of its owners; a
    search builds one path after the other, which takes some 10 us. */
 #include "sim/parameter.h"
+
 #include "base/number.h"
 #include "base/status.h"
+#include "boundary/loads.h"
 #include "sim/change.h"
-#include "sim/contact.h"
+#include "sim/own_def.h"
+#include "tool/create.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -479,14 +482,19 @@ static pel_status change_directly(pel_sim *sim, pel_parameter_place at, const do
         pel_load_def load;
         pel_tool_def tool;
     } def;
+    pel_status status;
     if (row->def == PEL_DEF_LOAD) {
         def.load = sim->def.loads[at.element];
         pel_member_set(row, &def.load, values);
-        return pel_load_retime(sim, at.element, &def.load, error);
+        status = pel_load_retime(sim, at.element, &def.load, error);
+    } else {
+        def.tool = sim->def.tools[at.element];
+        pel_member_set(row, &def.tool, values);
+        status = pel_tool_regrasp(sim, at.element, &def.tool, error);
     }
-    def.tool = sim->def.tools[at.element];
-    pel_member_set(row, &def.tool, values);
-    return pel_tool_regrasp(sim, at.element, &def.tool, error);
+    if (status == PEL_OK)
+        pel_sim_take_fingerprint(sim);
+    return status;
 }
 
 static pel_status change(pel_sim *sim, const char *path, const setting *set, pel_error *error)

@@ -4,6 +4,7 @@
 #define PEL_SIM_PARAMETER_H
 
 #include "def/row.h"
+#include "stage/stage.h"
 
 /* Place of a parameter in the defs of a model and a simulation. */
 typedef struct pel_parameter_place {

@@ -3,35 +3,40 @@
    corrections would add energy. An implicit step may have no solution near its start. Such a step is repeated in
    halves, each with its own search, substeps and guard, and divided again if necessary. Parts grow after a number of
    good ones. */
+#include "sim/parts.h"
+
 #include "base/memory.h"
 #include "base/status.h"
-#include "sim/tool.h"
+#include "method/softness.h"
+#include "sim/sim.h"
+#include "tool/tool.h"
+#include "touch/contact.h"
 
 #include <string.h>
 
 void pel_parts_create(pel_sim *sim)
 {
-    pel_sim_parts *parts = &sim->parts;
-    parts->step_size = PEL_PART_LIMIT;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.step_size = PEL_PART_LIMIT;
     parts->now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
-    parts->substeps = sim->solver.substeps;
+    sim->part.substeps = sim->solver.substeps;
     /* restitution detects collisions by whole steps, and a budget of work applies to a whole step */
     bool is_bounded = sim->solver.budget > 0 || (!pel_sim_is_projected(sim) && sim->solver.iterations > 0);
     bool divides = pel_sim_is_projected(sim) ? sim->contacts != NULL : sim->stepper->divides;
-    parts->divides = divides && sim->collisions == NULL;
-    parts->can_halve = parts->divides && !is_bounded;
+    parts->divides = divides && sim->touch->collisions == NULL;
+    sim->part.can_halve = parts->divides && !is_bounded;
 }
 
 void pel_parts_destroy(pel_sim *sim)
 {
-    pel_free(sim->parts.before);
+    pel_free(pel_house_of(sim)->parts.before);
 }
 
 /* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
    forces of the caller that come or go change its size. */
 static pel_status save_before(pel_sim *sim, pel_error *error)
 {
-    pel_sim_parts *parts = &sim->parts;
+    pel_parts *parts = &pel_house_of(sim)->parts;
     size_t size = pel_sim_save_size(sim);
     if (parts->before == NULL || size != parts->before_size) {
         void *before = pel_allocate(size, 1);
@@ -50,7 +55,7 @@ enum { LONG_SUBSTEPS = 32 };
 
 static bool is_long(const pel_sim *sim)
 {
-    return sim->stepper->get_solver != NULL || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
+    return sim->stepper->minimises || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
 }
 
 /* Contact or many iterations make steps long that are short as a rule: a snapshot may take longer than these. */
@@ -60,7 +65,7 @@ pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
     bool can_be_long = sim->contacts != NULL || pel_sim_is_projected(sim);
     bool asks = keeps || (sim->def.stops_short_steps && can_be_long);
     pel_status status = keeps ? save_before(sim, error) : PEL_OK;
-    sim->parts.is_kept = keeps && status == PEL_OK;
+    pel_house_of(sim)->parts.is_kept = keeps && status == PEL_OK;
     pel_pool_watch(sim->pool, asks && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
     return status;
 }
@@ -69,7 +74,7 @@ pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
 static void set_size(pel_sim *sim, int32_t size)
 {
     double before = sim->step.dt;
-    sim->parts.step_size = size;
+    sim->part.step_size = size;
     sim->step.dt = sim->solver.dt * size / PEL_PART_LIMIT;
     if (sim->stepper->set_time != NULL)
         sim->stepper->set_time(sim, before);
@@ -77,16 +82,16 @@ static void set_size(pel_sim *sim, int32_t size)
 
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
 {
-    pel_sim_parts *parts = &sim->parts;
-    parts->at = 0;
-    parts->is_refused = false;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.at = 0;
+    sim->part.is_refused = false;
     if (pel_sim_is_projected(sim))
         pel_substeps_follow(sim);
-    parts->substeps = sim->solver.substeps;
-    for (int32_t t = 0; t < sim->tool_count; t++) {
-        sim->tools[t].hold_is_counted = sim->tools[t].was_held_back = false;
-        memset(sim->tools[t].force_sum, 0, sizeof sim->tools[t].force_sum);
-        memset(sim->tools[t].torque_sum, 0, sizeof sim->tools[t].torque_sum);
+    sim->part.substeps = sim->solver.substeps;
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        sim->tools->items[t].hold_is_counted = sim->tools->items[t].was_held_back = false;
+        memset(sim->tools->items[t].force_sum, 0, sizeof sim->tools->items[t].force_sum);
+        memset(sim->tools->items[t].torque_sum, 0, sizeof sim->tools->items[t].torque_sum);
     }
     if (parts->now.size == PEL_PART_LIMIT)
         return PEL_OK;
@@ -98,9 +103,9 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
 
 pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
 {
-    pel_sim_parts *parts = &sim->parts;
-    parts->is_refused = false;
-    bool is_first = parts->step_size == PEL_PART_LIMIT && !parts->is_kept;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    sim->part.is_refused = false;
+    bool is_first = sim->part.step_size == PEL_PART_LIMIT && !parts->is_kept;
     pel_status status = is_first ? save_before(sim, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
@@ -116,8 +121,8 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
 static void sum_readings(pel_sim *sim)
 {
     double share = pel_part_share(sim);
-    for (int32_t t = 0; t < sim->tool_count; t++) {
-        pel_tool *tool = &sim->tools[t];
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
         pel_vec3_along(tool->force_sum, share, tool->force, tool->force_sum);
         pel_vec3_along(tool->torque_sum, share, tool->torque, tool->torque_sum);
         tool->was_held_back |= tool->is_held_back;
@@ -126,30 +131,30 @@ static void sum_readings(pel_sim *sim)
 
 void pel_parts_accept(pel_sim *sim)
 {
-    pel_sim_parts *parts = &sim->parts;
+    pel_parts *parts = &pel_house_of(sim)->parts;
     pel_parts_now *now = &parts->now;
-    if (parts->step_size < PEL_PART_LIMIT)
+    if (sim->part.step_size < PEL_PART_LIMIT)
         sum_readings(sim);
-    parts->at += parts->step_size;
+    sim->part.at += sim->part.step_size;
     if (now->size == PEL_PART_LIMIT)
         return;
     now->calm++;
-    if (now->calm < now->patience || parts->at % (2 * now->size) != 0)
+    if (now->calm < now->patience || sim->part.at % (2 * now->size) != 0)
         return;
     now->size *= 2;
     now->calm = 0;
     if (now->size == PEL_PART_LIMIT)
         now->patience = PEL_LEAST_PATIENCE;
-    if (parts->at < PEL_PART_LIMIT)
+    if (sim->part.at < PEL_PART_LIMIT)
         set_size(sim, now->size);
 }
 
 void pel_parts_end(pel_sim *sim, pel_status status)
 {
-    pel_sim_parts *parts = &sim->parts;
-    bool is_whole = parts->step_size == PEL_PART_LIMIT;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    bool is_whole = sim->part.step_size == PEL_PART_LIMIT;
     bool goes_back = status != PEL_OK && (!is_whole || (status == PEL_STOPPED && parts->is_kept));
-    parts->at = 0;
+    sim->part.at = 0;
     parts->is_kept = false;
     pel_pool_watch(sim->pool, NULL, NULL);
     if (!is_whole)
@@ -158,10 +163,32 @@ void pel_parts_end(pel_sim *sim, pel_status status)
         pel_sim_load(sim, parts->before, parts->before_size, NULL);
     if (is_whole)
         return;
-    for (int32_t t = 0; t < sim->tool_count && status == PEL_OK; t++) {
-        pel_tool *tool = &sim->tools[t];
+    for (int32_t t = 0; t < sim->tools->count && status == PEL_OK; t++) {
+        pel_tool *tool = &sim->tools->items[t];
         pel_vec3_copy(tool->force_sum, tool->force);
         pel_vec3_copy(tool->torque_sum, tool->torque);
         tool->is_held_back = tool->was_held_back;
     }
+}
+
+/* ---- snapshots ---- */
+
+void pel_parts_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    if (parts->divides)
+        pel_transfer(at, &parts->now, sizeof parts->now);
+}
+
+bool pel_parts_restore(pel_sim *sim)
+{
+    pel_parts_now *now = &pel_house_of(sim)->parts.now;
+    bool is_size = now->size > 0 && now->size <= PEL_PART_LIMIT && (now->size & (now->size - 1)) == 0;
+    if (is_size && now->calm >= 0 && now->patience >= PEL_LEAST_PATIENCE && now->patience <= PEL_MOST_PATIENCE) {
+        now->size = sim->part.can_halve ? now->size : PEL_PART_LIMIT;
+        return true;
+    }
+    *now = (pel_parts_now){.size = PEL_PART_LIMIT, .patience = PEL_LEAST_PATIENCE};
+    return false;
 }

@@ -1,9 +1,9 @@
 /* Snapshots with the defs of the simulation, so that they undo changes of parameters. */
-#include "pellicle/live.h"
-
 #include "base/memory.h"
 #include "base/status.h"
+#include "pellicle/live.h"
 #include "sim/change.h"
+#include "sim/own_def.h"
 #include "sim/sim.h"
 
 #include <string.h>
@@ -51,7 +51,7 @@ pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_
     made->sim = sim;
     made->model = sim->given->def;
     made->def = sim->def;
-    made->fingerprint = sim->fingerprint;
+    made->fingerprint = pel_house_of(sim)->fingerprint;
     made->size = pel_sim_save_size(sim);
     made->bytes = pel_allocate(made->size, 1);
     pel_status status = made->bytes != NULL ? PEL_OK : pel_fail_memory(error);
@@ -98,7 +98,7 @@ pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_
         pel_fail_remedy(error, "restore the simulation that it was made from");
         return PEL_BAD_ARGUMENT;
     }
-    if (memcmp(&snapshot->fingerprint, &sim->fingerprint, sizeof sim->fingerprint) == 0)
+    if (memcmp(&snapshot->fingerprint, &pel_house_of(sim)->fingerprint, sizeof pel_house_of(sim)->fingerprint) == 0)
         return pel_sim_load(sim, snapshot->bytes, snapshot->size, error);
     /* the defs are the snapshot's own; only the address of the meshes of bodies may be another one by now */
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)snapshot->model.bodies;

@@ -1,8 +1,13 @@
 /* Setters between two steps. */
 #include "base/status.h"
+#include "boundary/loads.h"
+#include "contact/set.h"
 #include "math/pose.h"
 #include "math/vec3.h"
-#include "sim/contact.h"
+#include "method/softness.h"
+#include "observe/ledger.h"
+#include "stage/surface_view.h"
+#include "tool/tool.h"
 
 #include <string.h>
 
@@ -35,10 +40,10 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
     if (status != PEL_OK)
         return status;
     double energy_before = pel_ledger_energy(sim);
-    sim->force_is_present = false;
+    sim->present.has_force = false;
     sim->state_number++;
     sim->state->older_is_known = false;
-    sim->substeps.now.is_stale = true;
+    sim->substeps->now.is_stale = true;
     int32_t count = pel_output_count(sim, body);
     for (int32_t v = 0; v < count; v++)
         for (int c = 0; c < 3; c++) {
@@ -65,7 +70,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
         return status;
     pel_state *state = sim->state;
     double energy_before = pel_ledger_energy(sim);
-    sim->force_is_present = false;
+    sim->present.has_force = false;
     sim->state->older_is_known = false;
     int32_t count = pel_output_count(sim, body);
     for (int32_t v = 0; v < count; v++)
@@ -85,12 +90,12 @@ pel_status pel_sim_set_load_force(pel_sim *sim, int32_t load, const double force
 {
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(force, error);
-    if (load < 0 || load >= sim->load_count)
+    if (load < 0 || load >= sim->loads->count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "load %d does not exist", (int)load);
     if (!isfinite(force[0]) || !isfinite(force[1]) || !isfinite(force[2]))
         return pel_fail(error, PEL_BAD_ARGUMENT, "force of load %d is not finite", (int)load);
-    sim->force_is_present = false;
-    memcpy(sim->loads[load].force, force, sizeof sim->loads[load].force);
+    sim->present.has_force = false;
+    memcpy(sim->loads->items[load].force, force, sizeof sim->loads->items[load].force);
     /* the copy of this sim; changes to come start from it */
     memcpy((double *)(uintptr_t)sim->def.loads[load].force, force, sizeof sim->def.loads[load].force);
     return PEL_OK;
@@ -101,7 +106,7 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
 {
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(position, error);
-    if (tool < 0 || tool >= sim->tool_count)
+    if (tool < 0 || tool >= sim->tools->count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "tool %d does not exist", (int)tool);
     PEL_REFUSE_NULL(rotation, error);
     double square = 0;
@@ -109,12 +114,13 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
         square += rotation[i] * rotation[i];
     if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2]) || !(fabs(square - 1) < 1e-6)) {
         pel_fail(error, PEL_BAD_ARGUMENT,
-                 "position of tool '%s' is not finite or its rotation is not a unit quaternion", sim->tools[tool].name);
+                 "position of tool '%s' is not finite or its rotation is not a unit quaternion",
+                 sim->tools->items[tool].name);
         return PEL_BAD_ARGUMENT;
     }
     /* a pose that is set turns the tool by the shorter arc */
     static const double none[3] = {0};
-    pel_tool *t = &sim->tools[tool];
+    pel_tool *t = &sim->tools->items[tool];
     const pel_pose *last = t->driven ? &t->driven_pose : &t->pose;
     double turn[3];
     pel_rotation_between(last->rotation, rotation, none, turn);

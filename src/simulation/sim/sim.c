@@ -1,22 +1,19 @@
 /* The step, the same for all methods: surface, method, contact and tools, readings, ledger; then it is accepted. */
 #include "sim/sim.h"
 
+#include "adapt/refine.h"
 #include "base/pool.h"
 #include "base/status.h"
-#include "sim/contact.h"
-#include "sim/tool.h"
+#include "method/bending_weight.h"
+#include "stage/accessors.h"
+#include "stage/shells.h"
+#include "tool/grip.h"
+#include "tool/reading.h"
+#include "tool/support.h"
+#include "tool/tools.h"
+#include "touch/restitution.h"
 
 #include <string.h>
-
-void pel_sim_update_factors(pel_sim *sim, double time)
-{
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
-            const pel_curve *curve = &sim->model->bodies[b].curves[p];
-            if (curve->key_count > 0)
-                sim->state->factors[b][p] = pel_curve_value(curve->keys, curve->key_count, time);
-        }
-}
 
 static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
@@ -46,17 +43,17 @@ static void accept(pel_state *state)
 
 static void mark_contacts(pel_sim *sim)
 {
-    if (sim->tool_count == 0 && sim->contacts == NULL)
+    if (sim->tools->count == 0 && sim->contacts == NULL)
         return;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         int32_t first = body->slice_begin * PEL_WIDTH, count = body->slice_end * PEL_WIDTH - first;
-        if (sim->parts.at == 0)
+        if (sim->part.at == 0)
             memset(sim->state->contact + first, 0, (size_t)count);
     }
-    for (int32_t i = 0; i < sim->tool_count; i++)
-        for (int32_t k = 0; k < sim->tools[i].touch_count; k++)
-            sim->state->contact[sim->tools[i].touches[k].vertex] = 1;
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        for (int32_t k = 0; k < sim->tools->items[i].touch_count; k++)
+            sim->state->contact[sim->tools->items[i].touches[k].vertex] = 1;
     if (sim->contacts != NULL)
         pel_contact_set_mark(sim->contacts, sim->state->contact);
     if (sim->stepper->mark_contacts != NULL)
@@ -66,7 +63,7 @@ static void mark_contacts(pel_sim *sim)
 /* Refinement comes before the tools, so that they push new vertices out as well; contact follows the new surface. */
 static pel_status follow_surface(pel_sim *sim, pel_error *error)
 {
-    sim->force_is_present = false;
+    sim->present.has_force = false;
     sim->state_number++;
     if (sim->active != NULL)
         pel_refine_step(sim);
@@ -80,14 +77,14 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
-    if (status == PEL_OK && !result->diverged && !stepper->bounds_motion && sim->tool_count > 0)
+    if (status == PEL_OK && !result->diverged && !stepper->bounds_motion && sim->tools->count > 0)
         result->longest = pel_sim_longest_edge(sim);
     if (status == PEL_OK && result->diverged)
         status = report_divergence(sim, error);
     /* a surface that never cuts itself cannot turn inside out */
-    if (status == PEL_OK && !sim->parts.is_refused && !pel_sim_has_self_contact(sim))
+    if (status == PEL_OK && !sim->part.is_refused && !pel_sim_has_self_contact(sim))
         status = pel_shells_check_volume(sim, error);
-    if ((status != PEL_OK || sim->parts.is_refused) && stepper->moves_tools)
+    if ((status != PEL_OK || sim->part.is_refused) && stepper->moves_tools)
         pel_tools_return(sim);
     return status;
 }
@@ -97,7 +94,7 @@ static pel_status keep_apart(pel_sim *sim, double next, const pel_step_result *r
 {
     if (sim->contacts != NULL)
         return pel_contacts_apply(sim, next, result, error);
-    if (sim->tool_count == 0)
+    if (sim->tools->count == 0)
         return PEL_OK;
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, next);
@@ -114,7 +111,7 @@ static void accept_part(pel_sim *sim, double next)
     mark_contacts(sim);
     pel_ledger_step(sim, next);
     accept(sim->state);
-    pel_contact_forces_accept(&sim->contact_forces, pel_part_share(sim), sim->parts.at == 0);
+    pel_contact_forces_accept(&sim->contact_forces, pel_part_share(sim), sim->part.at == 0);
     sim->state->step += is_last;
     pel_tools_end_step(sim, next);
     if (is_last)
@@ -132,11 +129,11 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
     pel_step_result result = {0};
     pel_contact_forces_begin(&sim->contact_forces);
     pel_status status = solve(sim, next, &result, error);
-    if (status == PEL_OK && !sim->parts.is_refused)
+    if (status == PEL_OK && !sim->part.is_refused)
         status = keep_apart(sim, next, &result, error);
     /* a shorter part has fewer pairs, and does not go that far */
     bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
-    if (sim->parts.is_refused || (is_too_long && pel_parts_can_halve(sim)))
+    if (sim->part.is_refused || (is_too_long && pel_parts_can_halve(sim)))
         return pel_parts_halve(sim, error);
     if (status == PEL_OK)
         status = pel_pool_check(sim->pool, error);
@@ -161,7 +158,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_sim_update_factors(sim, pel_sim_time(sim));
         status = pel_parts_begin(sim, error);
     }
-    while (status == PEL_OK && sim->parts.at < PEL_PART_LIMIT)
+    while (status == PEL_OK && sim->part.at < PEL_PART_LIMIT)
         status = step_part(sim, error);
     /* a stop that was asked for after the last part was accepted is not lost */
     if (status == PEL_OK)

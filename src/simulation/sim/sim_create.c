@@ -1,17 +1,29 @@
 /* Creation: all parts of a simulation from its def. */
+#include "adapt/refine.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "boundary/edge_load.h"
+#include "boundary/follower.h"
+#include "boundary/hold.h"
+#include "method/bending_weight.h"
+#include "minimise/minimise.h"
+#include "minimise/step_modes.h"
+#include "minimise/step_path.h"
+#include "observe/observe_field.h"
+#include "observe/pick.h"
 #include "pellicle/parallel.h"
-#include "sim/contact.h"
-#include "sim/edge_load.h"
-#include "sim/follower.h"
-#include "sim/hold.h"
-#include "sim/observe_field.h"
-#include "sim/pick.h"
-#include "sim/step_modes.h"
-#include "sim/step_path.h"
-#include "sim/tool.h"
-#include "sim/tool_solid.h"
+#include "sim/contact_event.h"
+#include "sim/own_def.h"
+#include "sim/parts.h"
+#include "sim/sim.h"
+#include "solve/project.h"
+#include "solve/relax.h"
+#include "stage/shells.h"
+#include "stage/surface_view.h"
+#include "tool/create.h"
+#include "tool/solid.h"
+#include "tool/support.h"
+#include "touch/restitution.h"
 
 #include <time.h>
 
@@ -149,13 +161,14 @@ static double read_clock(void)
 }
 
 /* a copy of the def, for changes; meshes of tools belong to the sim */
-static pel_status keep_def(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+static pel_status keep_def(pel_house *house, const pel_sim_def *def, pel_error *error)
 {
+    pel_sim *sim = &house->sim;
     sim->def = *def;
-    pel_status status = pel_sim_def_copy(&sim->copies, &sim->def, error);
+    pel_status status = pel_sim_def_copy(&house->copies, &sim->def, error);
     pel_tool_def *tools = (pel_tool_def *)(uintptr_t)sim->def.tools;
     for (int32_t t = 0; status == PEL_OK && t < def->tool_count; t++)
-        tools[t].mesh = sim->tools[t].mesh;
+        tools[t].mesh = sim->tools->items[t].mesh;
     return status;
 }
 
@@ -173,8 +186,20 @@ static pel_status check_start(const pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+void pel_house_link(pel_house *house)
 {
+    pel_sim *sim = &house->sim;
+    sim->loads = &house->loads;
+    sim->tools = &house->tools;
+    sim->ledger = &house->ledger;
+    sim->touch = &house->touch;
+    sim->substeps = &house->substeps;
+}
+
+pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *error)
+{
+    pel_sim *sim = &house->sim;
+    pel_house_link(house);
     pel_status status = check_def(def, error);
     if (status != PEL_OK)
         return status;
@@ -206,6 +231,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
     if (status == PEL_OK)
+        status = pel_surface_rows_create(sim, error);
+    if (status == PEL_OK)
         status = pel_refine_create(sim, error);
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
@@ -233,8 +260,8 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
         status = pel_supports_create(sim, error);
     if (status == PEL_OK)
         status = pel_solids_create(sim, error);
-    if (status == PEL_OK && (sim->tool_count > 0 || def->contact.enabled))
-        status = pel_contact_forces_create(sim->model->vertex_count, sim->model->body_count, sim->tool_count,
+    if (status == PEL_OK && (sim->tools->count > 0 || def->contact.enabled))
+        status = pel_contact_forces_create(sim->model->vertex_count, sim->model->body_count, sim->tools->count,
                                            sim->model->body_of_slice, &sim->contact_forces, error);
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
         status = pel_contact_records_create(&sim->contact_forces, error);
@@ -250,7 +277,7 @@ pel_status pel_sim_build(pel_sim *sim, const pel_sim_def *def, pel_error *error)
     if (status == PEL_OK)
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
-        status = keep_def(sim, def, error);
+        status = keep_def(house, def, error);
     if (status == PEL_OK)
         pel_sim_take_fingerprint(sim);
     return status;
@@ -261,22 +288,23 @@ pel_status pel_sim_create(const pel_sim_def *def, pel_sim **sim, pel_error *erro
     PEL_REFUSE_NULL(def, error);
     PEL_REFUSE_NULL(sim, error);
     *sim = NULL;
-    pel_sim *made = pel_allocate(1, sizeof *made);
+    pel_house *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
     pel_status status = pel_sim_build(made, def, error);
     if (status == PEL_OK)
-        *sim = made;
+        *sim = &made->sim;
     else
-        pel_sim_destroy(made);
+        pel_sim_destroy(&made->sim);
     return status;
 }
 
 /* nothing but the method and the ledger depends on numbers of the bodies and the solver */
 static bool may_refill(const pel_sim *sim)
 {
-    bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tool_count > 0 || sim->def.support_count > 0 ||
-                     sim->edge_load_count > 0 || sim->follower_count > 0 || sim->contacts != NULL;
+    bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tools->count > 0 ||
+                     sim->def.support_count > 0 || sim->loads->edge_load_count > 0 || sim->loads->follower_count > 0 ||
+                     sim->contacts != NULL;
     return sim->stepper->can_refill && !has_parts;
 }
 
@@ -294,20 +322,21 @@ bool pel_sim_refill(pel_sim *sim, bool with_model)
     }
     pel_parts_create(sim);
     pel_sim_take_fingerprint(sim);
-    sim->force_is_present = false;
+    sim->present.has_force = false;
     sim->state_number++;
     return true;
 }
 
-void pel_sim_release(pel_sim *sim)
+void pel_sim_release(pel_house *house)
 {
-    pel_copies_free(&sim->copies);
+    pel_sim *sim = &house->sim;
+    pel_copies_free(&house->copies);
     pel_picker_destroy(sim->picker);
     pel_observer_destroy(sim->observer);
-    pel_free(sim->external);
+    pel_free(sim->loads->external);
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
-    pel_free(sim->collisions);
+    pel_free(sim->touch->collisions);
     pel_contact_forces_destroy(&sim->contact_forces);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);
@@ -318,9 +347,10 @@ void pel_sim_release(pel_sim *sim)
     pel_followers_destroy(sim);
     pel_loads_destroy(sim);
     pel_refine_destroy(sim);
+    pel_surface_rows_destroy(sim);
     pel_sim_modes_destroy(sim);
     pel_sim_path_destroy(sim);
-    pel_sim_descent_destroy(sim);
+    pel_minimise_destroy(sim);
     pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);
     pel_substeps_destroy(sim);
@@ -330,15 +360,16 @@ void pel_sim_release(pel_sim *sim)
     pel_free(sim->force);
     pel_free(sim->chunk_longest);
     pel_pool_destroy(sim->pool);
-    pel_model_destroy(sim->own_model);
+    pel_model_destroy(house->own_model);
 }
 
 void pel_sim_destroy(pel_sim *sim)
 {
     if (sim == NULL)
         return;
-    pel_sim_release(sim);
-    pel_free(sim);
+    pel_house *house = pel_house_of(sim);
+    pel_sim_release(house);
+    pel_free(house);
 }
 
 /* ---- before there is a simulation ---- */
@@ -351,7 +382,12 @@ pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_e
     *count = 0;
     if (status != PEL_OK)
         return status;
-    pel_sim sim = {.model = def->model, .given = def->model, .solver = def->solver, .step.dt = def->solver.dt};
+    pel_substeps substeps = {0};
+    pel_sim sim = {.model = def->model,
+                   .given = def->model,
+                   .solver = def->solver,
+                   .step.dt = def->solver.dt,
+                   .substeps = &substeps};
     sim.solver.method = PEL_METHOD_XPBD;
     sim.stepper = pel_stepper_of(PEL_METHOD_XPBD);
     pel_substeps_configure(&sim, def);

@@ -33,6 +33,7 @@ typedef struct pel_relax {
     uint8_t *is_border; /* (vertex_count) scratch */
     pel_record *stage;  /* (vertex_count) every second Y; only fine vertices and the border are valid */
     double rate;        /* largest of fine vertices, by their springs [1/s2] */
+    double shell_rate;  /* of the caller: bound of the stiffness of shells over mass on this surface [1/s2] */
     bool *inside;       /* (chunks) scratch */
 } pel_relax;
 

@@ -1,0 +1,112 @@
+#include "boundary/edge_load.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/loads.h"
+#include "solve/newton.h"
+#include "solve/newton_run.h"
+
+#include <string.h>
+
+static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "load", load);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+/* the edges of one load that `marks` (vertex_count) has both ends of */
+static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_error *error)
+{
+    pel_newton *newton = sim->newton;
+    const pel_tangent_edge *edges = pel_tangent_edges_of(pel_newton_tangent(newton));
+    int32_t before = sim->loads->edge_load_count;
+    for (int32_t e = 0; e < pel_newton_pattern(newton)->edge_count; e++) {
+        const int32_t *ends = edges[e].vertices;
+        double from[3], to[3];
+        if (edges[e].triangles[1] >= 0 || edges[e].body != sim->loads->items[l].body || !marks[ends[0]] ||
+            !marks[ends[1]])
+            continue;
+        pel_edge_load *made = &sim->loads->edge_loads[sim->loads->edge_load_count++];
+        *made = (pel_edge_load){.load = l, .edge = e};
+        pel_vertex_position(sim->model->rest, ends[0], from);
+        pel_vertex_position(sim->model->rest, ends[1], to);
+        pel_vec3_subtract(to, from, made->along);
+    }
+    if (sim->loads->edge_load_count > before)
+        return PEL_OK;
+    return refuse(error, l, "moment acts on no boundary edge of a body with bending model midedge",
+                  "choose a region with both ends of boundary edges of such a body");
+}
+
+pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    int32_t count = 0;
+    for (int32_t l = 0; l < def->load_count; l++)
+        count += def->loads[l].kind == PEL_LOAD_MOMENT;
+    if (count == 0)
+        return PEL_OK;
+    for (int32_t l = 0; !sim->stepper->turns_edges && l < def->load_count; l++)
+        if (def->loads[l].kind == PEL_LOAD_MOMENT)
+            return refuse(error, l, "this method does not support moments on edges",
+                          "use the method static or implicit");
+    for (int32_t l = 0; l < def->load_count; l++)
+        if (def->loads[l].kind == PEL_LOAD_MOMENT && sim->model->bodies[def->loads[l].body].detail != NULL)
+            return refuse(error, l, "moments act on edges of a body that refines", "leave out refine of the body");
+    size_t edges = (size_t)pel_newton_pattern(sim->newton)->edge_count;
+    uint8_t *marks = pel_allocate((size_t)sim->model->vertex_count, sizeof *marks);
+    sim->loads->edge_loads = pel_allocate((size_t)count * edges, sizeof *sim->loads->edge_loads);
+    pel_status status = marks != NULL && sim->loads->edge_loads != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int32_t l = 0; status == PEL_OK && l < def->load_count; l++) {
+        if (def->loads[l].kind != PEL_LOAD_MOMENT)
+            continue;
+        memset(marks, 0, (size_t)sim->model->vertex_count);
+        for (int32_t i = 0; i < sim->loads->items[l].vertex_count; i++) {
+            marks[sim->loads->items[l].vertices[i]] = 1;
+            sim->loads->items[l].weights[i] = 0;
+        }
+        status = list_edges(sim, l, marks, error);
+    }
+    pel_free(marks);
+    return status;
+}
+
+void pel_edge_loads_destroy(pel_sim *sim)
+{
+    pel_free(sim->loads->edge_loads);
+}
+
+/* N m, of an edge at a time */
+static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time)
+{
+    const pel_load *load = &sim->loads->items[at->load];
+    if (!(time >= load->from && time < load->until))
+        return 0;
+    return sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time) *
+           pel_vec3_dot(load->force, at->along);
+}
+
+double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < sim->loads->edge_load_count; i++)
+        if (sim->loads->edge_loads[i].load == load)
+            sum += moment_of(sim, &sim->loads->edge_loads[i], time) * turns[sim->loads->edge_loads[i].edge];
+    return sum;
+}
+
+void pel_edge_loads_add(const pel_sim *sim, double time, double *moments)
+{
+    for (int32_t i = 0; i < sim->loads->edge_load_count; i++)
+        moments[sim->loads->edge_loads[i].edge] += moment_of(sim, &sim->loads->edge_loads[i], time);
+}
+
+void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns)
+{
+    for (int32_t i = 0; i < sim->loads->edge_load_count; i++) {
+        const pel_edge_load *at = &sim->loads->edge_loads[i];
+        double mean = 0.5 * (moment_of(sim, at, time - sim->step.dt) + moment_of(sim, at, time));
+        sim->loads->edge_load_work += mean * turns[at->edge];
+    }
+}

@@ -1,0 +1,301 @@
+/* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (solve/newton.h).
+
+   With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by -m
+   . dg/dp. Vertices held at their rest positions move with them. In a step of the method implicit x_1 = e y + (1 - e)
+   x_0 with the unknowns y of the step, whose matrix includes the inertia. */
+#include "gradient/adjoint.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/edge_load.h"
+#include "boundary/follower.h"
+#include "boundary/loads.h"
+#include "force/pressure.h"
+#include "minimise/minimise.h"
+#include "minimise/step_newton.h"
+#include "stage/surface_view.h"
+#include "tool/tool.h"
+
+#include <string.h>
+
+static pel_status refuse(pel_error *error, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_rest(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        bool has_volume = body->shell != NULL && (body->shell->pressure.kind == PEL_PRESSURE_GAS ||
+                                                  body->shell->pressure.kind == PEL_PRESSURE_VOLUME);
+        bool has_hinges = body->shell != NULL && body->shell->bending != PEL_BENDING_MIDEDGE &&
+                          body->shell->bending != PEL_BENDING_NONE;
+        if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
+            (body->shell != NULL && body->shell->region_count > 0))
+            return refuse(
+                error, "derivatives with respect to rest positions exist only for membranes and mid-edge bending",
+                "remove springs, fibres, enclosed gas and target volume, use bending model midedge, or do not "
+                "ask for rest_positions");
+    }
+    return PEL_OK;
+}
+
+pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error)
+{
+    if (sim->minimise->accepted.converged)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "the step that ends at %.6g s does not converge: it has no derivatives",
+             pel_sim_time(sim));
+    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
+    return PEL_BAD_ARGUMENT;
+}
+
+pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
+{
+    if (!sim->stepper->turns_edges || sim->modes != NULL)
+        return refuse(error, "derivatives exist only for the methods static and implicit",
+                      "use one of them, without an analysis");
+    if (sim->tools->count > 0 || sim->contacts != NULL)
+        return refuse(error, "derivatives exist only without tools and contact", "remove tools and contact");
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
+            return refuse(error, "pressure on a part of a surface, or in the form vertex-normal, has no potential",
+                          "use the consistent form on a closed body");
+    if (sim->loads->follower_count > 0)
+        return pel_followers_refuse(sim, "derivatives need", error);
+    return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;
+}
+
+/* ---- the problem of the present state ---- */
+
+/* the unknowns y of the last step, with edges as they bend least at these */
+static void take_state(pel_sim *sim, double end)
+{
+    const pel_state *state = sim->state;
+    double *unknowns = sim->minimise->newton->unknowns;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double now = (double)state->position[v][k], before = (double)state->position_before[v][k];
+            bool moves = state->position[v][3] > 0;
+            unknowns[3 * v + k] = moves ? (now - (1 - end) * before) / end : now;
+        }
+    pel_sim_newton_settle_at(sim);
+}
+
+void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *problem)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    bool is_dynamic = newton->point_stiffness != NULL;
+    double time = pel_sim_time(sim) - (1 - 1 / end) * sim->step.dt;
+    take_state(sim, end);
+    *problem = (pel_newton_problem){
+        .time = time,
+        .state = sim->state,
+        .force = newton->loads,
+        .load_factor = &sim->state->load_factor,
+        .point_stiffness = newton->point_stiffness,
+        .points = (const double(*)[3])newton->points,
+        .fixed = newton->fixed,
+        .target = newton->target,
+        .frames = newton->frames,
+        .is_dynamic = is_dynamic,
+    };
+    memcpy(sim->state->position_next, sim->state->position,
+           (size_t)sim->model->vertex_count * sizeof *sim->state->position);
+}
+
+/* ---- results ---- */
+
+/* adds to rows of vertices as the caller has them */
+static void add_rows(const pel_sim *sim, const double *from, double *rows)
+{
+    size_t row = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t r = 0; r < pel_output_count(sim, b); r++, row++) {
+            const double *x = from + 3 * (size_t)pel_output_model_index(sim, b, r);
+            for (int k = 0; k < 3; k++)
+                rows[3 * row + (size_t)k] += x[k];
+        }
+}
+
+static size_t count_rows(const pel_sim *sim)
+{
+    size_t count = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        count += (size_t)pel_output_count(sim, b);
+    return count;
+}
+
+static void clear(double *values, size_t count)
+{
+    if (values != NULL)
+        memset(values, 0, count * sizeof *values);
+}
+
+static void clear_results(const pel_sim *sim, const pel_adjoint *def)
+{
+    clear(def->forces, 3 * count_rows(sim));
+    clear(def->rest_positions, 3 * count_rows(sim));
+    clear(def->loads, (size_t)sim->loads->count);
+    clear(def->gravity, 3);
+    for (int32_t b = 0; def->materials != NULL && b < sim->model->body_count; b++)
+        def->materials[b] = (pel_adjoint_material){0};
+}
+
+/* of the positions; where a vertex is held they are its place */
+static void take_gradient(pel_adjoint_work *a, double end)
+{
+    const pel_sim *sim = a->sim;
+    size_t row = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        for (int32_t r = 0; r < pel_output_count(sim, b); r++, row++) {
+            int32_t v = pel_output_model_index(sim, b, r);
+            bool moves = sim->model->inverse_mass[v] > 0;
+            for (int k = 0; k < 3; k++)
+                a->gradient[3 * (size_t)v + (size_t)k] = (moves ? end : 1) * a->def->positions[3 * row + (size_t)k];
+        }
+}
+
+/* by a factor on each load, and by gravity */
+static void give_loads(const pel_adjoint_work *a)
+{
+    const pel_sim *sim = a->sim;
+    size_t edges = 3 * (size_t)sim->model->vertex_count;
+    for (int32_t l = 0; a->def->loads != NULL && l < sim->loads->count; l++)
+        a->def->loads[l] += pel_load_product(sim, l, a->problem.time, a->multipliers) +
+                            pel_edge_load_product(sim, l, a->problem.time, a->multipliers + edges);
+    for (int k = 0; a->def->gravity != NULL && k < 3; k++)
+        for (int32_t v = 0; v < sim->model->vertex_count; v++)
+            a->def->gravity[k] += sim->state->load_factor * (double)sim->model->mass[v] * a->multipliers[3 * v + k];
+}
+
+/* bending that follows young and thickness, because the def does not set it */
+static bool bending_follows(const pel_shell *shell)
+{
+    pel_membrane_material material = shell->material;
+    if (!shell->has_membrane || (shell->parts == NULL && shell->hinge_count == 0))
+        return false;
+    double stiffness = shell->parts != NULL ? shell->parts[0].stiffness : pel_shell_hinge_stiffness(shell, 0);
+    double own = pel_bending_stiffness(material.young, pel_membrane_law_of(&material).poisson, material.thickness);
+    return fabs(stiffness - own) <= 1e-9 * own;
+}
+
+static void give_materials(const pel_adjoint_work *a)
+{
+    for (int32_t b = 0; b < a->sim->model->body_count; b++) {
+        const pel_tangent_derivative *sum = &a->bodies[b];
+        const pel_shell *shell = a->sim->model->bodies[b].shell;
+        double bending = shell != NULL && bending_follows(shell) ? sum->bending : 0, poisson = 0;
+        if (bending != 0) {
+            pel_membrane_material material = shell->material;
+            poisson = pel_membrane_law_of(&material).poisson;
+        }
+        pel_adjoint_material *result = &a->def->materials[b];
+        result->young -= sum->membrane + bending;
+        result->thickness -= sum->membrane + 3 * bending;
+        result->poisson -= sum->poisson + bending * 2 * poisson / (1 - poisson * poisson);
+        result->bending -= sum->bending;
+        result->pressure -= sum->pressure;
+    }
+}
+
+/* elements, and held vertices at their rest positions */
+static void give_rest(const pel_adjoint_work *a)
+{
+    for (int32_t i = 0; i < 3 * a->sim->model->vertex_count; i++)
+        a->rest[i] = a->held[i] - a->rest[i];
+    add_rows(a->sim, a->rest, a->def->rest_positions);
+}
+
+/* ---- all ---- */
+
+pel_status pel_adjoint_begin(pel_adjoint_work *a, pel_sim *sim, const pel_adjoint *def, pel_error *error)
+{
+    size_t count = (size_t)pel_newton_pattern(sim->newton)->unknown_count;
+    *a = (pel_adjoint_work){.sim = sim, .def = def};
+    double **vectors[] = {&a->unknowns, &a->gradient, &a->multipliers, &a->held, &a->rest};
+    bool room = true;
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
+    a->bodies = pel_allocate((size_t)sim->model->body_count, sizeof *a->bodies);
+    if (!room || a->bodies == NULL)
+        return pel_fail_memory(error);
+    clear_results(sim, def);
+    return PEL_OK;
+}
+
+void pel_adjoint_end(pel_adjoint_work *a)
+{
+    double *vectors[] = {a->unknowns, a->gradient, a->multipliers, a->held, a->rest};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        pel_free(vectors[i]);
+    pel_free(a->bodies);
+}
+
+pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
+{
+    const pel_adjoint *def = a->def;
+    pel_sim *sim = a->sim;
+    pel_newton *newton = sim->newton;
+    pel_adjoint_take_problem(sim, end, &a->problem);
+    memcpy(a->unknowns, sim->minimise->newton->unknowns,
+           (size_t)pel_newton_pattern(newton)->unknown_count * sizeof(double));
+    /* loads and places may have changed since */
+    a->problem.frames = pel_sim_newton_gather_at(sim, a->problem.time, !a->problem.is_dynamic);
+    pel_minimise_context context = {.sim = sim, .time = a->problem.time};
+    const pel_newton_terms terms = pel_sim_newton_terms(&context);
+    if (pel_sim_newton_has_terms(sim))
+        a->problem.terms = &terms;
+    pel_status status =
+        pel_newton_adjoint(newton, &a->problem, a->unknowns, a->gradient, a->multipliers, a->held, error);
+    a->problem.terms = NULL;
+    if (status != PEL_OK)
+        return status;
+    if (def->forces != NULL)
+        add_rows(sim, a->multipliers, def->forces);
+    give_loads(a);
+    memset(a->bodies, 0, (size_t)sim->model->body_count * sizeof *a->bodies);
+    memset(a->rest, 0, 3 * (size_t)sim->model->vertex_count * sizeof *a->rest);
+    if (def->materials != NULL || def->rest_positions != NULL)
+        pel_tangent_derivatives(pel_newton_tangent(newton), a->multipliers, a->bodies,
+                                def->rest_positions != NULL ? a->rest : NULL);
+    if (def->materials != NULL)
+        give_materials(a);
+    if (def->rest_positions != NULL)
+        give_rest(a);
+    return PEL_OK;
+}
+
+static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
+{
+    pel_status status = pel_adjoint_check(sim, def, error);
+    if (status == PEL_OK && def->positions == NULL)
+        return refuse(error, "the derivative of the function with respect to the positions is missing",
+                      "fill positions");
+    const pel_sim_newton *newton = sim->minimise != NULL ? sim->minimise->newton : NULL;
+    bool has_no_step = newton != NULL && newton->point_stiffness != NULL && !newton->has_stepped;
+    if (status == PEL_OK && (sim->state->step == 0 || has_no_step))
+        return refuse(error, "there is no state yet whose derivatives could be computed", "step first");
+    return status;
+}
+
+pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(def, error);
+    pel_status status = check_state(sim, def, error);
+    if (status != PEL_OK)
+        return status;
+    pel_adjoint_work a;
+    double end = sim->minimise->newton->point_stiffness != NULL ? 1 / sim->minimise->force_time : 1;
+    status = pel_adjoint_begin(&a, sim, def, error);
+    if (status == PEL_OK) {
+        take_gradient(&a, end);
+        status = pel_adjoint_solve(&a, end, error);
+    }
+    pel_adjoint_end(&a);
+    return status;
+}

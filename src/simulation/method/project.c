@@ -1,0 +1,295 @@
+/* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
+#include "solve/project.h"
+#include "base/status.h"
+#include "boundary/loads.h"
+#include "contact/sweep.h"
+#include "method/softness.h"
+#include "stage/accessors.h"
+#include "tool/reading.h"
+#include "tool/solid.h"
+#include "tool/tools.h"
+#include "touch/contact.h"
+
+#include <string.h>
+
+/* of a step with contacts that were not foreseen */
+enum { REPEAT_LIMIT = 2 };
+
+/* sweeps over pairs after one over elements, and the depth at which they may end, of the thickness */
+enum { SWEEP_LIMIT = 8 };
+#define SWEEP_TOLERANCE 0.02
+/* how far a sweep brings a pair together, in the largest depth that it met */
+#define CORRECTION_REACH 4.0
+/* shares of the thickness by which an earlier depth is corrected within a step, of pairs and at spheres, capsules and
+   boxes: correcting it all at once would turn depth into velocity */
+#define RECOVERY_SHARE 0.05
+#define SOLID_RECOVERY_SHARE 0.5
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_solver_def *solver = &sim->solver;
+    sim->contact_in_loop = true;
+    pel_status status = pel_substeps_create(sim, error);
+    if (status == PEL_OK && solver->second_order)
+        status = pel_state_add_history(sim->model, sim->state, error);
+    if (status == PEL_OK)
+        status = pel_projector_create(sim->batches, solver, &sim->projector, error);
+    if (status == PEL_OK)
+        sim->projector->pool = sim->pool;
+    return status;
+}
+
+/* adds loads and pressure at a time to sim->force, which is 0: a substep clears it after use */
+static void find_forces(pel_sim *sim, double time, const pel_record *positions)
+{
+    pel_loads_add(sim, time, positions, sim->force);
+    pel_shell_forces_press(sim->shells, positions, time, sim->pool, sim->force);
+}
+
+/* contacts of one kind or the other that act in the substeps; null = none */
+static pel_contact_list *loop_contacts(const pel_sim *sim)
+{
+    return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
+}
+
+/* Sweeps over the pairs until none is deep. After the first sweep only pairs that corrections can have brought together
+   are checked: most pairs of a crumpled sheet are farther apart. */
+static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double reach = HUGE_VAL;
+    for (int i = 0; i < SWEEP_LIMIT; i++) {
+        pel_contact_set_refresh(contacts, sim->state->position_next, start, reach);
+        double deepest = pel_contacts_project(pairs, sim->state->position_next, start);
+        if (!(deepest > SWEEP_TOLERANCE * contacts->def.thickness))
+            break;
+        reach = contacts->largest + CORRECTION_REACH * deepest;
+    }
+}
+
+static void set_recovery(pel_sim *sim)
+{
+    double share = sim->projector->substep / sim->projector->whole_dt, thickness = 0;
+    if (sim->contacts != NULL) {
+        thickness = sim->contacts->def.thickness;
+        sim->contacts->list.recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * share * thickness;
+    }
+    if (sim->tools->solids != NULL)
+        sim->tools->solids->list.recovery = thickness > 0 ? SOLID_RECOVERY_SHARE * share * thickness : HUGE_VAL;
+}
+
+/* one sweep over the elements, then over contacts */
+static void sweep(pel_sim *sim, const pel_record *start)
+{
+    pel_record *positions = sim->state->position_next;
+    pel_contact_list *pairs = loop_contacts(sim);
+    pel_project_sweep(sim->projector, positions);
+    if (pairs != NULL) {
+        sweep_pairs(sim, pairs, start);
+        pel_contact_heights_refresh(sim->contacts, positions);
+        pel_contacts_project(&sim->contacts->heights.list, positions, start);
+    }
+    if (sim->tools->solids != NULL) {
+        pel_solids_refresh(sim, start);
+        pel_contacts_project(&sim->tools->solids->list, positions, start);
+    }
+}
+
+static void run_substep(pel_sim *sim, int32_t number)
+{
+    pel_state *state = sim->state;
+    pel_projector *projector = sim->projector;
+    int32_t count = sim->solver.substeps;
+    pel_substep_place place =
+        (pel_substep_place)((number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == count - 1 ? PEL_SUBSTEP_LAST : 0));
+    pel_contact_list *pairs = loop_contacts(sim);
+    /* second order: forces belong to the end of a substep */
+    double lead = sim->solver.second_order ? projector->substep : 0;
+    pel_tools_place(sim, (double)(number + 1) / count);
+    find_forces(sim, pel_sim_time(sim) + lead + number * projector->substep,
+                number == 0 ? state->position : state->position_next);
+    pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
+    const pel_record *start = pel_project_substep_start(projector);
+    set_recovery(sim);
+    if (pairs != NULL) {
+        pel_contacts_begin_substep(sim);
+        pel_contacts_begin(pairs);
+        pel_contacts_begin(&sim->contacts->heights.list);
+    }
+    if (sim->tools->solids != NULL)
+        pel_contacts_begin(&sim->tools->solids->list);
+    for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
+        sweep(sim, start);
+    double rate = 1 / (projector->tau * projector->tau * count);
+    if (pairs != NULL)
+        pel_contacts_tally(sim, rate);
+    if (sim->tools->solids != NULL)
+        pel_solids_tally(sim, rate);
+    const pel_contact_list *lists[] = {pairs, sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
+    pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
+}
+
+static pel_status run_substeps(pel_sim *sim, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_tools_place(sim, 0);
+    for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
+        run_substep(sim, s);
+        status = pel_pool_check(sim->pool, error);
+    }
+    return status;
+}
+
+/* Add pairs that the prediction missed before the step is repeated. */
+static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < REPEAT_LIMIT && pel_sim_all_inside(sim); i++) {
+        int32_t known = sim->contacts->list.count;
+        status = pel_contacts_find_on_way(sim, error);
+        if (status != PEL_OK || sim->contacts->conflict_count == 0 || sim->contacts->list.count == known)
+            break;
+        pel_contact_set_forget_step(sim->contacts);
+        pel_tools_forget_step(sim);
+        pel_contact_forces_begin(&sim->contact_forces);
+        status = run_substeps(sim, error);
+    }
+    return status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_state *state = sim->state;
+    pel_tools_begin(sim, pel_sim_next_time(sim));
+    bool has_pairs = pel_sim_has_loop_contacts(sim);
+    pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
+    if (status == PEL_OK && has_pairs)
+        status = pel_contact_heights_find(sim->contacts, state->position, error);
+    if (status == PEL_OK && sim->tools->solids != NULL)
+        status = pel_solids_find(sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_projector_begin(sim->projector, state, pel_sim_time(sim));
+    status = run_substeps(sim, error);
+    if (status == PEL_OK && has_pairs)
+        status = repeat_with_new_pairs(sim, error);
+    result->diverged = !pel_sim_all_inside(sim);
+    return status;
+}
+
+static void follow_held(pel_sim *sim)
+{
+    pel_projector_hold(sim->projector, sim->tools->boundary.is_held);
+}
+
+/* the length of a substep stays */
+static void set_time(pel_sim *sim, double before)
+{
+    (void)before;
+    int32_t count = PEL_PART_LIMIT / sim->part.step_size;
+    sim->solver.substeps = (sim->part.substeps + count - 1) / count;
+    pel_projector_set_time(sim->projector, sim->state, sim->step.dt, sim->solver.substeps);
+}
+
+static void restart(pel_sim *sim, int32_t body)
+{
+    pel_projector_restart(sim->projector, sim->state, body);
+}
+
+static void accept(pel_sim *sim)
+{
+    pel_projector_accept(sim->projector, sim->state);
+}
+
+/* ---- held vertices ---- */
+
+static pel_status record_held(pel_sim *sim, pel_error *error)
+{
+    return pel_projector_record_reactions(sim->projector, error);
+}
+
+static void set_substeps(pel_sim *sim, int32_t count, bool is_loaded)
+{
+    pel_projector_set_substeps(sim->projector, is_loaded ? NULL : sim->state, count);
+}
+
+/* the mean of the substeps and the contacts */
+static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    double contact[3];
+    pel_vertex_position(sim->projector->reaction, v, force);
+    pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
+    pel_contact_force_at(&sim->contact_forces.vertex_next, v, contact);
+    pel_vec3_add(force, contact, force);
+}
+
+/* adds drag and damping of a held vertex, by its mean velocity in the step */
+static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
+{
+    const pel_model *model = sim->model;
+    const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
+    double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v], velocity[3], offset[3];
+    for (int k = 0; k < 3; k++) {
+        velocity[k] = (double)(next[k] - before[k]) / sim->step.dt;
+        offset[k] = (double)(next[k] - model->rest[v][k]);
+    }
+    double square = pel_vec3_squared_length(offset);
+    double along = square > 0 ? radial * pel_vec3_dot(velocity, offset) / square : 0;
+    pel_vec3_along(force, -drag, velocity, force);
+    pel_vec3_along(force, -along, offset, force);
+}
+
+/* recorded multipliers on held vertices, volumetric springs, damping and inertia */
+static void read_grip(pel_sim *sim, pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    const pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        const double *factors = state->factors[model->body_of_slice[v / PEL_WIDTH]];
+        double spring = factors[PEL_VOLUMETRIC_STIFFNESS] * (double)model->rest[v][3], force[3], x[3], point[3];
+        for (int k = 0; k < 3; k++) {
+            x[k] = (double)state->position_next[v][k];
+            force[k] =
+                (double)sim->projector->reaction[v][k] / sim->solver.substeps -
+                spring * (x[k] - (double)model->rest[v][k]) -
+                (double)model->mass[v] * (double)(state->velocity_next[v][k] - state->velocity[v][k]) / sim->step.dt;
+        }
+        add_damping(sim, v, factors, force);
+        pel_tool_mean_point(sim, tool, v, point);
+        pel_tool_add_grip(sim, tool, v, point, force);
+        pel_tool_touch(tool, v);
+    }
+}
+
+static void read_grips(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        read_grip(sim, &sim->tools->items[i]);
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    if (pel_sim_softness(sim) > 1)
+        pel_substeps_remedy(sim, error);
+    else
+        pel_fail_remedy(error, "make solver dt (%g) smaller, or use more substeps, or smaller loads", sim->step.dt);
+}
+
+static void follow_surface(pel_sim *sim)
+{
+    sim->substeps->now.is_stale = true;
+    follow_held(sim);
+}
+
+#define PROJECTS                                                                                                       \
+    .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step,                   \
+    .follow_surface = follow_surface, .restart = restart, .set_time = set_time, .accept = accept, .advise = advise,    \
+    .get_held_force = get_held_force, .record_held = record_held, .follow_held = follow_held,                          \
+    .read_grips = read_grips, .set_substeps = set_substeps, .get_solver = pel_substeps_read
+
+const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
+const pel_stepper pel_project_distance_kind = {PROJECTS};
+const pel_stepper pel_project_xpbd_kind = {PROJECTS, .is_compliant = true, .limits_strain = true};

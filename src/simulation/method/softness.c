@@ -1,0 +1,264 @@
+/* Substeps of xpbd: the number at which it is not softer than the material (solve/softness.h), chosen at the start,
+   every 8 to 32 steps, and after refinement. */
+#include "method/softness.h"
+
+#include "base/status.h"
+#include "solve/project.h"
+
+#include <math.h>
+
+/* stretch beyond the material's that automatic substeps allow; the estimate is of the first order in it */
+#define MOST_SOFTNESS 0.048
+/* largest (substep)^2 stiffness / mass of a pressure that changes with the volume; the limit of stability is 4 */
+#define PRESSURE_SQUARE 1.0
+/* fewer substeps are taken only below this share of the present ones: each change costs accuracy in time */
+#define KEEP_SHARE 0.75
+/* a rate that changed by less than this between two looks is looked at half as often (a look costs about a sweep over
+   each vertex's elements in double, some substeps) */
+#define CALM_CHANGE 0.05
+
+/* where something touches, substeps also bound how far it moves before it is met */
+enum {
+    LEAST_FREE = 4,
+    LEAST_TOUCHING = 16,
+    DEFAULT_MOST = 200,
+    INTERVAL = 8,
+    LONGEST_INTERVAL = 32,
+    XPBD_ITERATIONS = 1,
+    PBD_ITERATIONS = 5
+};
+
+static bool has_stiff_pressure(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        if (shell != NULL && (shell->pressure.kind == PEL_PRESSURE_GAS || shell->pressure.kind == PEL_PRESSURE_VOLUME))
+            return true;
+    }
+    return false;
+}
+
+void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
+{
+    pel_solver_def *solver = &sim->solver;
+    bool compliant = sim->stepper->is_compliant;
+    if (!pel_sim_is_projected(sim))
+        return;
+    sim->substeps->is_automatic = compliant && solver->substeps == 0;
+    if (solver->iterations == 0)
+        solver->iterations = compliant ? XPBD_ITERATIONS : PBD_ITERATIONS;
+    if (solver->substeps == 0)
+        solver->substeps = 1;
+    if (solver->max_substeps == 0)
+        solver->max_substeps = DEFAULT_MOST;
+    bool touches = def->tool_count > 0 || def->contact.enabled;
+    sim->substeps->least = touches ? LEAST_TOUCHING : LEAST_FREE;
+    /* a force held over a substep that stiffens the body feeds oscillations of second order */
+    if (solver->second_order == PEL_AUTO)
+        solver->second_order = compliant && !touches && !has_stiff_pressure(def->model) ? PEL_YES : PEL_NO;
+}
+
+static double longest_substep(const pel_sim *sim)
+{
+    const pel_softness *found = &sim->substeps->now.found;
+    double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
+    double tau = found->rate > 0 ? sqrt(2 * share / found->rate) : HUGE_VAL;
+    double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
+    return fmin(sim->solver.second_order ? 1.5 * tau : tau, pressure);
+}
+
+static int32_t needed_substeps(const pel_sim *sim)
+{
+    double count = ceil(sim->solver.dt / longest_substep(sim));
+    return (int32_t)fmin(fmax(count, sim->substeps->least), INT32_MAX);
+}
+
+static void find_softness(pel_sim *sim)
+{
+    sim->present.has_force = false;
+    sim->substeps->now.found =
+        pel_softness_find(sim->model, sim->state, sim->state->position, pel_sim_time(sim), &sim->substeps->scratch);
+}
+
+static void note(pel_sim *sim)
+{
+    pel_substeps_now *now = &sim->substeps->now;
+    now->count = sim->solver.substeps;
+    now->least = now->least > 0 && now->least < now->count ? now->least : now->count;
+    now->most = now->most > now->count ? now->most : now->count;
+    now->softness = fmax(now->softness, pel_sim_softness(sim));
+    int32_t needed = needed_substeps(sim);
+    now->needed = now->needed > needed ? now->needed : needed;
+}
+
+static int32_t clamp_substeps(const pel_sim *sim, int32_t count)
+{
+    return count < sim->solver.max_substeps ? count : sim->solver.max_substeps;
+}
+
+/* springs or pressure may change at any time */
+static bool has_keys(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        if (model->bodies[b].curves[PEL_SPRING_STIFFNESS].key_count > 0 ||
+            (shell != NULL && shell->outside.key_count + shell->target.key_count > 0))
+            return true;
+    }
+    return false;
+}
+
+/* looks again, and says when the next look is due */
+static void look(pel_sim *sim)
+{
+    pel_substeps_now *now = &sim->substeps->now;
+    double before = sim->substeps->now.found.rate;
+    find_softness(sim);
+    bool is_calm =
+        !now->is_stale && !has_keys(sim->model) && fabs(sim->substeps->now.found.rate - before) <= CALM_CHANGE * before;
+    now->interval = is_calm && now->interval > 0 ? 2 * now->interval : INTERVAL;
+    now->interval = now->interval < LONGEST_INTERVAL ? now->interval : LONGEST_INTERVAL;
+    now->next = sim->state->step + now->interval;
+    now->is_stale = false;
+}
+
+static void choose_first(pel_sim *sim)
+{
+    look(sim);
+    if (sim->substeps->is_automatic)
+        sim->solver.substeps = clamp_substeps(sim, needed_substeps(sim));
+    note(sim);
+}
+
+/* nothing needs the forces while substeps are chosen; with numbers in float there is too little room among them */
+static pel_status create_scratch(pel_sim *sim, pel_error *error)
+{
+    double *lent = sizeof *sim->force >= 4 * sizeof *lent ? (double *)sim->force : NULL;
+    return pel_softness_create(sim->model, lent, &sim->substeps->scratch, error);
+}
+
+pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
+{
+    if (!sim->stepper->is_compliant)
+        return PEL_OK;
+    pel_status status = create_scratch(sim, error);
+    if (status == PEL_OK && !sim->goes_on)
+        choose_first(sim);
+    return status;
+}
+
+void pel_substeps_destroy(pel_sim *sim)
+{
+    pel_softness_destroy(&sim->substeps->scratch);
+}
+
+void pel_substeps_follow(pel_sim *sim)
+{
+    pel_substeps *substeps = sim->substeps;
+    if (!sim->stepper->is_compliant || (!substeps->now.is_stale && sim->state->step < substeps->now.next))
+        return;
+    look(sim);
+    int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
+    if (substeps->is_automatic && (count > present || count < KEEP_SHARE * present)) {
+        sim->stepper->set_substeps(sim, count, false);
+        sim->solver.substeps = count;
+    }
+    note(sim);
+}
+
+bool pel_substeps_restore(pel_sim *sim)
+{
+    const pel_substeps_now *now = &sim->substeps->now;
+    bool is_whole =
+        now->count > 0 && now->interval > 0 &&
+        (sim->substeps->is_automatic ? now->count <= sim->solver.max_substeps : now->count == sim->solver.substeps);
+    if (!is_whole)
+        return false;
+    sim->solver.substeps = now->count;
+    sim->stepper->set_substeps(sim, now->count, true);
+    return true;
+}
+
+/* whether the known softness is valid in the changed simulation */
+static bool is_as_soft(const pel_sim *from, const pel_sim *to)
+{
+    return from->given == to->given && from->substeps->is_automatic == to->substeps->is_automatic &&
+           from->substeps->least == to->substeps->least && from->solver.second_order == to->solver.second_order &&
+           from->solver.iterations == to->solver.iterations && from->solver.max_substeps == to->solver.max_substeps;
+}
+
+void pel_substeps_carry(const pel_sim *from, pel_sim *to)
+{
+    pel_substeps_now *now = &to->substeps->now;
+    if (!to->stepper->is_compliant)
+        return;
+    if (from->state->step == 0) {
+        choose_first(to);
+    } else {
+        *now = from->substeps->now;
+        now->is_stale |= !is_as_soft(from, to);
+        if (to->substeps->is_automatic && from->substeps->is_automatic)
+            to->solver.substeps = clamp_substeps(to, now->count);
+        now->count = to->solver.substeps;
+    }
+    pel_projector_set_substeps(to->projector, NULL, to->solver.substeps);
+}
+
+/* edges are halved on each level of a body that is refined everywhere */
+static double finest_factor(const pel_model *model)
+{
+    int32_t levels = 0;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        const pel_body_levels *detail = model->bodies[b].detail;
+        if (detail != NULL && detail->def.everywhere && detail->def.levels > levels)
+            levels = detail->def.levels;
+    }
+    return ldexp(1, levels);
+}
+
+pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
+{
+    pel_status status = create_scratch(sim, error);
+    if (status != PEL_OK)
+        return status;
+    find_softness(sim);
+    *count = (int32_t)fmin(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
+    return PEL_OK;
+}
+
+double pel_sim_softness(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    if (!sim->stepper->is_compliant)
+        return 0;
+    double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);
+    return pel_softness_after(0.5 * tau * tau * sim->substeps->now.found.rate, sim->solver.iterations);
+}
+
+void pel_substeps_remedy(const pel_sim *sim, pel_error *error)
+{
+    pel_fail_remedy(error, "use %s >= %d, or method implicit (static for equilibria)",
+                    sim->substeps->is_automatic ? "max_substeps" : "substeps", (int)needed_substeps(sim));
+}
+
+void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)
+{
+    bool compliant = sim->stepper->is_compliant;
+    reading->substeps = sim->solver.substeps;
+    reading->least_substeps = compliant ? sim->substeps->now.least : sim->solver.substeps;
+    reading->most_substeps = compliant ? sim->substeps->now.most : sim->solver.substeps;
+    reading->needed_substeps = compliant ? sim->substeps->now.needed : sim->solver.substeps;
+    reading->second_order = compliant && sim->solver.second_order != PEL_NO;
+    reading->softness = pel_sim_softness(sim);
+    reading->most_softness = sim->substeps->now.softness;
+}
+
+/* ---- snapshots ---- */
+
+void pel_substeps_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->stepper->is_compliant)
+        pel_transfer(at, &sim->substeps->now, sizeof sim->substeps->now);
+}

@@ -1,0 +1,11 @@
+/* The explicit method. */
+#ifndef PEL_METHOD_STEP_EXPLICIT_H
+#define PEL_METHOD_STEP_EXPLICIT_H
+
+#include "solve/stability.h"
+#include "stage/stage.h"
+
+/* The true limit of stability instead of the safe bound. */
+pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error);
+
+#endif

@@ -1,0 +1,144 @@
+/* The frame of all methods that minimise: contacts of a minimisation.
+
+   A step seeks positions x of least energy E(x) with every gap c_k(x) >= 0: of triangles to round tools, of points to
+   planes of other tools, of vertices and edges to surfaces. The minimiser sees the augmented Lagrangian (Powell 1969;
+   Nocedal, Wright 2006, section 17.4)
+
+       L(x) = E(x) + sum_k max(0, load_k - stiffness_k c_k(x))^2 / (2 stiffness_k),
+
+   whose gradient is that of the Lagrangian with the next loads, load_k = max(0, load_k - stiffness_k c_k): a minimum of
+   L is at rest under forces that press and never pull, and round by round the gaps close as well. A tool feels the sum
+   of its loads.
+
+   Friction resists the tangential displacement u of a point since the start of the step, in the same way: with t = drag
+   - stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and proportional to
+     |t| beyond. The load of the last round is used, so that this is a potential. */
+#ifndef PEL_SIM_DESCENT_H
+#define PEL_SIM_DESCENT_H
+
+#include "force/tangent_body.h"
+#include "solve/descent.h"
+#include "solve/newton.h"
+#include "stage/stage.h"
+#include "stage/transfer.h"
+
+/* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
+typedef struct pel_minimise_contact {
+    int32_t vertices[4];
+    double weights[4], normal[3]; /* where it was found; the normal points out of the tool */
+    double offset;                /* m: gap = sum of weights x . normal - offset; against a round tool the slack */
+    double stiffness;             /* N/m */
+    double tolerance;             /* m, of the gap */
+    double load;                  /* N, along the normal */
+    double drag[3];               /* N, across it */
+    double drift[3];              /* m, way of the tool there since the step began */
+    double friction;
+    int32_t tool;   /* -1 = none */
+    int32_t points; /* vertices of a feature whose gap to a round tool is recomputed as it moves; 0 = a plane */
+    int32_t end;    /* of the capsule that a triangle has its gap to: -1, 1; 0 = middle of a sphere */
+    int32_t number; /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
+} pel_minimise_contact;
+
+typedef struct pel_minimise_context pel_minimise_context;
+
+/* Moves sim->minimise->position downhill: pel_descent_run, or Newton's method (step_newton.h). PEL_OUT_OF_MEMORY. */
+typedef pel_status pel_minimise_run(pel_minimise_context *context, const pel_descent_problem *problem,
+                                    pel_descent_result *result, pel_error *error);
+
+/* (step_newton.h) of the methods static and implicit */
+typedef struct pel_sim_newton pel_sim_newton;
+
+struct pel_minimise {
+    pel_minimise_run *run;
+    pel_descent *minimiser;      /* of the method descent, else null */
+    pel_sim_newton *newton;      /* of the others, else null */
+    pel_tangent *tangent;        /* of the method descent where the state is float: energies in double; else null */
+    double *position;            /* (3 vertex_count) m, at the end of the step: position_next is their rounding */
+    double *force;               /* (3 vertex_count) N, scratch */
+    pel_record *record;          /* (vertex_count) scratch: positions for batches of elements */
+    pel_record *external;        /* (vertex_count) forces that stay during a step */
+    double mean_edge;            /* m */
+    double size;                 /* m, of the largest body */
+    double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
+                                    it. The first is in snapshots */
+    double stiffness;            /* 1/s2, bound of the stiffness of the bodies over mass */
+    const double *inertia;       /* (vertex_count) N/m, springs that inertia is; null = none */
+    double penalty;              /* stiffness of constraints relative to bodies and inertia */
+    double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
+    int32_t stray_body;          /* has got away by the last step (pel_minimise_find_stray); -1 = none */
+    double stray_way;            /* m */
+    double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
+                                    sum is in snapshots */
+    pel_descent_result result;   /* of the step at work */
+    pel_descent_result accepted; /* of the last step that was accepted; in snapshots */
+
+    /* constraints of tools, then of surfaces; the others are known from the last search */
+    pel_minimise_contact *constraints, *others;
+    size_t capacity, other_capacity;
+    int32_t count, tool_count;
+    const pel_newton_kink *kinks;  /* (count) say which constraints act; null = their gaps do */
+    int32_t *constraint_of_vertex; /* (vertex_count) scratch of one tool: its number plus 1, 0 = none */
+    double *shares;                /* (vertex_count) scratch: of its way up to where it runs into something */
+};
+
+/* inputs of the energy */
+struct pel_minimise_context {
+    pel_sim *sim;
+    pel_state state; /* a copy that looks at other positions */
+    double time;
+    bool is_constrained;
+};
+
+/* where a constraint stands */
+typedef struct pel_gap_sample {
+    double gap; /* m */
+    double weights[4], normal[3];
+} pel_gap_sample;
+
+/* how a minimisation changes the constraints */
+typedef struct pel_contact_change {
+    double gap; /* largest error of a gap over its tolerance */
+    double misfit,
+        limit; /* N, sums: differences of the friction from Coulomb's limits under the new loads; the limits */
+} pel_contact_change;
+
+/* Second derivatives of a constraint's term, N/m: along and across its normal, for the weighted sum of the vertices. On
+   a round tool the contact point of a triangle moves when the triangle turns: this adds the sum of the squares of
+   rows. */
+typedef struct pel_contact_stiffness {
+    double weights[4], along[3][3], across[3][3]; /* across: of the sum with the constraint's own weights */
+    int row_count;
+    double rows[2][4][3]; /* root of N/m */
+} pel_contact_stiffness;
+
+/* Allocates the data of all methods that minimise. PEL_OUT_OF_MEMORY. */
+pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *minimise, pel_error *error);
+/* Where a step begins: sim->minimise->position and position_next from the state. */
+void pel_minimise_begin_at_state(pel_sim *sim);
+/* One step. */
+pel_status pel_minimise_step(pel_sim *sim, pel_step_result *result, pel_error *error);
+
+/* Tolerances of a minimisation without constraints: N, by the loads at a time (N, and the share of holding forces), or
+   m. Clears sim->force and the external forces. */
+double pel_minimise_tolerance(pel_sim *sim, double time);
+double pel_minimise_held_share(void);
+double pel_minimise_short_move(const pel_sim *sim);
+
+/* Forces on tools: loads of constraints, and holding forces of grasped vertices. */
+void pel_minimise_read_tools(pel_sim *sim);
+/* After an accepted step or part of one: readings of a step are sums over the parts, and the worst of residuals. */
+void pel_minimise_accept(pel_sim *sim);
+/* Updates the stiffness of constraints after the surface has changed: constraints are as stiff as the finest vertices.
+   With the bound of the base, which is 4 times lower per level, rounds close gaps slowly. Only shells in motion keep
+   the bound of the base: there stiffer constraints take 1.3 to 1.7 times the time. */
+void pel_minimise_follow_surface(pel_sim *sim);
+/* a pel_transfer_part: what snapshots contain */
+void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
+/* Before a snapshot is loaded; also where nothing is minimised. */
+void pel_minimise_forget(pel_sim *sim);
+/* the get_solver of the steppers that minimise */
+void pel_minimise_get_solver(const pel_sim *sim, pel_solver_reading *reading);
+void pel_minimise_destroy(pel_sim *sim);
+
+#endif

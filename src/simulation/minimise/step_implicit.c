@@ -1,0 +1,432 @@
+/* The method `implicit`: m a + c v = F at the end of a step, solved by Newton's method (theory page, section 16).
+
+   Inertia and drag act as springs from the vertices to points. With x and v at the start of the step, x' and v' one
+   step earlier and the unknown positions y, each scheme has the form
+
+     u = rate (y - anchor),     m rate (u - carried) + c u = F(y)
+
+     implicit Euler   rate 1/dt,       anchor x,                 carried v,                 x_1 = y,       v_1 = u
+     BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
+     midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
+
+   Forces that change in time are evaluated at the time of y: in the middle of the step under the midpoint rule,
+   otherwise at its end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a
+   stiff body turns or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such
+   steps. BDF2 damps unresolved motion and keeps sliding and resting contact at second order. Euler takes the first step
+   and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h). Damping
+   along volumetric springs is c (u . e) e, with e from the start of the step. */
+#include "base/lane.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/hold.h"
+#include "boundary/loads.h"
+#include "force/pressure.h"
+#include "minimise/minimise.h"
+#include "minimise/minimise_contact.h"
+#include "minimise/step_newton.h"
+#include "minimise/step_turn.h"
+#include "stage/accessors.h"
+#include "tool/tool.h"
+
+#include <float.h>
+#include <string.h>
+
+/* A body collides if turn_measure.jump exceeds this share of `change`. Measured: sheets that fall flat 0.7 and more,
+   two balls that deform each other 0.02 to 0.3, sliding 1e-5. */
+#define JUMP_SHARE 0.3
+/* And this share of `push`: the solver's tolerance alone makes resting contacts jump by up to 1e-3 of it. */
+#define PUSH_SHARE 2.5e-3
+/* The second step of a collision that spreads over two looks like a steady acceleration. */
+enum { COLLISION_STEPS = 2 };
+/* largest relative change of energy in a step of the midpoint rule */
+#define ENERGY_SHARE 0.01
+/* steps until the midpoint rule is tried again */
+enum { UNRESOLVED_STEPS = 50 };
+
+static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
+static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
+static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 2};
+
+static bool has_radial_damping(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t v = 0; v < sim->given->vertex_count; v++)
+        any |= sim->given->volumetric_damping[v] > 0;
+    return any;
+}
+
+static bool has_damping(const pel_sim *sim)
+{
+    bool any = sim->solver.drag > 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        any |= sim->model->damping[v] > 0 || sim->model->volumetric_damping[v] > 0;
+    return any;
+}
+
+/* set the mark of every vertex with a loaded contact */
+static void mark_touched(const pel_sim *sim, int32_t mark)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        for (int i = 0; i < 4; i++)
+            if (constraint->load > 0 && constraint->weights[i] != 0)
+                minimise->constraint_of_vertex[constraint->vertices[i]] = mark;
+    }
+}
+
+/* How far the velocities of touching vertices jump; Galilean invariant. */
+typedef struct turn_measure {
+    double jump;   /* J: sum of m |v_1 - 2 v + v'|^2 of vertices with loaded contacts */
+    double change; /* J: sum of m (|v_1 - v|^2 + |v - v'|^2) of all */
+    double push;   /* J: squared contact impulse over the mass of the former */
+    bool touches;
+} turn_measure;
+
+/* N, sum of the loads of contacts on a body */
+static double load_on(const pel_sim *sim, int32_t body)
+{
+    const pel_minimise *minimise = sim->minimise;
+    double load = 0;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        for (int i = 0; i < 4; i++)
+            if (sim->model->body_of_slice[constraint->vertices[i] / PEL_WIDTH] == body)
+                load += constraint->load * fabs(constraint->weights[i]);
+    }
+    return load;
+}
+
+static turn_measure measure_turn(const pel_sim *sim, int32_t body)
+{
+    const pel_state *state = sim->state;
+    turn_measure turn = {0};
+    double touched_mass = 0, impulse = load_on(sim, body) * sim->step.dt;
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        bool is_touched = sim->minimise->constraint_of_vertex[v] != 0;
+        double mass = (double)sim->model->mass[v], sum = 0;
+        for (int k = 0; k < 3; k++) {
+            double last = (double)(state->velocity_next[v][k] - state->velocity[v][k]);
+            double before = (double)(state->velocity[v][k] - state->older_velocity[v][k]);
+            turn.change += mass * (last * last + before * before);
+            sum += mass * (last - before) * (last - before);
+        }
+        turn.jump += is_touched ? sum : 0;
+        turn.touches |= is_touched;
+        touched_mass += is_touched ? mass : 0;
+    }
+    turn.push = touched_mass > 0 ? impulse * impulse / touched_mass : 0;
+    return turn;
+}
+
+static void find_collisions(const pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    bool knows = sim->state->older_is_known;
+    mark_touched(sim, 1);
+    memset(newton->collided, 0, (size_t)sim->model->body_count);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const turn_measure turn = measure_turn(sim, b);
+        bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
+        bool collides = turn.touches && (!knows || jumps);
+        newton->collided[pel_sim_newton_group(sim, b)] |= collides;
+    }
+    mark_touched(sim, 0);
+}
+
+/* The midpoint rule enforces a keyed volume only in the middle of each step, so that its pressure would ring. */
+static bool volume_moves(const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->pressure.kind == PEL_PRESSURE_VOLUME && shell->pressure.target.key_count > 0)
+            return true;
+    }
+    return false;
+}
+
+/* true if all forces have a potential, so that changes_energy applies */
+static bool has_potential(const pel_sim *sim)
+{
+    bool has = sim->loads->follower_count == 0 && sim->loads->edge_load_count == 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        has &= sim->model->bodies[b].shell == NULL || pel_pressure_is_conservative(&sim->model->bodies[b]);
+    return has;
+}
+
+static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
+{
+    const pel_state *state = sim->state;
+    /* beside another simulation the scheme of its step, which is known */
+    if (sim->minimise->newton->lead != NULL)
+        return sim->minimise->newton->scheme;
+    if (sim->tools->count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
+        !sim->minimise->newton->is_damped && has_potential(sim) && sim->solver.budget <= 0 && state->unresolved == 0)
+        return &midpoint;
+    return state->older_is_known && state->collision == 0 ? &bdf2 : &euler;
+}
+
+/* N s/m */
+static double drag_of(const pel_sim *sim, int32_t v)
+{
+    const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
+    return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] +
+           sim->solver.drag * (double)sim->model->mass[v];
+}
+
+/* damping along volumetric springs, in their direction at the start of the step */
+static void set_radial(pel_sim *sim, const pel_implicit_scheme *s)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; newton->radial != NULL && v < sim->model->vertex_count; v++) {
+        const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
+        double damping = factors[PEL_VOLUMETRIC_DAMPING] * (double)sim->model->volumetric_damping[v];
+        double *along = newton->radial[v], x[3], rest[3];
+        pel_vertex_position(sim->state->position, v, x);
+        pel_vertex_position(sim->model->rest, v, rest);
+        pel_vec3_subtract(x, rest, along);
+        double length = pel_vec3_length(along);
+        bool acts = damping > 0 && length > 0 && sim->model->inverse_mass[v] > 0;
+        pel_vec3_scale(along, acts ? sqrt(damping * rate) / length : 0, along);
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        along[3] = pel_vec3_dot(along, anchor);
+    }
+}
+
+/* springs of inertia and drag */
+static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double inertia = (double)sim->model->mass[v] * rate, drag = drag_of(sim, v), sum = inertia + drag;
+        newton->point_stiffness[v] = sim->model->inverse_mass[v] > 0 ? sum * rate : 0;
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        for (int k = 0; k < 3; k++)
+            newton->points[v][k] = sum > 0 ? anchor[k] + inertia * carried[k] / (sum * rate) : anchor[k];
+    }
+}
+
+/* positions and velocities at the end of the step */
+static void finish(pel_sim *sim, const pel_implicit_scheme *s)
+{
+    const pel_sim_newton *newton = sim->minimise->newton;
+    pel_state *state = sim->state;
+    double rate = s->rate / sim->step.dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double anchor[3], carried[3];
+        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        for (int k = 0; k < 3; k++) {
+            double y = newton->unknowns[3 * v + k], u = rate * (y - anchor[k]);
+            bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
+            double velocity = s->end * u + (1 - s->end) * (double)state->velocity[v][k];
+            state->velocity_next[v][k] = moves ? (pel_real)velocity : 0;
+            if (s->end != 1 && moves) {
+                double end = s->end * y + (1 - s->end) * (double)state->position[v][k];
+                sim->minimise->position[3 * v + k] = end;
+                state->position_next[v][k] = (pel_real)end;
+            }
+        }
+    }
+}
+
+/* m/s: mean velocity of the step */
+static double mean_velocity(const pel_sim *sim, int32_t v, int k)
+{
+    return (sim->minimise->newton->unknowns[3 * v + k] - (double)sim->state->position[v][k]) / sim->step.dt;
+}
+
+/* m/s: change of the velocity of a group's centre of mass if its vertices took their mean velocities of the step */
+static void mean_change(const pel_sim *sim, int32_t group, double change[3])
+{
+    const pel_state *state = sim->state;
+    double mass = 0;
+    pel_vec3_set(change, 0, 0, 0);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        if (pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
+            continue;
+        mass += (double)sim->model->mass[v];
+        for (int k = 0; k < 3; k++)
+            change[k] += (double)sim->model->mass[v] * (mean_velocity(sim, v, k) - (double)state->velocity_next[v][k]);
+    }
+    pel_vec3_scale(change, mass > 0 ? 1 / mass : 0, change);
+}
+
+/* BDF2 would extrapolate the velocity from before a collision: groups that collide take the mean velocity of the step
+   instead, free groups up to a translation that conserves their momentum. */
+static void finish_collisions(pel_sim *sim)
+{
+    const pel_sim_newton *newton = sim->minimise->newton;
+    pel_state *state = sim->state;
+    for (int32_t group = 0; group < sim->model->body_count; group++) {
+        double mean[3] = {0, 0, 0};
+        if (!newton->collided[group])
+            continue;
+        if (!pel_sim_newton_group_is_held(sim, group))
+            mean_change(sim, group, mean);
+        for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+            bool moves = state->position[v][3] > 0 || (sim->held != NULL && sim->held[v]);
+            if (!moves || pel_sim_newton_group(sim, sim->model->body_of_slice[v / PEL_WIDTH]) != group)
+                continue;
+            for (int k = 0; k < 3; k++)
+                state->velocity_next[v][k] = (pel_real)(mean_velocity(sim, v, k) - mean[k]);
+        }
+    }
+}
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_minimise_create(sim, pel_sim_newton_minimise, error);
+    if (status == PEL_OK)
+        status = pel_sim_newton_create(sim, true, error);
+    if (status != PEL_OK)
+        return status;
+    sim->minimise->newton->is_damped = has_damping(sim);
+    if (has_radial_damping(sim)) {
+        sim->minimise->newton->radial = pel_allocate((size_t)sim->model->vertex_count, sizeof(double[4]));
+        status = sim->minimise->newton->radial != NULL ? PEL_OK : pel_fail_memory(error);
+    }
+    return status == PEL_OK ? pel_state_add_history(sim->model, sim->state, error) : status;
+}
+
+/* ---- energy of the midpoint rule ---- */
+
+/* J: elastic energy, with conservative pressure, of positions (3 vertex_count) with their edges settled */
+static double potential_at(pel_sim *sim, const double *position, double *elastic)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    const pel_tangent_input input = {
+        .unknowns = newton->unknowns, .time = pel_sim_part_time(sim, 1 / midpoint.end), .state = sim->state};
+    memcpy(newton->unknowns, position, 3 * (size_t)sim->model->vertex_count * sizeof *position);
+    pel_tangent *tangent = pel_newton_tangent(sim->newton);
+    pel_tangent_follow(tangent, newton->unknowns);
+    pel_sim_newton_settle_at(sim);
+    pel_tangent_energy energy = pel_tangent_evaluate(tangent, &input, sim->pool, NULL);
+    /* the gradient is unused; the next run sets the targets again */
+    double springs = pel_holds_evaluate(sim, input.time, newton->unknowns, newton->target);
+    *elastic = pel_tangent_energy_sum(&energy) - energy.pressure + springs;
+    return *elastic + energy.pressure;
+}
+
+/* J: energy of rounding errors of positions, which the solve has in double, from the bound of the stiffness */
+static double energy_noise(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    double farthest = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            farthest = fmax(farthest, fabs((double)sim->state->position[v][k]));
+    double rounding = DBL_EPSILON * farthest;
+    return minimise->stiff_force / minimise->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
+}
+
+/* true if dK + dE - W of a step of the midpoint rule exceeds its share of K + E */
+static bool changes_energy(pel_sim *sim, double potential_before)
+{
+    const pel_state *state = sim->state;
+    const double *end = sim->minimise->position;
+    double elastic, kinetic = 0, change = potential_at(sim, end, &elastic) - potential_before;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            double mass = (double)sim->model->mass[v], u = (double)state->velocity_next[v][k];
+            double w = (double)state->velocity[v][k];
+            double way = end[3 * v + k] - (double)state->position[v][k];
+            kinetic += 0.5 * mass * u * u;
+            change += 0.5 * mass * (u * u - w * w) - sim->minimise->newton->loads[3 * v + k] * way;
+        }
+    return !(fabs(change) <= ENERGY_SHARE * (kinetic + elastic) + energy_noise(sim));
+}
+
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    const pel_implicit_scheme *s = sim->minimise->newton->scheme = choose_scheme(sim);
+    pel_sim_turns_set(sim, s != &midpoint);
+    set_points(sim, s);
+    sim->minimise->force_time = 1 / s->end;
+    set_radial(sim, s);
+    pel_sim_newton_begin(sim);
+    pel_status status = pel_minimise_step(sim, result, error);
+    if (status == PEL_OK)
+        finish(sim, s);
+    return status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_minimise_begin_at_state(sim);
+    double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->minimise->position, &elastic) : 0;
+    pel_status status = solve(sim, result, error);
+    bool is_beside = sim->minimise->newton->lead != NULL;
+    if (status == PEL_OK && !is_beside && sim->minimise->newton->scheme == &midpoint && changes_energy(sim, before)) {
+        sim->state->unresolved = UNRESOLVED_STEPS;
+        status = solve(sim, result, error);
+    }
+    if (status != PEL_OK)
+        return status;
+    sim->part.is_refused = !sim->minimise->result.converged && pel_parts_can_halve(sim);
+    sim->minimise->newton->has_stepped = true;
+    find_collisions(sim);
+    if (sim->minimise->newton->scheme == &bdf2)
+        finish_collisions(sim);
+    result->diverged |= !pel_sim_all_inside(sim);
+    return PEL_OK;
+}
+
+/* Make the previous state the older one. The velocities have been swapped by now. */
+static void accept(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    size_t count = (size_t)sim->model->vertex_count;
+    bool collides = memchr(sim->minimise->newton->collided, true, (size_t)sim->model->body_count) != NULL;
+    memcpy(state->older_position, state->position_before, count * sizeof *state->older_position);
+    memcpy(state->older_velocity, state->velocity_next, count * sizeof *state->older_velocity);
+    state->older_is_known = true;
+    if (collides)
+        state->collision = COLLISION_STEPS;
+    else if (state->collision > 0)
+        state->collision--;
+    if (state->unresolved > 0)
+        state->unresolved--;
+    pel_minimise_accept(sim);
+}
+
+static void set_time(pel_sim *sim, double before)
+{
+    pel_state_move_history(sim->model, sim->state, before, sim->step.dt);
+}
+
+/* restitution makes the velocities jump */
+static void restart(pel_sim *sim, int32_t body)
+{
+    (void)body;
+    sim->state->collision = COLLISION_STEPS;
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    pel_fail_remedy(error, "make solver dt (%g) smaller, or the loads", sim->step.dt);
+}
+
+const pel_stepper pel_step_implicit_kind = {
+    .has_velocity = true,
+    .is_at_end = true,
+    .turns_edges = true,
+    .moves_tools = true,
+    .divides = true,
+    .create = create,
+    .minimises = true,
+    .step = step,
+    .read_tools = pel_minimise_read_tools,
+    .settle_edges = pel_sim_newton_settle_edges,
+    .follow_surface = pel_sim_newton_follow_surface,
+    .get_held_force = pel_sim_newton_held_force,
+    .mark_contacts = pel_minimise_contacts_mark,
+    .restart = restart,
+    .get_solver = pel_minimise_get_solver,
+    .set_time = set_time,
+    .accept = accept,
+    .advise = advise,
+};

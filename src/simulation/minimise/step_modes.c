@@ -1,0 +1,174 @@
+#include "minimise/step_modes.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/follower.h"
+#include "boundary/hold.h"
+#include "boundary/loads.h"
+#include "minimise/minimise.h"
+#include "minimise/step_newton.h"
+#include "stage/accessors.h"
+#include "tool/tool.h"
+
+#include <string.h>
+
+/* of the largest body, that modes are drawn with */
+#define DRAWN_SHARE 0.05
+enum { MOST_MODES = 1000 };
+
+pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
+{
+    int32_t count = sim->solver.mode_count;
+    if (count < 1 || count > MOST_MODES) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "an analysis of %d modes", (int)count);
+        pel_fail_remedy(error, "ask for 1 to %d modes", (int)MOST_MODES);
+        return PEL_BAD_ARGUMENT;
+    }
+    pel_sim_modes *made = sim->modes = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    made->base = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->base);
+    made->values = pel_allocate((size_t)count, sizeof *made->values);
+    made->present = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->present);
+    if (made->base == NULL || made->present == NULL || made->values == NULL)
+        return pel_fail_memory(error);
+    return pel_modes_create(sim->newton, sim->solver.analysis, count, &made->modes, error);
+}
+
+pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
+{
+    if (sim->active != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support bodies that refine");
+        pel_fail_remedy(error, "leave refine out, and subdivide the mesh (pellicle subdivide)");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && !pel_loads_act(sim))
+        return pel_modes_fail_unloaded(error);
+    if (sim->tools->count == 0 && sim->contacts == NULL)
+        return pel_followers_refuse(sim, "modes and buckling need", error);
+    pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support %s", sim->tools->count > 0 ? "tools" : "contact");
+    pel_fail_remedy(error, "remove the %s or the analysis", sim->tools->count > 0 ? "tools" : "contact");
+    return PEL_BAD_ARGUMENT;
+}
+
+void pel_sim_modes_destroy(pel_sim *sim)
+{
+    if (sim->modes == NULL)
+        return;
+    pel_modes_destroy(sim->modes->modes);
+    pel_free(sim->modes->base);
+    pel_free(sim->modes->present);
+    pel_free(sim->modes->values);
+    pel_free(sim->modes);
+}
+
+/* About the state at rest, or that under the loads of the first step: which step asks first makes no difference. */
+static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_state *state = sim->state;
+    size_t bytes = (size_t)sim->model->vertex_count * sizeof *state->position;
+    memcpy(sim->modes->present, state->position, bytes);
+    memcpy(state->position, sim->model->rest, bytes);
+    memcpy(state->position_next, sim->model->rest, bytes);
+    int64_t step = state->step;
+    state->step = 0;
+    pel_sim_update_factors(sim, sim->step.dt);
+    pel_sim_newton_begin(sim);
+    bool buckles = sim->solver.analysis == PEL_ANALYSIS_BUCKLING;
+    if (buckles)
+        sim->minimise->result = (pel_descent_result){.converged = true};
+    pel_status status = buckles ? PEL_OK : pel_minimise_step(sim, result, error);
+    memcpy(sim->modes->base, state->position_next, bytes);
+    state->step = step;
+    if (status != PEL_OK || result->diverged || sim->minimise->result.converged)
+        return status;
+    pel_fail(error, PEL_BAD_ARGUMENT, "no equilibrium under the loads was found, so there are no modes");
+    pel_fail_remedy(error, "make the loads smaller");
+    return PEL_BAD_ARGUMENT;
+}
+
+static void add_springs(void *context, pel_matrix *matrix)
+{
+    pel_holds_add_matrix(context, matrix);
+}
+
+static pel_status solve_about_base(pel_sim *sim, pel_error *error)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    pel_newton_problem problem = {.time = sim->step.dt, .state = sim->state, .force = newton->loads};
+    problem.fixed = newton->fixed;
+    problem.frames = pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
+    const pel_newton_terms springs = {.context = sim, .add_matrix = add_springs};
+    problem.terms = &springs;
+    return pel_modes_solve(sim->modes->modes, &problem, newton->unknowns, error);
+}
+
+static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_modes *own = sim->modes;
+    pel_status status = find_base(sim, result, error);
+    if (status == PEL_OK && !result->diverged)
+        status = solve_about_base(sim, error);
+    memcpy(sim->state->position, own->present, (size_t)sim->model->vertex_count * sizeof *own->present);
+    pel_sim_update_factors(sim, pel_sim_next_time(sim));
+    own->is_solved = status == PEL_OK && !result->diverged;
+    own->count = own->is_solved ? sim->solver.mode_count : 0;
+    for (int32_t m = 0; m < own->count; m++)
+        own->values[m] = pel_modes_value(own->modes, m);
+    return status;
+}
+
+pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_sim_modes *own = sim->modes;
+    /* none are known to a snapshot from before the first step */
+    bool is_known = own->is_solved && own->count > 0;
+    pel_status status = is_known ? PEL_OK : solve(sim, result, error);
+    if (status != PEL_OK || result->diverged)
+        return status;
+    int32_t number = (int32_t)(sim->state->step % own->count);
+    const double *mode = pel_modes_vector(own->modes, number);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            sim->state->position_next[v][k] =
+                (pel_real)((double)own->base[v][k] + DRAWN_SHARE * sim->minimise->size * mode[3 * v + k]);
+    return PEL_OK;
+}
+
+pel_analysis pel_sim_analysis(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return PEL_ANALYSIS_NONE;
+    return sim->solver.analysis;
+}
+
+int32_t pel_sim_get_modes(const pel_sim *sim, double *values)
+{
+    if (sim == NULL)
+        return 0;
+    if (sim->modes == NULL)
+        return 0;
+    if (values != NULL)
+        memcpy(values, sim->modes->values, (size_t)sim->modes->count * sizeof *values);
+    return sim->modes->count;
+}
+
+double pel_sim_mode_value(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    if (sim->modes == NULL || sim->state->step == 0 || sim->modes->count == 0)
+        return 0;
+    return sim->modes->values[(sim->state->step - 1) % sim->modes->count];
+}
+
+/* ---- snapshots ---- */
+
+void pel_sim_modes_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->modes == NULL)
+        return;
+    pel_transfer(at, sim->modes->values, (size_t)sim->solver.mode_count * sizeof *sim->modes->values);
+    pel_transfer(at, &sim->modes->count, sizeof sim->modes->count);
+}

@@ -1,0 +1,85 @@
+/* Newton's method in the frame of minimise.h; shared by static and implicit. */
+#ifndef PEL_SIM_STEP_NEWTON_H
+#define PEL_SIM_STEP_NEWTON_H
+
+#include "minimise/minimise.h"
+#include "solve/newton.h"
+#include "solve/newton_run.h"
+
+/* of a state of rest, at most */
+enum { PEL_STATIC_ITERATIONS = 200 };
+
+struct pel_sim_newton {
+    double *unknowns;         /* (unknown_count) positions at the end of the step, and the xi of edges */
+    double *target;           /* (unknown_count) of fixed ones */
+    double *loads;            /* (unknown_count) N */
+    uint8_t *fixed;           /* (unknown_count) */
+    pel_newton_frames frames; /* of supports, since the last gathering */
+    pel_record *force;        /* (vertex_count) N, of loads */
+    double *point_stiffness;  /* (vertex_count) N/m, inertia and drag; null in statics */
+    double (*points)[3];      /* (vertex_count) m */
+    double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
+                            half the square of radial . x - radial[3]; null = none */
+    struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
+    int32_t (*couplings)[4];     /* scratch: vertices of constraints */
+    size_t coupling_capacity;
+    pel_newton_kink *kinks; /* scratch: constraints */
+    size_t kink_capacity;
+    bool has_stepped; /* since the state was loaded: the springs of inertia belong to a step that led to it */
+    bool is_damped;   /* drag, or damping of springs */
+    const struct pel_implicit_scheme *scheme; /* of the last step in time */
+    struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
+    uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
+    bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
+    bool goes_on;                             /* the unknowns belong to the step in progress */
+    const pel_newton_lead *lead;              /* of a step beside another simulation (step_beside.c); null = none */
+};
+
+/* Unknowns, matrix and room, after sim->minimise was made. Errors of pel_newton_create. */
+pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error);
+void pel_sim_newton_destroy(pel_sim *sim);
+
+/* Unknowns, fixed ones, targets and loads of a run, the axes of supports; with supports of three vertices for bodies
+   that nothing holds. */
+pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
+/* The same at the present state, which the unknowns are at. */
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free);
+/* The group of bodies that pressed against each other in the last run of a step in time, by its first body; whether a
+   tool, pins or supports hold it. */
+int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body);
+bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group);
+/* whether pins, supports, tools or volumetric springs hold a body; contact may touch it */
+bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body);
+/* Before the first run of a step, which goes the same way after a snapshot. */
+void pel_sim_newton_begin(pel_sim *sim);
+/* pel_descent_run by Newton's method. PEL_OUT_OF_MEMORY. */
+pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
+                                   pel_descent_result *result, pel_error *error);
+/* Prepares the preconditioner of a minimisation without constraints from position_next; false if there is none: for an
+   unsupported body, rounding of forces would drive its rigid motions. */
+bool pel_sim_newton_approximate(pel_minimise_context *context);
+/* a pel_descent_precondition; the context belongs to the minimisation */
+void pel_sim_newton_precondition(void *context, double *vector);
+/* the follow_surface of a stepper */
+void pel_sim_newton_follow_surface(pel_sim *sim);
+/* the settle_edges of a stepper */
+pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unknowns);
+/* Edges as they bend least, where the vertices are that the unknowns have. */
+void pel_sim_newton_settle_at(const pel_sim *sim);
+/* Elastic supports, follower loads, damping along volumetric springs, and constraints: terms added to the energy of the
+   model. The context has to outlive it. */
+pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context);
+/* whether there is any without constraints */
+bool pel_sim_newton_has_terms(const pel_sim *sim);
+/* N, force of the bodies on a fixed vertex */
+void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
+/* ---- step_implicit.c ---- */
+/* A scheme in time, with the unknown positions y: u = rate / dt (y - anchor), m rate / dt (u - carried) + c u = F(y).
+ */
+typedef struct pel_implicit_scheme {
+    double rate;
+    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
+    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+} pel_implicit_scheme;
+
+#endif

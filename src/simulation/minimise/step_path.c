@@ -1,0 +1,319 @@
+#include "minimise/step_path.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/follower.h"
+#include "boundary/hold.h"
+#include "boundary/loads.h"
+#include "math/functions.h"
+#include "minimise/minimise.h"
+#include "minimise/minimise_free.h"
+#include "minimise/step_newton.h"
+#include "stage/accessors.h"
+#include "tool/tool.h"
+
+#include <string.h>
+
+/* of the load factor, in the first step */
+#define FIRST_CHANGE 0.05
+/* systems of a step whose length is right; lengths change by these factors at most */
+#define GOOD_ITERATIONS 6.0
+#define SHRINK 0.5
+#define GROWTH 1.6
+/* of the size of the bodies, that a step is long at most */
+#define MOST_SHARE 0.05
+/* shorter steps after one that does not converge; steps that meet the factor 1 */
+enum { MOST_HALVINGS = 8, MOST_MEETINGS = 30 };
+#define MEETING_ERROR 1e-9
+
+pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
+{
+    pel_sim_path *made = sim->path = pel_allocate(1, sizeof *made);
+    if (made == NULL)
+        return pel_fail_memory(error);
+    size_t count = (size_t)pel_newton_pattern(sim->newton)->unknown_count;
+    made->path.direction = pel_allocate(count, sizeof *made->path.direction);
+    if (made->path.direction == NULL)
+        return pel_fail_memory(error);
+    made->path.first_change = FIRST_CHANGE;
+    sim->state->load_factor = sim->state->load_factor_before = 0;
+    pel_shell_forces_set_load_factor(sim->shells, 0);
+    return PEL_OK;
+}
+
+void pel_sim_path_destroy(pel_sim *sim)
+{
+    if (sim->path == NULL)
+        return;
+    pel_free(sim->path->path.direction);
+    pel_free(sim->path);
+}
+
+/* ---- refused features ---- */
+
+static bool is_keyed(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t l = 0; l < sim->loads->count; l++)
+        any |=
+            sim->loads->items[l].key_count > 0 || sim->loads->items[l].from > 0 || isfinite(sim->loads->items[l].until);
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        any |= shell != NULL && (shell->outside.key_count > 0 || shell->target.key_count > 0);
+    }
+    for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++)
+        any |= sim->holds->holds[h].key_count > 0;
+    return any;
+}
+
+static void set_factor(pel_sim *sim, double factor)
+{
+    sim->state->load_factor = factor;
+    pel_shell_forces_set_load_factor(sim->shells, factor);
+}
+
+pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
+{
+    if (sim->tools->count > 0 || sim->contacts != NULL) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "a path by arc length does not support %s",
+                 sim->tools->count > 0 ? "tools" : "contact");
+        pel_fail_remedy(error, "remove the %s, or use path: time", sim->tools->count > 0 ? "tools" : "contact");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (is_keyed(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "a path by arc length finds the load factor, but a load, pressure or support has "
+                 "keys, from or until");
+        pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (!pel_loads_act(sim)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "no load, gravity or pressure acts that a path by arc length could follow");
+        pel_fail_remedy(error, "add loads, or use path: time, which moves supports by their keys");
+        return PEL_BAD_ARGUMENT;
+    }
+    /* at rest no load acts yet */
+    set_factor(sim, 1);
+    pel_status status = pel_minimise_check_start(sim, error);
+    set_factor(sim, 0);
+    return status == PEL_OK ? pel_followers_refuse(sim, "a path by arc length needs", error) : status;
+}
+
+/* ---- a step ---- */
+
+/* the unknowns of the state, with the loads at factor 1 */
+static pel_newton_frames gather_full_load(pel_sim *sim, double time)
+{
+    double factor = sim->state->load_factor;
+    set_factor(sim, 1);
+    pel_newton_frames frames = pel_sim_newton_gather(sim, time, true);
+    set_factor(sim, factor);
+    return frames;
+}
+
+static pel_newton_problem make_problem(pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    pel_newton_problem problem = {.time = pel_sim_next_time(sim), .state = sim->state, .force = newton->loads};
+    double factor = sim->state->load_factor;
+    set_factor(sim, 1);
+    problem.tolerance = pel_minimise_tolerance(sim, problem.time);
+    set_factor(sim, factor);
+    problem.frames = gather_full_load(sim, problem.time);
+    problem.tolerance =
+        pel_hypot(problem.tolerance, pel_minimise_held_share() * pel_newton_moment_force(sim->newton, newton->loads));
+    problem.held_share = pel_minimise_held_share();
+    problem.short_move = pel_minimise_short_move(sim);
+    problem.fixed = newton->fixed;
+    problem.target = newton->target;
+    problem.iterations = sim->solver.iterations > 0 ? sim->solver.iterations : PEL_STATIC_ITERATIONS;
+    problem.load_factor = &sim->state->load_factor;
+    return problem;
+}
+
+/* from the state before to the present one, along x, y, z */
+static void find_direction(const pel_sim *sim)
+{
+    double *direction = sim->path->path.direction;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            direction[3 * v + k] = (double)sim->state->position[v][k] - (double)sim->state->position_before[v][k];
+}
+
+/* a shorter step where one does not converge */
+static pel_status follow(pel_sim *sim, const pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
+{
+    pel_newton_path *path = &sim->path->path;
+    pel_sim_newton *newton = sim->minimise->newton;
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < MOST_HALVINGS; i++) {
+        int32_t before = sim->minimise->result.iterations;
+        status = pel_newton_follow(sim->newton, problem, newton->unknowns, path, result, error);
+        sim->minimise->result.iterations = before + result->iterations;
+        if (result->converged)
+            return status;
+        path->length *= SHRINK;
+        path->first_change *= SHRINK;
+    }
+    return status;
+}
+
+/* an end of the interval of lengths in which a step meets the factor 1 */
+typedef struct path_end {
+    double length, excess; /* of the factor over 1 */
+} path_end;
+
+/* A shorter step from the same start ends at the factor 1: regula falsi, where an end that stays counts half (Illinois;
+   Dowell, Jarratt 1971). */
+static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem, double start,
+                                 pel_newton_result *result, pel_error *error)
+{
+    pel_newton_path *path = &sim->path->path;
+    pel_sim_newton *newton = sim->minimise->newton;
+    path_end low = {0, start - 1}, high = {path->length, path->factor - 1};
+    bool was_low = false;
+    pel_status status = PEL_OK;
+    for (int i = 0; result->converged && i < MOST_MEETINGS && fabs(path->factor - 1) > MEETING_ERROR; i++) {
+        path->length = low.length + (high.length - low.length) * low.excess / (low.excess - high.excess);
+        path->factor = start;
+        newton->goes_on = false;
+        gather_full_load(sim, problem->time);
+        find_direction(sim);
+        status = pel_newton_follow(sim->newton, problem, newton->unknowns, path, result, error);
+        sim->minimise->result.iterations += result->iterations;
+        if (status != PEL_OK)
+            return status;
+        bool is_low = path->factor < 1;
+        *(is_low ? &low : &high) = (path_end){path->length, path->factor - 1};
+        if (i > 0 && is_low == was_low)
+            (is_low ? &high : &low)->excess *= 0.5;
+        was_low = is_low;
+    }
+    result->converged &= fabs(path->factor - 1) <= MEETING_ERROR;
+    return status;
+}
+
+static void take(pel_sim *sim, const pel_newton_result *result)
+{
+    const pel_sim_newton *newton = sim->minimise->newton;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
+            sim->state->position_next[v][k] = (pel_real)newton->unknowns[3 * v + k];
+    pel_descent_result *own = &sim->minimise->result;
+    own->evaluations = 2 * own->iterations + 1;
+    own->energy = result->energy;
+    own->residual = result->residual;
+    own->held_force = result->held_force;
+    own->converged = result->converged;
+}
+
+static void adapt_length(pel_sim *sim)
+{
+    pel_newton_path *path = &sim->path->path;
+    double change = sqrt(GOOD_ITERATIONS / fmax(path->iterations, 1));
+    path->length *= fmin(fmax(change, SHRINK), GROWTH);
+    path->length = fmin(path->length, MOST_SHARE * sim->minimise->size);
+}
+
+/* start from equilibrium without loads: bodies may be prestressed, or supports displaced */
+static pel_status begin(pel_sim *sim, const pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    return pel_newton_run(sim->newton, problem, newton->unknowns, result, error);
+}
+
+/* the equilibrium beside the leading simulation, which has taken its step along the path */
+static pel_status step_beside(pel_sim *sim, const pel_newton_problem *problem, pel_error *error)
+{
+    pel_newton_result result;
+    double factor;
+    pel_status status = pel_newton_run_beside(sim->newton, problem, sim->minimise->newton->lead,
+                                              sim->minimise->newton->unknowns, &factor, &result, error);
+    if (status != PEL_OK)
+        return status;
+    take(sim, &result);
+    set_factor(sim, factor);
+    return PEL_OK;
+}
+
+pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    pel_state *state = sim->state;
+    pel_newton_result result = {.converged = true};
+    pel_status status = PEL_OK;
+    *step = (pel_step_result){.diverged = false};
+    memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
+    state->load_factor_before = state->load_factor;
+    sim->minimise->result = (pel_descent_result){.converged = own->ended != PEL_PATH_END_LOST};
+    if (own->ended != PEL_PATH_GOES_ON)
+        return PEL_OK;
+    pel_sim_newton_begin(sim);
+    pel_shell_forces_follow(sim->shells, state->position);
+    const pel_newton_problem problem = make_problem(sim);
+    if (sim->minimise->newton->lead != NULL)
+        return step_beside(sim, &problem, error);
+    double start = own->path.factor = state->load_factor;
+    if (own->path.length > 0)
+        find_direction(sim);
+    else
+        status = begin(sim, &problem, &result, error);
+    if (status == PEL_OK && result.converged)
+        status = follow(sim, &problem, &result, error);
+    double length = own->path.length;
+    if (status == PEL_OK && result.converged && start < 1 && own->path.factor >= 1) {
+        own->ended = PEL_PATH_END_FULL_LOAD;
+        if (state->step > 0)
+            status = meet_full_load(sim, &problem, start, &result, error);
+        own->path.length = length;
+    }
+    if (status != PEL_OK)
+        return status;
+    if (!result.converged)
+        own->ended = PEL_PATH_END_LOST;
+    take(sim, &result);
+    adapt_length(sim);
+    set_factor(sim, own->path.factor);
+    step->diverged = !pel_sim_all_inside(sim);
+    return PEL_OK;
+}
+
+/* ---- questions ---- */
+
+double pel_sim_load_factor(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    return sim->state->load_factor;
+}
+
+pel_path pel_sim_path_kind(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return (pel_path)0;
+    return sim->solver.path;
+}
+
+pel_path_end pel_sim_get_path_end(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return (pel_path_end)0;
+    return sim->path != NULL ? (pel_path_end)sim->path->ended : PEL_PATH_GOES_ON;
+}
+
+/* ---- snapshots ---- */
+
+void pel_sim_path_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->path == NULL)
+        return;
+    pel_state *state = sim->state;
+    pel_newton_path *path = &sim->path->path;
+    pel_transfer(at, &path->length, sizeof path->length);
+    pel_transfer(at, &path->first_change, sizeof path->first_change);
+    pel_transfer(at, &path->stiffness, sizeof path->stiffness);
+    pel_transfer(at, &sim->path->ended, sizeof sim->path->ended);
+    pel_transfer(at, &state->load_factor, sizeof state->load_factor);
+    pel_transfer(at, &state->load_factor_before, sizeof state->load_factor_before);
+}

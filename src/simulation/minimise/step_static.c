@@ -1,0 +1,81 @@
+/* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
+#include "base/status.h"
+#include "boundary/hold.h"
+#include "minimise/minimise.h"
+#include "minimise/minimise_contact.h"
+#include "minimise/minimise_free.h"
+#include "minimise/step_modes.h"
+#include "minimise/step_newton.h"
+#include "minimise/step_path.h"
+#include "tool/tool.h"
+
+static pel_status create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_minimise_create(sim, pel_sim_newton_minimise, error);
+    if (status == PEL_OK)
+        status = pel_sim_newton_create(sim, false, error);
+    bool has_modes = sim->solver.analysis != PEL_ANALYSIS_NONE;
+    if (status == PEL_OK && has_modes)
+        status = pel_sim_modes_create(sim, error);
+    bool has_path = !has_modes && sim->solver.path == PEL_PATH_ARC_LENGTH;
+    return status == PEL_OK && has_path ? pel_sim_path_create(sim, error) : status;
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    if (sim->modes != NULL)
+        return pel_sim_modes_step(sim, result, error);
+    if (sim->path != NULL)
+        return pel_sim_path_step(sim, result, error);
+    pel_sim_newton_begin(sim);
+    return pel_minimise_step(sim, result, error);
+}
+
+/* bodies that neither contact nor a tool can hold must not be free to move */
+static pel_status check_mechanisms(const pel_sim *sim, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
+        bool is_touched = sim->contacts != NULL;
+        for (int32_t t = 0; t < sim->tools->count; t++)
+            is_touched |= pel_tool_acts_on(&sim->tools->items[t], b);
+        status = is_touched ? PEL_OK : pel_holds_check_mechanism(sim, b, error);
+    }
+    return status;
+}
+
+static pel_status check_start(pel_sim *sim, pel_error *error)
+{
+    pel_status status = sim->modes != NULL  ? pel_sim_modes_check(sim, error)
+                        : sim->path != NULL ? pel_sim_path_check(sim, error)
+                                            : PEL_OK;
+    if (status == PEL_OK)
+        status = pel_minimise_check_start(sim, error);
+    /* free motions are modes of frequency 0 */
+    return status == PEL_OK && sim->modes == NULL ? check_mechanisms(sim, error) : status;
+}
+
+static void advise(const pel_sim *sim, pel_error *error)
+{
+    (void)sim;
+    pel_fail_remedy(error, "make the loads smaller, or let them grow over more steps (keys)");
+}
+
+const pel_stepper pel_step_static_kind = {
+    .is_at_end = true,
+    .seeks_rest = true,
+    .turns_edges = true,
+    .moves_tools = true,
+    .create = create,
+    .check_start = check_start,
+    .minimises = true,
+    .step = step,
+    .read_tools = pel_minimise_read_tools,
+    .settle_edges = pel_sim_newton_settle_edges,
+    .follow_surface = pel_sim_newton_follow_surface,
+    .get_held_force = pel_sim_newton_held_force,
+    .mark_contacts = pel_minimise_contacts_mark,
+    .get_solver = pel_minimise_get_solver,
+    .accept = pel_minimise_accept,
+    .advise = advise,
+};

@@ -1,0 +1,51 @@
+/* Energy ledger of a simulation: the work that each step takes in, and the energy that damping takes out. A step adds
+   sums over vertices that carry weight, loads and damping; energies are evaluated only when the ledger is read. */
+#ifndef PEL_SIM_LEDGER_H
+#define PEL_SIM_LEDGER_H
+
+#include "model/model.h"
+#include "pellicle/sim.h"
+#include "stage/stage.h"
+#include "stage/transfer.h"
+
+typedef struct pel_ledger_chunk {
+    double moment[3]; /* kg m: sum of mass times displacement */
+    double damping;   /* J */
+} pel_ledger_chunk;
+
+typedef struct pel_ledger {
+    pel_sim_ledger sums;                    /* over all steps; members of the present state stay 0 */
+    double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
+    uint8_t is_started;                     /* the energies at the start are known */
+    bool is_unread;                         /* nobody reads it: the energies at the start stay 0 */
+    bool has_damping, has_radial_damping;   /* any vertex has its own damping, along its volumetric spring */
+    double rounding;                        /* J, energy that rounding of positions alone can show */
+    pel_tool_reading *tools;                /* (tool_count) at the start of the step */
+    double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
+    double *volumes;                        /* (body_count) m3, at the start of the step; NAN = unknown */
+    pel_ledger_chunk *chunks;               /* scratch of the sums over vertices */
+} pel_ledger;
+
+/* Allocates the ledger; tools must exist already. PEL_OUT_OF_MEMORY. */
+pel_status pel_ledger_create(pel_sim *sim, pel_error *error);
+/* Recomputes its constants after the numbers of the model have changed. */
+void pel_ledger_refill(pel_sim *sim);
+void pel_ledger_destroy(pel_sim *sim);
+
+/* Records the energies at the start, once, before the first step. */
+void pel_ledger_start(pel_sim *sim);
+/* Adds the step to position_next, at the time `next`, before it is accepted. */
+void pel_ledger_step(pel_sim *sim, double next);
+
+/* Elastic plus kinetic energy [J] before a setter changes the state; 0 before the first step. */
+double pel_ledger_energy(pel_sim *sim);
+/* After the setter: books the change as work of the caller. */
+void pel_ledger_book_change(pel_sim *sim, double energy_before);
+
+/* Reads tools and keyed parameters again after a snapshot was loaded. */
+void pel_ledger_follow(pel_sim *sim);
+
+/* a pel_transfer_part */
+void pel_ledger_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
+
+#endif

@@ -1,0 +1,19 @@
+/* Snapshots, and the state of one simulation for another. */
+#ifndef PEL_SIM_SNAPSHOT_H
+#define PEL_SIM_SNAPSHOT_H
+
+#include "stage/stage.h"
+
+/* pel_sim_save without the checksum, for pel_snapshot_rewind alone. */
+void pel_snapshot_keep(const pel_sim *sim, void *bytes);
+/* Recomputes the checksum of a snapshot, for tests of damage. */
+void pel_snapshot_seal(void *bytes, size_t size);
+/* Restores a snapshot of the same simulation. Its defs must not have changed, except numbers that it reads in each
+   step: those of loads and grasps, which have to be set again. Fingerprint and checksum are not checked. Errors of
+   pel_sim_load. */
+pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error);
+/* Transfers the state of a simulation to one of the same surfaces that was just created with other numbers. Tools are
+   matched by name; others start at their keys. PEL_OUT_OF_MEMORY. */
+pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error);
+
+#endif

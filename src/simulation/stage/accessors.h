@@ -1,0 +1,21 @@
+/* Times of a step, keyed numbers, and looks at the new positions. */
+#ifndef PEL_STAGE_ACCESSORS_H
+#define PEL_STAGE_ACCESSORS_H
+
+#include "stage/stage.h"
+
+/* at the end of the present part [s] */
+double pel_sim_next_time(const pel_sim *sim);
+/* s, at a share of the present part of the step */
+double pel_sim_part_time(const pel_sim *sim, double share);
+
+/* keyed material numbers at a time */
+void pel_sim_update_factors(pel_sim *sim, double time);
+
+/* the first vertex of the new positions that is out of the bound, or -1 */
+int32_t pel_sim_first_outside(const pel_sim *sim);
+bool pel_sim_all_inside(const pel_sim *sim);
+/* the longest edge of all surfaces at the new positions */
+double pel_sim_longest_edge(const pel_sim *sim);
+
+#endif

@@ -1,0 +1,86 @@
+/* of the cube of the trace of the inertia: below it the body is a line */
+#include "stage/rigid_motion.h"
+
+#include "math/vec3.h"
+
+#define LEAST_INERTIA 1e-12
+
+static void invert(const double m[3][3], double inverse[3][3])
+{
+    double trace = m[0][0] + m[1][1] + m[2][2], determinant = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
+            inverse[k][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+        }
+    for (int k = 0; k < 3; k++)
+        determinant += m[0][k] * inverse[k][0];
+    double scale = determinant > LEAST_INERTIA * trace * trace * trace ? 1 / determinant : 0;
+    for (int i = 0; i < 3; i++)
+        pel_vec3_scale(inverse[i], scale, inverse[i]);
+}
+
+void pel_rigid_apply(const double m[3][3], const double x[3], double y[3])
+{
+    pel_vec3_set(y, pel_vec3_dot(m[0], x), pel_vec3_dot(m[1], x), pel_vec3_dot(m[2], x));
+}
+
+static bool is_free(const pel_sim *sim, int32_t body)
+{
+    const pel_model *model = sim->model;
+    for (int32_t v = model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(model, body); v++)
+        if (model->mesh_vertex[v] >= 0 && (!(model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v])))
+            return false;
+    return true;
+}
+
+/* center, velocity and mass */
+static double sum_momentum(const pel_sim *sim, int32_t body, const pel_record *position, const pel_record *velocity,
+                           pel_rigid_motion *motion)
+{
+    const pel_model *model = sim->model;
+    double sum = 0, x[3], v[3];
+    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
+        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
+        if (!(mass > 0))
+            continue;
+        pel_vertex_position(position, i, x);
+        pel_vertex_position(velocity, i, v);
+        pel_vec3_along(motion->center, mass, x, motion->center);
+        pel_vec3_along(motion->velocity, mass, v, motion->velocity);
+        sum += mass;
+    }
+    pel_vec3_scale(motion->center, 1 / sum, motion->center);
+    pel_vec3_scale(motion->velocity, 1 / sum, motion->velocity);
+    return sum;
+}
+
+pel_rigid_motion pel_rigid_motion_of(const pel_sim *sim, int32_t body, const pel_record *position,
+                                     const pel_record *velocity)
+{
+    const pel_model *model = sim->model;
+    pel_rigid_motion motion = {.is_free = is_free(sim, body)};
+    double inertia[3][3] = {{0}}, x[3], v[3], turn[3];
+    double sum = sum_momentum(sim, body, position, velocity, &motion);
+    if (!motion.is_free) {
+        pel_vec3_set(motion.velocity, 0, 0, 0);
+        return motion;
+    }
+    motion.inverse_mass = 1 / sum;
+    for (int32_t i = model->bodies[body].slice_begin * PEL_WIDTH; i < pel_body_place_end(model, body); i++) {
+        double mass = model->mesh_vertex[i] >= 0 ? (double)model->mass[i] : 0;
+        if (!(mass > 0))
+            continue;
+        pel_vertex_position(position, i, x);
+        pel_vertex_position(velocity, i, v);
+        pel_vec3_subtract(x, motion.center, x);
+        pel_vec3_cross(x, v, turn);
+        pel_vec3_along(motion.momentum, mass, turn, motion.momentum);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                inertia[a][b] += mass * ((a == b ? pel_vec3_squared_length(x) : 0) - x[a] * x[b]);
+    }
+    invert((const double(*)[3])inertia, motion.inverse_inertia);
+    pel_rigid_apply((const double(*)[3])motion.inverse_inertia, motion.momentum, motion.spin);
+    return motion;
+}

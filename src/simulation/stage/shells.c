@@ -1,0 +1,175 @@
+/* Shells under the methods that use forces, and for all methods the volume of bodies under pressure. */
+#include "stage/shells.h"
+
+#include "base/status.h"
+#include "force/mechanics.h"
+#include "force/pressure.h"
+#include "math/vec3.h"
+#include "solve/shell_stability.h"
+#include "stage/surface_view.h"
+
+#include <string.h>
+
+static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
+{
+    for (int32_t r = 0; r < shell->region_count; r++)
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !pel_sim_is_projected(sim))
+            return "anisotropy that caves in is a rule of position-based methods, not a force";
+    return NULL;
+}
+
+static pel_status refuse_shell(int32_t body, const char *what, const char *remedy, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "body", body);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_status check_shells(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell == NULL)
+            continue;
+        const char *refusal = mode_refusal(sim, body->shell);
+        if (refusal != NULL)
+            return refuse_shell(b, refusal, "use the method pbd, or one of the modes strain, active and curl", error);
+        if (body->shell->strain_limit > 0 && !sim->stepper->limits_strain)
+            return refuse_shell(
+                b, "strain_limit is a constraint of the methods pbd and xpbd",
+                "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
+                "stiffen",
+                error);
+        if (body->shell->bending == PEL_BENDING_MIDEDGE && !sim->stepper->turns_edges)
+            return refuse_shell(
+                b, "bending model midedge has a rotation on each edge, which only static and implicit solve for",
+                "use the method implicit or static, or the bending model hinge, which ignores Poisson's ratio", error);
+    }
+    return PEL_OK;
+}
+
+pel_status pel_shells_create(pel_sim *sim, pel_error *error)
+{
+    pel_status status = check_shells(sim, error);
+    if (status == PEL_OK)
+        status = pel_batches_create(sim->model, sim->solver.method, &sim->batches, error);
+    if (status == PEL_OK)
+        status = pel_shell_forces_create(sim->batches, &sim->shells, error);
+    for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        /* the criterion of refinement looks at single vertices */
+        if (body->shell != NULL && body->detail != NULL && body->detail->def.above > 0)
+            status = pel_shell_forces_list(sim->shells, b, error);
+    }
+    return status;
+}
+
+void pel_shells_destroy(pel_sim *sim)
+{
+    pel_shell_forces_destroy(sim->shells);
+    pel_batches_destroy(sim->batches);
+}
+
+/* new position and velocity of a vertex by the force of its shell; fine vertices have no inverse mass there */
+static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_real velocity_gain)
+{
+    pel_record acceleration = sim->state->position[v][3] * sim->force[v];
+    sim->state->position_next[v] += position_gain * acceleration;
+    if (sim->state->velocity_next != NULL)
+        sim->state->velocity_next[v] += velocity_gain * acceleration;
+}
+
+void pel_shells_apply(pel_sim *sim, pel_gains gains)
+{
+    const pel_record *positions = sim->state->position;
+    if (sim->shells == NULL)
+        return;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_follow(sim->shells, positions);
+    pel_shell_forces_add(sim->shells, positions, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        push_vertex(sim, v, (pel_real)gains.position, (pel_real)gains.velocity);
+}
+
+pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell == NULL || !body->closed || body->shell->pressure.kind == PEL_PRESSURE_NONE)
+            continue;
+        double volume = pel_body_volume(sim->model, b, sim->state->position_next), ratio = volume / body->rest_volume;
+        sim->checked_volumes[b] = volume;
+        if (ratio > 0)
+            continue;
+        int64_t step = sim->state->step + 1;
+        pel_fail(error, PEL_DIVERGED, "the pressure turned it inside out in frame %lld (t = %g s)", (long long)step,
+                 (double)step * sim->step.dt);
+        pel_fail_element(error, "body", b);
+        pel_fail_remedy(error, "lower the pressure, stop earlier (stop: volume_ratio_below), or switch contact on");
+        return PEL_DIVERGED;
+    }
+    return PEL_OK;
+}
+
+pel_tangent *pel_sim_settle_edges(const pel_sim *sim, const double **unknowns)
+{
+    return sim->stepper->settle_edges != NULL ? sim->stepper->settle_edges(sim, unknowns) : NULL;
+}
+
+bool pel_sim_has_shells(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return false;
+    return sim->shells != NULL;
+}
+
+void pel_sim_get_shell_energies(const pel_sim *sim, int32_t body, double *membrane, double *bending, double *fibre)
+{
+    if (!pel_sim_has_body(sim, body) || membrane == NULL || bending == NULL || fibre == NULL)
+        return;
+    pel_shell_forces_follow(sim->shells, sim->state->position);
+    pel_shell_vertex_energies(sim->shells, body, pel_output_count(sim, body), pel_output_numbers(sim, body),
+                              sim->state->position, pel_sim_time(sim), membrane, bending, fibre);
+    const double *unknowns;
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &unknowns);
+    if (tangent != NULL)
+        pel_mechanics_share_midedge(tangent, unknowns, sim->pool, body, pel_output_numbers(sim, body), bending);
+}
+
+void pel_sim_get_mechanics(pel_sim *sim, int32_t body, pel_triangle_mechanics *triangles)
+{
+    if (!pel_sim_has_body(sim, body) || triangles == NULL)
+        return;
+    const pel_record *positions = sim->state->position;
+    const double *unknowns;
+    pel_shell_forces_follow(sim->shells, positions);
+    pel_mechanics_fill(sim->shells, body, pel_sim_triangle_count(sim, body), positions, pel_sim_time(sim), triangles);
+    pel_tangent *tangent = pel_sim_settle_edges(sim, &unknowns);
+    if (tangent != NULL)
+        pel_mechanics_add_midedge(tangent, unknowns, sim->pool, body, triangles);
+    pel_mechanics_finish(sim->shells, body, positions, triangles);
+}
+
+void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
+{
+    if (!pel_sim_has_body(sim, body) || forces == NULL)
+        return;
+    int32_t count = pel_output_count(sim, body);
+    sim->present.has_force = false;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_PRESSURE, sim->pool,
+                         sim->force);
+    for (int32_t r = 0; r < count; r++)
+        for (int c = 0; c < 3; c++)
+            forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_output_model_index(sim, body, r)][c];
+}
+
+void pel_shells_follow(pel_sim *sim, int32_t body)
+{
+    sim->state->older_is_known = false;
+    pel_batches_rebuild(sim->batches, body);
+    pel_shell_forces_rebuild(sim->shells, body);
+    if (sim->stepper->follow_surface != NULL)
+        sim->stepper->follow_surface(sim);
+}

@@ -1,0 +1,192 @@
+/* The stage: what all rooms of a simulation share. Each room keeps what is its own behind one pointer, and only rooms
+   above it know what is there. */
+#ifndef PEL_STAGE_STAGE_H
+#define PEL_STAGE_STAGE_H
+
+#include "batch/batches.h"
+#include "contact/force.h"
+#include "force/body_force.h"
+#include "force/shell_force.h"
+#include "math/vec3.h"
+#include "model/boundary.h"
+#include "model/refined_model.h"
+#include "pellicle/sim.h"
+#include "solve/step.h"
+#include "stage/stepper.h"
+
+typedef struct pel_cursor pel_cursor; /* (transfer.h) */
+typedef struct pel_surface_rows pel_surface_rows;
+typedef struct pel_loads pel_loads;
+typedef struct pel_holds pel_holds;
+typedef struct pel_tools pel_tools;
+typedef struct pel_ledger pel_ledger;
+typedef struct pel_observer pel_observer;
+typedef struct pel_picker pel_picker;
+typedef struct pel_touch pel_touch;
+typedef struct pel_refine_body pel_refine_body;
+typedef struct pel_substeps pel_substeps;
+typedef struct pel_projector pel_projector;
+typedef struct pel_relax pel_relax;
+typedef struct pel_minimise pel_minimise;
+typedef struct pel_newton pel_newton;
+typedef struct pel_sim_path pel_sim_path;
+typedef struct pel_sim_modes pel_sim_modes;
+typedef struct pel_contact_set pel_contact_set;
+
+/* Parts of a step. Sizes are in units of a step over PEL_PART_LIMIT. */
+enum { PEL_PART_LIMIT = 64 };
+
+/* the part of the step in progress */
+typedef struct pel_step_part {
+    int32_t at;        /* where it begins; 0 between steps */
+    int32_t step_size; /* its size */
+    int32_t substeps;  /* of a whole step */
+    bool is_refused;   /* repeat it with a shorter step */
+    bool can_halve;    /* false = all steps are whole */
+} pel_step_part;
+
+/* Gaps between surfaces exceed the thickness by this share of it, with a slightly smaller tolerance: nothing has to be
+   corrected after a step, and surfaces that start at the thickness are lifted by at most that. */
+#define PEL_SLACK_SHARE 0.05
+
+/* What is known of the present state; found when asked for. */
+typedef struct pel_present {
+    bool has_force;    /* sim->force holds the forces of the present state */
+    bool has_energies; /* and these its energies [J], when has_force */
+    double spring_energy, volumetric_energy, kinetic_energy;
+    pel_shell_energy shell_energy; /* when has_force */
+} pel_present;
+
+/* What has to be asked around an event of refinement under contact (sim/contact_event.h). */
+typedef struct pel_event_guard {
+    /* saves the data to revert an event */
+    void (*before)(pel_sim *sim);
+    /* true if the new surface of a body does not cut itself; otherwise nothing changes */
+    bool (*accept)(pel_sim *sim, int32_t body);
+} pel_event_guard;
+
+struct pel_sim {
+    /* what is simulated */
+    const pel_model *model; /* the given one, or the active one when any body refines */
+    const pel_model *given;
+    pel_refined_model *active; /* null = no body refines */
+    pel_state *state;
+    int64_t state_number; /* another one for each state */
+    pel_sim_def def;      /* the def with all changes since creation */
+    bool goes_on;         /* continues from a state: skip the checks of a start at rest */
+
+    /* how */
+    pel_solver_def solver;
+    const pel_stepper *stepper; /* of its method */
+    pel_step step;
+    pel_step_part part;
+    double alpha_limit;
+    double (*clock)(void); /* s, from any origin; for solver.budget. Tests replace it */
+    double deadline;       /* s by that clock, of the step at work; HUGE_VAL = none */
+    pel_pool *pool;        /* null = one thread */
+
+    /* elements, contacts and forces */
+    pel_batches *batches;      /* the elements of all bodies */
+    pel_shell_forces *shells;  /* null = no body is a shell */
+    pel_contact_set *contacts; /* (contact/set.h) null = none */
+    bool contact_in_loop;      /* the solver sweeps over them too */
+    bool self_contact;         /* no body can cut itself */
+    pel_contact_forces contact_forces;
+    pel_present present;
+
+    /* arrays by vertex, and scratch */
+    pel_record *force;       /* (vertex_count) scratch: forces, and loads on touched vertices */
+    uint8_t *held;           /* (vertex_count) 1 = a tool holds it; null without tools */
+    double (*reactions)[3];  /* (vertex_count) N, of supports on vertices in the last step; null = none */
+    double *checked_volumes; /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
+    double *chunk_longest;   /* scratch of the step */
+
+    /* what the rooms keep, from the lowest to the highest */
+    pel_surface_rows *rows;        /* (surface_view.c, body_count) null = no body refines */
+    pel_loads *loads;              /* (boundary/loads.h) */
+    pel_holds *holds;              /* (boundary/hold.h) supports of single components; null = none */
+    pel_tools *tools;              /* (tool/tool.h) */
+    pel_ledger *ledger;            /* (observe/ledger.h) */
+    pel_observer *observer;        /* (observe/observe_field.h) null = nobody looked at a field */
+    pel_picker *picker;            /* (observe/pick.h) null = no ray was cast */
+    pel_touch *touch;              /* (touch/contact.h) */
+    pel_refine_body *refine;       /* (adapt/refine.h, body_count) null = no body refines */
+    const pel_event_guard *guards; /* of its events; null = no contact */
+    pel_substeps *substeps;        /* (method/softness.h) of xpbd */
+    pel_projector *projector;      /* (solve/project.h) position-based methods, else null */
+    pel_relax *relax;              /* (solve/relax.h) quasi-static method on bodies that refine, else null */
+    pel_minimise *minimise;        /* (minimise/minimise.h) methods that minimise, else null */
+    pel_newton *newton;            /* (solve/newton.h) where one of these has a matrix, else null */
+    pel_sim_path *path;            /* (minimise/step_path.h) null = loads by time */
+    pel_sim_modes *modes;          /* (minimise/step_modes.h) null = no analysis */
+};
+
+static inline bool pel_sim_is_explicit(const pel_sim *sim)
+{
+    return sim->stepper->is_explicit;
+}
+
+static inline bool pel_sim_has_self_contact(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->self_contact;
+}
+
+/* contacts are swept over inside the solver */
+static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
+{
+    return sim->contacts != NULL && sim->contact_in_loop;
+}
+
+static inline bool pel_sim_is_projected(const pel_sim *sim)
+{
+    return sim->stepper->has_substeps;
+}
+
+/* velocities are part of the state */
+static inline bool pel_sim_has_velocity(const pel_sim *sim)
+{
+    return sim->stepper->has_velocity;
+}
+
+/* whether the new position of a vertex is within the bound; not so when it is NaN */
+static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
+{
+    double bound = sim->step.bound, x[3];
+    pel_vertex_position(sim->state->position_next, v, x);
+    return pel_vec3_squared_length(x) < bound * bound;
+}
+
+/* Of an acceleration, to the new positions [s2] and velocities [s]. */
+typedef struct pel_gains {
+    double position, velocity;
+} pel_gains;
+
+/* Whether the present part may be refused and repeated in two halves. */
+static inline bool pel_parts_can_halve(const pel_sim *sim)
+{
+    return sim->part.can_halve && sim->part.step_size > 1;
+}
+/* of the present part in its step */
+static inline double pel_part_share(const pel_sim *sim)
+{
+    return (double)sim->part.step_size / PEL_PART_LIMIT;
+}
+
+/* share of the present part in the rest of its step */
+static inline double pel_part_share_left(const pel_sim *sim)
+{
+    return (double)sim->part.step_size / (PEL_PART_LIMIT - sim->part.at);
+}
+
+static inline bool pel_parts_are_last(const pel_sim *sim)
+{
+    return sim->part.at + sim->part.step_size == PEL_PART_LIMIT;
+}
+
+/* whether there is such a body, for public functions that are given any number */
+static inline bool pel_sim_has_body(const pel_sim *sim, int32_t body)
+{
+    return sim != NULL && body >= 0 && body < sim->model->body_count;
+}
+
+#endif

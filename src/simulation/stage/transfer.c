@@ -1,0 +1,72 @@
+/* Saving and loading: see transfer.h. */
+#include "stage/transfer.h"
+
+#include <string.h>
+
+void pel_transfer(pel_cursor *at, void *data, size_t size)
+{
+    if (at->bytes != NULL && at->load)
+        memcpy(data, at->bytes + at->at, size);
+    else if (at->bytes != NULL)
+        memcpy(at->bytes + at->at, data, size);
+    at->at += size;
+}
+
+void pel_transfer_motion(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_state *state = sim->state;
+    size_t count = (size_t)sim->model->vertex_count;
+    pel_transfer(at, state->position, count * sizeof *state->position);
+    pel_transfer(at, state->position_before, count * sizeof *state->position_before);
+    if (state->velocity != NULL)
+        pel_transfer(at, state->velocity, count * sizeof *state->velocity);
+}
+
+void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_state *state = sim->state;
+    size_t count = (size_t)sim->model->vertex_count;
+    if (state->older_position != NULL) {
+        pel_transfer(at, state->older_position, count * sizeof *state->older_position);
+        pel_transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
+        pel_transfer(at, &state->older_is_known, sizeof state->older_is_known);
+        pel_transfer(at, &state->collision, sizeof state->collision);
+        pel_transfer(at, &state->unresolved, sizeof state->unresolved);
+    }
+}
+
+void pel_transfer_marks(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_transfer(at, sim->state->contact, (size_t)sim->model->vertex_count * sizeof *sim->state->contact);
+}
+
+void pel_transfer_factors(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_transfer(at, sim->state->factors, (size_t)sim->model->body_count * sizeof *sim->state->factors);
+}
+
+void pel_transfer_bending(pel_cursor *at, const pel_sim *sim, int32_t body)
+{
+    pel_transfer(at, &sim->state->bending[body], sizeof *sim->state->bending);
+}
+
+void pel_transfer_held(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->held != NULL)
+        pel_transfer(at, sim->held, (size_t)sim->model->vertex_count * sizeof *sim->held);
+}
+
+bool pel_is_list(const int32_t *list, int32_t count, size_t limit)
+{
+    if (count < 0 || (size_t)count > limit)
+        return false;
+    for (int32_t i = 0; i < count; i++)
+        if (list[i] < 0 || (size_t)list[i] >= limit)
+            return false;
+    return true;
+}

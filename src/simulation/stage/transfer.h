@@ -1,0 +1,28 @@
+/* Saving and loading: each room passes what it keeps to one cursor. The same function counts, saves and loads, so that
+   these cannot differ. */
+#ifndef PEL_STAGE_TRANSFER_H
+#define PEL_STAGE_TRANSFER_H
+
+#include "stage/stage.h"
+
+/* copies bytes in one direction or the other, or only counts them; a sim that is const is written to while it loads */
+struct pel_cursor {
+    unsigned char *bytes; /* null = count */
+    size_t at;
+    bool load;
+};
+
+void pel_transfer(pel_cursor *at, void *data, size_t size);
+
+/* Passes one part of the state, of a body, load or tool where it is of one. Parts may be carried over one by one. */
+typedef void pel_transfer_part(pel_cursor *at, const pel_sim *sim, int32_t index);
+
+/* positions and velocities; the step before, where it is kept; marks of contact; keyed numbers; the bending weight of a
+   body; held vertices */
+pel_transfer_part pel_transfer_motion, pel_transfer_history, pel_transfer_marks, pel_transfer_factors,
+    pel_transfer_bending, pel_transfer_held;
+
+/* whether loaded numbers are all at least 0 and below `limit`, and there are no more of them */
+bool pel_is_list(const int32_t *list, int32_t count, size_t limit);
+
+#endif

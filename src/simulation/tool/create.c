@@ -1,0 +1,301 @@
+/* Tools from their defs: checks, copies and room. */
+#include "tool/create.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "bvh/mesh_query.h"
+#include "tool/pose.h"
+#include "tool/start.h"
+
+#include <stdio.h>
+#include <string.h>
+
+pel_tool_def pel_tool_def_default(void)
+{
+    pel_tool_def def = {0};
+    pel_def_reset(PEL_DEF_TOOL, &def);
+    return def;
+}
+
+/* ---- checks ---- */
+
+static pel_status refuse(pel_error *error, int32_t tool, const char *what, const char *remedy)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
+    pel_fail_element(error, "tool", tool);
+    pel_fail_remedy(error, "%s", remedy);
+    return PEL_BAD_ARGUMENT;
+}
+
+static bool is_positive(double value)
+{
+    return value > 0 && isfinite(value);
+}
+
+static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    const double *half = def->half_extents;
+    if (def->shape == PEL_TOOL_MESH) {
+        if (def->mesh == NULL)
+            return refuse(error, tool, "tool of shape mesh has no mesh", "give a mesh");
+    } else if (def->shape == PEL_TOOL_BOX) {
+        if (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))
+            return refuse(error, tool, "box has no size", "give three half extents above 0");
+    } else if (!is_positive(def->radius)) {
+        return refuse(error, tool, "radius is not above 0", "give a radius above 0");
+    }
+    if (def->shape == PEL_TOOL_CAPSULE && !(def->half_length >= 0 && isfinite(def->half_length)))
+        return refuse(error, tool, "capsule length is below 0", "give a half length of at least 0");
+    return PEL_OK;
+}
+
+static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
+        return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
+    if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
+        return refuse(error, tool, "center of the support is not finite", "give a point in metres");
+    for (int32_t i = 0; i < def->vertex_count; i++) {
+        int32_t v = def->vertices[i];
+        if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
+            return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
+        if (!(sim->model->inverse_mass[sim->model->bodies[def->body].model_index[v]] > 0))
+            return refuse(error, tool, "support holds a vertex that is pinned",
+                          "remove it from the pins or from the support");
+    }
+    return PEL_OK;
+}
+
+static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32_t tool, pel_error *error)
+{
+    const pel_tool_def *def = &defs[tool];
+    if (def->name == NULL || def->name[0] == '\0' || strlen(def->name) >= PEL_NAME_SIZE)
+        return refuse(error, tool, "tool has no name or a very long one", "give a short name");
+    for (int32_t other = 0; other < tool; other++)
+        if (strcmp(defs[other].name, def->name) == 0)
+            return refuse(error, tool, "two tools have the same name", "give each tool a name of its own");
+    if (def->body < -1 || def->body >= sim->model->body_count)
+        return refuse(error, tool, "tool names a body that does not exist", "give a body of the model, or -1 for all");
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SUPPORT + 1))
+        return refuse(error, tool, "shape of the tool is unknown", "give one of pel_tool_shape");
+    if (def->key_count < 1 || def->keys == NULL)
+        return refuse(error, tool, "tool has no pose: no keys", "give at least one key");
+    for (int32_t k = 0; k < def->key_count; k++) {
+        const pel_pose_key *key = &def->keys[k];
+        if (!pel_tool_is_key(key))
+            return refuse(
+                error, tool,
+                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion",
+                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
+        if (k > 0 && !(key->time > key[-1].time))
+            return refuse(error, tool, "keys are not in order", "give keys with increasing times");
+    }
+    if (!isfinite(def->friction))
+        return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
+    if (!isfinite(def->restitution))
+        return refuse(error, tool, "the restitution of a tool is not finite", "give a number from 0 to 1");
+    if (!isfinite(def->thickness))
+        return refuse(error, tool, "the thickness of a tool is not finite", "give a number of metres above 0");
+    if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
+        return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
+                      "give grasp_from < grasp_until and a reach of at least 0");
+    if (def->grasp && !(def->grasp_max_force >= 0))
+        return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
+                      "give grasp_max_force > 0 in newtons, or 0 for no limit");
+    return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
+}
+
+/* ---- copies ---- */
+
+/* copies the mesh; the solid becomes the sphere about it */
+static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *error)
+{
+    double radius = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
+    tool->solid = (pel_solid){.kind = PEL_SOLID_SPHERE, .radius = radius};
+    return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
+                           mesh->triangle_count, &tool->mesh, error);
+}
+
+/* A keyed support grasps its vertices permanently. It starts at rest; if its first key is elsewhere it moves there in
+   the first step. Its size, for rotations, is that of the body. */
+static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
+{
+    const pel_body *body = &sim->model->bodies[def->body];
+    tool->support = pel_allocate((size_t)def->vertex_count, sizeof *tool->support);
+    if (tool->support == NULL)
+        return pel_fail_memory(error);
+    for (int32_t i = 0; i < def->vertex_count; i++)
+        tool->support[i] = body->model_index[def->vertices[i]];
+    tool->support_count = def->vertex_count;
+    if (sim->given->bodies[def->body].detail != NULL) {
+        const pel_lod_forest *forest = sim->given->bodies[def->body].detail->forest;
+        tool->support_marks = pel_allocate((size_t)forest->levels[forest->depth]->vertex_count, 1);
+        if (tool->support_marks == NULL)
+            return pel_fail_memory(error);
+        for (int32_t i = 0; i < def->vertex_count; i++)
+            tool->support_marks[def->vertices[i]] = 1;
+        pel_levels_spread_marks(forest, tool->support_marks);
+    }
+    tool->grasp = true;
+    tool->grasp_from = 0;
+    tool->grasp_until = (double)HUGE_VAL;
+    tool->press = false;
+    tool->solid.radius = body->diameter;
+    pel_vec3_copy(def->center, tool->center);
+    return PEL_OK;
+}
+
+static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
+{
+    size_t vertex_count = (size_t)sim->model->vertex_count;
+    size_t triangle_count = (size_t)sim->model->triangle_count;
+    snprintf(tool->name, sizeof tool->name, "%s", def->name);
+    static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
+                                           [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
+                                           [PEL_TOOL_BOX] = PEL_SOLID_BOX,
+                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
+                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
+    tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
+    memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
+    if (def->shape == PEL_TOOL_MESH) {
+        pel_status status = create_mesh(tool, def->mesh, error);
+        if (status == PEL_OK && def->grasp)
+            status = pel_mesh_query_create(def->mesh, &tool->query, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    tool->body = def->body;
+    tool->press = def->press;
+    tool->grasp = def->grasp;
+    tool->grasp_from = def->grasp_from;
+    tool->grasp_until = def->grasp_until;
+    tool->reach = def->reach;
+    tool->friction = def->friction;
+    tool->restitution = def->restitution;
+    tool->thickness = def->thickness;
+    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
+    tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
+    tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
+    tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
+    tool->planes_before = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes_before);
+    tool->touches = pel_allocate(vertex_count, sizeof *tool->touches);
+    tool->touch_of_vertex = pel_allocate(vertex_count, sizeof *tool->touch_of_vertex);
+    tool->near.triangles = pel_allocate(triangle_count, sizeof *tool->near.triangles);
+    tool->in_reach.triangles = pel_allocate(triangle_count, sizeof *tool->in_reach.triangles);
+    if (def->shape == PEL_TOOL_SUPPORT) {
+        pel_status status = create_support(sim, def, tool, error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (tool->grasp) {
+        tool->held = pel_allocate(vertex_count, sizeof *tool->held);
+        tool->anchors = pel_allocate(vertex_count, sizeof *tool->anchors);
+    }
+    if (tool->keys == NULL || tool->key_spins == NULL || tool->planes == NULL || tool->planes_before == NULL ||
+        tool->touches == NULL || tool->touch_of_vertex == NULL || tool->near.triangles == NULL ||
+        tool->in_reach.triangles == NULL || (tool->grasp && (tool->held == NULL || tool->anchors == NULL)))
+        return pel_fail_memory(error);
+    memcpy(tool->keys, def->keys, (size_t)def->key_count * sizeof *tool->keys);
+    tool->key_count = def->key_count;
+    pel_tool_sum_spins(tool);
+    tool->pose = pel_tool_pose_at(tool, 0);
+    if (tool->support != NULL) {
+        tool->pose = (pel_pose){.rotation = {0, 0, 0, 1}};
+        pel_vec3_copy(tool->center, tool->pose.position);
+    }
+    tool->pose_before = tool->pose;
+    return PEL_OK;
+}
+
+/* allocates the lists of held vertices */
+static pel_status create_grips(pel_sim *sim, pel_error *error)
+{
+    size_t count = (size_t)sim->model->vertex_count;
+    sim->tools->held_vertices = pel_allocate(count, sizeof *sim->tools->held_vertices);
+    sim->tools->held_targets = pel_allocate(count, sizeof *sim->tools->held_targets);
+    sim->tools->grip_forces = pel_allocate(count, sizeof *sim->tools->grip_forces);
+    if (sim->tools->held_vertices == NULL || sim->tools->held_targets == NULL || sim->tools->grip_forces == NULL)
+        return pel_fail_memory(error);
+    return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
+}
+
+pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t count, pel_error *error)
+{
+    sim->tools->items = pel_allocate((size_t)count, sizeof *sim->tools->items);
+    if (sim->tools->items == NULL)
+        return pel_fail_memory(error);
+    sim->tools->count = count;
+    if (count == 0)
+        return PEL_OK;
+    sim->tools->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->near_triangles);
+    sim->tools->plane_of_triangle =
+        pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->plane_of_triangle);
+    sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
+    sim->tools->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->looked_at);
+    sim->tools->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->moved_at);
+    sim->tools->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->cornered_at);
+    if (sim->tools->near_triangles == NULL || sim->tools->plane_of_triangle == NULL || sim->held == NULL ||
+        sim->tools->looked_at == NULL || sim->tools->moved_at == NULL || sim->tools->cornered_at == NULL)
+        return pel_fail_memory(error);
+    pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
+    bool grasps = false;
+    for (int32_t i = 0; i < count; i++)
+        grasps |= defs[i].grasp || defs[i].shape == PEL_TOOL_SUPPORT;
+    if (status == PEL_OK && grasps)
+        status = create_grips(sim, error);
+    for (int32_t i = 0; status == PEL_OK && i < count; i++) {
+        status = check_tool(sim, defs, i, error);
+        if (status == PEL_OK)
+            status = create_tool(sim, &defs[i], &sim->tools->items[i], error);
+        if (status == PEL_OK && !sim->goes_on)
+            status = pel_tool_check_start(sim, i, error);
+    }
+    return status;
+}
+
+pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def, pel_error *error)
+{
+    pel_tool_def *own = (pel_tool_def *)(uintptr_t)sim->def.tools + index, before = *own;
+    pel_tool *tool = &sim->tools->items[index];
+    *own = *def;
+    pel_status status = check_tool(sim, sim->def.tools, index, error);
+    if (status != PEL_OK) {
+        *own = before;
+        return status;
+    }
+    /* an opened grasp closes again if its interval starts again */
+    if (tool->phase == PEL_GRASP_DONE && def->grasp_until > pel_sim_time(sim))
+        tool->phase = PEL_GRASP_WAITING;
+    tool->grasp_from = def->grasp_from;
+    tool->grasp_until = def->grasp_until;
+    tool->reach = def->reach;
+    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
+    return PEL_OK;
+}
+
+void pel_tools_destroy(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes,         tool->planes_before,
+                          tool->touches, tool->touch_of_vertex, tool->held,           tool->anchors,
+                          tool->support, tool->support_marks,   tool->near.triangles, tool->in_reach.triangles};
+        for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
+            pel_free(arrays[a]);
+        pel_mesh_destroy(tool->mesh);
+        pel_mesh_query_destroy(tool->query);
+    }
+    pel_free(sim->tools->items);
+    pel_tool_search_destroy(sim->tools->search);
+    pel_free(sim->tools->near_triangles);
+    pel_free(sim->tools->plane_of_triangle);
+    pel_free(sim->held);
+    pel_free(sim->tools->looked_at);
+    pel_free(sim->tools->moved_at);
+    pel_free(sim->tools->cornered_at);
+    pel_free(sim->tools->held_vertices);
+    pel_free(sim->tools->held_targets);
+    pel_free(sim->tools->grip_forces);
+}

@@ -1,0 +1,218 @@
+/* Grasps: vertices that tools hold and carry; a grasp that exceeds its force loses vertices.
+
+   The grip force of a tool is the sum of the magnitudes of the forces on its held vertices, like the load that a clamp
+   carries by friction: it bounds the net force, and a twist whose net force is zero counts as well. Where it exceeds
+   the limit, the vertices with the largest forces are lost first, until the forces of the rest are within the limit.
+   The rest takes over their load in the next steps, so a grasp tears out step by step. */
+#include "tool/grip.h"
+
+#include "bvh/mesh_query.h"
+#include "tool/pose.h"
+
+/* ---- holding ---- */
+
+/* inside the tool, or within its reach */
+static bool reaches(const pel_tool *tool, const double local[3])
+{
+    double normal[3];
+    return tool->query != NULL ? pel_mesh_query_reaches(tool->query, local, tool->reach)
+                               : pel_solid_distance(&tool->solid, local, normal) <= tool->reach;
+}
+
+static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
+{
+    const pel_body *b = &sim->model->bodies[body];
+    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
+        double x[3], local[3];
+        if (pel_tool_mobility(sim, v) <= 0)
+            continue;
+        pel_vertex_position(sim->state->position, v, x);
+        pel_pose_to_local(&tool->pose_before, x, local);
+        if (!reaches(tool, local))
+            continue;
+        sim->held[v] = 1;
+        sim->state->position[v][3] = 0;
+        pel_vec3_copy(local, tool->anchors[tool->held_count]);
+        tool->held[tool->held_count++] = v;
+    }
+}
+
+void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
+{
+    double rest[3];
+    if (sim->held[v])
+        return;
+    sim->held[v] = 1;
+    sim->tools->held_is_listed = false;
+    sim->state->position[v][3] = 0;
+    pel_vertex_position(sim->model->rest, v, rest);
+    pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+    tool->held[tool->held_count++] = v;
+}
+
+/* the vertices that were given, and those between them where the body is refined already */
+static void hold_support(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->support_count; i++)
+        pel_tool_hold_at_rest(sim, tool, tool->support[i]);
+    if (tool->support_marks == NULL)
+        return;
+    const pel_refined_body *own = &sim->active->bodies[tool->body];
+    for (int32_t v = own->fine_begin; v < own->fine_end; v++)
+        if (sim->model->mesh_vertex[v] >= 0 && tool->support_marks[sim->model->mesh_vertex[v]])
+            pel_tool_hold_at_rest(sim, tool, v);
+}
+
+static void release(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        sim->held[v] = 0;
+        sim->state->position[v][3] = sim->model->inverse_mass[v];
+    }
+    tool->held_count = 0;
+}
+
+/* true if the held vertices change */
+bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
+{
+    bool changed = false;
+    if (!tool->grasp)
+        return false;
+    if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
+        tool->phase = PEL_GRASP_HOLDING;
+        for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
+            if (pel_tool_acts_on(tool, b))
+                grasp_body(sim, tool, b);
+        if (tool->support != NULL)
+            hold_support(sim, tool);
+        changed = true;
+    }
+    if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
+        tool->phase = PEL_GRASP_DONE;
+        release(sim, tool);
+        changed = true;
+    }
+    return changed;
+}
+
+/* lists holders and held vertices, for methods that need them in every substep */
+void pel_tools_list_held(pel_sim *sim)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        for (int32_t k = 0; k < sim->tools->items[i].held_count; k++)
+            sim->tools->held_vertices[count++] = sim->tools->items[i].held[k];
+    sim->tools->boundary = (pel_boundary){count > 0 ? sim->held : NULL, sim->tools->held_vertices,
+                                          (const double(*)[3])sim->tools->held_targets, count};
+    if (sim->stepper->follow_held != NULL)
+        sim->stepper->follow_held(sim);
+}
+
+/* ---- carrying ---- */
+
+/* held vertices go where the tool takes them */
+static void carry(pel_sim *sim, pel_tool *tool)
+{
+    pel_state *state = sim->state;
+    for (int32_t i = 0; i < tool->held_count; i++) {
+        int32_t v = tool->held[i];
+        double target[3], velocity[3], change[3];
+        pel_pose_to_world(&tool->pose, tool->anchors[i], target);
+        for (int c = 0; c < 3; c++)
+            state->position_next[v][c] = (pel_real)target[c];
+        pel_tool_touch(tool, v);
+        if (state->velocity_next == NULL)
+            continue;
+        pel_tool_velocity(tool, target, sim->step.dt, velocity);
+        for (int c = 0; c < 3; c++) {
+            change[c] = velocity[c] - (double)state->velocity_next[v][c];
+            state->velocity_next[v][c] = (pel_real)velocity[c];
+        }
+        pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
+        /* methods that move tools themselves have no new velocities yet, and read the grip where they end */
+        if (!sim->stepper->moves_tools)
+            pel_tool_add_grip(sim, tool, v, target, change);
+        /* contacts on it push against the tool (tool_reading.c) */
+        state->position_next[v][3] = 0;
+    }
+}
+
+void pel_tools_carry(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        carry(sim, &sim->tools->items[i]);
+}
+
+/* ---- the end of a step ---- */
+
+void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i)
+{
+    sim->held[tool->held[i]] = 0;
+    tool->held[i] = tool->held[--tool->held_count];
+    pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
+    sim->tools->held_is_listed = false;
+}
+
+static double grip_force(const pel_sim *sim, const pel_tool *tool, int32_t i)
+{
+    return pel_vec3_length(sim->tools->grip_forces[tool->held[i]]);
+}
+
+/* of equal forces the first in the list */
+static int32_t find_largest(const pel_sim *sim, const pel_tool *tool)
+{
+    int32_t largest = 0;
+    for (int32_t i = 1; i < tool->held_count; i++)
+        if (grip_force(sim, tool, i) > grip_force(sim, tool, largest))
+            largest = i;
+    return largest;
+}
+
+/* lost vertices move freely from the next step on */
+static int32_t lose_vertices(pel_sim *sim, pel_tool *tool)
+{
+    int32_t lost_count = 0;
+    double sum = 0;
+    for (int32_t i = 0; i < tool->held_count; i++)
+        sum += grip_force(sim, tool, i);
+    while (sum > tool->grasp_max_force && tool->held_count > 0) {
+        int32_t i = find_largest(sim, tool), v = tool->held[i];
+        sum -= grip_force(sim, tool, i);
+        pel_tool_let_go(sim, tool, i);
+        sim->state->position[v][3] = sim->model->inverse_mass[v];
+        lost_count++;
+    }
+    return lost_count;
+}
+
+static void count_loss(pel_tool_tally *tally, int32_t count, double time)
+{
+    if (tally->lost_count == 0)
+        tally->lost_time = time;
+    tally->lost_count += count;
+}
+
+static void count_hold(pel_tool_tally *tally, double time)
+{
+    if (tally->held_back_count == 0)
+        tally->held_back_time = time;
+    tally->held_back_count++;
+}
+
+void pel_tools_end_step(pel_sim *sim, double time)
+{
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        int32_t lost = tool->grasp_max_force > 0 ? lose_vertices(sim, tool) : 0;
+        if (lost > 0)
+            count_loss(&tool->tally, lost, time);
+        if (tool->is_held_back && !tool->hold_is_counted)
+            count_hold(&tool->tally, time);
+        tool->hold_is_counted |= tool->is_held_back;
+        if (tool->blocked && !tool->is_held_back) {
+            pel_pose wanted = pel_tool_pose_at(tool, time);
+            tool->blocked = pel_tool_way(tool, &tool->pose, &wanted) > 0;
+        }
+    }
+}

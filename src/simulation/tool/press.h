@@ -1,0 +1,21 @@
+/* Tools push surfaces out of themselves. */
+#ifndef PEL_TOOL_PRESS_H
+#define PEL_TOOL_PRESS_H
+
+#include "tool/pose.h"
+#include "tool/tool.h"
+
+/* the solid that the body of a vertex is kept out of */
+pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v);
+/* Depth of one triangle in the tool, with the deepest point and the way out in the tool's frame (see pel_solid_depth).
+ */
+double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
+                               const pel_record *positions, int32_t t, double weights[3], double normal[3]);
+/* the depth that pressing leaves [m] */
+double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
+/* Coulomb's coefficient between a tool and the body of a vertex, 0 without contact */
+double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v);
+/* Pushes the new positions out of one tool; true when anything moved. longest: bound of the length of an edge. */
+bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest);
+
+#endif

@@ -1,0 +1,172 @@
+/* Rigid tools in a step: they follow their keys, hold grasped vertices, and push the surface out. */
+#include "tool/tools.h"
+
+#include "tool/grip.h"
+#include "tool/pose.h"
+#include "tool/press.h"
+
+#include <string.h>
+
+/* rounds over the tools at most */
+enum { ROUND_LIMIT = 4 };
+
+static void forget_touches(pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->touch_count; i++)
+        tool->touch_of_vertex[tool->touches[i].vertex] = 0;
+    tool->touch_count = 0;
+    pel_vec3_set(tool->force, 0, 0, 0);
+    pel_vec3_set(tool->torque, 0, 0, 0);
+}
+
+void pel_tools_forget_step(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        forget_touches(&sim->tools->items[i]);
+        sim->tools->items[i].pose = sim->tools->items[i].pose_before;
+    }
+}
+
+static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
+{
+    tool->is_on_its_way = true;
+    tool->blocked_before = tool->blocked;
+    pel_vec3_copy(tool->force, tool->force_before);
+    pel_vec3_copy(tool->torque, tool->torque_before);
+    forget_touches(tool);
+    pel_contact_plane *oldest = tool->planes_before;
+    tool->planes_before = tool->planes;
+    tool->plane_before_count = tool->plane_count;
+    tool->planes = oldest;
+    tool->plane_count = 0;
+    if (sim->part.at == 0)
+        tool->pose_start = tool->pose;
+    tool->pose_before = tool->pose_substep = tool->pose;
+    tool->pose = tool->pose_wanted = pel_tool_next_pose(sim, tool, time);
+}
+
+void pel_tools_begin(pel_sim *sim, double time)
+{
+    bool changed = false;
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        begin_tool(sim, &sim->tools->items[i], time);
+        changed |= pel_tool_update_grasp(sim, &sim->tools->items[i], time);
+        for (int32_t k = 0; k < sim->tools->items[i].held_count; k++)
+            pel_vec3_set(sim->tools->grip_forces[sim->tools->items[i].held[k]], 0, 0, 0);
+    }
+    if (sim->tools->held_vertices != NULL && (changed || !sim->tools->held_is_listed))
+        pel_tools_list_held(sim);
+    sim->tools->held_is_listed = true;
+}
+
+void pel_tools_place(pel_sim *sim, double share)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        tool->pose_substep = tool->pose;
+        pel_pose_between(&tool->pose_before, &tool->pose_wanted, share, &tool->pose);
+        for (int32_t k = 0; k < tool->held_count; k++)
+            pel_pose_to_world(&tool->pose, tool->anchors[k], sim->tools->held_targets[count++]);
+    }
+}
+
+void pel_tools_move(pel_sim *sim, double time)
+{
+    pel_tools_begin(sim, time);
+    pel_tools_carry(sim);
+}
+
+void pel_tools_return(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        if (!tool->is_on_its_way)
+            continue;
+        tool->is_on_its_way = false;
+        tool->pose = tool->pose_before;
+        tool->blocked = tool->blocked_before;
+        pel_vec3_copy(tool->force_before, tool->force);
+        pel_vec3_copy(tool->torque_before, tool->torque);
+        pel_contact_plane *newest = tool->planes;
+        tool->planes = tool->planes_before;
+        tool->plane_count = tool->plane_before_count;
+        tool->planes_before = newest;
+    }
+}
+
+static bool presses(const pel_tool *tool, bool only_round)
+{
+    return tool->press && tool->mesh == NULL && !(only_round && tool->solid.kind == PEL_SOLID_BOX);
+}
+
+void pel_tools_press(pel_sim *sim, double longest, bool only_round)
+{
+    /* the substeps have kept solids out (tool_solid.h), and no guard looks at them */
+    bool moved = !pel_sim_is_projected(sim) || sim->contacts != NULL;
+    for (int round = 0; moved && round < (sim->tools->count > 1 ? ROUND_LIMIT : 1); round++) {
+        moved = false;
+        for (int32_t i = 0; i < sim->tools->count; i++)
+            if (presses(&sim->tools->items[i], only_round))
+                moved |= pel_tool_press(sim, &sim->tools->items[i], longest);
+    }
+}
+
+/* ---- snapshots ---- */
+
+void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
+{
+    pel_tool *tool = &sim->tools->items[index];
+    size_t vertex_count = (size_t)sim->model->vertex_count;
+    pel_transfer(at, &tool->pose, sizeof tool->pose);
+    pel_transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
+    pel_transfer(at, &tool->driven, sizeof tool->driven);
+    pel_transfer(at, &tool->blocked, sizeof tool->blocked);
+    pel_transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
+    pel_transfer(at, &tool->tally, sizeof tool->tally);
+    pel_transfer(at, &tool->phase, sizeof tool->phase);
+    pel_transfer(at, &tool->held_count, sizeof tool->held_count);
+    pel_transfer(at, &tool->contact_count, sizeof tool->contact_count);
+    pel_transfer(at, &tool->plane_count, sizeof tool->plane_count);
+    pel_transfer(at, tool->planes, PEL_PLANE_LIMIT * sizeof *tool->planes);
+    pel_transfer(at, tool->force, sizeof tool->force);
+    pel_transfer(at, tool->torque, sizeof tool->torque);
+    if (tool->grasp) {
+        pel_transfer(at, tool->held, vertex_count * sizeof *tool->held);
+        pel_transfer(at, tool->anchors, vertex_count * sizeof *tool->anchors);
+    }
+}
+
+static bool is_flag(const bool *flag)
+{
+    unsigned char byte;
+    memcpy(&byte, flag, sizeof byte);
+    return byte <= 1;
+}
+
+/* checks the ranges of the numbers of pel_tool_transfer */
+static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
+{
+    const pel_model *model = sim->model;
+    if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || !is_flag(&tool->is_held_back) ||
+        (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
+        return false;
+    for (int32_t p = 0; p < tool->plane_count; p++)
+        if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
+            return false;
+    return tool->grasp ? pel_is_list(tool->held, tool->held_count, (size_t)model->vertex_count) : tool->held_count == 0;
+}
+
+bool pel_tools_restore(pel_sim *sim)
+{
+    bool whole = true;
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        whole = whole && is_whole_tool(sim, &sim->tools->items[t]);
+    for (int32_t t = 0; !whole && t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        tool->held_count = tool->plane_count = 0;
+        tool->driven = tool->blocked = tool->is_held_back = false;
+        tool->phase = PEL_GRASP_DONE;
+    }
+    return whole;
+}

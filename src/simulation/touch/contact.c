@@ -1,0 +1,608 @@
+/* Contact in a step: inputs of the set (contact/set.h), and the loop over search, correction and guard. */
+#include "touch/contact.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/loads.h"
+#include "contact/sweep.h"
+#include "geom/wide4.h"
+#include "observe/ledger.h"
+#include "observe/observe.h"
+#include "stage/accessors.h"
+#include "stage/surface_view.h"
+#include "tool/contact_force.h"
+#include "tool/pose.h"
+#include "tool/reading.h"
+#include "tool/tools.h"
+#include "touch/tangle.h"
+
+#include <string.h>
+#include <time.h>
+
+enum {
+    SWEEP_PRESET = 10,
+    ROUND_LIMIT = 10,
+    HALVING_ROUNDS = 5,
+    MOST_DOUBLINGS = 6,
+    CONTACTS_PER_VERTEX = 64,
+    SIDE_ROUNDS = 2
+};
+
+/* ---- creation ---- */
+
+/* sweeps over the contacts of a step beyond which it would seem to hang */
+enum { MOST_SWEEPS = 1000000 };
+
+static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
+{
+    const double numbers[] = {def->thickness, def->relative_thickness, def->friction};
+    static const char *const names[] = {"thickness", "relative thickness", "friction"};
+    for (int i = 0; i < 3; i++)
+        if (!(numbers[i] >= 0 && isfinite(numbers[i]))) {
+            pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %g", names[i], numbers[i]);
+            pel_fail_remedy(error, "give a number of at least 0");
+            return PEL_BAD_ARGUMENT;
+        }
+    if (!(def->thickness > 0) && !(def->relative_thickness > 0)) {
+        pel_fail(error, PEL_BAD_ARGUMENT, "contact has no thickness");
+        pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
+        return PEL_BAD_ARGUMENT;
+    }
+    if (PEL_IS_NO_CHOICE(def->method, PEL_CCD_BRIDSON + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "contact method %d is unknown", (int)def->method);
+    if (PEL_IS_NO_CHOICE(def->response, PEL_CONTACT_AFTER + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "contact response %d is unknown", (int)def->response);
+    const int64_t counts[] = {def->sweeps, def->limit, def->memory_limit}, most[] = {MOST_SWEEPS, INT32_MAX, INT64_MAX};
+    static const char *const count_names[] = {"sweeps", "limit", "memory_limit"};
+    for (int i = 0; i < 3; i++)
+        if (counts[i] < 0 || counts[i] > most[i])
+            return pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %lld", count_names[i], (long long)counts[i]);
+    return PEL_OK;
+}
+
+static double diagonal(const pel_model *model)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        for (int k = 0; k < 3 && model->mesh_vertex[v] >= 0; k++) {
+            low[k] = fmin(low[k], (double)model->rest[v][k]);
+            high[k] = fmax(high[k], (double)model->rest[v][k]);
+        }
+    return pel_vec3_distance(low, high);
+}
+
+typedef struct edge_place {
+    double length; /* m */
+    int32_t body, vertex;
+} edge_place;
+
+/* shortest edge of a body at rest, on the finest level where it refines, and where it begins */
+static edge_place shortest_edge(const pel_model *model, int32_t body)
+{
+    const pel_mesh *mesh = model->bodies[body].mesh;
+    double levels = model->bodies[body].detail != NULL ? ldexp(1, model->bodies[body].detail->def.levels) : 1;
+    edge_place shortest = {HUGE_VAL, body, 0};
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        int32_t v = mesh->triangles[h / 3][h % 3];
+        double length =
+            pel_vec3_distance(mesh->positions[v], mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]]) / levels;
+        if (length < shortest.length)
+            shortest = (edge_place){length, body, v};
+    }
+    return shortest;
+}
+
+static pel_status refuse_thickness(const pel_sim *sim, double thickness, const edge_place *edge, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
+             thickness, edge->length, sim->given->bodies[edge->body].name);
+    pel_fail_element(error, "vertex", edge->vertex);
+    pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * edge->length);
+    return PEL_BAD_ARGUMENT;
+}
+
+/* the thickness of all groups without their own: a given one is accepted or refused, the relative one is reduced for
+   short edges */
+static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortest, double *thickness, pel_error *error)
+{
+    const pel_contact_def *def = &sim->touch->def;
+    *thickness = def->thickness;
+    if (!(*thickness > 0))
+        *thickness = fmin(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
+    if (*thickness > 0)
+        return PEL_OK;
+    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has an edge without length", sim->given->bodies[shortest->body].name);
+    pel_fail_element(error, "vertex", shortest->vertex);
+    pel_fail_remedy(error, "repair the mesh, or give contact a thickness in metres");
+    return PEL_BAD_ARGUMENT;
+}
+
+static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thickness)
+{
+    int32_t tool = number - sim->model->body_count;
+    double own = tool < 0 ? sim->given->bodies[number].contact_thickness : sim->tools->items[tool].thickness;
+    double friction = tool < 0 ? sim->model->bodies[number].friction : sim->tools->items[tool].friction;
+    return (pel_contact_group){.thickness = own > 0 ? own : thickness,
+                               .friction = friction >= 0 ? friction : sim->touch->def.friction};
+}
+
+/* thickness of bodies, at most the length of their edges, and of tools */
+static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
+{
+    edge_place shortest = {.length = HUGE_VAL};
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        edge_place edges = shortest_edge(sim->given, b);
+        shortest = edges.length < shortest.length ? edges : shortest;
+    }
+    pel_status status = choose_thickness(sim, &shortest, &def->thickness, error);
+    for (int32_t i = 0; status == PEL_OK && i < def->body_count + def->obstacle_count; i++) {
+        groups[i] = group_of(sim, i, def->thickness);
+        edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
+        if (i < def->body_count && groups[i].thickness > edges.length)
+            return refuse_thickness(sim, groups[i].thickness, &edges, error);
+    }
+    def->shortest_edge = shortest.length;
+    return status;
+}
+
+static void set_obstacles(const pel_sim *sim, pel_obstacle *obstacles)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_tool *tool = &sim->tools->items[i];
+        obstacles[i] = (pel_obstacle){
+            .solid = tool->solid, .mesh = tool->mesh, .presses = tool->press, .body = tool->body, .held = tool->held};
+    }
+}
+
+static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_group *groups, pel_error *error)
+{
+    const pel_model *model = sim->model;
+    const pel_contact_def *def = &sim->touch->def;
+    int64_t limit = (int64_t)CONTACTS_PER_VERTEX * model->vertex_count;
+    pel_contact_set_def given = {
+        .vertex_count = model->vertex_count,
+        .body_count = model->body_count,
+        .body_of_slice = model->body_of_slice,
+        .mass = model->mass,
+        .inverse_mass = model->inverse_mass,
+        .rest = model->rest,
+        .triangle_limit = model->triangle_begin[model->body_count],
+        .obstacles = obstacles,
+        .obstacle_count = sim->tools->count,
+        .groups = groups,
+        .self = def->self,
+        .between = def->between,
+        .method = def->method,
+        .limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2),
+        .memory_limit = def->memory_limit,
+        .pool = sim->pool,
+    };
+    pel_status status = set_groups(sim, &given, groups, error);
+    set_obstacles(sim, obstacles);
+    return status == PEL_OK ? pel_contact_set_create(&given, &sim->contacts, error) : status;
+}
+
+static pel_status create_from_tools(pel_sim *sim, pel_error *error)
+{
+    size_t tool_count = (size_t)sim->tools->count, body_count = (size_t)sim->model->body_count;
+    pel_obstacle *obstacles = pel_allocate(tool_count, sizeof *obstacles);
+    pel_contact_group *groups = pel_allocate(body_count + tool_count, sizeof *groups);
+    sim->touch->revisions = pel_allocate(body_count, sizeof *sim->touch->revisions);
+    pel_status status = obstacles != NULL && groups != NULL && sim->touch->revisions != NULL
+                            ? create_set(sim, obstacles, groups, error)
+                            : pel_fail_memory(error);
+    pel_free(obstacles);
+    pel_free(groups);
+    return status;
+}
+
+/* the pressing range of tools is their largest distance from a body */
+static void grow_tools(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        for (int32_t b = 0; b < sim->model->body_count; b++) {
+            double thickness = pel_contact_thickness(sim->contacts, b, sim->model->body_count + i);
+            sim->tools->items[i].press_margin = fmax(sim->tools->items[i].press_margin, thickness);
+        }
+}
+
+static pel_status refuse_mesh_tools(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        if (sim->tools->items[i].mesh == NULL)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' is a mesh, which needs contact", sim->tools->items[i].name);
+        pel_fail_element(error, "tool", i);
+        pel_fail_remedy(error, "switch contact on, or use a sphere, capsule or box");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error)
+{
+    if (!def->enabled)
+        return refuse_mesh_tools(sim, error);
+    pel_status status = check_numbers(def, error);
+    if (status != PEL_OK)
+        return status;
+    sim->touch->def = *def;
+    if (def->sweeps == 0)
+        sim->touch->def.sweeps = SWEEP_PRESET;
+    sim->self_contact = def->self && !def->allow_tangled;
+    sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
+    status = create_from_tools(sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_contacts_place(sim);
+    status = pel_contacts_update_surface(sim, error);
+    if (status == PEL_OK && !sim->goes_on)
+        status = pel_tangles_find(sim->contacts, error);
+    if (status == PEL_OK && !sim->goes_on)
+        status = pel_contacts_refuse_tangles(sim, error);
+    if (status == PEL_OK)
+        grow_tools(sim);
+    return status;
+}
+
+void pel_contacts_destroy(pel_sim *sim)
+{
+    pel_contact_set_destroy(sim->contacts);
+    sim->contacts = NULL;
+    pel_free(sim->touch->revisions);
+    pel_free(sim->touch->before_event);
+}
+
+/* ---- inputs of the set ---- */
+
+static void bring_poses(const pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_tool *tool = &sim->tools->items[i];
+        pel_obstacle *obstacle = &sim->contacts->obstacles[i];
+        obstacle->before = tool->pose_before;
+        obstacle->substep = tool->pose_substep;
+        obstacle->pose = tool->pose;
+        obstacle->held_count = tool->held_count;
+    }
+}
+
+void pel_contacts_place(pel_sim *sim)
+{
+    bring_poses(sim);
+    pel_contact_set_place(sim->contacts, sim->state->position, sim->state->position_next);
+}
+
+void pel_contacts_place_start(pel_sim *sim)
+{
+    bring_poses(sim);
+    pel_contact_set_place_start(sim->contacts, sim->state->position);
+}
+
+void pel_contacts_begin_substep(pel_sim *sim)
+{
+    bring_poses(sim);
+    pel_contact_set_begin_substep(sim->contacts);
+}
+
+static pel_contact_motion motion_of(const pel_sim *sim)
+{
+    const pel_state *state = sim->state;
+    return (pel_contact_motion){state->position, state->position_next, state->velocity_next, sim->step.dt};
+}
+
+/* ---- the surface ---- */
+
+static pel_status set_triangles(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_contact_surface_begin(sim->contacts, error);
+    if (status != PEL_OK)
+        return status;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        int32_t count = pel_surface_count(sim->model, b), begin = sim->model->triangle_begin[b];
+        const pel_front_triangle *surface = pel_surface_in_order(sim, b);
+        for (int32_t i = 0; i < count; i++)
+            pel_contact_surface_add(
+                sim->contacts, sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)]);
+        sim->touch->revisions[b] = pel_sim_surface_revision(sim, b);
+    }
+    return PEL_OK;
+}
+
+/* the collider has the present surface */
+static bool is_of_present(const pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (sim->touch->revisions[b] != pel_sim_surface_revision(sim, b))
+            return false;
+    return true;
+}
+
+static bool is_present(const pel_sim *sim)
+{
+    return sim->contacts->collider != NULL && !sim->touch->is_loaded && is_of_present(sim);
+}
+
+pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
+{
+    if (is_present(sim))
+        return PEL_OK;
+    bool is_known = sim->touch->is_loaded && is_of_present(sim);
+    pel_status status = set_triangles(sim, error);
+    if (status == PEL_OK)
+        status = pel_contact_surface_finish(sim->contacts, is_known, error);
+    if (status == PEL_OK)
+        sim->touch->is_loaded = false;
+    else if (!is_known)
+        sim->touch->revisions[0] = -1;
+    return status;
+}
+
+/* ---- search ---- */
+
+static double seconds_now(void)
+{
+    struct timespec now;
+    timespec_get(&now, TIME_UTC);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* tools where they are and where they will want to be; the substeps have moved them already */
+static void expect_tools(pel_sim *sim)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double next = pel_sim_next_time(sim);
+    bool began = pel_sim_is_projected(sim);
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_obstacle *own = &contacts->obstacles[i];
+        pel_tool *tool = &sim->tools->items[i];
+        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(sim, tool, next);
+        pel_obstacle_points(own, began ? &tool->pose_before : &tool->pose, contacts->start + own->point_begin);
+        pel_obstacle_points(own, &wanted, contacts->end + own->point_begin);
+    }
+}
+
+/* predict positions from velocity and loads; held vertices follow their path */
+static void expect_vertices(pel_sim *sim)
+{
+    pel_contact_set *contacts = sim->contacts;
+    const pel_state *state = sim->state;
+    const pel_boundary *boundary = &sim->tools->boundary;
+    double dt = sim->step.dt;
+    bool is_loaded = state->velocity != NULL && pel_loads_exist(sim);
+    if (is_loaded) {
+        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+        pel_loads_add(sim, pel_sim_time(sim), sim->state->position, sim->force);
+    }
+    for (int32_t p = 0; p < contacts->vertex_count; p++)
+        for (int k = 0; k < 3; k++) {
+            double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
+            if (is_loaded)
+                velocity += dt * (double)(sim->model->inverse_mass[p] * sim->force[p][k]);
+            contacts->end[p][k] = contacts->start[p][k] + dt * velocity;
+        }
+    if (!pel_sim_is_projected(sim) || boundary->held_count == 0)
+        return;
+    pel_tools_place(sim, 1);
+    for (int32_t i = 0; i < boundary->held_count; i++)
+        pel_vec3_copy(boundary->target[i], contacts->end[boundary->held[i]]);
+}
+
+/* m, how far a vertex goes in the step at most by its velocity */
+static double longest_way(const pel_sim *sim)
+{
+    const pel_record *velocity = sim->state->velocity;
+    wide4 most = wide4_set(0);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        most = wide4_max(wide4_abs(__builtin_convertvector(velocity[v], wide4)), most);
+    return sim->step.dt * sqrt(most[0] * most[0] + most[1] * most[1] + most[2] * most[2]);
+}
+
+pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
+{
+    const pel_record *position = sim->state->position;
+    bool is_free = sim->state->velocity != NULL && sim->tools->count == 0 && !pel_loads_exist(sim);
+    if (is_free && pel_contact_set_stays_clear(sim->contacts, position, least, longest_way(sim)))
+        return PEL_OK;
+    pel_contacts_place(sim);
+    expect_tools(sim);
+    expect_vertices(sim);
+    /* the substeps see boxes as solids (tool_solid.h) */
+    return pel_contact_set_find(sim->contacts, least, pel_sim_is_projected(sim), error);
+}
+
+pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
+{
+    pel_collision_result found;
+    pel_contacts_place(sim);
+    pel_status status = pel_contact_set_search_way(sim->contacts, &found, error);
+    return status == PEL_OK ? pel_contact_set_add_way(sim->contacts, &found, error) : status;
+}
+
+/* ---- correction ---- */
+
+/* Forces of corrections after the solver, from the change of velocities. Without velocities a correction reverts the
+   step of the pressing forces, alpha F dt^2 / m (paper A, eq. A-5), and forces on tools are computed from these. */
+static void take_corrections(pel_sim *sim)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    double dt = sim->step.dt, alpha = pel_sim_alpha(sim);
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        const pel_contact *contact = &contacts->list.contacts[c];
+        int32_t tool = contacts->keys[c].obstacle;
+        double stopped[3];
+        if (!(contact->push > 0))
+            continue;
+        for (int k = 0; k < 3; k++)
+            stopped[k] = (double)contact->stopped[k];
+        if (alpha > 0 && tool < 0)
+            pel_contact_take_push(sim, tool, contact, 1 / (alpha * dt * dt));
+        else
+            pel_contact_take(sim, tool, contact, stopped, 1 / dt);
+    }
+}
+
+/* search and correct until all distances hold; return the remaining conflicts */
+static pel_status respond(pel_sim *sim, double longest, pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    bool once = sim->touch->def.response == PEL_CONTACT_AFTER;
+    /* layers that press each other, which converge slowly; other methods have solved nothing of them yet */
+    int doublings = pel_sim_has_loop_contacts(sim) ? MOST_DOUBLINGS : 0;
+    /* shorter parts have fewer conflicts, and cost less than many rounds */
+    int limit = once ? 1 : pel_parts_can_halve(sim) ? HALVING_ROUNDS : ROUND_LIMIT;
+    for (int round = 0;; round++) {
+        pel_collision_result found;
+        pel_status status = pel_contact_set_search_way(contacts, &found, error);
+        if (status == PEL_OK)
+            status = pel_pool_check(sim->pool, error);
+        if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
+            return status;
+        /* without conflicts, the contacts of the solver need no correction */
+        if (contacts->conflict_count == 0 &&
+            (pel_sim_has_loop_contacts(sim) || found.collision_count + contacts->list.count == 0))
+            return PEL_OK;
+        if (round == 0 && pel_parts_can_halve(sim))
+            sim->touch->solved_energy = pel_sim_next_energy(sim);
+        double began = seconds_now();
+        status = pel_contact_set_add_way(contacts, &found, error);
+        if (status != PEL_OK)
+            return status;
+        contacts->minds_sides = round < SIDE_ROUNDS;
+        const pel_contact_motion motion = motion_of(sim);
+        pel_contact_set_correct(contacts, &motion,
+                                once ? 1 : sim->touch->def.sweeps << (round < doublings ? round : doublings));
+        /* boxes are in the list */
+        pel_tools_press(sim, longest, true);
+        pel_contacts_place(sim);
+        contacts->statistics.solve_seconds += seconds_now() - began;
+    }
+}
+
+/* Corrections may add this share of the energy that was supplied, over a whole step. */
+#define APPEARS_SHARE 0.02
+
+/* Whether to repeat the part in two halves: the guard would have to step bodies back, or corrections have added too
+   much energy. */
+static bool is_refused(pel_sim *sim)
+{
+    if (!pel_parts_can_halve(sim))
+        return false;
+    if (sim->contacts->conflict_count > 0)
+        return true;
+    double most = APPEARS_SHARE * sim->ledger->sums.supplied * sim->step.dt / sim->solver.dt + sim->ledger->rounding;
+    return !(pel_sim_next_energy(sim) - sim->touch->solved_energy <= most);
+}
+
+static void release_tools(pel_sim *sim)
+{
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        sim->tools->items[i].is_held_back = false;
+}
+
+/* tools take the poses of the guard */
+static pel_status guard(pel_sim *sim, pel_error *error)
+{
+    const pel_contact_motion motion = motion_of(sim);
+    pel_status status = pel_contact_guard(sim->contacts, &motion, error);
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_obstacle *obstacle = &sim->contacts->obstacles[i];
+        sim->tools->items[i].pose = obstacle->pose;
+        sim->tools->items[i].is_held_back = obstacle->is_held_back;
+        sim->tools->items[i].blocked |= obstacle->is_held_back;
+    }
+    return status;
+}
+
+static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double way = result->way_is_known && sim->tools->count == 0 ? result->way : HUGE_VAL;
+    pel_tools_press(sim, result->longest, false);
+    bring_poses(sim);
+    if (pel_contact_set_is_clear(contacts, sim->state->position, sim->state->position_next, way)) {
+        release_tools(sim);
+        sim->part.is_refused = false;
+        return PEL_OK;
+    }
+    pel_contacts_place(sim);
+    int64_t rounds = contacts->statistics.rounds;
+    pel_status status = respond(sim, result->longest, error);
+    if (status != PEL_OK)
+        return status;
+    sim->part.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
+    if (sim->part.is_refused)
+        return PEL_OK;
+    double began = seconds_now();
+    release_tools(sim);
+    /* the cubic may have missed some */
+    if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
+        status = pel_contact_look(contacts, error);
+    if (status == PEL_OK && contacts->conflict_count > 0)
+        status = guard(sim, error);
+    contacts->statistics.guard_seconds += seconds_now() - began;
+    contacts->statistics.contacts += contacts->list.count;
+    if (status == PEL_OK && contacts->tangles.count > 0) {
+        contacts->way_is_searched = false;
+        memcpy(contacts->start, contacts->end, (size_t)contacts->point_count * sizeof *contacts->start);
+        status = pel_tangles_find(contacts, error);
+    }
+    return status;
+}
+
+pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *result, pel_error *error)
+{
+    if (!pel_sim_has_loop_contacts(sim))
+        sim->contacts->list.count = 0;
+    pel_contacts_begin(&sim->contacts->list);
+    if (!sim->stepper->moves_tools)
+        pel_tools_move(sim, time);
+    pel_status status = step(sim, result, error);
+    if (status != PEL_OK || sim->part.is_refused) {
+        pel_tools_return(sim);
+        return status;
+    }
+    take_corrections(sim);
+    pel_tools_read(sim, time);
+    return PEL_OK;
+}
+
+void pel_contacts_tally(pel_sim *sim, double rate)
+{
+    pel_contact_set *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        const pel_contact *contact = &contacts->list.contacts[c];
+        if (!(contact->push > 0))
+            continue;
+        contacts->keys[c].has_pushed = true;
+        pel_contact_take_push(sim, contacts->keys[c].obstacle, contact, rate);
+    }
+}
+
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    /* statistics of a body that does not move equal those of one loaded from a snapshot */
+    contacts->way_is_searched = false;
+    if (is_present(sim) && contacts->tangles.is_known)
+        return PEL_OK;
+    pel_contacts_place_start(sim);
+    pel_status status = pel_contacts_update_surface(sim, error);
+    if (status == PEL_OK && (!contacts->tangles.is_known || contacts->tangles.count > 0))
+        status = pel_tangles_find(contacts, error);
+    return status;
+}
+
+/* ---- questions ---- */
+
+void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *statistics)
+{
+    if (sim == NULL || statistics == NULL)
+        return;
+    *statistics = sim->contacts != NULL ? sim->contacts->statistics : (pel_contact_statistics){0};
+}
+
+double pel_sim_contact_thickness(const pel_sim *sim)
+{
+    return sim != NULL && sim->contacts != NULL ? sim->contacts->def.thickness : 0;
+}

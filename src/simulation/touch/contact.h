@@ -1,0 +1,54 @@
+/* Contact in a simulation: the link between its state, tools and steppers and the set of contacts (contact/set.h). */
+#ifndef PEL_TOUCH_CONTACT_H
+#define PEL_TOUCH_CONTACT_H
+
+#include "contact/set.h"
+#include "stage/stage.h"
+
+/* A pair of groups that collides (restitution.c). */
+typedef struct pel_collision_state {
+    uint8_t is_on;
+    int32_t idle_steps;      /* since the pair pressed last */
+    double approach;         /* m/s, maximum over the collision, at the contact */
+    double normal[3];        /* unit, from the higher group to the lower one */
+    double point[3];         /* m */
+    double contact_distance; /* m, of the centers along the normal while they touched */
+    double risen;            /* m, beyond that */
+} pel_collision_state;
+
+/* State of contact in addition to the set. */
+struct pel_touch {
+    pel_contact_def def;
+    int64_t *revisions; /* (body_count) of the surface in the set */
+    bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    double solved_energy; /* J, of the new positions and velocities before anything was corrected */
+    void *before_event;   /* (event_size) snapshot, of models that refine; else null */
+    size_t event_size;
+    pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
+};
+
+/* Null contacts when they are not enabled. Errors as for pel_sim_create. */
+pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error);
+void pel_contacts_destroy(pel_sim *sim);
+/* Points at both ends of the step: present and next positions, poses before the step and present ones. */
+void pel_contacts_place(pel_sim *sim);
+/* Points at the start alone: present positions and poses. */
+void pel_contacts_place_start(pel_sim *sim);
+/* After refinement or a snapshot: the set takes the present surface, with the points at the start. */
+pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
+/* Before the solver of a method with contacts in its loop: finds pairs that may touch in this step, and all pairs
+   nearer than `least` [m], except with tools. */
+pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
+/* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
+pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
+/* At the start of a substep, after pel_tools_place. */
+void pel_contacts_begin_substep(pel_sim *sim);
+/* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
+void pel_contacts_tally(pel_sim *sim, double rate);
+/* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
+   step. On failure the state and the poses of the tools are those before the step. */
+pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *result, pel_error *error);
+/* Before the step: updates the surface after refinement, and the tangled pairs after a snapshot. */
+pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error);
+
+#endif

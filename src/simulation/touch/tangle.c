@@ -1,0 +1,87 @@
+/* Starts that contact refuses: pairs of triangles that intersect, tools in bodies. */
+#include "touch/tangle.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "tool/start.h"
+#include "touch/contact.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { NAMED_PAIRS = 3, NAME_ROOM = PEL_NAME_SIZE + 32 };
+
+static void describe(const pel_sim *sim, int32_t triangle, char *text, size_t size)
+{
+    const pel_contact_set *set = sim->contacts;
+    int32_t group = set->group_of_point[set->triangles[triangle][0]], first = triangle;
+    while (first > 0 && set->group_of_point[set->triangles[first - 1][0]] == group)
+        first--;
+    bool is_body = group < sim->model->body_count;
+    snprintf(text, size, "%s '%s' %d", is_body ? "body" : "tool",
+             is_body ? sim->model->bodies[group].name : sim->tools->items[group - sim->model->body_count].name,
+             (int)(triangle - first));
+}
+
+static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
+{
+    const pel_tangles *tangles = &sim->contacts->tangles;
+    char list[400] = "", first[NAME_ROOM], second[NAME_ROOM];
+    for (int64_t i = 0; i < tangles->count && i < NAMED_PAIRS; i++) {
+        size_t length = strlen(list);
+        describe(sim, tangles->pairs[i].first, first, sizeof first);
+        describe(sim, tangles->pairs[i].second, second, sizeof second);
+        snprintf(list + length, sizeof list - length, "%s%s and %s", i > 0 ? "; " : "", first, second);
+    }
+    pel_fail(error, PEL_BAD_ARGUMENT, "%lld pairs of triangles intersect at the start: %s%s", (long long)tangles->count,
+             list, tangles->count > NAMED_PAIRS ? "; ..." : "");
+    pel_fail_remedy(error, "pull them apart, or accept them with contact: { start: tangled }");
+    return PEL_BAD_ARGUMENT;
+}
+
+/* a tool that is a surface must not cut a body, nor be inside a closed one */
+static pel_status refuse_tools(const pel_sim *sim, pel_error *error)
+{
+    const pel_contact_set *set = sim->contacts;
+    int32_t body_count = sim->model->body_count;
+    for (int64_t i = 0; i < set->tangles.count; i++) {
+        const pel_pair *pair = &set->tangles.pairs[i];
+        int32_t first = set->group_of_point[set->triangles[pair->first][0]];
+        int32_t second = set->group_of_point[set->triangles[pair->second][0]];
+        int32_t tool = (first > second ? first : second) - body_count;
+        if (tool >= 0)
+            return pel_tool_refuse_inside(sim, tool, first < second ? first : second, error);
+    }
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        for (int32_t b = 0; b < body_count; b++)
+            if (sim->tools->items[i].mesh != NULL && sim->tools->items[i].press &&
+                pel_tool_acts_on(&sim->tools->items[i], b) && sim->model->bodies[b].closed &&
+                pel_tool_is_enclosed(sim, set->start[set->obstacles[i].point_begin], b))
+                return pel_tool_refuse_inside(sim, i, b, error);
+    return PEL_OK;
+}
+
+pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error)
+{
+    pel_status status = refuse_tools(sim, error);
+    if (status == PEL_OK && sim->contacts->tangles.count > 0 && !sim->touch->def.allow_tangled)
+        status = refuse_pairs(sim, error);
+    return status;
+}
+
+pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(count, error);
+    *count = 0;
+    if (sim->contacts == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "contact is not enabled");
+    pel_tangles tangles = {0};
+    pel_contacts_place_start(sim);
+    pel_status status = pel_contacts_update_surface(sim, error);
+    if (status == PEL_OK)
+        status = pel_tangles_list(sim->contacts, &tangles, error);
+    *count = tangles.count;
+    pel_free(tangles.pairs);
+    return status;
+}
