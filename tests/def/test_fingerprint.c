@@ -203,9 +203,11 @@ static void change_member(walk *w, const pel_def_row *row, char *def)
 
 static void change_members(walk *w, pel_def_kind kind, char *def)
 {
-    for (const pel_def_row *row = NULL; (row = pel_def_row_after(kind, row)) != NULL;)
-        if (row->part != PEL_PART_NONE)
-            change_member(w, row, def);
+    const pel_def_row *members[PEL_MOST_MEMBERS];
+    int32_t count = pel_def_members(kind, members);
+    for (int32_t i = 0; i < count; i++)
+        if (members[i]->part != PEL_PART_NONE)
+            change_member(w, members[i], def);
 }
 
 static void test_every_member(void **unused)

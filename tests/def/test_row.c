@@ -48,12 +48,14 @@ static void test_order(void **unused)
     (void)unused;
     for (int kind = PEL_DEF_BODY; kind < PEL_DEF_COUNT; kind++) {
         size_t end = 0;
-        int count = 0;
-        for (const pel_def_row *row = NULL; (row = pel_def_row_after((pel_def_kind)kind, row)) != NULL; count++) {
-            assert_true(row->offset >= end);
-            end = row->offset + (has_count(row) ? sizeof(void *) : row->size);
+        const pel_def_row *members[PEL_MOST_MEMBERS];
+        int32_t count = pel_def_members((pel_def_kind)kind, members);
+        for (int32_t i = 0; i < count; i++) {
+            assert_true(members[i]->offset >= end);
+            end = members[i]->offset + (has_count(members[i]) ? sizeof(void *) : members[i]->size);
         }
         assert_int_equal(count > 0, def_sizes[kind] > 0);
+        assert_true(count < PEL_MOST_MEMBERS);
     }
 }
 

@@ -89,7 +89,10 @@ static bool copy_members(pel_copies *copies, pel_def_kind kind, char *def, const
     bool is_copied = true;
     if (kind == PEL_DEF_BODY)
         mesh = ((const pel_body_def *)(const void *)def)->mesh;
-    for (const pel_def_row *row = NULL; is_copied && (row = pel_def_row_after(kind, row)) != NULL;) {
+    const pel_def_row *members[PEL_MOST_MEMBERS];
+    int32_t count = pel_def_members(kind, members);
+    for (int32_t i = 0; is_copied && i < count; i++) {
+        const pel_def_row *row = members[i];
         if (row->store == PEL_STORE_DEF)
             is_copied = copy_members(copies, row->element, def + row->offset, mesh);
         else if (row->store == PEL_STORE_QUANTITY)

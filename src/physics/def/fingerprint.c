@@ -89,7 +89,10 @@ static void add_members(pel_fingerprint *fingerprint, pel_def_kind kind, const c
 {
     if (kind == PEL_DEF_BODY)
         outer.mesh = ((const pel_body_def *)(const void *)def)->mesh;
-    for (const pel_def_row *row = NULL; (row = pel_def_row_after(kind, row)) != NULL;) {
+    const pel_def_row *members[PEL_MOST_MEMBERS];
+    int32_t count = pel_def_members(kind, members);
+    for (int32_t i = 0; i < count; i++) {
+        const pel_def_row *row = members[i];
         const char *at = def + row->offset;
         if (row->part == PEL_PART_NONE)
             continue;

@@ -15,15 +15,21 @@ const pel_def_row *pel_def_row_of(pel_def_kind kind, size_t offset)
     return NULL;
 }
 
-const pel_def_row *pel_def_row_after(pel_def_kind kind, const pel_def_row *last)
+int32_t pel_def_members(pel_def_kind kind, const pel_def_row *members[PEL_MOST_MEMBERS])
 {
-    const pel_def_row *next = NULL, *row;
-    for (int32_t i = 0; (row = pel_def_row_at(i)) != NULL; i++) {
-        bool follows = row->def == kind && (last == NULL || row->offset > last->offset);
-        if (follows && (next == NULL || row->offset < next->offset))
-            next = row;
+    int32_t count = 0;
+    const pel_def_row *row;
+    for (int32_t i = 0; count < PEL_MOST_MEMBERS && (row = pel_def_row_at(i)) != NULL; i++) {
+        int32_t at = count;
+        while (row->def == kind && at > 0 && members[at - 1]->offset > row->offset)
+            at--;
+        if (row->def != kind || (at > 0 && members[at - 1]->offset == row->offset))
+            continue;
+        memmove(members + at + 1, members + at, (size_t)(count - at) * sizeof *members);
+        members[at] = row;
+        count++;
     }
-    return next;
+    return count;
 }
 
 /* a number, switch, word or vector that a simulation can be asked for */

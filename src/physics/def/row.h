@@ -140,13 +140,15 @@ typedef struct pel_def_row {
     const char *refusal, *remedy; /* null = it can change while running */
 } pel_def_row;
 
+enum { PEL_MOST_MEMBERS = 128 };
+
 /* All rows but those of meshes, runs and outputs, in the order of the reference page; null after the last. */
 int32_t pel_def_row_count(void);
 const pel_def_row *pel_def_row_at(int32_t index);
 /* The row of a member, the first of several; null if there is none. */
 const pel_def_row *pel_def_row_of(pel_def_kind kind, size_t offset);
-/* The row of the next member of a def in memory (null: of the first), null after the last. */
-const pel_def_row *pel_def_row_after(pel_def_kind kind, const pel_def_row *row);
+/* One row for each member of a def, in the order of memory. Returns their number. */
+int32_t pel_def_members(pel_def_kind kind, const pel_def_row *members[PEL_MOST_MEMBERS]);
 /* The index of the next parameter, first by def; -1 before the first and after the last. */
 int32_t pel_def_parameter_after(int32_t index);
 pel_parameter_kind pel_def_row_kind(const pel_def_row *row);
