@@ -48,6 +48,8 @@ typedef enum pel_bending_model {
     PEL_BENDING_MIDEDGE         /* shape operator with a rotation of each edge: a plate on every mesh */
 } pel_bending_model;
 
+enum { PEL_BENDING_COUNT = PEL_BENDING_MIDEDGE + 1 }; /* number of models */
+
 typedef struct pel_bending_def {
     pel_bending_model model;
     double weight; /* pbd: factor on the correction of the positions, the paper's k_B, 0 to 1; negative: automatic,

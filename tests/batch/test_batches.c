@@ -368,6 +368,59 @@ static void test_rebuild(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* ---- pieces ---- */
+
+/* elements in the bundles from first on, by all elements of a batch */
+static double share_from(const pel_batch *batch, int32_t first, int32_t bundle_count)
+{
+    int32_t some = 0, all = 0;
+    for (int32_t block = 0; block < batch->bundle_begin[bundle_count]; block++) {
+        all += batch->lane_counts[block];
+        some += block >= batch->bundle_begin[first] ? batch->lane_counts[block] : 0;
+    }
+    return (double)some / all;
+}
+
+/* pieces of one size, as many as `expected`; next to nothing is left for the bundle that runs alone */
+static void check_pieces(pel_mesh *mesh, int32_t expected)
+{
+    pel_anisotropy_def regions[2];
+    pel_body_def def = full_body(mesh, regions, NULL);
+    pel_model *model = make_model(&def);
+    pel_batches *batches = make_batches(model, PEL_METHOD_PBD);
+    const pel_body_batches *body = &batches->bodies[0];
+    int32_t count = body->pieces.piece_count, *sizes = calloc((size_t)count, sizeof *sizes);
+    assert_int_equal(count, expected);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        sizes[body->pieces.piece_of_place[model->bodies[0].model_index[v] - body->pieces.first_place]]++;
+    for (int32_t i = 0; i < count; i++)
+        assert_true(abs(sizes[i] - mesh->vertex_count / count) <= 1);
+    for (int32_t i = 0; count > 1 && i < body->batch_count; i++)
+        assert_true(share_from(&body->batches[i], 2 * count - 1, 2 * count) <= 0.02);
+    free(sizes);
+    pel_batches_destroy(batches);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* one piece below 1,024 vertices; a tenth of the mesh within 512 and 2,048, an even number; more where rings are wide
+ */
+static void test_pieces(void **unused)
+{
+    (void)unused;
+    check_pieces(make_sphere(10), 1);                                   /* 1,002 vertices */
+    check_pieces(make_sphere(11), 2);                                   /* 1,212 */
+    check_pieces(make_sphere(16), 6);                                   /* 2,562: 427 each */
+    check_pieces(make_sphere(32), 10);                                  /* 10,242: 1,024 each */
+    check_pieces(make_grid(200, 200, 1, 1, PEL_GRID_ONE_DIAGONAL), 20); /* 40,401: 2,020 each */
+    if (is_slow())
+        return;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_CYLINDER);
+    def.slices = 1500;
+    def.segments = 5;
+    check_pieces(make_shape(&def), 154); /* wide caps */
+}
+
 /* ---- creation ---- */
 
 static pel_method created_method;
@@ -401,8 +454,9 @@ static void test_every_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_layout),  cmocka_unit_test(test_sharing), cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_rebuild), cmocka_unit_test(test_shares),  cmocka_unit_test(test_every_allocation),
+        cmocka_unit_test(test_layout),           cmocka_unit_test(test_sharing), cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_rebuild),          cmocka_unit_test(test_shares),  cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

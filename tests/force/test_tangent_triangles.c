@@ -47,9 +47,7 @@ static void evaluate_single(const pel_tangent_loop *loop, const pel_tangent_part
     request.stress = loop->input->stresses != NULL ? loop->input->stresses + place : NULL;
     request.extrapolated = extrapolated;
     if (own->shell->has_membrane) {
-        pel_membrane_law law = own->law;
-        const pel_shell_sheet sheet = pel_shell_sheet_of(own->shell, t);
-        law.modulus *= sheet.young * sheet.thickness;
+        const pel_membrane_law law = pel_shell_law(own->shell, t);
         energy->membrane += pel_membrane_tangent(&own->rests[t], &law, x, &request, &sum);
     }
     request.stress = request.stress != NULL ? request.stress + PEL_MEMBRANE_STRAINS : NULL;

@@ -14,6 +14,8 @@ OUTER = {"libfyaml": {"src/runs/scene"}, "assimp": {"src/runs/scene"}, "zlib": {
          "pthread": {"src/ground/base", "src/service/haptic", "src/service/live", "cli", "view"},
          "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
          "libwebsockets": {"src/service/live"}}
+# headers that the build makes, and their folders
+MADE = {"law/files.h": "src/physics/law"}
 
 
 def read_ranks(root):
@@ -29,6 +31,8 @@ def folder_of(path):
 
 def resolve(root, path, name):
     """the folder of the file that name stands for in the file at path, or None"""
+    if name in MADE:
+        return MADE[name]
     floors = [floor.relative_to(root) / name for floor in sorted((root / "src").glob("*/"))]
     places = [pathlib.PurePath("include", name), *floors, pathlib.PurePath(name)]
     if not path.parts[0] == "src":

@@ -188,6 +188,11 @@ static void test_uniaxial_closed_forms(void **unused)
     for (double stretch = 0.7; stretch < 1.6; stretch += 0.05) {
         const double square = stretch * stretch, rubber = stretch - 1 / square, e = 0.5 * (square - 1);
         double tension[KIND_COUNT], width[KIND_COUNT];
+        for (int kind = 0; kind < KIND_COUNT; kind++) {
+            pel_membrane_material material = material_of(kind);
+            width[kind] = law_width(&material, stretch);
+            tension[kind] = law_tension(&material, stretch, width[kind]);
+        }
         width[PEL_MEMBRANE_STVK] = width[PEL_MEMBRANE_FUNG] = sqrt(1 - poisson * (square - 1));
         tension[PEL_MEMBRANE_STVK] = 0.5 * stiffness * stretch * (square - 1);
         tension[PEL_MEMBRANE_FUNG] = stiffness * stretch * e * exp(6 * e * e / 2);

@@ -139,6 +139,13 @@ static void test_fields(void **unused)
         assert_near(pel_shell_sheet_of(shell, t).young, 1000 * (1 + mean), 1e-9);
         assert_near(pel_shell_sheet_of(shell, t).thickness, 0.001 * (9 - mean), 1e-15);
         assert_near(shell->pressure_weights[t], 10 * mean * inside, 1e-12);
+        const pel_membrane_material material = {.kind = PEL_MEMBRANE_NEO_HOOKEAN,
+                                                .young = 1000 * (1 + mean),
+                                                .poisson = 0.3,
+                                                .thickness = 0.001 * (9 - mean)};
+        const pel_membrane_law law = pel_shell_law(shell, t), exact = pel_membrane_law_of(&material);
+        assert_near(law.modulus, exact.modulus, 1e-14 * exact.modulus);
+        assert_true(law.kind == exact.kind && law.poisson == 0.3 && law.numbers[0] == exact.numbers[0]);
     }
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
@@ -147,6 +154,23 @@ static void test_fields(void **unused)
     }
     assert_true(shell->pressure.outside.value == 1);
     pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* without a membrane bending has the ratio that is given, whatever the law */
+static void test_poisson_of_bending(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_grid(2, 2, 1, 1, PEL_GRID_ONE_DIAGONAL);
+    for (int on = 0; on < 2; on++) {
+        pel_body_def def = shell_body(mesh, PEL_MEMBRANE_GENT);
+        def.shell.membrane.on = on == 1;
+        def.shell.bending.model = PEL_BENDING_MIDEDGE;
+        def.shell.bending.stiffness.value = 1;
+        pel_model *model = make_model(&def);
+        assert_true(shell_of(model)->law.poisson == (on == 1 ? 0.5 : def.shell.membrane.poisson));
+        pel_model_destroy(model);
+    }
     pel_mesh_destroy(mesh);
 }
 
@@ -422,6 +446,7 @@ int main(void)
         cmocka_unit_test(test_triangles),
         cmocka_unit_test(test_hinges),
         cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_poisson_of_bending),
         cmocka_unit_test(test_regions),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_open_meshes),

@@ -1,6 +1,8 @@
 /* One sheet for all laws under the methods that use a material: explicit, xpbd and descent stretch it by the pull of
-   the law's closed form, pbd, which knows no stiffness, brings it back to its rest shape. */
+   the law's closed form, pbd, which knows no stiffness, brings it back to its rest shape. Each law reads the numbers
+   that it declares, and no other; they are its live parameters. */
 #include "law_forms.h"
+#include "pellicle/live.h"
 #include "shell_fixture.h"
 
 #include <stdlib.h>
@@ -139,11 +141,68 @@ static void test_pbd_comes_to_rest(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* energy at a strain that all numbers change */
+static double energy_of(const pel_membrane_material *material)
+{
+    static const double gradient[6] = {1.2, 0.1, -0.05, 1.1, 0.2, 0.15};
+    return pel_membrane_density(material, gradient, NULL);
+}
+
+static bool is_same_law(const pel_membrane_law *a, const pel_membrane_law *b)
+{
+    bool is_same = a->modulus == b->modulus && a->poisson == b->poisson;
+    for (int i = 0; i < PEL_LAW_NUMBERS; i++)
+        is_same &= a->numbers[i] == b->numbers[i];
+    return is_same;
+}
+
+static bool is_live(pel_sim *sim, const char *member)
+{
+    char path[80];
+    pel_parameter_info info;
+    snprintf(path, sizeof path, "bodies.shell.membrane.%s", member);
+    return pel_parameter_find(sim, path, &info, NULL) == PEL_OK;
+}
+
+static void test_numbers_are_declared(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_grid(CELLS, CELLS, 1, 1, PEL_GRID_ONE_DIAGONAL);
+    int readers[8] = {0};
+    for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++) {
+        pel_model *model = make_sheet_model(mesh, kind);
+        pel_sim_def def = sim_of(model, PEL_METHOD_XPBD);
+        pel_sim *sim = make_sim(&def);
+        const pel_membrane_material material = material_of(kind);
+        const pel_membrane_law law = pel_membrane_law_of(&material);
+        const int traits = pel_membrane_law_traits(material.kind);
+        const pel_material_number *number;
+        for (int32_t i = 0; (number = pel_material_number_at(i)) != NULL; i++) {
+            pel_membrane_material changed = material;
+            *(double *)((char *)&changed + number->offset) *= 1.25;
+            const pel_membrane_law other = pel_membrane_law_of(&changed);
+            bool reads = (traits & number->trait) != 0;
+            if (reads != (energy_of(&changed) != energy_of(&material)) || reads == is_same_law(&law, &other) ||
+                reads != is_live(sim, number->name))
+                fail_msg("%s %s %s", pel_membrane_kind_name(material.kind), reads ? "declares" : "does not declare",
+                         number->name);
+            readers[i] += reads;
+        }
+        assert_true(is_live(sim, "young") && is_live(sim, "thickness"));
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+    }
+    for (int32_t i = 0; pel_material_number_at(i) != NULL; i++)
+        assert_true(readers[i] > 0);
+    pel_mesh_destroy(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_methods_agree),
         cmocka_unit_test(test_pbd_comes_to_rest),
+        cmocka_unit_test(test_numbers_are_declared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

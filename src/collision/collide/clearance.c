@@ -1,6 +1,7 @@
 #include "collide/clearance.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "geom/wide4.h"
 #include "math/vec3.h"
@@ -24,9 +25,7 @@ pel_status pel_clearance_create(int32_t point_count, pel_clearance *clearance, p
 
 void pel_clearance_clear(pel_clearance *clearance)
 {
-    pel_free(clearance->positions);
-    pel_free(clearance->vertex_face.pairs);
-    pel_free(clearance->edge_edge.pairs);
+    PEL_FREE_ALL(clearance->positions, clearance->vertex_face.pairs, clearance->edge_edge.pairs);
     *clearance = (pel_clearance){0};
 }
 

@@ -5,6 +5,7 @@
 #include "contact/force.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -29,9 +30,8 @@ static pel_record *make_page(void)
 /* with_all: none is made later */
 static bool allocate_pages(const pel_contact_forces *forces, bool with_all, pel_force_pages *made)
 {
-    made->pages = pel_allocate((size_t)page_count(forces), sizeof *made->pages);
-    made->is_touched = pel_allocate((size_t)page_count(forces), 1);
-    bool room = made->pages != NULL && made->is_touched != NULL;
+    bool room =
+        PEL_ALLOCATE_ALL(PEL_ROOM(made->pages, page_count(forces)), PEL_ROOM(made->is_touched, page_count(forces)));
     for (int32_t p = 0; room && with_all && p < page_count(forces); p++) {
         made->pages[p] = make_page();
         room = made->pages[p] != NULL;

@@ -1,6 +1,7 @@
 #include "contact/set.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
 
@@ -71,35 +72,11 @@ void pel_contact_set_destroy(pel_contact_set *set)
     if (set == NULL)
         return;
     pel_collider_destroy(set->collider);
-    void *arrays[] = {set->obstacles,
-                      set->groups,
-                      set->next_triangles,
-                      set->group_of_point,
-                      set->may_meet,
-                      set->start,
-                      set->end,
-                      set->substep_start,
-                      set->substep_end,
-                      set->list.contacts,
-                      set->keys,
-                      set->other_keys,
-                      set->other_contacts,
-                      set->heights.list.contacts,
-                      set->heights.triangles,
-                      set->heights.bounds,
-                      set->heights.places,
-                      set->conflicts,
-                      set->impacts,
-                      set->solved,
-                      set->zones,
-                      set->rings,
-                      set->wanted,
-                      set->tangles.pairs,
-                      set->tangles.keys,
-                      set->body_shares,
-                      set->body_impacts};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
+                 set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
+                 set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
+                 set->heights.places, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
+                 set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
     pel_free(set);
 }
 

@@ -2,6 +2,7 @@
 #include "contact/set.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "geom/wide4.h"
 
@@ -256,19 +257,13 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
 {
     size_t group_count = (size_t)(set->def.body_count + set->def.obstacle_count);
     size_t point_count = (size_t)set->point_count, obstacle_points = point_count - (size_t)set->vertex_count;
-    set->group_of_point = pel_allocate(point_count, sizeof *set->group_of_point);
-    set->may_meet = pel_allocate(group_count * group_count, sizeof *set->may_meet);
-    /* one more: points are read four numbers at once */
-    set->start = pel_allocate(point_count + 1, sizeof *set->start);
-    set->end = pel_allocate(point_count + 1, sizeof *set->end);
-    set->substep_start = pel_allocate(obstacle_points, sizeof *set->substep_start);
-    set->substep_end = pel_allocate(obstacle_points, sizeof *set->substep_end);
-    set->heights.bounds =
-        pel_allocate((size_t)(set->obstacle_triangle_count + set->def.triangle_limit), sizeof *set->heights.bounds);
-    set->heights.places = pel_allocate((size_t)set->vertex_count, sizeof *set->heights.places);
-    bool made = set->heights.bounds != NULL && set->heights.places != NULL && set->group_of_point != NULL &&
-                set->may_meet != NULL && set->start != NULL && set->end != NULL && set->substep_start != NULL &&
-                set->substep_end != NULL;
+    size_t triangles = (size_t)(set->obstacle_triangle_count + set->def.triangle_limit);
+    /* start and end have one more: points are read four numbers at once */
+    bool made =
+        PEL_ALLOCATE_ALL(PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
+                         PEL_ROOM(set->start, point_count + 1), PEL_ROOM(set->end, point_count + 1),
+                         PEL_ROOM(set->substep_start, obstacle_points), PEL_ROOM(set->substep_end, obstacle_points),
+                         PEL_ROOM(set->heights.bounds, triangles), PEL_ROOM(set->heights.places, set->vertex_count));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

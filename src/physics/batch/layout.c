@@ -4,6 +4,7 @@
 #include "batch/layout.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -15,27 +16,18 @@ pel_status pel_build_scratch_create(pel_build_scratch *scratch, const pel_pieces
 {
     *scratch = (pel_build_scratch){.count_limit = count_limit};
     size_t count = (size_t)count_limit, places = (size_t)pieces->place_count;
-    scratch->vertices = pel_allocate(4 * count, sizeof *scratch->vertices);
-    scratch->origins = pel_allocate(count, sizeof *scratch->origins);
-    scratch->order = pel_allocate(count, sizeof *scratch->order);
-    scratch->sorted = pel_allocate(count, sizeof *scratch->sorted);
-    scratch->color = pel_allocate(count, sizeof *scratch->color);
-    scratch->counts = pel_allocate((places > count ? places : count) + COLORS + 2, sizeof *scratch->counts);
-    scratch->masks = pel_allocate(places, sizeof *scratch->masks);
-    scratch->bundles = pel_allocate((size_t)pel_bundle_count(pieces) + 1, sizeof *scratch->bundles);
-    if (scratch->bundles != NULL && scratch->vertices != NULL && scratch->origins != NULL && scratch->order != NULL &&
-        scratch->sorted != NULL && scratch->color != NULL && scratch->counts != NULL && scratch->masks != NULL)
-        return PEL_OK;
-    pel_build_scratch_destroy(scratch);
-    return pel_fail_memory(error);
+    bool made = PEL_ALLOCATE_ALL(
+        PEL_ROOM(scratch->vertices, 4 * count), PEL_ROOM(scratch->origins, count), PEL_ROOM(scratch->order, count),
+        PEL_ROOM(scratch->sorted, count), PEL_ROOM(scratch->color, count),
+        PEL_ROOM(scratch->counts, (places > count ? places : count) + COLORS + 2), PEL_ROOM(scratch->masks, places),
+        PEL_ROOM(scratch->bundles, (size_t)pel_bundle_count(pieces) + 1));
+    return made ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_build_scratch_destroy(pel_build_scratch *scratch)
 {
-    void *arrays[] = {scratch->vertices, scratch->origins, scratch->order, scratch->sorted,
-                      scratch->color,    scratch->counts,  scratch->masks, scratch->bundles};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(scratch->vertices, scratch->origins, scratch->order, scratch->sorted, scratch->color, scratch->counts,
+                 scratch->masks, scratch->bundles);
     *scratch = (pel_build_scratch){0};
 }
 
@@ -174,14 +166,11 @@ pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_
 {
     size_t lanes = (size_t)capacity * PEL_BLOCK;
     batch->capacity = capacity;
-    batch->bundle_begin = pel_allocate((size_t)bundle_count + 1, sizeof *batch->bundle_begin);
-    batch->steps = pel_allocate_aligned(lanes * (size_t)batch->arity, sizeof *batch->steps);
-    batch->numbers = pel_allocate_aligned(lanes * (size_t)batch->number_count, sizeof *batch->numbers);
-    batch->sources = pel_allocate(lanes, sizeof *batch->sources);
-    batch->lane_counts = pel_allocate((size_t)capacity, sizeof *batch->lane_counts);
-    batch->followers = pel_allocate((size_t)capacity, sizeof *batch->followers);
-    bool room = batch->bundle_begin != NULL && batch->steps != NULL && batch->numbers != NULL &&
-                batch->sources != NULL && batch->lane_counts != NULL && batch->followers != NULL;
+    bool room = PEL_ALLOCATE_ALL(PEL_ROOM(batch->bundle_begin, (size_t)bundle_count + 1),
+                                 PEL_ROOM_ALIGNED(batch->steps, lanes * (size_t)batch->arity),
+                                 PEL_ROOM_ALIGNED(batch->numbers, lanes * (size_t)batch->number_count),
+                                 PEL_ROOM(batch->sources, lanes), PEL_ROOM(batch->lane_counts, capacity),
+                                 PEL_ROOM(batch->followers, capacity));
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -237,10 +226,7 @@ void pel_batch_share(pel_batch *batch, const pel_batch *other)
 
 void pel_batch_destroy(pel_batch *batch)
 {
-    void *shared[] = {batch->bundle_begin, batch->steps, batch->sources, batch->lane_counts, batch->followers};
-    void *arrays[] = {batch->numbers, batch->multipliers, batch->has_fixed};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
-    for (size_t i = 0; !batch->is_shared && i < sizeof shared / sizeof *shared; i++)
-        pel_free(shared[i]);
+    PEL_FREE_ALL(batch->numbers, batch->multipliers, batch->has_fixed);
+    if (!batch->is_shared)
+        PEL_FREE_ALL(batch->bundle_begin, batch->steps, batch->sources, batch->lane_counts, batch->followers);
 }

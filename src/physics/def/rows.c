@@ -1,4 +1,6 @@
 #include "def/row_words.h"
+#include "law/bending_model.h"
+#include "law/membrane.h"
 
 /* parts of the fingerprint: of bodies by group, of other defs one for all members */
 #define BODY(member, PART) OF(BODY, pel_body_def, member, PART)
@@ -23,10 +25,6 @@
 #define STRUCTURE(why) REFUSED(why, "make a simulation with the new value, and set positions and velocities in it")
 #define WHEN(condition) .applies = condition
 
-#define LAW_NAME(KIND, law, name) name,
-static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
-#undef LAW_NAME
-
 /* ---- conditions: which defs read a member ---- */
 
 #define CONDITION(name, type, expression)                                                                              \
@@ -36,6 +34,11 @@ static const char *const law_names[] = {PEL_MEMBRANE_LAWS(LAW_NAME) NULL};
         return expression;                                                                                             \
     }
 
+static bool law_reads(const pel_body_def *def, pel_law_trait number)
+{
+    return def->shell.membrane.on && (pel_membrane_law_traits(def->shell.membrane.kind) & (int)number) != 0;
+}
+
 CONDITION(is_per_vertex, pel_body_def, def->mass_kind == PEL_MASS_PER_VERTEX)
 CONDITION(is_total, pel_body_def, def->mass_kind == PEL_MASS_TOTAL)
 CONDITION(is_density, pel_body_def, def->mass_kind == PEL_MASS_DENSITY)
@@ -44,10 +47,10 @@ CONDITION(has_spring_stiffness, pel_body_def, !(def->spring_thickness > 0))
 CONDITION(has_filling_young, pel_body_def, def->volumetric_depth > 0)
 CONDITION(has_filling_stiffness, pel_body_def, !(def->volumetric_depth > 0))
 CONDITION(has_membrane, pel_body_def, def->shell.membrane.on)
-CONDITION(is_mooney, pel_body_def, has_membrane(def) && def->shell.membrane.kind == PEL_MEMBRANE_MOONEY_RIVLIN)
-CONDITION(is_gent, pel_body_def, has_membrane(def) && def->shell.membrane.kind == PEL_MEMBRANE_GENT)
-CONDITION(is_fung, pel_body_def, has_membrane(def) && def->shell.membrane.kind == PEL_MEMBRANE_FUNG)
-CONDITION(has_poisson, pel_body_def, has_membrane(def) && !is_mooney(def) && !is_gent(def))
+CONDITION(reads_poisson, pel_body_def, law_reads(def, PEL_LAW_READS_POISSON))
+CONDITION(reads_mooney_ratio, pel_body_def, law_reads(def, PEL_LAW_READS_MOONEY_RATIO))
+CONDITION(reads_extension_limit, pel_body_def, law_reads(def, PEL_LAW_READS_EXTENSION_LIMIT))
+CONDITION(reads_stiffening, pel_body_def, law_reads(def, PEL_LAW_READS_STIFFENING))
 CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
 CONDITION(is_pressed, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GIVEN)
 CONDITION(is_gas, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GAS)
@@ -203,21 +206,22 @@ static const pel_def_row rows[] = {
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},
     {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
      .doc = "a material of `pellicle presets`; other keys of `membrane` override its numbers"},
-    {"bodies[].membrane.material", MEMBRANE(kind), .forms = PEL_FORM_WORD, .words = law_names, .preset = "stvk",
-     WHEN(has_membrane), IMPLYING, .doc = "constitutive law"},
+    {"bodies[].membrane.material", MEMBRANE(kind), .forms = PEL_FORM_WORD, .words = pel_membrane_words,
+     .preset = "stvk", WHEN(has_membrane), IMPLYING, .doc = "constitutive law"},
     {"bodies[].membrane.young", MEMBRANE(young), FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
      WHEN(has_membrane), IMPLYING, .doc = "Young's modulus"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
-     WHEN(has_poisson),
+     WHEN(reads_poisson),
      .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
             "ignore it"},
     {"bodies[].membrane.thickness", MEMBRANE(thickness), FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
      WHEN(has_membrane), IMPLYING, .doc = "thickness of the sheet; default: that of `mass`"},
-    {"bodies[].membrane.mooney_ratio", MEMBRANE(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2), WHEN(is_mooney),
-     .doc = "mooney-rivlin: c2 over c1"},
-    {"bodies[].membrane.extension_limit", MEMBRANE(extension_limit), NUMBER, POSITIVE, DEFAULT(50), WHEN(is_gent),
+    {"bodies[].membrane.mooney_ratio", MEMBRANE(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2),
+     WHEN(reads_mooney_ratio), .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].membrane.extension_limit", MEMBRANE(extension_limit), NUMBER, POSITIVE, DEFAULT(50),
+     WHEN(reads_extension_limit),
      .doc = "gent: limit of I1 - 3, where the polymer chains are fully extended; 30 to 100 for rubber"},
-    {"bodies[].membrane.stiffening", MEMBRANE(stiffening), NUMBER, POSITIVE, DEFAULT(10), WHEN(is_fung),
+    {"bodies[].membrane.stiffening", MEMBRANE(stiffening), NUMBER, POSITIVE, DEFAULT(10), WHEN(reads_stiffening),
      .doc = "fung: b in the tangent stiffness, which grows as exp(b e^2 / 2) with the uniaxial strain e"},
     {"bodies[].membrane.strain_limit", MEMBRANE(strain_limit), NUMBER, .range = {true, true, 0, 0.99}, AUTO(0),
      WHEN(has_membrane),
@@ -226,9 +230,8 @@ static const pel_def_row rows[] = {
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
             "material, but none under pbd and pbd-distance"},
-    {"bodies[].bending.model", BENDING(model), WORD("none", "isometric", "isometric-rest", "hinge", "midedge"),
-     .preset = "hinge", .varies = true, WHEN(has_bending),
-     STRUCTURE("the model of bending decides what elements there are"),
+    {"bodies[].bending.model", BENDING(model), .forms = PEL_FORM_WORD, .words = pel_bending_words, .preset = "hinge",
+     .varies = true, WHEN(has_bending), STRUCTURE("the model of bending decides what elements there are"),
      .doc = "none: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
             "same with the minimum of its energy at the rest shape; hinge: change of the dihedral angles; midedge: "
             "plate bending that does not depend on the mesh, only for the methods static and implicit. Default: hinge; "

@@ -88,7 +88,7 @@ static double hinge_moment(const pel_shell *shell, const pel_record *rest, const
                            const double x[4][3])
 {
     const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
-    if (shell->bending == PEL_BENDING_HINGE)
+    if (shell->bending->is_angle)
         return hinge->stiffness * stencil.factor * pel_angle_from_rest(x[0], stencil.rest_angle);
     return hinge->stiffness * stencil.factor * 2 * pel_sin(0.5 * pel_dihedral_angle(x, NULL));
 }
@@ -267,7 +267,7 @@ static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_reco
     }
     out->rest_area = shape.area;
     out->area = pel_vec3_triangle_area(x[0], x[1], x[2]);
-    double ratio = out->area / out->rest_area, determinant = ratio * ratio, poisson = own->law.poisson;
+    double ratio = out->area / out->rest_area, determinant = ratio * ratio, poisson = own->shell->law.poisson;
     const double green[3] = {0.5 * (c11 - 1), 0.5 * (c22 - 1), 0.5 * c12};
     to_space(axes, 1, green, out->strain);
     double moment[3] = {out->moment[0], out->moment[1], out->moment[2]}, per_area = 0;

@@ -1,38 +1,15 @@
 #include "force/shell_body.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
-#include "measure/element.h"
 
 #include <string.h>
 
 const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t body)
 {
     return forces != NULL && forces->bodies[body].shell != NULL ? &forces->bodies[body] : NULL;
-}
-
-/* bending needs a stiffness when forces are asked for */
-static pel_status check_bending(const pel_shell_body *own, pel_error *error)
-{
-    const pel_shell *shell = own->shell;
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
-            continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", own->body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
-    }
-    return PEL_OK;
-}
-
-static void set_law(pel_shell_body *own)
-{
-    pel_membrane_material material = own->shell->material;
-    material.young = material.thickness = 1;
-    own->law = pel_membrane_law_of(&material);
-    own->stiffness = pel_membrane_law_stiffness(&own->law);
 }
 
 /* ---- elements at a place ---- */
@@ -77,9 +54,7 @@ pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_err
     if (shell == NULL || own->elements != NULL)
         return PEL_OK;
     size_t count = 3 * (size_t)shell->triangle_limit + 4 * (size_t)shell->hinge_limit;
-    own->element_begin = pel_allocate((size_t)own->place_count + 2, sizeof *own->element_begin);
-    own->elements = pel_allocate(count, sizeof *own->elements);
-    if (own->element_begin == NULL || own->elements == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(own->element_begin, (size_t)own->place_count + 2), PEL_ROOM(own->elements, count)))
         return pel_fail_memory(error);
     fill_elements(own);
     return PEL_OK;
@@ -107,18 +82,16 @@ static pel_status start_body(pel_shell_forces *forces, int32_t b, pel_error *err
     /* it stands last */
     if (own->pressure_part != 0)
         own->pressed = &batches->batches[batches->batch_count - 1];
-    set_law(own);
-    return check_bending(own, error);
+    return pel_shell_check_bending(own->shell, own->body, error);
 }
 
 static pel_status fill_forces(pel_shell_forces *forces, pel_error *error)
 {
     const pel_model *model = forces->model;
     bool normal_form = false;
-    forces->bodies = pel_allocate((size_t)model->body_count, sizeof *forces->bodies);
-    forces->energies = pel_allocate((size_t)forces->batches->phase_begin[PEL_PHASE_COUNT], sizeof *forces->energies);
-    forces->sums = pel_allocate((size_t)model->vertex_count, sizeof *forces->sums);
-    if (forces->bodies == NULL || forces->energies == NULL || forces->sums == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(forces->bodies, model->body_count),
+                          PEL_ROOM(forces->energies, forces->batches->phase_begin[PEL_PHASE_COUNT]),
+                          PEL_ROOM(forces->sums, model->vertex_count)))
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++) {
@@ -168,9 +141,5 @@ void pel_shell_forces_destroy(pel_shell_forces *forces)
         pel_free(forces->bodies[b].element_begin);
         pel_free(forces->bodies[b].elements);
     }
-    pel_free(forces->bodies);
-    pel_free(forces->energies);
-    pel_free(forces->area_vectors);
-    pel_free(forces->sums);
-    pel_free(forces);
+    PEL_FREE_ALL(forces->bodies, forces->energies, forces->area_vectors, forces->sums, forces);
 }

@@ -3,7 +3,6 @@
 #define PEL_FORCE_SHELL_BODY_H
 
 #include "force/shell_force.h"
-#include "law/membrane.h"
 
 typedef struct pel_shell_body {
     const pel_shell *shell; /* null = the body is no shell */
@@ -12,8 +11,6 @@ typedef struct pel_shell_body {
     int pressure_part;        /* which of the parts its pressure is; 0 = none */
     const pel_batch *pressed; /* the batch of its pressure; null = none */
     double pressure;          /* Pa, positive inflates: of the evaluation in progress */
-    pel_membrane_law law;     /* of all triangles, with the modulus of a sheet of young and thickness 1 */
-    double stiffness;         /* stiffness of the law at rest: pel_membrane_law_stiffness */
     /* of pel_shell_forces_list, else null */
     int32_t *element_begin; /* (place_count + 2) */
     int32_t *elements;      /* at a place: triangles, then hinges, counted from triangle_count on */

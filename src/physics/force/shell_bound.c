@@ -31,7 +31,7 @@ static void add_hinge_norms(const pel_shell *shell, const pel_record *rest, cons
                             double *sums)
 {
     double norms[4], gradient[4][3], x[4][3], factor = pel_shell_hinge_factor(shell, hinge);
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         pel_load_points(rest, hinge->vertices, 4, x);
         pel_dihedral_angle((const double(*)[3])x, gradient);
         for (int a = 0; a < 4; a++)
@@ -111,12 +111,13 @@ static double body_bound(const pel_model *model, const pel_shell_body *own, doub
 {
     const pel_shell *shell = own->shell;
     double bound = 0, volume = volume_bound(model, own, sums), x[3][3];
+    const double unit = pel_membrane_law_stiffness(&shell->law);
     memset(sums, 0, (size_t)own->place_count * sizeof *sums);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
         pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
         pel_load_points(model->rest, shell->corners[t], 3, x);
         if (shell->has_membrane)
-            add_triangle(own, t, own->stiffness * sheet.young * sheet.thickness, sums);
+            add_triangle(own, t, unit * sheet.young * sheet.thickness, sums);
         add_pressure_norms(own, t, (const double(*)[3])x, sums);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {

@@ -4,7 +4,7 @@
 
 double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hinge)
 {
-    return shell->bending == PEL_BENDING_HINGE ? hinge->stiffness : hinge->stiffness / 3;
+    return shell->bending->is_angle ? hinge->stiffness : hinge->stiffness / 3;
 }
 
 double pel_shell_rest_length(const pel_shell_region *region, double time)
@@ -41,17 +41,9 @@ int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)
     return low < count && pel_shell_fibre_triangle(region, low) == triangle ? low : -1;
 }
 
-static pel_membrane_law law_of(const pel_shell_body *own, int32_t t)
-{
-    pel_membrane_law law = own->law;
-    pel_shell_sheet sheet = pel_shell_sheet_of(own->shell, t);
-    law.modulus *= sheet.young * sheet.thickness;
-    return law;
-}
-
 double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
 {
-    const pel_membrane_law law = law_of(own, t);
+    const pel_membrane_law law = pel_shell_law(own->shell, t);
     const pel_rest_triangle rest = pel_shell_rest(own->shell, t);
     return pel_membrane_law_energy(&rest, &law, x, gradient);
 }
@@ -59,11 +51,10 @@ double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const dou
 double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
                               const double x[4][3], double gradient[4][3])
 {
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         const pel_hinge stencil = pel_shell_angle(shell, rest, hinge);
         return pel_hinge_energy(&stencil, x, gradient);
     }
     const pel_bending_isometric stencil = pel_shell_isometric(rest, hinge);
-    pel_bending_form form = shell->bending == PEL_BENDING_ISOMETRIC ? PEL_BENDING_LITERAL : PEL_BENDING_REST_SUBTRACTED;
-    return pel_bending_isometric_energy(&stencil, form, x, gradient);
+    return pel_bending_isometric_energy(&stencil, shell->bending->form, x, gradient);
 }

@@ -84,7 +84,7 @@ static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part
     const pel_bending_isometric stencil = pel_shell_isometric(loop->tangent->model->rest, &hinge);
     const pel_line line = pel_line_of_isometric(&stencil, hinge.stiffness);
     energy->bending += pel_line_tangent(&line, element->x, &request, &element->sum);
-    if (shell->bending == PEL_BENDING_ISOMETRIC_REST)
+    if (shell->bending->form == PEL_BENDING_REST_SUBTRACTED)
         energy->bending -= hinge.stiffness / 3 * stencil.rest_energy;
 }
 

@@ -47,7 +47,6 @@ typedef struct pel_tangent_spring {
 typedef struct pel_tangent_shell {
     const pel_shell *shell;
     int32_t body;
-    pel_membrane_law law;     /* with the modulus of a sheet of young and thickness 1 */
     pel_rest_triangle *rests; /* (triangle_count) */
     int32_t *fibre_begin;     /* (triangle_count + 1); null without fibres */
     pel_tangent_fibre *fibres;

@@ -1,4 +1,5 @@
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
 #include "force/tangent_body.h"
@@ -11,16 +12,6 @@
 static bool has_energy(const pel_shell_region *region)
 {
     return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
-}
-
-static bool has_midedge(const pel_shell *shell)
-{
-    return shell->bending == PEL_BENDING_MIDEDGE;
-}
-
-static bool has_hinges(const pel_shell *shell)
-{
-    return shell->bending != PEL_BENDING_NONE && !has_midedge(shell);
 }
 
 static bool has_springs(const pel_model *model, int32_t body)
@@ -36,20 +27,7 @@ static bool depends_on_volume(const pel_shell *shell)
 /* most edges that a surface of a shell can have */
 static int32_t edge_limit(const pel_shell *shell)
 {
-    return has_midedge(shell) ? 3 * shell->triangle_limit : 0;
-}
-
-static pel_status check_bending(const pel_shell *shell, int32_t body, pel_error *error)
-{
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
-            continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
-    }
-    return PEL_OK;
+    return shell->bending->turns_edges ? 3 * shell->triangle_limit : 0;
 }
 
 static size_t fibre_limit(const pel_shell *shell)
@@ -61,48 +39,29 @@ static size_t fibre_limit(const pel_shell *shell)
     return count;
 }
 
-static bool allocate_fibres(pel_tangent_shell *own)
-{
-    const pel_shell *shell = own->shell;
-    size_t count = fibre_limit(shell);
-    if (count == 0)
-        return true;
-    own->fibre_begin = pel_allocate((size_t)shell->triangle_limit + 2, sizeof *own->fibre_begin);
-    own->fibres = pel_allocate(count, sizeof *own->fibres);
-    return own->fibre_begin != NULL && own->fibres != NULL;
-}
-
 static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
 {
     const pel_shell *shell = own->shell;
-    size_t triangles = (size_t)shell->triangle_limit;
-    int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH;
-    size_t places = (size_t)(pel_body_place_end(tangent->model, own->body) - first);
-    bool all = allocate_fibres(own);
-    own->rests = pel_allocate(triangles, sizeof *own->rests);
-    all &= own->rests != NULL;
-    if (has_midedge(shell)) {
-        own->edges = pel_allocate(triangles, sizeof *own->edges);
-        own->midedges = pel_allocate(triangles, sizeof *own->midedges);
-        all &= own->edges != NULL && own->midedges != NULL;
-    }
-    if (shell->bending == PEL_BENDING_HINGE) {
-        own->hinges = pel_allocate((size_t)shell->hinge_limit, sizeof *own->hinges);
-        all &= own->hinges != NULL;
-    }
-    if (shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL)
-        for (int i = 0; i < 4; i++) {
-            own->normal_pressure[i] = pel_allocate(places, sizeof(double));
-            all &= own->normal_pressure[i] != NULL;
-        }
-    if (depends_on_volume(shell)) {
-        own->rank_one = &tangent->rank_ones[tangent->pattern.rank_one_count++];
-        own->rank_one->first_vertex = first;
-        own->rank_one->vertex_count = (int32_t)places;
-        own->rank_one->gradient = pel_allocate(3 * places, sizeof(double));
-        all &= own->rank_one->gradient != NULL;
-    }
-    return all;
+    int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH, triangles = shell->triangle_limit;
+    int32_t places = pel_body_place_end(tangent->model, own->body) - first;
+    size_t fibres = fibre_limit(shell);
+    bool is_midedge = shell->bending->turns_edges,
+         has_normals = shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
+    double **normal = own->normal_pressure;
+    bool all = PEL_ALLOCATE_ALL(
+        PEL_ROOM_IF(fibres > 0, own->fibre_begin, (size_t)triangles + 2), PEL_ROOM_IF(fibres > 0, own->fibres, fibres),
+        PEL_ROOM(own->rests, triangles), PEL_ROOM_IF(is_midedge, own->edges, triangles),
+        PEL_ROOM_IF(is_midedge, own->midedges, triangles),
+        PEL_ROOM_IF(shell->bending->is_angle, own->hinges, shell->hinge_limit),
+        PEL_ROOM_IF(has_normals, normal[0], places), PEL_ROOM_IF(has_normals, normal[1], places),
+        PEL_ROOM_IF(has_normals, normal[2], places), PEL_ROOM_IF(has_normals, normal[3], places));
+    if (!all || !depends_on_volume(shell))
+        return all;
+    own->rank_one = &tangent->rank_ones[tangent->pattern.rank_one_count++];
+    own->rank_one->first_vertex = first;
+    own->rank_one->vertex_count = places;
+    own->rank_one->gradient = pel_allocate(3 * (size_t)places, sizeof(double));
+    return own->rank_one->gradient != NULL;
 }
 
 /* upper bounds over all elements */
@@ -124,12 +83,12 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
     pel_tangent_room room = {0};
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_shell *shell = tangent->shells[i].shell;
-        add_room(&room, (size_t)shell->triangle_limit, 3, has_midedge(shell) ? 3 : 0);
-        if (has_hinges(shell))
+        add_room(&room, (size_t)shell->triangle_limit, 3, shell->bending->turns_edges ? 3 : 0);
+        if (shell->bending->has_hinges)
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
         room.edges += (size_t)edge_limit(shell);
-        room.stresses +=
-            (size_t)shell->triangle_limit * (has_midedge(shell) ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
+        room.stresses += (size_t)shell->triangle_limit *
+                         (shell->bending->turns_edges ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
         room.stresses += (size_t)shell->hinge_limit * PEL_HINGE_STRAINS + fibre_limit(shell);
     }
     /* a spring is stored at both of its ends */
@@ -151,27 +110,16 @@ static bool allocate_lists(pel_tangent *tangent)
     tangent->pattern.edge_limit = (int32_t)room.edges;
     tangent->pattern.unknown_limit = 3 * tangent->model->vertex_count + (int32_t)room.edges;
     tangent->pattern.stress_limit = (int32_t)room.stresses;
-    tangent->edges = pel_allocate(room.edges, sizeof *tangent->edges);
-    tangent->half_angles = pel_allocate(room.edges, sizeof *tangent->half_angles);
-    tangent->first_half_angles = pel_allocate(room.edges, sizeof *tangent->first_half_angles);
-    bool all = tangent->edges != NULL && tangent->half_angles != NULL && tangent->first_half_angles != NULL;
-    for (int i = 0; i < 4; i++) {
-        tangent->settle[i] = pel_allocate(room.edges, sizeof(double));
-        all &= tangent->settle[i] != NULL;
-    }
-    tangent->springs = pel_allocate(room.springs, sizeof *tangent->springs);
-    tangent->points = pel_allocate((size_t)tangent->model->vertex_count, sizeof *tangent->points);
-    tangent->node_begin = pel_allocate(room.elements + 1, sizeof *tangent->node_begin);
-    tangent->nodes = pel_allocate(room.nodes, sizeof *tangent->nodes);
-    tangent->element_kind = pel_allocate(room.elements, sizeof *tangent->element_kind);
-    tangent->rows = pel_allocate(room.rows, sizeof *tangent->rows);
-    tangent->gather_begin =
-        pel_allocate((size_t)tangent->model->vertex_count + room.edges + 2, sizeof *tangent->gather_begin);
-    tangent->gather = pel_allocate(room.nodes, sizeof *tangent->gather);
-    tangent->energies = pel_allocate(room.chunks, sizeof *tangent->energies);
-    return all && tangent->springs != NULL && tangent->points != NULL && tangent->node_begin != NULL &&
-           tangent->nodes != NULL && tangent->element_kind != NULL && tangent->rows != NULL &&
-           tangent->gather_begin != NULL && tangent->gather != NULL && tangent->energies != NULL;
+    int32_t vertices = tangent->model->vertex_count;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(tangent->edges, room.edges), PEL_ROOM(tangent->half_angles, room.edges),
+                            PEL_ROOM(tangent->first_half_angles, room.edges), PEL_ROOM(tangent->settle[0], room.edges),
+                            PEL_ROOM(tangent->settle[1], room.edges), PEL_ROOM(tangent->settle[2], room.edges),
+                            PEL_ROOM(tangent->settle[3], room.edges), PEL_ROOM(tangent->springs, room.springs),
+                            PEL_ROOM(tangent->points, vertices), PEL_ROOM(tangent->node_begin, room.elements + 1),
+                            PEL_ROOM(tangent->nodes, room.nodes), PEL_ROOM(tangent->element_kind, room.elements),
+                            PEL_ROOM(tangent->rows, room.rows),
+                            PEL_ROOM(tangent->gather_begin, (size_t)vertices + room.edges + 2),
+                            PEL_ROOM(tangent->gather, room.nodes), PEL_ROOM(tangent->energies, room.chunks));
 }
 
 /* ---- shells ---- */
@@ -248,10 +196,6 @@ static void fill_edges(pel_tangent *tangent, pel_tangent_shell *own)
 static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
 {
     const pel_shell *shell = own->shell;
-    pel_membrane_material material = shell->material;
-    double poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
-    material.young = material.thickness = 1;
-    own->law = pel_membrane_law_of(&material);
     fill_fibres(own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
         own->rests[t] = pel_shell_rest(shell, t);
@@ -259,11 +203,11 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         own->hinges[i] = pel_shell_angle(shell, tangent->model->rest, &hinge);
     }
-    if (!has_midedge(shell))
+    if (!shell->bending->turns_edges)
         return;
     fill_edges(tangent, own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, poisson);
+        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, shell->law.poisson);
 }
 
 /* ---- springs and points ---- */
@@ -327,11 +271,11 @@ static void fill_parts(pel_tangent *tangent)
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         const pel_tangent_shell *own = &tangent->shells[i];
         const pel_shell *shell = own->shell;
-        int edges = has_midedge(shell) ? 3 : 0;
+        int edges = shell->bending->turns_edges ? 3 : 0;
         add_part(tangent, PEL_TANGENT_PART_TRIANGLES, i, shell->triangle_count, 3, edges, PEL_MEMBRANE_STRAINS + edges);
         if (own->fibre_begin != NULL)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
-        if (has_hinges(shell))
+        if (shell->bending->has_hinges)
             add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
     }
     add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
@@ -417,15 +361,13 @@ static pel_status find_shells(pel_tangent *tangent, pel_error *error)
 {
     const pel_model *model = tangent->model;
     size_t bodies = (size_t)model->body_count;
-    tangent->shells = pel_allocate(bodies, sizeof *tangent->shells);
-    tangent->rank_ones = pel_allocate(bodies, sizeof *tangent->rank_ones);
-    tangent->parts = pel_allocate(2 * bodies + 2, sizeof *tangent->parts);
-    if (tangent->shells == NULL || tangent->rank_ones == NULL || tangent->parts == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(tangent->shells, bodies), PEL_ROOM(tangent->rank_ones, bodies),
+                          PEL_ROOM(tangent->parts, 2 * bodies + 2)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         if (model->bodies[b].shell == NULL)
             continue;
-        pel_status status = check_bending(model->bodies[b].shell, b, error);
+        pel_status status = pel_shell_check_bending(model->bodies[b].shell, b, error);
         if (status != PEL_OK)
             return status;
         pel_tangent_shell *own = &tangent->shells[tangent->shell_count++];
@@ -466,27 +408,14 @@ void pel_tangent_destroy(pel_tangent *tangent)
         return;
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         pel_tangent_shell *own = &tangent->shells[i];
-        void *arrays[] = {own->rests,
-                          own->fibre_begin,
-                          own->fibres,
-                          own->edges,
-                          own->midedges,
-                          own->hinges,
-                          own->normal_pressure[0],
-                          own->normal_pressure[1],
-                          own->normal_pressure[2],
-                          own->normal_pressure[3],
-                          own->rank_one != NULL ? own->rank_one->gradient : NULL};
-        for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-            pel_free(arrays[k]);
+        PEL_FREE_ALL(own->rests, own->fibre_begin, own->fibres, own->edges, own->midedges, own->hinges,
+                     own->normal_pressure[0], own->normal_pressure[1], own->normal_pressure[2], own->normal_pressure[3],
+                     own->rank_one != NULL ? own->rank_one->gradient : NULL);
     }
-    void *arrays[] = {tangent->parts,     tangent->shells,       tangent->rank_ones,        tangent->edges,
-                      tangent->springs,   tangent->points,       tangent->node_begin,       tangent->nodes,
-                      tangent->rows,      tangent->gather_begin, tangent->gather,           tangent->half_angles,
-                      tangent->settle[0], tangent->settle[1],    tangent->settle[2],        tangent->settle[3],
-                      tangent->energies,  tangent->element_kind, tangent->first_half_angles};
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        pel_free(arrays[k]);
+    PEL_FREE_ALL(tangent->parts, tangent->shells, tangent->rank_ones, tangent->edges, tangent->springs, tangent->points,
+                 tangent->node_begin, tangent->nodes, tangent->rows, tangent->gather_begin, tangent->gather,
+                 tangent->half_angles, tangent->settle[0], tangent->settle[1], tangent->settle[2], tangent->settle[3],
+                 tangent->energies, tangent->element_kind, tangent->first_half_angles);
     pel_free(tangent);
 }
 

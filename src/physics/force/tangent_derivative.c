@@ -53,13 +53,10 @@ static void load_triangle(const pel_tangent *tangent, const pel_tangent_shell *o
 static triangle_numbers numbers_of(const triangle *at)
 {
     const pel_shell *shell = at->own->shell;
-    pel_membrane_material material = shell->material;
-    triangle_numbers numbers = {.rest = at->own->rests[at->t], .law = at->own->law};
-    pel_shell_sheet sheet = pel_shell_sheet_of(shell, at->t);
-    numbers.law.modulus *= sheet.young * sheet.thickness;
-    numbers.stiffness = at->own->midedges != NULL ? shell->parts[at->t].stiffness : 0;
-    numbers.poisson = shell->has_membrane ? pel_membrane_law_of(&material).poisson : material.poisson;
-    return numbers;
+    return (triangle_numbers){.rest = at->own->rests[at->t],
+                              .law = pel_shell_law(shell, at->t),
+                              .stiffness = at->own->midedges != NULL ? shell->parts[at->t].stiffness : 0,
+                              .poisson = shell->law.poisson};
 }
 
 static double membrane_product(const triangle *at, const triangle_numbers *numbers)

@@ -71,8 +71,7 @@ static void load_sheet(const pel_tangent_shell *own, const int32_t t[LANES], pel
     double modulus[LANES];
     const double *rest[LANES], *area[LANES], *moduli[LANES];
     for (int l = 0; l < LANES; l++) {
-        const pel_shell_sheet at = pel_shell_sheet_of(own->shell, t[l]);
-        modulus[l] = own->law.modulus * (at.young * at.thickness);
+        modulus[l] = pel_shell_law(own->shell, t[l]).modulus;
         moduli[l] = &modulus[l];
         rest[l] = own->rests[t[l]].inverse;
         area[l] = &own->rests[t[l]].area;
@@ -81,9 +80,9 @@ static void load_sheet(const pel_tangent_shell *own, const int32_t t[LANES], pel
         sheet->inverse[k] = pel_tangent_gather(rest, k);
     sheet->area = pel_tangent_gather(area, 0);
     sheet->modulus = pel_tangent_gather(moduli, 0);
-    sheet->kind = own->law.kind;
+    sheet->kind = own->shell->law.kind;
     for (int k = 0; k < PEL_LAW_NUMBERS; k++)
-        sheet->numbers[k] = pel_lane_splat(own->law.numbers[k]);
+        sheet->numbers[k] = pel_lane_splat(own->shell->law.numbers[k]);
 }
 
 static void load_edges(const pel_tangent_loop *loop, const pel_tangent_shell *own, const int32_t t[LANES],

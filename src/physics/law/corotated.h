@@ -8,7 +8,7 @@
 
 #include "law/stvk.h"
 
-enum { pel_law_corotated_traits = PEL_LAW_BY_AREA };
+enum { pel_law_corotated_traits = PEL_LAW_BY_AREA | PEL_LAW_READS_POISSON };
 
 PEL_INLINE void pel_law_corotated(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

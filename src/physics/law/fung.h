@@ -7,7 +7,7 @@
 
 #include "law/stvk.h"
 
-enum { pel_law_fung_traits = PEL_LAW_OF_STRAIN };
+enum { pel_law_fung_traits = PEL_LAW_OF_STRAIN | PEL_LAW_READS_POISSON | PEL_LAW_READS_STIFFENING };
 
 PEL_INLINE void pel_law_fung(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

@@ -6,7 +6,7 @@
 
 #include "law/strain.h"
 
-enum { pel_law_gent_traits = PEL_LAW_BY_AREA };
+enum { pel_law_gent_traits = PEL_LAW_BY_AREA | PEL_LAW_READS_EXTENSION_LIMIT };
 
 PEL_INLINE void pel_law_gent(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

@@ -2,13 +2,7 @@
 #ifndef PEL_LAW_LAWS_H
 #define PEL_LAW_LAWS_H
 
-#include "law/corotated.h"
-#include "law/fung.h"
-#include "law/gent.h"
-#include "law/linear.h"
-#include "law/mooney_rivlin.h"
-#include "law/neo_hookean.h"
-#include "law/stvk.h"
+#include "law/files.h"
 
 PEL_INLINE void pel_respond(pel_membrane_kind kind, const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

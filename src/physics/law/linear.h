@@ -5,7 +5,7 @@
 
 #include "law/stvk.h"
 
-enum { pel_law_linear_traits = PEL_LAW_ALIGNED | PEL_LAW_CONSTANT_TANGENT };
+enum { pel_law_linear_traits = PEL_LAW_ALIGNED | pel_law_stvk_traits };
 
 #define pel_law_linear pel_law_stvk
 #define pel_law_linear_of pel_law_stvk_of

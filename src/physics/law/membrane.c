@@ -6,15 +6,25 @@
 #include <math.h>
 
 typedef struct law_row {
-    const char *name;
     pel_membrane_law (*of)(const pel_membrane_material *material);
     pel_law_refusal (*refuse)(const pel_membrane_material *material);
 } law_row;
 
 static const law_row rows[] = {
-#define ROW(KIND, law, name) [PEL_MEMBRANE_##KIND] = {name, pel_law_##law##_of, pel_law_##law##_refuse},
+#define ROW(KIND, law, name) [PEL_MEMBRANE_##KIND] = {pel_law_##law##_of, pel_law_##law##_refuse},
     PEL_MEMBRANE_LAWS(ROW)
 #undef ROW
+};
+
+#define WORD(KIND, law, name) name,
+const char *const pel_membrane_words[] = {PEL_MEMBRANE_LAWS(WORD) NULL};
+#undef WORD
+
+static const pel_material_number numbers[] = {
+    {"poisson", PEL_LAW_READS_POISSON, offsetof(pel_membrane_material, poisson)},
+    {"mooney_ratio", PEL_LAW_READS_MOONEY_RATIO, offsetof(pel_membrane_material, mooney_ratio)},
+    {"extension_limit", PEL_LAW_READS_EXTENSION_LIMIT, offsetof(pel_membrane_material, extension_limit)},
+    {"stiffening", PEL_LAW_READS_STIFFENING, offsetof(pel_membrane_material, stiffening)},
 };
 
 void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda)
@@ -30,7 +40,7 @@ static bool is_known(pel_membrane_kind kind)
 
 const char *pel_membrane_kind_name(pel_membrane_kind kind)
 {
-    return is_known(kind) ? rows[kind].name : "unknown";
+    return is_known(kind) ? pel_membrane_words[kind] : "unknown";
 }
 
 pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material)
@@ -41,6 +51,11 @@ pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material)
 int pel_membrane_law_traits(pel_membrane_kind kind)
 {
     return pel_law_traits(kind);
+}
+
+const pel_material_number *pel_material_number_at(int32_t index)
+{
+    return index >= 0 && (size_t)index < sizeof numbers / sizeof *numbers ? &numbers[index] : NULL;
 }
 
 static pel_status refuse(pel_error *error, const char *member, double value, const char *range)

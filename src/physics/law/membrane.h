@@ -3,10 +3,10 @@
        pel_law_NAME          energy, stress and tangent of a strain, in units of the shear modulus (law/strain.h)
        pel_law_NAME_of       shear modulus and numbers of a material
        pel_law_NAME_refuse   names a number of the material that is out of the law's range
-       pel_law_NAME_traits   properties for the generic code
+       pel_law_NAME_traits   properties for the generic code, and the numbers of a material that it reads
 
-   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h) and an include in law/laws.h. No other code depends on a
-   law. */
+   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h), from which the build makes law/files.h. No other code
+   depends on a law. */
 #ifndef PEL_LAW_MEMBRANE_H
 #define PEL_LAW_MEMBRANE_H
 
@@ -26,7 +26,19 @@ typedef enum pel_law_trait {
     PEL_LAW_BY_AREA = 1,          /* a function of tr C and J: P = 2 psi_t F + psi_J dJ/dF, finite at J = 0 */
     PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
     PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
+    /* numbers of a material that some laws read; all read young and thickness */
+    PEL_LAW_READS_POISSON = 8,
+    PEL_LAW_READS_MOONEY_RATIO = 16,
+    PEL_LAW_READS_EXTENSION_LIMIT = 32,
+    PEL_LAW_READS_STIFFENING = 64,
 } pel_law_trait;
+
+/* a number that some laws read: its key in scenes, and its place in pel_membrane_material */
+typedef struct pel_material_number {
+    const char *name;
+    int trait;
+    size_t offset;
+} pel_material_number;
 
 /* a number out of range; member is null if there is none */
 typedef struct pel_law_refusal {
@@ -38,5 +50,11 @@ pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material);
 
 /* pel_law_trait of a kind, combined */
 int pel_membrane_law_traits(pel_membrane_kind kind);
+
+/* words of scenes, by kind; null after the last */
+extern const char *const pel_membrane_words[];
+
+/* null after the last */
+const pel_material_number *pel_material_number_at(int32_t index);
 
 #endif

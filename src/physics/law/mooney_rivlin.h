@@ -5,7 +5,7 @@
 
 #include "law/strain.h"
 
-enum { pel_law_mooney_rivlin_traits = PEL_LAW_BY_AREA };
+enum { pel_law_mooney_rivlin_traits = PEL_LAW_BY_AREA | PEL_LAW_READS_MOONEY_RATIO };
 
 PEL_INLINE void pel_law_mooney_rivlin(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

@@ -19,7 +19,7 @@
 
 #include "law/strain.h"
 
-enum { pel_law_neo_hookean_traits = PEL_LAW_BY_AREA };
+enum { pel_law_neo_hookean_traits = PEL_LAW_BY_AREA | PEL_LAW_READS_POISSON };
 
 /* c - 1 of zero normal stress; p = 1 - 2 nu, q = nu, log_square = 2 ln J */
 PEL_INLINE pel_lane pel_neo_hookean_thickness(pel_lane p, pel_lane q, pel_lane log_square)

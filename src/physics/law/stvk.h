@@ -5,7 +5,7 @@
 
 #include "law/strain.h"
 
-enum { pel_law_stvk_traits = PEL_LAW_CONSTANT_TANGENT };
+enum { pel_law_stvk_traits = PEL_LAW_CONSTANT_TANGENT | PEL_LAW_READS_POISSON };
 
 PEL_INLINE void pel_law_stvk(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

@@ -1,6 +1,7 @@
 #include "model/levels.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 
@@ -84,14 +85,10 @@ static bool allocate(pel_body_levels *detail)
 {
     const pel_topology *base = detail->forest->levels[0];
     size_t fine_count = (size_t)detail->forest->levels[detail->forest->depth]->vertex_count;
-    detail->areas = pel_allocate((size_t)base->triangle_count, sizeof *detail->areas);
-    detail->vertex_areas = pel_allocate((size_t)base->vertex_count, sizeof *detail->vertex_areas);
-    detail->densities = pel_allocate(fine_count, sizeof *detail->densities);
-    detail->stiffnesses = pel_allocate((size_t)base->edge_count, sizeof *detail->stiffnesses);
-    detail->moduli = pel_allocate((size_t)base->edge_count, sizeof *detail->moduli);
-    detail->pinned = pel_allocate(fine_count, sizeof *detail->pinned);
-    return detail->areas != NULL && detail->vertex_areas != NULL && detail->densities != NULL &&
-           detail->stiffnesses != NULL && detail->moduli != NULL && detail->pinned != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(detail->areas, base->triangle_count),
+                            PEL_ROOM(detail->vertex_areas, base->vertex_count), PEL_ROOM(detail->densities, fine_count),
+                            PEL_ROOM(detail->stiffnesses, base->edge_count), PEL_ROOM(detail->moduli, base->edge_count),
+                            PEL_ROOM(detail->pinned, fine_count));
 }
 
 static void measure_areas(pel_body_levels *detail)
@@ -203,12 +200,6 @@ void pel_body_detail_destroy(pel_body_levels *detail)
     if (detail == NULL)
         return;
     pel_lod_forest_destroy(detail->forest);
-    pel_free(detail->region);
-    pel_free(detail->areas);
-    pel_free(detail->vertex_areas);
-    pel_free(detail->densities);
-    pel_free(detail->stiffnesses);
-    pel_free(detail->moduli);
-    pel_free(detail->pinned);
-    pel_free(detail);
+    PEL_FREE_ALL(detail->region, detail->areas, detail->vertex_areas, detail->densities, detail->stiffnesses,
+                 detail->moduli, detail->pinned, detail);
 }

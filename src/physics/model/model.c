@@ -2,6 +2,7 @@
 #include "model/model.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 #include "model/levels.h"
@@ -178,49 +179,31 @@ static double bounding_diagonal(const pel_mesh *mesh)
 bool pel_model_allocate(pel_model *model)
 {
     size_t count = (size_t)model->vertex_count, slices = (size_t)model->slice_count;
-    model->rest = pel_allocate_aligned(count, sizeof *model->rest);
-    model->inverse_mass = pel_allocate_aligned(count, sizeof *model->inverse_mass);
-    model->mass = pel_allocate_aligned(count, sizeof *model->mass);
-    model->damping = pel_allocate_aligned(count, sizeof *model->damping);
-    model->volumetric_damping = pel_allocate_aligned(count, sizeof *model->volumetric_damping);
-    model->body_of_slice = pel_allocate(slices, sizeof *model->body_of_slice);
-    model->mesh_vertex = pel_allocate(count, sizeof *model->mesh_vertex);
-    model->slot_begin = pel_allocate(slices + 1, sizeof *model->slot_begin);
-    model->slot_end = pel_allocate(slices, sizeof *model->slot_end);
-    model->triangles = pel_allocate((size_t)model->triangle_count, sizeof *model->triangles);
-    model->triangle_begin = pel_allocate((size_t)model->body_count + 1, sizeof *model->triangle_begin);
-    model->fan_begin = pel_allocate(count + 2, sizeof *model->fan_begin);
-    return model->rest != NULL && model->inverse_mass != NULL && model->mass != NULL && model->damping != NULL &&
-           model->volumetric_damping != NULL && model->body_of_slice != NULL && model->mesh_vertex != NULL &&
-           model->slot_begin != NULL && model->slot_end != NULL && model->triangles != NULL &&
-           model->triangle_begin != NULL && model->fan_begin != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(model->rest, count), PEL_ROOM_ALIGNED(model->inverse_mass, count),
+                            PEL_ROOM_ALIGNED(model->mass, count), PEL_ROOM_ALIGNED(model->damping, count),
+                            PEL_ROOM_ALIGNED(model->volumetric_damping, count), PEL_ROOM(model->body_of_slice, slices),
+                            PEL_ROOM(model->mesh_vertex, count), PEL_ROOM(model->slot_begin, slices + 1),
+                            PEL_ROOM(model->slot_end, slices), PEL_ROOM(model->triangles, model->triangle_count),
+                            PEL_ROOM(model->triangle_begin, (size_t)model->body_count + 1),
+                            PEL_ROOM(model->fan_begin, count + 2));
 }
 
 bool pel_model_allocate_slots(pel_model *model, pel_spring_room room, int32_t fan_count)
 {
     bool with_lengths = room != PEL_SPRINGS_OFF, with_stiffness = room == PEL_SPRINGS_OWN;
-    size_t count = (size_t)model->slot_begin[model->slice_count];
-    model->neighbours = pel_allocate_aligned(count, sizeof *model->neighbours);
-    if (with_lengths)
-        model->rest_lengths = pel_allocate_aligned(count, sizeof *model->rest_lengths);
-    if (with_stiffness) {
-        model->stiffnesses = pel_allocate_aligned(count, sizeof *model->stiffnesses);
-        model->products = pel_allocate_aligned(count, sizeof *model->products);
-    }
-    model->fans = pel_allocate((size_t)fan_count, sizeof *model->fans);
-    return model->neighbours != NULL && (!with_lengths || model->rest_lengths != NULL) && model->fans != NULL &&
-           (!with_stiffness || (model->stiffnesses != NULL && model->products != NULL));
+    int32_t count = model->slot_begin[model->slice_count];
+    return PEL_ALLOCATE_ALL(
+        PEL_ROOM_ALIGNED(model->neighbours, count), PEL_ROOM_ALIGNED_IF(with_lengths, model->rest_lengths, count),
+        PEL_ROOM_ALIGNED_IF(with_stiffness, model->stiffnesses, count),
+        PEL_ROOM_ALIGNED_IF(with_stiffness, model->products, count), PEL_ROOM(model->fans, fan_count));
 }
 
 void pel_model_free_arrays(pel_model *model)
 {
-    void *arrays[] = {
-        model->rest,           model->inverse_mass, model->mass,        model->damping,  model->volumetric_damping,
-        model->body_of_slice,  model->mesh_vertex,  model->slot_begin,  model->slot_end, model->neighbours,
-        model->rest_lengths,   model->plain_slices, model->stiffnesses, model->products, model->triangles,
-        model->triangle_begin, model->fan_begin,    model->fans};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(model->rest, model->inverse_mass, model->mass, model->damping, model->volumetric_damping,
+                 model->body_of_slice, model->mesh_vertex, model->slot_begin, model->slot_end, model->neighbours,
+                 model->rest_lengths, model->plain_slices, model->stiffnesses, model->products, model->triangles,
+                 model->triangle_begin, model->fan_begin, model->fans);
 }
 
 /* masses, damping and volumetric springs of one body's vertices; padding repeats the first vertex without mass */
@@ -374,9 +357,7 @@ typedef struct build {
 static void build_end(build *scratch)
 {
     pel_topology_destroy(scratch->topology);
-    pel_free(scratch->order);
-    pel_free(scratch->valence);
-    pel_free(scratch->areas);
+    PEL_FREE_ALL(scratch->order, scratch->valence, scratch->areas);
     *scratch = (struct build){0};
 }
 
@@ -428,11 +409,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         status = copy_curves(def, body, error);
     if (status != PEL_OK)
         return status;
-    body->model_index = pel_allocate(vertex_count, sizeof *body->model_index);
-    scratch->order = pel_allocate(vertex_count, sizeof *scratch->order);
-    scratch->valence = pel_allocate(vertex_count, sizeof *scratch->valence);
-    scratch->areas = pel_allocate(vertex_count, sizeof *scratch->areas);
-    if (body->model_index == NULL || scratch->order == NULL || scratch->valence == NULL || scratch->areas == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(body->model_index, vertex_count), PEL_ROOM(scratch->order, vertex_count),
+                          PEL_ROOM(scratch->valence, vertex_count), PEL_ROOM(scratch->areas, vertex_count)))
         return pel_fail_memory(error);
     status = lump_areas(def->mesh, scratch->areas, &body->rest_area, error);
     if (status == PEL_OK)

@@ -1,6 +1,7 @@
 #include "model/orient.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/functions.h"
 #include "math/vec3.h"
@@ -143,9 +144,7 @@ pel_status pel_orient_outward(pel_mesh *mesh, const pel_topology *topology, int3
     size_t count = (size_t)mesh->triangle_count;
     parts p = {.mesh = mesh};
     *turned_count = 0;
-    p.roots = pel_allocate(count, sizeof *p.roots);
-    p.triangles = pel_allocate(count, sizeof *p.triangles);
-    bool room = p.roots != NULL && p.triangles != NULL;
+    bool room = PEL_ALLOCATE_ALL(PEL_ROOM(p.roots, count), PEL_ROOM(p.triangles, count));
     if (room) {
         join_triangles(&p, topology);
         p.list = pel_allocate((size_t)p.count, sizeof *p.list);
@@ -159,8 +158,6 @@ pel_status pel_orient_outward(pel_mesh *mesh, const pel_topology *topology, int3
         find_turned(&p);
         *turned_count = turn_triangles(&p, mesh);
     }
-    pel_free(p.roots);
-    pel_free(p.triangles);
-    pel_free(p.list);
+    PEL_FREE_ALL(p.roots, p.triangles, p.list);
     return room ? PEL_OK : pel_fail_memory(error);
 }

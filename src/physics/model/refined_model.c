@@ -1,6 +1,7 @@
 #include "model/refined_model.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 #include "model/event_energy.h"
@@ -100,28 +101,18 @@ static pel_status lay_out(pel_refined_model *active, pel_error *error)
 static bool allocate_places(pel_refined_model *active)
 {
     size_t count = (size_t)active->model.vertex_count;
-    active->valence = pel_allocate(count, sizeof *active->valence);
-    active->change = pel_allocate(count, sizeof *active->change);
-    active->areas = pel_allocate(count, sizeof *active->areas);
-    active->is_base = pel_allocate(count, sizeof *active->is_base);
-    active->is_fine = pel_allocate(count, sizeof *active->is_fine);
-    active->rates = pel_allocate(count, sizeof *active->rates);
-    active->fine_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->fine_counts);
-    active->mixed_counts = pel_allocate((size_t)active->model.slice_count, sizeof *active->mixed_counts);
-    active->model.plain_slices = pel_allocate((size_t)active->model.slice_count, sizeof *active->model.plain_slices);
-    if (active->is_base == NULL || active->model.plain_slices == NULL)
+    size_t slices = (size_t)active->model.slice_count;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(active->valence, count), PEL_ROOM(active->change, count),
+                          PEL_ROOM(active->areas, count), PEL_ROOM(active->is_base, count),
+                          PEL_ROOM(active->is_fine, count), PEL_ROOM(active->rates, count),
+                          PEL_ROOM(active->fine_counts, slices), PEL_ROOM(active->mixed_counts, slices),
+                          PEL_ROOM(active->model.plain_slices, slices), PEL_ROOM(active->is_dirty, count),
+                          PEL_ROOM(active->dirty, count), PEL_ROOM(active->released, count),
+                          PEL_ROOM(active->event_places, count), PEL_ROOM_ALIGNED(active->event_direction, count)))
         return false;
     memset(active->is_base, 1, count);
-    memset(active->model.plain_slices, 1, (size_t)active->model.slice_count);
-    active->is_dirty = pel_allocate(count, sizeof *active->is_dirty);
-    active->dirty = pel_allocate(count, sizeof *active->dirty);
-    active->released = pel_allocate(count, sizeof *active->released);
-    active->event_places = pel_allocate(count, sizeof *active->event_places);
-    active->event_direction = pel_allocate_aligned(count, sizeof *active->event_direction);
-    return active->valence != NULL && active->change != NULL && active->areas != NULL && active->mixed_counts != NULL &&
-           active->is_fine != NULL && active->rates != NULL && active->fine_counts != NULL &&
-           active->is_dirty != NULL && active->dirty != NULL && active->released != NULL &&
-           active->event_places != NULL && active->event_direction != NULL;
+    memset(active->model.plain_slices, 1, slices);
+    return true;
 }
 
 static bool allocate_body(pel_refined_model *active, int32_t b)
@@ -134,9 +125,7 @@ static bool allocate_body(pel_refined_model *active, int32_t b)
     if (body->detail == NULL)
         return true;
     size_t words = (size_t)(own->fine_limit - own->fine_begin) / 64 + 1;
-    own->used = pel_allocate(words, sizeof *own->used);
-    own->model_index = pel_allocate((size_t)fine_vertex_count(body->detail), sizeof *own->model_index);
-    return own->used != NULL && own->model_index != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(own->used, words), PEL_ROOM(own->model_index, fine_vertex_count(body->detail)));
 }
 
 /* slots of each slice; returns the longest row of a body that refines */
@@ -165,10 +154,8 @@ static int32_t lay_out_slots(pel_refined_model *active)
 static bool allocate_row(pel_refined_model *active, int32_t longest)
 {
     active->fan_limit = longest + 1;
-    active->fan = pel_allocate((size_t)active->fan_limit, sizeof *active->fan);
-    active->row = pel_allocate((size_t)active->fan_limit, sizeof *active->row);
-    active->around = pel_allocate((size_t)active->fan_limit, sizeof *active->around);
-    return active->fan != NULL && active->row != NULL && active->around != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(active->fan, active->fan_limit), PEL_ROOM(active->row, active->fan_limit),
+                            PEL_ROOM(active->around, active->fan_limit));
 }
 
 /* ---- the plain part ---- */
@@ -767,17 +754,12 @@ void pel_refined_destroy(pel_refined_model *active)
     for (int32_t b = 0; active->bodies != NULL && model->bodies != NULL && b < model->body_count; b++) {
         pel_shell_front_destroy(active->bodies[b].shell);
         pel_front_destroy(active->bodies[b].front);
-        pel_free(active->bodies[b].model_index);
-        pel_free(active->bodies[b].used);
-        pel_free(model->bodies[b].model_index);
+        PEL_FREE_ALL(active->bodies[b].model_index, active->bodies[b].used, model->bodies[b].model_index);
     }
     pel_model_free_arrays(model);
-    void *arrays[] = {
-        model->bodies,        active->bodies,       active->areas,          active->is_base,  active->valence,
-        active->change,       active->is_dirty,     active->dirty,          active->released, active->fan,
-        active->row,          active->around,       active->is_fine,        active->rates,    active->fine_counts,
-        active->mixed_counts, active->event_places, active->event_direction};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(model->bodies, active->bodies, active->areas, active->is_base, active->valence, active->change,
+                 active->is_dirty, active->dirty, active->released, active->fan, active->row, active->around,
+                 active->is_fine, active->rates, active->fine_counts, active->mixed_counts, active->event_places,
+                 active->event_direction);
     pel_free(active);
 }

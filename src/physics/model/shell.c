@@ -1,6 +1,7 @@
 #include "model/shell.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "law/membrane.h"
 #include "math/vec3.h"
@@ -114,7 +115,7 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
 static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_bending_def *bending = &def->shell.bending;
-    pel_status status = check_choice((int)bending->model, PEL_BENDING_MIDEDGE + 1, body, "bending model", error);
+    pel_status status = check_choice((int)bending->model, PEL_BENDING_COUNT, body, "bending model", error);
     if (status != PEL_OK || bending->model == PEL_BENDING_NONE)
         return status;
     if (!(bending->weight < 0)) {
@@ -145,8 +146,7 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
-    pel_bending_model bending = body_def->shell.bending.model;
-    if (status == PEL_OK && !fibres && bending != PEL_BENDING_HINGE && bending != PEL_BENDING_MIDEDGE) {
+    if (status == PEL_OK && !fibres && !pel_bending_traits_of(body_def->shell.bending.model)->has_rest_angles) {
         pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
         pel_fail_element(error, "body", body);
         pel_fail_remedy(error, "give the bending the model hinge");
@@ -275,6 +275,11 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
     shell->material = material_at(membrane, mesh->triangles[0][0]);
     shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
     shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);
+    pel_membrane_material unit = shell->material;
+    unit.young = unit.thickness = 1;
+    shell->law = pel_membrane_law_of(&unit);
+    if (!shell->has_membrane)
+        shell->law.poisson = membrane->poisson;
     return check_areas(body, shell, error);
 }
 
@@ -284,13 +289,13 @@ static double triangle_bending(const pel_shell *shell, int32_t t)
     if (!shell->has_membrane)
         return 0;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
-    return pel_bending_stiffness(sheet.young, pel_membrane_law_of(&shell->material).poisson, sheet.thickness);
+    return pel_bending_stiffness(sheet.young, shell->law.poisson, sheet.thickness);
 }
 
 /* bending of triangles: of hinges between their parts, or of mid-edge elements */
 static pel_status create_parts(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
-    if (body->detail == NULL && def->shell.bending.model != PEL_BENDING_MIDEDGE)
+    if (body->detail == NULL && !shell->bending->turns_edges)
         return PEL_OK;
     shell->parts = pel_allocate((size_t)shell->triangle_count, sizeof *shell->parts);
     if (shell->parts == NULL)
@@ -384,9 +389,9 @@ static pel_status allocate_hinges(const pel_body_def *def, const pel_topology *t
 static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
                                 pel_shell *shell, pel_error *error)
 {
-    shell->bending = def->shell.bending.model;
+    shell->bending = pel_bending_traits_of(def->shell.bending.model);
     shell->bending_weight = def->shell.bending.weight;
-    if (shell->bending == PEL_BENDING_NONE)
+    if (!pel_bending_is_on(shell->bending))
         return PEL_OK;
     pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
     /* of a mesh without an inner edge, whose refined surface has some */
@@ -440,9 +445,7 @@ static pel_status create_region(const pel_anisotropy_def *def, const pel_body *b
     size_t count = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++)
         count += mean_weight(def->weights, mesh->triangles[t]) > 0;
-    region->triangles = pel_allocate(count, sizeof *region->triangles);
-    region->weights = pel_allocate(count, sizeof *region->weights);
-    if (region->triangles == NULL || region->weights == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(region->triangles, count), PEL_ROOM(region->weights, count)))
         return pel_fail_memory(error);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         double weight = mean_weight(def->weights, mesh->triangles[t]);
@@ -541,20 +544,28 @@ bool pel_shell_needs_projection(const pel_shell *shell)
     return needs;
 }
 
+pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_error *error)
+{
+    for (int32_t i = 0; i < shell->hinge_count; i++) {
+        if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
+        pel_fail_element(error, "body", body);
+        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
 void pel_shell_destroy(pel_shell *shell)
 {
     if (shell == NULL)
         return;
     for (int32_t i = 0; i < shell->region_count; i++) {
-        pel_free(shell->regions[i].triangles);
-        pel_free(shell->regions[i].weights);
-        pel_free(shell->regions[i].rest_length.keys);
+        PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].rest_length.keys);
     }
-    void *arrays[] = {shell->sheets,       shell->hinge_sides, shell->hinge_stiffnesses,
-                      shell->rest_angles,  shell->regions,     shell->parts,
-                      shell->outside.keys, shell->target.keys, shell->pressure_weights};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(shell->sheets, shell->hinge_sides, shell->hinge_stiffnesses, shell->rest_angles, shell->regions,
+                 shell->parts, shell->outside.keys, shell->target.keys, shell->pressure_weights);
     pel_free(shell);
 }
 

@@ -5,6 +5,8 @@
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
+#include "law/bending_model.h"
+#include "law/membrane.h"
 #include "model/model.h"
 #include "pellicle/element.h"
 
@@ -46,6 +48,7 @@ typedef struct pel_shell_sheet {
 struct pel_shell {
     bool has_membrane;
     pel_membrane_material material; /* young and thickness: of the first triangle */
+    pel_membrane_law law;           /* for young and thickness 1; without a membrane its poisson is that of bending */
     const pel_mesh *mesh;           /* of the body: the rest shape, but where `rests` has it */
     /* limits: room in the arrays; the counts themselves unless the body refines (shell_front.h) */
     int32_t triangle_count, triangle_limit;
@@ -56,7 +59,7 @@ struct pel_shell {
 
     double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
 
-    pel_bending_model bending;
+    const pel_bending_traits *bending;
     double bending_weight; /* k_B; negative = automatic */
     int32_t hinge_count, hinge_limit;
     int32_t (*hinge_sides)[2]; /* (hinge_count) half-edges 3 t + i of the left and the right triangle; by rising edge
@@ -74,10 +77,10 @@ struct pel_shell {
     double mean_edge;          /* m, at rest */
 };
 
-/* hinges with an energy: in mid-edge bending hinges only give rest angles */
+/* hinges with an energy: others only give rest angles */
 static inline int32_t pel_shell_elastic_hinges(const pel_shell *shell)
 {
-    return shell->bending == PEL_BENDING_MIDEDGE ? 0 : shell->hinge_count;
+    return shell->bending->has_hinges ? shell->hinge_count : 0;
 }
 
 /* the corners of an element, for loops in double */
@@ -94,6 +97,14 @@ static inline pel_shell_sheet pel_shell_sheet_of(const pel_shell *shell, int32_t
 {
     return shell->sheets != NULL ? shell->sheets[t]
                                  : (pel_shell_sheet){shell->material.young, shell->material.thickness};
+}
+/* of triangle t */
+static inline pel_membrane_law pel_shell_law(const pel_shell *shell, int32_t t)
+{
+    pel_membrane_law law = shell->law;
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+    law.modulus *= sheet.young * sheet.thickness;
+    return law;
 }
 pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t);
 
@@ -141,6 +152,9 @@ pel_status pel_shell_check(const pel_body_def *def, int32_t body, pel_error *err
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error);
 void pel_shell_destroy(pel_shell *shell);
+
+/* Refuses bending without a stiffness, which pbd alone can do with (PEL_BAD_ARGUMENT with the body). */
+pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_error *error);
 /* name of a feature that only position-based methods support (a strain limit, a region that caves in); null: none */
 bool pel_shell_needs_projection(const pel_shell *shell);
 

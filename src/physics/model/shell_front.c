@@ -1,6 +1,7 @@
 #include "model/shell_front.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 
@@ -12,34 +13,23 @@ static bool allocate_regions(pel_shell_front *own)
 {
     const pel_shell *given = own->given;
     pel_shell *shell = &own->shell;
-    shell->regions = pel_allocate((size_t)given->region_count, sizeof *shell->regions);
-    own->fibre_of_triangle = pel_allocate((size_t)given->region_count, sizeof *own->fibre_of_triangle);
-    if (shell->regions == NULL || own->fibre_of_triangle == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(shell->regions, given->region_count),
+                          PEL_ROOM(own->fibre_of_triangle, given->region_count)))
         return false;
     for (int32_t r = 0; r < given->region_count; r++) {
         pel_shell_region *region = &shell->regions[r];
         *region = given->regions[r];
         region->fibre_limit = region->fibre_count > 0 ? shell->triangle_limit : 0;
         size_t limit = (size_t)region->fibre_limit;
-        region->triangles = pel_allocate(limit, sizeof *region->triangles);
-        region->weights = pel_allocate(limit, sizeof *region->weights);
-        region->directions = pel_allocate(limit, sizeof *region->directions);
-        int32_t *fibre_of = own->fibre_of_triangle[r] =
-            pel_allocate((size_t)given->triangle_count, sizeof *own->fibre_of_triangle[r]);
-        if (region->triangles == NULL || region->weights == NULL || region->directions == NULL || fibre_of == NULL)
+        int32_t **fibre_of = &own->fibre_of_triangle[r];
+        if (!PEL_ALLOCATE_ALL(PEL_ROOM(region->triangles, limit), PEL_ROOM(region->weights, limit),
+                              PEL_ROOM(region->directions, limit), PEL_ROOM(*fibre_of, given->triangle_count)))
             return false;
-        memset(fibre_of, -1, (size_t)given->triangle_count * sizeof *fibre_of);
+        memset(*fibre_of, -1, (size_t)given->triangle_count * sizeof **fibre_of);
         for (int32_t i = 0; i < region->fibre_count; i++)
-            fibre_of[pel_shell_fibre_triangle(&given->regions[r], i)] = i;
+            (*fibre_of)[pel_shell_fibre_triangle(&given->regions[r], i)] = i;
     }
     return true;
-}
-
-/* an array that the given shell has too, or none */
-static bool allocate_like(const void *given, void **array, size_t count, size_t size)
-{
-    *array = given != NULL ? pel_allocate(count, size) : NULL;
-    return given == NULL || *array != NULL;
 }
 
 static bool allocate_shell(pel_shell_front *own)
@@ -48,34 +38,25 @@ static bool allocate_shell(pel_shell_front *own)
     pel_shell *shell = &own->shell;
     size_t triangles = (size_t)shell->triangle_limit, hinges = (size_t)shell->hinge_limit;
     /* of each triangle for mid-edge elements; hinges look them up in the given shell */
-    const void *parts = shell->bending == PEL_BENDING_MIDEDGE ? given->parts : NULL;
+    bool has_parts = shell->bending->turns_edges && given->parts != NULL;
     shell->regions = NULL;
-    own->corners = pel_allocate(triangles, sizeof *own->corners);
-    shell->rests = pel_allocate(triangles, sizeof *shell->rests);
-    shell->hinge_sides = pel_allocate(hinges, sizeof *shell->hinge_sides);
-    shell->rest_angles = pel_allocate(hinges, sizeof *shell->rest_angles);
+    bool room = PEL_ALLOCATE_ALL(PEL_ROOM(own->corners, triangles), PEL_ROOM(shell->rests, triangles),
+                                 PEL_ROOM(shell->hinge_sides, hinges), PEL_ROOM(shell->rest_angles, hinges),
+                                 PEL_ROOM_IF(given->sheets != NULL, shell->sheets, triangles),
+                                 PEL_ROOM_IF(given->pressure_weights != NULL, shell->pressure_weights, triangles),
+                                 PEL_ROOM_IF(has_parts, shell->parts, triangles),
+                                 PEL_ROOM_IF(given->hinge_stiffnesses != NULL, shell->hinge_stiffnesses, hinges));
     shell->corners = (const int32_t(*)[3])own->corners;
-    bool room = allocate_like(given->sheets, (void **)&shell->sheets, triangles, sizeof *shell->sheets);
-    room &= allocate_like(given->pressure_weights, (void **)&shell->pressure_weights, triangles,
-                          sizeof *shell->pressure_weights);
-    room &= allocate_like(parts, (void **)&shell->parts, triangles, sizeof *shell->parts);
-    room &= allocate_like(given->hinge_stiffnesses, (void **)&shell->hinge_stiffnesses, hinges,
-                          sizeof *shell->hinge_stiffnesses);
-    return room && own->corners != NULL && shell->rests != NULL && shell->hinge_sides != NULL &&
-           shell->rest_angles != NULL && allocate_regions(own);
+    return room && allocate_regions(own);
 }
 
 static bool allocate_scratch(pel_shell_front *own)
 {
     size_t triangles = (size_t)own->shell.triangle_limit, base = (size_t)own->given->triangle_count;
-    own->hinge_of_half_edge = pel_allocate(3 * base, sizeof *own->hinge_of_half_edge);
-    own->surface = pel_allocate(triangles, sizeof *own->surface);
-    own->base_of_triangle = pel_allocate(triangles, sizeof *own->base_of_triangle);
-    own->is_base = pel_allocate(triangles, sizeof *own->is_base);
-    own->begin = pel_allocate((size_t)own->place_count + 2, sizeof *own->begin);
-    own->half_edges = pel_allocate(3 * triangles, sizeof *own->half_edges);
-    return own->hinge_of_half_edge != NULL && own->surface != NULL && own->base_of_triangle != NULL &&
-           own->is_base != NULL && own->begin != NULL && own->half_edges != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(own->hinge_of_half_edge, 3 * base), PEL_ROOM(own->surface, triangles),
+                            PEL_ROOM(own->base_of_triangle, triangles), PEL_ROOM(own->is_base, triangles),
+                            PEL_ROOM(own->begin, (size_t)own->place_count + 2),
+                            PEL_ROOM(own->half_edges, 3 * triangles));
 }
 
 static void find_hinges(pel_shell_front *own)
@@ -104,7 +85,7 @@ pel_status pel_shell_front_create(const pel_body *given, const pel_body *body, c
     own->place_count = place_limit - own->first_place;
     own->shell.triangle_limit = triangle_limit;
     /* each triangle has three sides, and each hinge two triangles */
-    own->shell.hinge_limit = given->shell->bending != PEL_BENDING_NONE ? triangle_limit / 2 * 3 + 3 : 0;
+    own->shell.hinge_limit = pel_bending_is_on(given->shell->bending) ? triangle_limit / 2 * 3 + 3 : 0;
     own->shell.triangle_count = own->shell.hinge_count = 0;
     bool room = allocate_shell(own);
     if (!room || !allocate_scratch(own)) {
@@ -120,9 +101,8 @@ static void clear_regions(pel_shell_front *own)
 {
     for (int32_t r = 0; r < own->given->region_count; r++) {
         if (own->shell.regions != NULL) {
-            pel_free(own->shell.regions[r].triangles);
-            pel_free(own->shell.regions[r].weights);
-            pel_free(own->shell.regions[r].directions);
+            PEL_FREE_ALL(own->shell.regions[r].triangles, own->shell.regions[r].weights,
+                         own->shell.regions[r].directions);
         }
         if (own->fibre_of_triangle != NULL)
             pel_free(own->fibre_of_triangle[r]);
@@ -137,24 +117,10 @@ void pel_shell_front_destroy(pel_shell_front *own)
     if (own->refines) {
         pel_shell *shell = &own->shell;
         clear_regions(own);
-        void *arrays[] = {own->corners,
-                          shell->rests,
-                          shell->sheets,
-                          shell->parts,
-                          shell->hinge_sides,
-                          shell->hinge_stiffnesses,
-                          shell->rest_angles,
-                          shell->regions,
-                          shell->pressure_weights,
-                          own->fibre_of_triangle,
-                          own->hinge_of_half_edge,
-                          own->surface,
-                          own->base_of_triangle,
-                          own->is_base,
-                          own->begin,
-                          own->half_edges};
-        for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-            pel_free(arrays[i]);
+        PEL_FREE_ALL(own->corners, shell->rests, shell->sheets, shell->parts, shell->hinge_sides,
+                     shell->hinge_stiffnesses, shell->rest_angles, shell->regions, shell->pressure_weights,
+                     own->fibre_of_triangle, own->hinge_of_half_edge, own->surface, own->base_of_triangle, own->is_base,
+                     own->begin, own->half_edges);
     }
     pel_free(own);
 }
@@ -291,7 +257,7 @@ static void update_hinges(pel_shell_front *own, const pel_front *front)
 {
     pel_shell *shell = &own->shell;
     shell->hinge_count = 0;
-    if (shell->bending == PEL_BENDING_NONE)
+    if (!pel_bending_is_on(shell->bending))
         return;
     sort_half_edges(own);
     for (int32_t h = 0; h < 3 * shell->triangle_count; h++) {

@@ -1,6 +1,7 @@
 #include "model/state.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 
@@ -11,23 +12,15 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     pel_state *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->position = pel_allocate_aligned(count, sizeof *made->position);
-    made->position_before = pel_allocate_aligned(count, sizeof *made->position);
-    made->position_next = pel_allocate_aligned(count, sizeof *made->position);
-    made->contact = pel_allocate(count, sizeof *made->contact);
-    made->factors = pel_allocate((size_t)model->body_count, sizeof *made->factors);
-    made->bending = pel_allocate((size_t)model->body_count, sizeof *made->bending);
-    made->load_factor = made->load_factor_before = 1;
-    if (with_velocity) {
-        made->velocity = pel_allocate_aligned(count, sizeof *made->velocity);
-        made->velocity_next = pel_allocate_aligned(count, sizeof *made->velocity);
-    }
-    if (made->position == NULL || made->position_before == NULL || made->position_next == NULL ||
-        made->contact == NULL || made->factors == NULL || made->bending == NULL ||
-        (with_velocity && (made->velocity == NULL || made->velocity_next == NULL))) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->position, count), PEL_ROOM_ALIGNED(made->position_before, count),
+                          PEL_ROOM_ALIGNED(made->position_next, count), PEL_ROOM(made->contact, count),
+                          PEL_ROOM(made->factors, model->body_count), PEL_ROOM(made->bending, model->body_count),
+                          PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity, count),
+                          PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity_next, count))) {
         pel_state_destroy(made);
         return pel_fail_memory(error);
     }
+    made->load_factor = made->load_factor_before = 1;
     for (size_t i = 0; i < count; i++) {
         made->position[i] = model->rest[i];
         made->position[i][3] = model->inverse_mass[i];
@@ -83,9 +76,10 @@ void pel_state_refill(const pel_model *model, bool with_velocity, pel_state *sta
 pel_status pel_state_add_history(const pel_model *model, pel_state *state, pel_error *error)
 {
     size_t count = (size_t)model->vertex_count;
-    state->older_position = pel_allocate_aligned(count, sizeof *state->older_position);
-    state->older_velocity = pel_allocate_aligned(count, sizeof *state->older_velocity);
-    return state->older_position != NULL && state->older_velocity != NULL ? PEL_OK : pel_fail_memory(error);
+    return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(state->older_position, count),
+                            PEL_ROOM_ALIGNED(state->older_velocity, count))
+               ? PEL_OK
+               : pel_fail_memory(error);
 }
 
 void pel_state_move_history(const pel_model *model, pel_state *state, double before, double step)
@@ -105,15 +99,6 @@ void pel_state_destroy(pel_state *state)
 {
     if (state == NULL)
         return;
-    pel_free(state->position);
-    pel_free(state->position_before);
-    pel_free(state->position_next);
-    pel_free(state->velocity);
-    pel_free(state->velocity_next);
-    pel_free(state->older_position);
-    pel_free(state->older_velocity);
-    pel_free(state->contact);
-    pel_free(state->factors);
-    pel_free(state->bending);
-    pel_free(state);
+    PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
+                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending, state);
 }

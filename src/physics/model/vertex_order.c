@@ -1,6 +1,7 @@
 #include "model/vertex_order.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 /* vertices of one window are re-sorted by valence; small enough to stay in the first-level cache */
@@ -14,9 +15,8 @@ typedef struct adjacency {
 static pel_status build_adjacency(const pel_topology *topology, adjacency *adjacent, pel_error *error)
 {
     int32_t vertex_count = topology->vertex_count;
-    adjacent->begin = pel_allocate((size_t)vertex_count + 2, sizeof *adjacent->begin);
-    adjacent->neighbour = pel_allocate(2 * (size_t)topology->edge_count, sizeof *adjacent->neighbour);
-    if (adjacent->begin == NULL || adjacent->neighbour == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(adjacent->begin, (size_t)vertex_count + 2),
+                          PEL_ROOM(adjacent->neighbour, 2 * (size_t)topology->edge_count)))
         return pel_fail_memory(error);
     int32_t *begin = adjacent->begin;
     for (int32_t e = 0; e < topology->edge_count; e++) {
@@ -87,8 +87,6 @@ pel_status pel_vertex_order_vertices(const pel_topology *topology, int32_t *orde
         for (int32_t first = 0; first < vertex_count; first += WINDOW)
             sort_window(order + first, vertex_count - first < WINDOW ? vertex_count - first : WINDOW, valence);
     }
-    pel_free(adjacent.begin);
-    pel_free(adjacent.neighbour);
-    pel_free(marks);
+    PEL_FREE_ALL(adjacent.begin, adjacent.neighbour, marks);
     return status;
 }

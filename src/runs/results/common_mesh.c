@@ -21,6 +21,7 @@
 #include "results/common_mesh.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -659,9 +660,7 @@ void pel_common_mesh_destroy(pel_common_mesh *common)
     pel_free(common->triangles);
     pel_free(common->places);
     free_table(&common->vertices);
-    pel_free(common->frame_nodes);
-    pel_free(common->nodes);
-    pel_free(common->root_nodes);
+    PEL_FREE_ALL(common->frame_nodes, common->nodes, common->root_nodes);
     free_table(&common->roots);
     pel_free(common->body_begin);
     pel_free(common);

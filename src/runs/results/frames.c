@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "io/file.h"
 #include "io/xml.h"
@@ -163,11 +164,9 @@ static pel_status parse_list(pel_frames *frames, const char *path, const char *a
         return status;
     if (count == 0)
         return fail_list(path, "it names no frame", "name the folder of a run that has written frames", error);
-    frames->paths = pel_allocate(count, sizeof *frames->paths);
-    frames->times = pel_allocate(count, sizeof *frames->times);
-    frames->tool_names = pel_allocate((size_t)frames->tool_count, sizeof *frames->tool_names);
-    frames->tool_paths = pel_allocate(count * (size_t)frames->tool_count, sizeof *frames->tool_paths);
-    if (frames->paths == NULL || frames->times == NULL || frames->tool_names == NULL || frames->tool_paths == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(frames->paths, count), PEL_ROOM(frames->times, count),
+                          PEL_ROOM(frames->tool_names, frames->tool_count),
+                          PEL_ROOM(frames->tool_paths, count * (size_t)frames->tool_count)))
         return pel_fail_memory(error);
     bool whole = false;
     data_set set;
@@ -245,12 +244,7 @@ void pel_frames_close(pel_frames *frames)
         pel_free(frames->tool_paths[i]);
     for (int32_t i = 0; frames->tool_names != NULL && i < frames->tool_count; i++)
         pel_free(frames->tool_names[i]);
-    pel_free(frames->tool_paths);
-    pel_free(frames->tool_names);
-    pel_free(frames->paths);
-    pel_free(frames->times);
-    pel_free(frames->folder);
-    pel_free(frames);
+    PEL_FREE_ALL(frames->tool_paths, frames->tool_names, frames->paths, frames->times, frames->folder, frames);
 }
 
 /* ---- frames ---- */

@@ -8,7 +8,7 @@
    1 and else 0, so that linear interpolation goes from frame to frame. */
 #include "results/export.h"
 
-#include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "io/bytes.h"
 #include "io/file.h"
@@ -45,29 +45,17 @@ typedef struct glb {
 
 static void free_buffers(glb *g)
 {
-    pel_free(g->bounds);
-    pel_free(g->bytes);
-    pel_free(g->current);
-    pel_free(g->base);
-    pel_free(g->normals);
-    pel_free(g->indices);
-    pel_free(g->place);
-    pel_free(g->parts);
+    PEL_FREE_ALL(g->bounds, g->bytes, g->current, g->base, g->normals, g->indices, g->place, g->parts);
 }
 
 static pel_status make_buffers(glb *g, pel_error *error)
 {
     size_t largest = 24 * g->vertex_count > 4 * g->index_count ? 24 * g->vertex_count : 4 * g->index_count;
-    g->normals = pel_allocate(g->vertex_count, sizeof *g->normals);
-    g->base = pel_allocate(6 * g->vertex_count, sizeof *g->base);
-    g->current = pel_allocate(6 * g->vertex_count, sizeof *g->current);
-    g->bytes = pel_allocate(largest, 1);
-    g->bounds = pel_allocate((size_t)g->frame_count * (size_t)g->part_count, sizeof *g->bounds);
-    g->parts = pel_allocate((size_t)g->part_count, sizeof *g->parts);
-    g->place = pel_allocate(g->vertex_count, sizeof *g->place);
-    g->indices = pel_allocate(g->index_count, sizeof *g->indices);
-    bool made = g->parts != NULL && g->place != NULL && g->indices != NULL && g->normals != NULL && g->base != NULL &&
-                g->current != NULL && g->bytes != NULL && g->bounds != NULL;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(g->normals, g->vertex_count), PEL_ROOM(g->base, 6 * g->vertex_count),
+                                 PEL_ROOM(g->current, 6 * g->vertex_count), PEL_ROOM(g->bytes, largest),
+                                 PEL_ROOM(g->bounds, (size_t)g->frame_count * (size_t)g->part_count),
+                                 PEL_ROOM(g->parts, g->part_count), PEL_ROOM(g->place, g->vertex_count),
+                                 PEL_ROOM(g->indices, g->index_count));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

@@ -11,6 +11,7 @@
 #include "results/report_run.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -38,9 +39,10 @@ static pel_status make_encoder(encoder *e, pel_report_run *run, pel_error *error
     for (int32_t f = 0; f < run->field_count; f++)
         e->channel_count += (size_t)count_channels(&run->fields[f], &run->plan);
     size_t list = 2 * (size_t)run->vertex_limit, corners = 12 * (size_t)run->triangle_limit;
-    e->numbers = pel_allocate(e->channel_count * (size_t)run->vertex_limit, sizeof *e->numbers);
-    e->bytes = pel_allocate(list > corners ? list : corners, 1);
-    return e->numbers != NULL && e->bytes != NULL ? PEL_OK : pel_fail_memory(error);
+    return PEL_ALLOCATE_ALL(PEL_ROOM(e->numbers, e->channel_count * (size_t)run->vertex_limit),
+                            PEL_ROOM(e->bytes, list > corners ? list : corners))
+               ? PEL_OK
+               : pel_fail_memory(error);
 }
 
 static void free_encoder(encoder *e)

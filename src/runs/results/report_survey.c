@@ -3,6 +3,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "results/common_mesh.h"
 
@@ -216,9 +217,7 @@ void pel_report_run_free(pel_report_run *run)
 {
     pel_json_free(&run->json);
     pel_report_pack_free(&run->pack);
-    pel_free(run->frame_topology);
-    pel_free(run->topologies);
-    pel_free(run->fields);
+    PEL_FREE_ALL(run->frame_topology, run->topologies, run->fields);
     pel_frames_close(run->frames);
     *run = (pel_report_run){0};
 }

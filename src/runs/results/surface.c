@@ -1,6 +1,7 @@
 #include "results/surface.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "observe/field.h"
@@ -219,11 +220,7 @@ static void join_bodies(const pel_sim *sim, pel_run_surface *surface)
 
 static void free_buffers(pel_run_surface *surface)
 {
-    pel_free(surface->row_numbers);
-    pel_free(surface->scratch);
-    pel_free(surface->positions);
-    pel_free(surface->rest);
-    pel_free(surface->triangles);
+    PEL_FREE_ALL(surface->row_numbers, surface->scratch, surface->positions, surface->rest, surface->triangles);
 }
 
 /* buffers for the present surface */
@@ -234,13 +231,9 @@ static pel_status make_buffers(const pel_sim *sim, pel_run_surface *surface, pel
         return status;
     size_t vertex_count = (size_t)surface->vertex_count;
     free_buffers(surface);
-    surface->triangles = pel_allocate(3 * (size_t)surface->triangle_count, sizeof *surface->triangles);
-    surface->rest = pel_allocate(3 * vertex_count, sizeof(double));
-    surface->positions = pel_allocate(3 * vertex_count, sizeof(double));
-    surface->scratch = pel_allocate(3 * vertex_count, sizeof(double));
-    surface->row_numbers = pel_allocate(vertex_count, sizeof *surface->row_numbers);
-    if (surface->triangles == NULL || surface->rest == NULL || surface->positions == NULL || surface->scratch == NULL ||
-        surface->row_numbers == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(surface->triangles, 3 * (size_t)surface->triangle_count),
+                          PEL_ROOM(surface->rest, 3 * vertex_count), PEL_ROOM(surface->positions, 3 * vertex_count),
+                          PEL_ROOM(surface->scratch, 3 * vertex_count), PEL_ROOM(surface->row_numbers, vertex_count))) {
         surface->revision = -1;
         return pel_fail_memory(error);
     }
@@ -295,13 +288,9 @@ pel_status pel_run_surface_create(const pel_sim *sim, const pel_output_def *outp
 {
     *surface = (pel_run_surface){.body_count = pel_model_body_count(pel_sim_model(sim))};
     size_t field_room = (size_t)output->field_count + 4;
-    surface->begin = pel_allocate((size_t)surface->body_count + 1, sizeof *surface->begin);
-    surface->fields = pel_allocate(field_room, sizeof *surface->fields);
-    surface->sources = pel_allocate(field_room, sizeof *surface->sources);
-    surface->cell_fields = pel_allocate(field_room, sizeof *surface->cell_fields);
-    surface->cell_sources = pel_allocate(field_room, sizeof *surface->cell_sources);
-    if (surface->cell_fields == NULL || surface->cell_sources == NULL || surface->begin == NULL ||
-        surface->fields == NULL || surface->sources == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(surface->begin, (size_t)surface->body_count + 1),
+                          PEL_ROOM(surface->fields, field_room), PEL_ROOM(surface->sources, field_room),
+                          PEL_ROOM(surface->cell_fields, field_room), PEL_ROOM(surface->cell_sources, field_room)))
         return pel_fail_memory(error);
     pel_status status = make_buffers(sim, surface, error);
     if (status == PEL_OK)

@@ -1,6 +1,7 @@
 #include "results/tool_surface.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/functions.h"
 #include "results/folder.h"
@@ -30,9 +31,7 @@ struct pel_tool_surface {
 
 static void free_shape(pel_tool_surface *surface)
 {
-    pel_free(surface->local);
-    pel_free(surface->positions);
-    pel_free(surface->triangles);
+    PEL_FREE_ALL(surface->local, surface->positions, surface->triangles);
     surface->local = surface->positions = NULL;
     surface->triangles = NULL;
 }
@@ -42,10 +41,8 @@ static pel_status make_room(pel_tool_surface *surface, int32_t vertex_count, int
     free_shape(surface);
     surface->vertex_count = vertex_count;
     surface->triangle_count = triangle_count;
-    surface->local = pel_allocate((size_t)vertex_count, sizeof *surface->local);
-    surface->positions = pel_allocate((size_t)vertex_count, sizeof *surface->positions);
-    surface->triangles = pel_allocate((size_t)triangle_count, sizeof *surface->triangles);
-    bool made = surface->local != NULL && surface->positions != NULL && surface->triangles != NULL;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(surface->local, vertex_count), PEL_ROOM(surface->positions, vertex_count),
+                                 PEL_ROOM(surface->triangles, triangle_count));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

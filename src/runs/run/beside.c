@@ -1,5 +1,5 @@
 /* Runs beside a run: simulations that are stepped with it, and rows of their series at its frames. */
-#include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "gradient/step_beside.h"
 #include "run/state.h"
@@ -7,10 +7,8 @@
 static pel_status make_room(pel_run_state *run, pel_error *error)
 {
     size_t count = (size_t)run->def->beside->count;
-    run->models_beside = pel_allocate(count, sizeof *run->models_beside);
-    run->sims_beside = pel_allocate(count, sizeof *run->sims_beside);
-    run->series_beside = pel_allocate(count, sizeof *run->series_beside);
-    bool made = run->models_beside != NULL && run->sims_beside != NULL && run->series_beside != NULL;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(run->models_beside, count), PEL_ROOM(run->sims_beside, count),
+                                 PEL_ROOM(run->series_beside, count));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -47,9 +45,7 @@ void pel_run_beside_destroy(pel_run_state *run)
         pel_sim_destroy(run->sims_beside[i]);
         pel_model_destroy(run->models_beside[i]);
     }
-    pel_free(run->models_beside);
-    pel_free(run->sims_beside);
-    pel_free(run->series_beside);
+    PEL_FREE_ALL(run->models_beside, run->sims_beside, run->series_beside);
 }
 
 void pel_run_beside_add_frame(pel_run_state *run)

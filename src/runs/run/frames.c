@@ -1,6 +1,7 @@
 #include "run/frames.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "observe/observe.h"
 #include "pellicle/parallel.h"
@@ -150,9 +151,8 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
 {
     pel_run_frame *frame = &frames->frame;
     frames->snapshot_size = pel_sim_save_size(sim);
-    frame->snapshot = pel_allocate(frames->snapshot_size, 1);
-    frame->tool_force = pel_allocate(PEL_TOOL_NUMBERS * (size_t)frames->tool_count, sizeof *frame->tool_force);
-    if (frame->snapshot == NULL || frame->tool_force == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(frame->snapshot, frames->snapshot_size),
+                          PEL_ROOM(frame->tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count)))
         return pel_fail_memory(error);
     return pel_worker_create(1, write_job, frames, &frames->worker, error);
 }

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/number.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "pellicle/measure.h"
 #include "run/command.h"
@@ -76,9 +77,7 @@ static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
     grip->triangle_count = mesh->triangle_count;
     double volume = pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL);
     grip->side = closed && volume < 0 ? -1 : 1;
-    grip->pins = pel_allocate((size_t)mesh->vertex_count, 1);
-    grip->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *grip->triangles);
-    if (grip->pins == NULL || grip->triangles == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(grip->pins, mesh->vertex_count), PEL_ROOM(grip->triangles, mesh->triangle_count)))
         return false;
     memcpy(grip->triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *grip->triangles);
     for (int32_t i = 0; i < def->pinned_count; i++)
@@ -213,11 +212,7 @@ void pel_session_destroy(pel_session *session)
         pel_free(session->bodies[b].triangles);
     }
     pel_mesh_destroy(session->mesh);
-    pel_free(session->bodies);
-    pel_free(session->positions);
-    pel_free(session->forces);
-    pel_free(session->events);
-    pel_free(session);
+    PEL_FREE_ALL(session->bodies, session->positions, session->forces, session->events, session);
 }
 
 /* ---- the hand ---- */

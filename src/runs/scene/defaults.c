@@ -1,6 +1,7 @@
 #include "scene/defaults.h"
 
 #include "base/number.h"
+#include "law/membrane.h"
 #include "pellicle/preset.h"
 #include "scene/validate.h"
 
@@ -120,17 +121,20 @@ static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membran
 
 static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
 {
+    const pel_membrane_material *material = &preset->material;
     const struct {
         const char *key;
         double number;
-    } numbers[] = {{"young", preset->material.young},
-                   {"poisson", preset->material.poisson},
-                   {"thickness", preset->material.thickness}};
+    } numbers[] = {{"young", material->young}, {"poisson", material->poisson}, {"thickness", material->thickness}};
+    const pel_material_number *own;
     pel_status status = PEL_OK;
-    if (find(membrane, "material") == NULL && preset->material.kind == PEL_MEMBRANE_MOONEY_RIVLIN)
-        status = set_number(reader, membrane, "mooney_ratio", preset->material.mooney_ratio);
+    /* the numbers of the law, unless the scene takes another */
+    bool is_same = find(membrane, "material") == NULL;
+    for (int32_t i = 0; is_same && status == PEL_OK && (own = pel_material_number_at(i)) != NULL; i++)
+        if ((pel_membrane_law_traits(material->kind) & own->trait) != 0)
+            status = set_number(reader, membrane, own->name, *(const double *)((const char *)material + own->offset));
     if (status == PEL_OK)
-        status = set_text(reader, membrane, "material", pel_membrane_kind_name(preset->material.kind));
+        status = set_text(reader, membrane, "material", pel_membrane_kind_name(material->kind));
     for (int i = 0; status == PEL_OK && i < 3; i++)
         status = set_number(reader, membrane, numbers[i].key, numbers[i].number);
     return status;

@@ -67,17 +67,21 @@ static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root,
     set_method(root, scene, PEL_METHOD_IMPLICIT);
 }
 
-/* feature that only methods with rotations of edges support, in words; null = none */
-static const char *find_edge_feature(const pel_scene *scene)
+/* feature that only methods with rotations of edges support, in words that may be in `text`; null = none */
+static const char *find_edge_feature(const pel_scene *scene, char text[64])
 {
     if (scene->sim.support_count > 0)
         return "`supports`";
     for (int32_t l = 0; l < scene->sim.load_count; l++)
         if (scene->sim.loads[l].kind == PEL_LOAD_MOMENT)
             return "a moment on edges";
-    for (int32_t b = 0; b < scene->model.body_count; b++)
-        if (scene->model.bodies[b].shell.bending.model == PEL_BENDING_MIDEDGE)
-            return "bending of the model midedge";
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        pel_bending_model model = scene->model.bodies[b].shell.bending.model;
+        if (!pel_bending_traits_of(model)->turns_edges)
+            continue;
+        snprintf(text, 64, "bending of the model %s", pel_bending_words[model]);
+        return text;
+    }
     return NULL;
 }
 
@@ -89,7 +93,8 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     int32_t needed = 0;
     if (!method->is_implied || solver->method != PEL_METHOD_XPBD || solver->substeps > 0 || solver->iterations > 0)
         return PEL_OK;
-    const char *feature = find_edge_feature(scene);
+    char text[64];
+    const char *feature = find_edge_feature(scene, text);
     if (feature != NULL) {
         pel_log_line(reader->log, "method implicit: the scene has %s, which xpbd does not support", feature);
         set_method(root, scene, PEL_METHOD_IMPLICIT);
@@ -136,7 +141,7 @@ void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)
         pel_scene_value *model = pel_scene_value_at(pel_scene_value_element(list, b), "bending.model");
         if (model == NULL || !model->is_implied || needs_hinges(shell))
             continue;
-        model->text = "midedge";
+        model->text = pel_bending_words[PEL_BENDING_MIDEDGE];
         shell->bending.model = PEL_BENDING_MIDEDGE;
     }
 }

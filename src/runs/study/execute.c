@@ -4,6 +4,7 @@
 #define _DEFAULT_SOURCE
 #include "base/memory.h"
 #include "base/pool.h"
+#include "base/room.h"
 #include "pellicle/parallel.h"
 #include "study/worker.h"
 
@@ -272,10 +273,8 @@ static pel_status allocate_workers(execution *e, pel_error *error)
     int32_t count = wanted < e->run_count ? wanted : (int32_t)e->run_count;
     /* each answer is shorter than a row and its newline */
     size_t size = 2 * (pel_study_row_size(e->study) + 1);
-    e->row = pel_allocate(pel_study_row_size(e->study), 1);
-    e->workers = pel_allocate((size_t)count, sizeof *e->workers);
-    e->channels = pel_allocate((size_t)count, sizeof *e->channels);
-    if (e->row == NULL || e->workers == NULL || e->channels == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(e->row, pel_study_row_size(e->study)), PEL_ROOM(e->workers, count),
+                          PEL_ROOM(e->channels, count)))
         return pel_fail_memory(error);
     for (; e->worker_count < count; e->worker_count++) {
         pel_study_worker *worker = &e->workers[e->worker_count];
@@ -310,10 +309,7 @@ static void release(execution *e)
 {
     for (int32_t w = 0; w < e->worker_count; w++)
         pel_free(e->workers[w].text);
-    pel_free(e->workers);
-    pel_free(e->channels);
-    pel_free(e->row);
-    pel_free(e->runs);
+    PEL_FREE_ALL(e->workers, e->channels, e->row, e->runs);
     pel_study_store_close(e->store);
 }
 

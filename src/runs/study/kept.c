@@ -1,6 +1,7 @@
 #include "study/kept.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <string.h>
 
@@ -21,9 +22,7 @@ static bool varies(const pel_study_axis *axis)
 /* leaves places null where a value of an axis needs a scene of its own */
 static pel_status find_places(const pel_study *study, pel_study_kept *kept, pel_error *error)
 {
-    kept->places = pel_allocate((size_t)study->axis_count, sizeof *kept->places);
-    kept->numbers = pel_allocate((size_t)study->axis_count, sizeof *kept->numbers);
-    if (kept->places == NULL || kept->numbers == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(kept->places, study->axis_count), PEL_ROOM(kept->numbers, study->axis_count)))
         return pel_fail_memory(error);
     bool all = kept->scene->session_count == 0;
     for (int32_t a = 0; all && a < study->axis_count; a++)

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -301,11 +302,7 @@ void pel_study_store_close(pel_study_store *store)
         close(store->descriptor);
     drop_rows(store);
     pel_json_free(&store->lines);
-    pel_free(store->rows);
-    pel_free(store->present);
-    pel_free(store->path);
-    pel_free(store->folder);
-    pel_free(store);
+    PEL_FREE_ALL(store->rows, store->present, store->path, store->folder, store);
 }
 
 bool pel_study_store_needs(const pel_study_store *store, int64_t run)

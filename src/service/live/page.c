@@ -4,6 +4,7 @@
        <script type="application/json" id="scene">{"scene":"...","files":["meshes/ball.ply"],"paused":false}</script>
        <script type="text/plain" class="mesh">...</script> */
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "io/json.h"
 #include "io/report_pack.h"
@@ -102,10 +103,7 @@ static pel_status pack_mesh(page *p, int32_t m, const char *beside, pel_error *e
 
 static pel_status pack_meshes(page *p, const char *beside, pel_error *error)
 {
-    p->names = pel_allocate((size_t)p->count, sizeof *p->names);
-    p->name_list = pel_allocate((size_t)p->count, sizeof *p->name_list);
-    p->packs = pel_allocate((size_t)p->count, sizeof *p->packs);
-    if (p->names == NULL || p->name_list == NULL || p->packs == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(p->names, p->count), PEL_ROOM(p->name_list, p->count), PEL_ROOM(p->packs, p->count)))
         return pel_fail_memory(error);
     pel_status status = PEL_OK;
     for (int32_t m = 0; status == PEL_OK && m < p->count; m++) {
@@ -121,9 +119,7 @@ static void free_page(page *p)
 {
     for (int32_t m = 0; p->packs != NULL && m < p->count; m++)
         pel_report_pack_free(&p->packs[m]);
-    pel_free(p->packs);
-    pel_free(p->name_list);
-    pel_free(p->names);
+    PEL_FREE_ALL(p->packs, p->name_list, p->names);
 }
 
 /* ---- the page ---- */

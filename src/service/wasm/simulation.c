@@ -1,4 +1,5 @@
 #include "base/memory.h"
+#include "base/room.h"
 #include "io/json.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
@@ -92,10 +93,7 @@ void pel_wasm_sim_destroy(pel_wasm_sim *sim)
     }
     pel_free(sim->bodies);
     pel_json_free(&sim->notes);
-    pel_free(sim->kept);
-    pel_free(sim->numbers);
-    pel_free(sim->values);
-    pel_free(sim);
+    PEL_FREE_ALL(sim->kept, sim->numbers, sim->values, sim);
 }
 
 int32_t pel_wasm_sim_status(const pel_wasm_sim *sim)

@@ -1,6 +1,7 @@
 #include "bvh/candidates.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "pellicle/geometry.h"
 
@@ -24,13 +25,10 @@ static pel_status allocate_boxes(pel_candidates *c)
 {
     const pel_tree *tree = c->tree;
     size_t vertex_count = (size_t)tree->vertex_count;
-    c->vertex_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
-    c->kept_boxes = pel_allocate_aligned(vertex_count, sizeof(pel_box));
-    c->left = pel_allocate(vertex_count, 1);
-    c->node_grew = pel_allocate((size_t)tree->node_count, 1);
-    c->kept_places = pel_allocate((size_t)pel_frame_sample_count(tree->vertex_count), sizeof *c->kept_places);
-    bool made = c->vertex_boxes != NULL && c->kept_boxes != NULL && c->left != NULL && c->node_grew != NULL &&
-                c->kept_places != NULL;
+    bool made =
+        PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(c->vertex_boxes, vertex_count), PEL_ROOM_ALIGNED(c->kept_boxes, vertex_count),
+                         PEL_ROOM(c->left, vertex_count), PEL_ROOM(c->node_grew, tree->node_count),
+                         PEL_ROOM(c->kept_places, pel_frame_sample_count(tree->vertex_count)));
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
@@ -92,15 +90,8 @@ void pel_candidates_destroy(pel_candidates *c)
         return;
     pel_tree_destroy(c->tree);
     pel_pair_search_clear(&c->search);
-    pel_free(c->vertex_face);
-    pel_free(c->edge_edge);
-    pel_free(c->vertex_boxes);
-    pel_free(c->overlaps);
-    pel_free(c->kept_boxes);
-    pel_free(c->left);
-    pel_free(c->node_grew);
-    pel_free(c->kept_places);
-    pel_free(c);
+    PEL_FREE_ALL(c->vertex_face, c->edge_edge, c->vertex_boxes, c->overlaps, c->kept_boxes, c->left, c->node_grew,
+                 c->kept_places, c);
 }
 
 /* ---- search ---- */

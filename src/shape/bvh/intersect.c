@@ -1,6 +1,7 @@
 #include "pellicle/intersect.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/frame.h"
 #include "bvh/search.h"
@@ -38,11 +39,8 @@ static bool is_usable(const pel_mesh *mesh, const int32_t v[3])
 static pel_status collect_triangles(certificate *it)
 {
     const pel_mesh *mesh = it->mesh;
-    it->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *it->triangles);
-    it->numbers = pel_allocate((size_t)mesh->triangle_count, sizeof *it->numbers);
-    it->positions = pel_allocate((size_t)mesh->vertex_count, sizeof *it->positions);
-    it->boxes = pel_allocate_aligned((size_t)mesh->vertex_count, sizeof *it->boxes);
-    if (it->triangles == NULL || it->numbers == NULL || it->positions == NULL || it->boxes == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(it->triangles, mesh->triangle_count), PEL_ROOM(it->numbers, mesh->triangle_count),
+                          PEL_ROOM(it->positions, mesh->vertex_count), PEL_ROOM_ALIGNED(it->boxes, mesh->vertex_count)))
         return PEL_OUT_OF_MEMORY;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *v = mesh->triangles[t];
@@ -170,10 +168,7 @@ static void list_pairs(const certificate *it, pel_pair *pairs, int64_t *count)
 
 static void clear(certificate *it)
 {
-    pel_free(it->triangles);
-    pel_free(it->numbers);
-    pel_free(it->positions);
-    pel_free(it->boxes);
+    PEL_FREE_ALL(it->triangles, it->numbers, it->positions, it->boxes);
     pel_tree_destroy(it->tree);
     pel_pair_search_clear(&it->search);
 }

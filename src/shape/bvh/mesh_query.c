@@ -5,6 +5,7 @@
 #include "bvh/mesh_query.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/search.h"
 #include "math/vec3.h"
@@ -107,11 +108,7 @@ void pel_mesh_query_destroy(pel_mesh_query *query)
     if (query == NULL)
         return;
     pel_tree_destroy(query->tree);
-    pel_free(query->positions);
-    pel_free(query->triangles);
-    pel_free(query->boxes);
-    pel_free(query->found.elements);
-    pel_free(query);
+    PEL_FREE_ALL(query->positions, query->triangles, query->boxes, query->found.elements, query);
 }
 
 bool pel_mesh_query_is_closed(const pel_mesh_query *query)

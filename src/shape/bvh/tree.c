@@ -1,6 +1,7 @@
 #include "bvh/tree.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "mesh/edge_table.h"
 
@@ -186,9 +187,8 @@ static pel_status find_features(pel_tree *tree)
     pel_edge_table table;
     if (pel_edge_table_build(tree->triangles, tree->triangle_count, tree->vertex_count, NULL, &table) != PEL_OK)
         return PEL_OUT_OF_MEMORY;
-    uint8_t *seen = pel_allocate((size_t)tree->vertex_count, 1);
-    tree->features = pel_allocate((size_t)tree->triangle_count, 1);
-    bool made = seen != NULL && tree->features != NULL;
+    uint8_t *seen;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(seen, tree->vertex_count), PEL_ROOM(tree->features, tree->triangle_count));
     if (made) {
         close_rings(&table, 3 * tree->triangle_count);
         assign_features(tree, &table, seen);
@@ -203,9 +203,10 @@ static pel_status find_features(pel_tree *tree)
 static pel_status allocate_tree(pel_tree *tree)
 {
     /* one more: a build keeps its keys there */
-    tree->nodes = pel_allocate_aligned((size_t)tree->node_count + 1, sizeof *tree->nodes);
-    tree->leaves = pel_allocate((size_t)tree->leaf_count, sizeof *tree->leaves);
-    return tree->nodes != NULL && tree->leaves != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+    return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(tree->nodes, (size_t)tree->node_count + 1),
+                            PEL_ROOM(tree->leaves, tree->leaf_count))
+               ? PEL_OK
+               : PEL_OUT_OF_MEMORY;
 }
 
 pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
@@ -235,11 +236,7 @@ void pel_tree_destroy(pel_tree *tree)
 {
     if (tree == NULL)
         return;
-    pel_free(tree->next_in_edge);
-    pel_free(tree->features);
-    pel_free(tree->nodes);
-    pel_free(tree->leaves);
-    pel_free(tree);
+    PEL_FREE_ALL(tree->next_in_edge, tree->features, tree->nodes, tree->leaves, tree);
 }
 
 /* ---- boxes ---- */

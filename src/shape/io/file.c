@@ -2,6 +2,7 @@
 #include "io/file.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -228,9 +229,7 @@ static bool close_writer(pel_file_writer *writer)
 
 static void free_names(pel_file_writer *writer)
 {
-    pel_free(writer->path);
-    pel_free(writer->target);
-    pel_free(writer->temporary);
+    PEL_FREE_ALL(writer->path, writer->target, writer->temporary);
     memset(writer, 0, sizeof *writer);
 }
 

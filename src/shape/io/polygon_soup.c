@@ -1,6 +1,7 @@
 #include "io/polygon_soup.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "io/polygon.h"
 #include "mesh/weld.h"
 
@@ -15,9 +16,7 @@ void pel_polygon_soup_init(pel_polygon_soup *builder, int32_t index_base)
 
 void pel_polygon_soup_free(pel_polygon_soup *builder)
 {
-    pel_free(builder->positions);
-    pel_free(builder->corners);
-    pel_free(builder->sizes);
+    PEL_FREE_ALL(builder->positions, builder->corners, builder->sizes);
     pel_polygon_soup_init(builder, builder->index_base);
 }
 

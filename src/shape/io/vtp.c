@@ -10,6 +10,7 @@
 #include "pellicle/results.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "io/byte_order.h"
 #include "io/file.h"
@@ -279,12 +280,8 @@ void pel_vtp_writer_destroy(pel_vtp_writer *writer)
 {
     if (writer == NULL)
         return;
-    pel_free(writer->triangles);
-    pel_free(writer->scratch.bytes);
-    pel_free(writer->surface.bytes);
-    pel_free(writer->numbers.bytes);
-    pel_free(writer->array_block);
-    pel_free(writer);
+    PEL_FREE_ALL(writer->triangles, writer->scratch.bytes, writer->surface.bytes, writer->numbers.bytes,
+                 writer->array_block, writer);
 }
 
 pel_status pel_vtp_writer_write(pel_vtp_writer *writer, const char *path, const pel_vtp *vtp, pel_error *error)

@@ -5,6 +5,7 @@
 #include "pellicle/mesh_check.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "mesh/duplicate.h"
 #include "mesh/edge_table.h"
@@ -321,13 +322,10 @@ static void fill_flags(pel_mesh_report *report)
 static pel_status allocate_scratch(inspection *it)
 {
     size_t vertex_count = (size_t)it->mesh->vertex_count, triangle_count = (size_t)it->mesh->triangle_count;
-    it->not_finite = pel_allocate(vertex_count, 1);
-    it->skip = pel_allocate(triangle_count, 1);
-    it->fan_of_corner = pel_allocate(3 * triangle_count, sizeof(int32_t));
-    it->component_of_triangle = pel_allocate(triangle_count, sizeof(int32_t));
-    it->scratch = pel_allocate(vertex_count > triangle_count ? vertex_count : triangle_count, sizeof(int32_t));
-    return it->not_finite != NULL && it->skip != NULL && it->fan_of_corner != NULL &&
-                   it->component_of_triangle != NULL && it->scratch != NULL
+    return PEL_ALLOCATE_ALL(PEL_ROOM(it->not_finite, vertex_count), PEL_ROOM(it->skip, triangle_count),
+                            PEL_ROOM(it->fan_of_corner, 3 * triangle_count),
+                            PEL_ROOM(it->component_of_triangle, triangle_count),
+                            PEL_ROOM(it->scratch, vertex_count > triangle_count ? vertex_count : triangle_count))
                ? PEL_OK
                : PEL_OUT_OF_MEMORY;
 }
@@ -336,11 +334,7 @@ static void free_scratch(inspection *it)
 {
     pel_edge_table_clear(&it->edges);
     pel_patches_clear(&it->patches);
-    pel_free(it->not_finite);
-    pel_free(it->skip);
-    pel_free(it->fan_of_corner);
-    pel_free(it->component_of_triangle);
-    pel_free(it->scratch);
+    PEL_FREE_ALL(it->not_finite, it->skip, it->fan_of_corner, it->component_of_triangle, it->scratch);
 }
 
 static pel_status inspect_elements(inspection *it)

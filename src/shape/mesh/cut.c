@@ -13,6 +13,7 @@
 #include "mesh/cut.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/edge_table.h"
@@ -217,9 +218,7 @@ pel_status pel_cut_find(const double (*positions)[3], int32_t vertex_count, cons
     if (status == PEL_OK)
         status = find_sources(&w, cut);
     pel_edge_table_clear(&w.edges);
-    pel_free(w.spokes);
-    pel_free(w.parent);
-    pel_free(taken);
+    PEL_FREE_ALL(w.spokes, w.parent, taken);
     if (status != PEL_OK)
         pel_cut_clear(cut);
     return status;

@@ -1,6 +1,7 @@
 #include "mesh/edge_table.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <string.h>
 
@@ -87,14 +88,12 @@ pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_
 {
     size_t half_edge_count = 3 * (size_t)triangle_count;
     memset(table, 0, sizeof *table);
-    table->edge_of_half_edge = pel_allocate(half_edge_count, sizeof(int32_t));
-    table->half_edge_of_edge = pel_allocate(half_edge_count, sizeof(int32_t));
-    table->next_in_edge = pel_allocate(half_edge_count, sizeof(int32_t));
-    int32_t *offset = pel_allocate((size_t)vertex_count + 2, sizeof *offset);
-    bucket_entry *sorted = pel_allocate(half_edge_count, sizeof *sorted);
-    int32_t *place_of_high = pel_allocate((size_t)vertex_count, sizeof *place_of_high);
-    bool made = table->edge_of_half_edge != NULL && table->half_edge_of_edge != NULL && table->next_in_edge != NULL &&
-                offset != NULL && sorted != NULL && place_of_high != NULL;
+    int32_t *offset, *place_of_high;
+    bucket_entry *sorted;
+    bool made = PEL_ALLOCATE_ALL(
+        PEL_ROOM(table->edge_of_half_edge, half_edge_count), PEL_ROOM(table->half_edge_of_edge, half_edge_count),
+        PEL_ROOM(table->next_in_edge, half_edge_count), PEL_ROOM(offset, (size_t)vertex_count + 2),
+        PEL_ROOM(sorted, half_edge_count), PEL_ROOM(place_of_high, vertex_count));
     if (made) {
         if (skip != NULL) {
             memset(table->edge_of_half_edge, -1, half_edge_count * sizeof(int32_t));
@@ -107,9 +106,7 @@ pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_
         if (shrunk != NULL)
             table->half_edge_of_edge = shrunk;
     }
-    pel_free(place_of_high);
-    pel_free(sorted);
-    pel_free(offset);
+    PEL_FREE_ALL(place_of_high, sorted, offset);
     if (!made) {
         pel_edge_table_clear(table);
         return PEL_OUT_OF_MEMORY;
@@ -119,8 +116,6 @@ pel_status pel_edge_table_build(const int32_t (*triangles)[3], int32_t triangle_
 
 void pel_edge_table_clear(pel_edge_table *table)
 {
-    pel_free(table->edge_of_half_edge);
-    pel_free(table->half_edge_of_edge);
-    pel_free(table->next_in_edge);
+    PEL_FREE_ALL(table->edge_of_half_edge, table->half_edge_of_edge, table->next_in_edge);
     memset(table, 0, sizeof *table);
 }

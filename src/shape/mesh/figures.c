@@ -1,6 +1,7 @@
 #include "mesh/figures.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "math/vec3.h"
 
 #include <math.h>
@@ -149,9 +150,7 @@ pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, con
         fill_edge_figures(lengths, count, tally, report);
         fill_valences(mesh, edges, valence, report);
     }
-    pel_free(valence);
-    pel_free(tally);
-    pel_free(lengths);
+    PEL_FREE_ALL(valence, tally, lengths);
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/functions.h"
 #include "math/vec3.h"
@@ -352,10 +353,9 @@ static pel_status fill_hole(fill_work *w, int32_t first, int32_t edge_limit)
 
 static pel_status fill_holes(fill_work *w, int32_t edge_limit)
 {
-    w->seen = pel_allocate(3 * (size_t)w->mesh->triangle_count, 1);
-    w->weights = pel_allocate((size_t)WHOLE_LOOP * WHOLE_LOOP, sizeof *w->weights);
-    w->middles = pel_allocate((size_t)WHOLE_LOOP * WHOLE_LOOP, sizeof *w->middles);
-    if (w->seen == NULL || w->weights == NULL || w->middles == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(w->seen, 3 * (size_t)w->mesh->triangle_count),
+                          PEL_ROOM(w->weights, (size_t)WHOLE_LOOP * WHOLE_LOOP),
+                          PEL_ROOM(w->middles, (size_t)WHOLE_LOOP * WHOLE_LOOP)))
         return PEL_OUT_OF_MEMORY;
     pel_status status = collect_edges(w);
     for (int32_t h = 0; status == PEL_OK && h < 3 * w->mesh->triangle_count; h++)
@@ -410,12 +410,6 @@ pel_status pel_mesh_fill_holes(const pel_mesh *mesh, int32_t edge_limit, pel_mes
     if (status == PEL_OK && summary != NULL)
         *summary = w.summary;
     pel_topology_destroy(w.topology);
-    pel_free(w.edges);
-    pel_free(w.seen);
-    pel_free(w.loop);
-    pel_free(w.beyond);
-    pel_free(w.weights);
-    pel_free(w.middles);
-    pel_free(w.triangles);
+    PEL_FREE_ALL(w.edges, w.seen, w.loop, w.beyond, w.weights, w.middles, w.triangles);
     return status;
 }

@@ -4,6 +4,7 @@
    works on the topology at its start and changes disjoint edges, so that changes do not interfere; the passes repeat.
    Only sums, products and roots are used: same bits everywhere. */
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 #include "math/vec3.h"
@@ -50,11 +51,7 @@ typedef struct pass {
 static void end(pass *work)
 {
     pel_topology_destroy(work->topology);
-    pel_free(work->edges);
-    pel_free(work->taken);
-    pel_free(work->degree);
-    pel_free(work->moved_to);
-    pel_free(work->target);
+    PEL_FREE_ALL(work->edges, work->taken, work->degree, work->moved_to, work->target);
 }
 
 static void edge_ends(const pass *work, int32_t e, int32_t ends[2])
@@ -80,13 +77,9 @@ static pel_status begin(pass *work, pel_error *error)
     if (status != PEL_OK)
         return status;
     int32_t edge_count = work->topology->edge_count;
-    work->edges = pel_allocate((size_t)edge_count, sizeof *work->edges);
-    work->taken = pel_allocate(count, sizeof *work->taken);
-    work->degree = pel_allocate(count, sizeof *work->degree);
-    work->moved_to = pel_allocate(count, sizeof *work->moved_to);
-    work->target = pel_allocate(count, sizeof *work->target);
-    if (work->edges == NULL || work->taken == NULL || work->degree == NULL || work->moved_to == NULL ||
-        work->target == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(work->edges, edge_count), PEL_ROOM(work->taken, count),
+                          PEL_ROOM(work->degree, count), PEL_ROOM(work->moved_to, count),
+                          PEL_ROOM(work->target, count)))
         return pel_fail_memory(error);
     for (int32_t v = 0; v < work->mesh->vertex_count; v++)
         work->moved_to[v] = v;

@@ -1,6 +1,7 @@
 #include "pellicle/mesh.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
 #include "mesh/allocate.h"
@@ -44,9 +45,7 @@ pel_mesh *pel_mesh_allocate(int32_t vertex_count, int32_t triangle_count)
         return NULL;
     mesh->vertex_count = vertex_count;
     mesh->triangle_count = triangle_count;
-    mesh->positions = pel_allocate((size_t)vertex_count, sizeof *mesh->positions);
-    mesh->triangles = pel_allocate((size_t)triangle_count, sizeof *mesh->triangles);
-    if (mesh->positions == NULL || mesh->triangles == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(mesh->positions, vertex_count), PEL_ROOM(mesh->triangles, triangle_count))) {
         pel_mesh_destroy(mesh);
         return NULL;
     }
@@ -78,10 +77,7 @@ void pel_mesh_destroy(pel_mesh *mesh)
         return;
     for (int32_t f = 0; f < mesh->field_count; f++)
         pel_free(mesh->fields[f].values);
-    pel_free(mesh->fields);
-    pel_free(mesh->triangles);
-    pel_free(mesh->positions);
-    pel_free(mesh);
+    PEL_FREE_ALL(mesh->fields, mesh->triangles, mesh->positions, mesh);
 }
 
 pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,

@@ -1,6 +1,7 @@
 #include "mesh/patch.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <string.h>
 
@@ -67,8 +68,6 @@ pel_status pel_patches_build(const int32_t (*triangles)[3], int32_t triangle_cou
 
 void pel_patches_clear(pel_patches *patches)
 {
-    pel_free(patches->patch_of_triangle);
-    pel_free(patches->flipped);
-    pel_free(patches->non_orientable);
+    PEL_FREE_ALL(patches->patch_of_triangle, patches->flipped, patches->non_orientable);
     memset(patches, 0, sizeof *patches);
 }

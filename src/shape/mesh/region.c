@@ -1,6 +1,7 @@
 #include "pellicle/region.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "math/vec3.h"
@@ -299,9 +300,7 @@ static pel_status collect(const pel_mesh *mesh, const double *weights, int32_t c
     pel_selection *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->vertices = pel_allocate((size_t)count, sizeof *made->vertices);
-    made->weights = pel_allocate((size_t)count, sizeof *made->weights);
-    if (made->vertices == NULL || made->weights == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->vertices, count), PEL_ROOM(made->weights, count))) {
         pel_selection_destroy(made);
         return pel_fail_memory(error);
     }
@@ -343,7 +342,5 @@ void pel_selection_destroy(pel_selection *selection)
 {
     if (selection == NULL)
         return;
-    pel_free(selection->vertices);
-    pel_free(selection->weights);
-    pel_free(selection);
+    PEL_FREE_ALL(selection->vertices, selection->weights, selection);
 }

@@ -5,6 +5,7 @@
 #include "pellicle/mesh_check.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "mesh/allocate.h"
 #include "mesh/cut.h"
@@ -361,9 +362,7 @@ static pel_status drop_small_parts(work *w)
         for (size_t v = 0; v < vertex_count && w->options.drop_isolated; v++)
             w->summary.isolated_vertices -= lost[v];
     }
-    pel_free(first_of_part);
-    pel_free(sizes);
-    pel_free(lost);
+    PEL_FREE_ALL(first_of_part, sizes, lost);
     return status;
 }
 
@@ -494,12 +493,9 @@ static pel_status mark(work *w)
 static pel_status repair(work *w, pel_mesh **repaired, pel_error *error)
 {
     size_t vertex_count = (size_t)w->mesh->vertex_count, triangle_count = (size_t)w->mesh->triangle_count;
-    w->triangles = pel_allocate(triangle_count, sizeof *w->triangles);
-    w->dropped = pel_allocate(triangle_count, 1);
-    w->turned = pel_allocate(triangle_count, 1);
-    w->flipped = pel_allocate(triangle_count, 1);
-    w->first_of = pel_allocate(vertex_count, sizeof(int32_t));
-    if (w->triangles == NULL || w->dropped == NULL || w->turned == NULL || w->flipped == NULL || w->first_of == NULL ||
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(w->triangles, triangle_count), PEL_ROOM(w->dropped, triangle_count),
+                          PEL_ROOM(w->turned, triangle_count), PEL_ROOM(w->flipped, triangle_count),
+                          PEL_ROOM(w->first_of, vertex_count)) ||
         mark(w) != PEL_OK)
         return pel_fail_memory(error);
     if (w->triangle_count == 0) {
@@ -548,10 +544,7 @@ pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *optio
         *summary = w.summary;
         summary->changed = !same_mesh(mesh, *repaired);
     }
-    pel_free(w.triangles);
-    pel_free(w.dropped);
-    pel_free(w.turned);
-    pel_free(w.flipped);
+    PEL_FREE_ALL(w.triangles, w.dropped, w.turned, w.flipped);
     pel_cut_clear(&w.cut);
     pel_free(w.first_of);
     pel_free(w.new_number);

@@ -1,6 +1,7 @@
 #include "pellicle/topology.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "mesh/edge_table.h"
 #include "mesh/patch.h"
@@ -141,9 +142,8 @@ static pel_status allocate_topology(const pel_mesh *mesh, pel_topology **topolog
     *topology = made;
     made->vertex_count = mesh->vertex_count;
     made->triangle_count = mesh->triangle_count;
-    made->triangles = pel_allocate((size_t)mesh->triangle_count, sizeof *made->triangles);
-    made->corner_of_vertex = pel_allocate((size_t)mesh->vertex_count, sizeof(int32_t));
-    if (made->triangles == NULL || made->corner_of_vertex == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->triangles, mesh->triangle_count),
+                          PEL_ROOM(made->corner_of_vertex, mesh->vertex_count)))
         return PEL_OUT_OF_MEMORY;
     memcpy(made->triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *made->triangles);
     return PEL_OK;
@@ -244,13 +244,11 @@ static bool is_sound(const pel_topology *topology, const int32_t *corner_count, 
 static pel_status fill_sound(pel_topology *topology, int32_t *corner_count, bool *sound)
 {
     size_t half_edge_count = 3 * (size_t)topology->triangle_count;
-    matching scratch = {pel_allocate((size_t)topology->vertex_count, sizeof(int32_t)),
-                        pel_allocate(half_edge_count, sizeof(waiting)), 0, -1};
-    topology->twin = pel_allocate(half_edge_count, sizeof(int32_t));
-    topology->edge_of_half_edge = pel_allocate(half_edge_count, sizeof(int32_t));
-    topology->half_edge_of_edge = pel_allocate(half_edge_count, sizeof(int32_t));
-    bool room = scratch.list_of_vertex != NULL && scratch.pool != NULL && topology->twin != NULL &&
-                topology->edge_of_half_edge != NULL && topology->half_edge_of_edge != NULL;
+    matching scratch = {.unused = -1};
+    bool room = PEL_ALLOCATE_ALL(PEL_ROOM(scratch.list_of_vertex, topology->vertex_count),
+                                 PEL_ROOM(scratch.pool, half_edge_count), PEL_ROOM(topology->twin, half_edge_count),
+                                 PEL_ROOM(topology->edge_of_half_edge, half_edge_count),
+                                 PEL_ROOM(topology->half_edge_of_edge, half_edge_count));
     *sound = room && match_half_edges(topology, &scratch) && find_corners(topology, corner_count, NULL) == PEL_OK &&
              is_sound(topology, corner_count, scratch.list_of_vertex);
     if (*sound) {
@@ -268,9 +266,7 @@ static pel_status fill_sound(pel_topology *topology, int32_t *corner_count, bool
 static pel_status fill_any(pel_topology *topology, int32_t *corner_count, pel_error *error)
 {
     pel_edge_table edges;
-    pel_free(topology->twin);
-    pel_free(topology->edge_of_half_edge);
-    pel_free(topology->half_edge_of_edge);
+    PEL_FREE_ALL(topology->twin, topology->edge_of_half_edge, topology->half_edge_of_edge);
     topology->twin = topology->edge_of_half_edge = topology->half_edge_of_edge = NULL;
     if (pel_edge_table_build((const int32_t(*)[3])topology->triangles, topology->triangle_count, topology->vertex_count,
                              NULL, &edges) != PEL_OK)
@@ -327,10 +323,6 @@ void pel_topology_destroy(pel_topology *topology)
 {
     if (topology == NULL)
         return;
-    pel_free(topology->triangles);
-    pel_free(topology->twin);
-    pel_free(topology->corner_of_vertex);
-    pel_free(topology->edge_of_half_edge);
-    pel_free(topology->half_edge_of_edge);
-    pel_free(topology);
+    PEL_FREE_ALL(topology->triangles, topology->twin, topology->corner_of_vertex, topology->edge_of_half_edge,
+                 topology->half_edge_of_edge, topology);
 }

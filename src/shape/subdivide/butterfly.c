@@ -13,6 +13,7 @@
 #include "subdivide/butterfly.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/functions.h"
 
@@ -81,15 +82,13 @@ static int32_t find_irregular(pel_butterfly *butterfly, const pel_topology *base
 static bool allocate_butterfly(pel_butterfly *butterfly, const pel_topology *base)
 {
     butterfly->base_vertex_count = base->vertex_count;
-    butterfly->irregular = pel_allocate((size_t)base->vertex_count, sizeof *butterfly->irregular);
-    butterfly->ring_size = pel_allocate((size_t)base->vertex_count, sizeof *butterfly->ring_size);
-    if (butterfly->irregular == NULL || butterfly->ring_size == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(butterfly->irregular, base->vertex_count),
+                          PEL_ROOM(butterfly->ring_size, base->vertex_count)))
         return false;
     size_t longest = (size_t)find_irregular(butterfly, base);
     butterfly->ring_limit = (int32_t)longest > LEAST_RINGS ? (int32_t)longest : LEAST_RINGS;
-    butterfly->ring = pel_allocate(2 * (size_t)butterfly->ring_limit, sizeof *butterfly->ring);
-    butterfly->wave = pel_allocate(2 * (SHORT_PAIRS + longest), sizeof *butterfly->wave);
-    return butterfly->ring != NULL && butterfly->wave != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(butterfly->ring, 2 * (size_t)butterfly->ring_limit),
+                            PEL_ROOM(butterfly->wave, 2 * (SHORT_PAIRS + longest)));
 }
 
 pel_status pel_butterfly_create(const pel_topology *base, pel_butterfly **butterfly, pel_error *error)
@@ -110,11 +109,7 @@ void pel_butterfly_destroy(pel_butterfly *butterfly)
 {
     if (butterfly == NULL)
         return;
-    pel_free(butterfly->irregular);
-    pel_free(butterfly->ring_size);
-    pel_free(butterfly->ring);
-    pel_free(butterfly->wave);
-    pel_free(butterfly);
+    PEL_FREE_ALL(butterfly->irregular, butterfly->ring_size, butterfly->ring, butterfly->wave, butterfly);
 }
 
 static inline bool is_irregular(const pel_butterfly *butterfly, int32_t v)

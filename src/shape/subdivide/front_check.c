@@ -2,6 +2,7 @@
 #include "subdivide/front.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <string.h>
 
@@ -217,13 +218,10 @@ bool pel_front_is_valid(const pel_front *front)
 {
     const pel_lod_forest *forest = front->forest;
     check c = {.front = front, .forest = forest};
-    c.red = pel_allocate((size_t)front->node_count, 1);
-    c.vertex_used = pel_allocate((size_t)forest->levels[forest->depth]->vertex_count, 1);
-    c.edge_uses = pel_allocate((size_t)front->bisector_begin + (size_t)front->node_count, sizeof *c.edge_uses);
-    bool good = c.red != NULL && c.vertex_used != NULL && c.edge_uses != NULL && check_closure(&c) && check_nodes(&c) &&
-                check_triangles(&c) && check_vertices(&c) && check_edges(&c);
-    pel_free(c.red);
-    pel_free(c.vertex_used);
-    pel_free(c.edge_uses);
+    bool good = PEL_ALLOCATE_ALL(PEL_ROOM(c.red, front->node_count),
+                                 PEL_ROOM(c.vertex_used, forest->levels[forest->depth]->vertex_count),
+                                 PEL_ROOM(c.edge_uses, (size_t)front->bisector_begin + (size_t)front->node_count)) &&
+                check_closure(&c) && check_nodes(&c) && check_triangles(&c) && check_vertices(&c) && check_edges(&c);
+    PEL_FREE_ALL(c.red, c.vertex_used, c.edge_uses);
     return good;
 }

@@ -1,6 +1,7 @@
 #include "subdivide/split.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 pel_level_size pel_level_size_of(const pel_topology *topology)
@@ -114,13 +115,10 @@ static pel_topology *allocate_level(const pel_topology *coarse)
     fine->edge_count = (int32_t)size.edge_count;
     fine->boundary_edge_count = 2 * coarse->boundary_edge_count;
     size_t half_edge_count = 3 * (size_t)size.triangle_count;
-    fine->triangles = pel_allocate((size_t)size.triangle_count, sizeof *fine->triangles);
-    fine->twin = pel_allocate(half_edge_count, sizeof *fine->twin);
-    fine->edge_of_half_edge = pel_allocate(half_edge_count, sizeof *fine->edge_of_half_edge);
-    fine->half_edge_of_edge = pel_allocate((size_t)size.edge_count, sizeof *fine->half_edge_of_edge);
-    fine->corner_of_vertex = pel_allocate((size_t)size.vertex_count, sizeof *fine->corner_of_vertex);
-    if (fine->triangles == NULL || fine->twin == NULL || fine->edge_of_half_edge == NULL ||
-        fine->half_edge_of_edge == NULL || fine->corner_of_vertex == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(fine->triangles, size.triangle_count), PEL_ROOM(fine->twin, half_edge_count),
+                          PEL_ROOM(fine->edge_of_half_edge, half_edge_count),
+                          PEL_ROOM(fine->half_edge_of_edge, size.edge_count),
+                          PEL_ROOM(fine->corner_of_vertex, size.vertex_count))) {
         pel_topology_destroy(fine);
         return NULL;
     }

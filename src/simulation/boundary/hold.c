@@ -38,8 +38,7 @@ static bool are_orthonormal(const double axes[3][3])
 /* the body resists bending, but its edges have no rotations that could be fixed */
 static bool folds_at_clamps(const pel_body *body)
 {
-    const pel_shell *shell = body->shell;
-    return shell != NULL && shell->bending != PEL_BENDING_NONE && shell->bending != PEL_BENDING_MIDEDGE;
+    return body->shell != NULL && body->shell->bending->has_hinges;
 }
 
 static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int32_t support, pel_error *error)
@@ -466,7 +465,7 @@ static bool has_idle_clamp(const pel_sim *sim, int32_t body)
     for (int32_t h = 0; h < sim->holds->hold_count; h++)
         fixes |= sim->holds->holds[h].body == body && sim->holds->holds[h].fixes_rotation;
     const pel_shell *shell = sim->model->bodies[body].shell;
-    return fixes && (shell == NULL || shell->bending != PEL_BENDING_MIDEDGE);
+    return fixes && (shell == NULL || !shell->bending->turns_edges);
 }
 
 static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motion *m, const double free[6],

@@ -31,8 +31,7 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
         const pel_body *body = &sim->model->bodies[b];
         bool has_volume = body->shell != NULL && (body->shell->pressure.kind == PEL_PRESSURE_GAS ||
                                                   body->shell->pressure.kind == PEL_PRESSURE_VOLUME);
-        bool has_hinges = body->shell != NULL && body->shell->bending != PEL_BENDING_MIDEDGE &&
-                          body->shell->bending != PEL_BENDING_NONE;
+        bool has_hinges = body->shell != NULL && body->shell->bending->has_hinges;
         if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
             (body->shell != NULL && body->shell->region_count > 0))
             return refuse(
@@ -175,11 +174,11 @@ static void give_loads(const pel_adjoint_work *a)
 /* bending that follows young and thickness, because the def does not set it */
 static bool bending_follows(const pel_shell *shell)
 {
-    pel_membrane_material material = shell->material;
+    const pel_membrane_material *material = &shell->material;
     if (!shell->has_membrane || (shell->parts == NULL && shell->hinge_count == 0))
         return false;
     double stiffness = shell->parts != NULL ? shell->parts[0].stiffness : pel_shell_hinge_stiffness(shell, 0);
-    double own = pel_bending_stiffness(material.young, pel_membrane_law_of(&material).poisson, material.thickness);
+    double own = pel_bending_stiffness(material->young, shell->law.poisson, material->thickness);
     return fabs(stiffness - own) <= 1e-9 * own;
 }
 
@@ -188,11 +187,8 @@ static void give_materials(const pel_adjoint_work *a)
     for (int32_t b = 0; b < a->sim->model->body_count; b++) {
         const pel_tangent_derivative *sum = &a->bodies[b];
         const pel_shell *shell = a->sim->model->bodies[b].shell;
-        double bending = shell != NULL && bending_follows(shell) ? sum->bending : 0, poisson = 0;
-        if (bending != 0) {
-            pel_membrane_material material = shell->material;
-            poisson = pel_membrane_law_of(&material).poisson;
-        }
+        bool follows = shell != NULL && bending_follows(shell);
+        double bending = follows ? sum->bending : 0, poisson = follows ? shell->law.poisson : 0;
         pel_adjoint_material *result = &a->def->materials[b];
         result->young -= sum->membrane + bending;
         result->thickness -= sum->membrane + 3 * bending;

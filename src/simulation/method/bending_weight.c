@@ -20,7 +20,7 @@
 
 static bool is_automatic(const pel_body *body)
 {
-    return body->shell != NULL && body->shell->bending != PEL_BENDING_NONE && body->shell->bending_weight < 0;
+    return body->shell != NULL && pel_bending_is_on(body->shell->bending) && body->shell->bending_weight < 0;
 }
 
 void pel_bending_weights_start(pel_sim *sim)

@@ -41,7 +41,7 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 error);
-        if (body->shell->bending == PEL_BENDING_MIDEDGE && !sim->stepper->turns_edges)
+        if (body->shell->bending->turns_edges && !sim->stepper->turns_edges)
             return refuse_shell(
                 b, "bending model midedge has a rotation on each edge, which only static and implicit solve for",
                 "use the method implicit or static, or the bending model hinge, which ignores Poisson's ratio", error);

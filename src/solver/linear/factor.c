@@ -1,4 +1,5 @@
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "linear/factor_kinds.h"
 
@@ -8,10 +9,8 @@ void pel_factor_destroy(pel_factor *factor)
 {
     if (factor == NULL)
         return;
-    void *arrays[] = {factor->entries, factor->work,  factor->border, factor->solution,
-                      factor->scratch, factor->scale, factor->pivots};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(factor->entries, factor->work, factor->border, factor->solution, factor->scratch, factor->scale,
+                 factor->pivots);
     pel_free(factor);
 }
 
@@ -46,15 +45,12 @@ pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision p
         return pel_fail_memory(error);
     made->plan = plan;
     made->precision = precision;
-    made->entries = pel_allocate_aligned((size_t)plan->entry_count, number);
-    made->work = pel_allocate_aligned((size_t)plan->work_count, number);
-    made->border = pel_allocate_aligned((size_t)plan->border_count, number);
-    made->solution = pel_allocate_aligned((size_t)plan->unknown_count, number);
-    made->scratch = pel_allocate_aligned((size_t)plan->scratch_count, number);
-    made->scale = pel_allocate_aligned((size_t)plan->unknown_count, sizeof *made->scale);
-    made->pivots = pel_allocate((size_t)plan->task_count + 1, sizeof *made->pivots);
-    if (made->entries == NULL || made->work == NULL || made->border == NULL || made->solution == NULL ||
-        made->scratch == NULL || made->scale == NULL || made->pivots == NULL) {
+    if (!PEL_ALLOCATE_ALL(
+            PEL_ROOM_OF(made->entries, plan->entry_count, number), PEL_ROOM_OF(made->work, plan->work_count, number),
+            PEL_ROOM_OF(made->border, plan->border_count, number),
+            PEL_ROOM_OF(made->solution, plan->unknown_count, number),
+            PEL_ROOM_OF(made->scratch, plan->scratch_count, number), PEL_ROOM_ALIGNED(made->scale, plan->unknown_count),
+            PEL_ROOM(made->pivots, (size_t)plan->task_count + 1))) {
         pel_factor_destroy(made);
         pel_fail_memory(error);
         pel_fail_remedy(error,

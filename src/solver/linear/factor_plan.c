@@ -4,6 +4,7 @@
 #include "linear/factor_plan.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 #include "linear/order.h"
@@ -34,19 +35,15 @@ typedef struct planner {
 
 static void release_planner(planner *p)
 {
-    void *arrays[] = {p->position, p->border_node, p->border_first, p->work};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(p->position, p->border_node, p->border_first, p->work);
 }
 
 void pel_factor_plan_destroy(pel_factor_plan *plan)
 {
     if (plan == NULL)
         return;
-    void *arrays[] = {plan->fronts, plan->tasks,       plan->upper,         plan->runs,     plan->border_unknown,
-                      plan->order,  plan->pivot_start, plan->front_unknown, plan->block_row};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(plan->fronts, plan->tasks, plan->upper, plan->runs, plan->border_unknown, plan->order,
+                 plan->pivot_start, plan->front_unknown, plan->block_row);
     pel_free(plan);
 }
 
@@ -216,10 +213,8 @@ static pel_status create_fronts(planner *p, pel_error *error)
             p->pivots[front_count++] = i;
         }
     plan->front_count = front_count;
-    plan->fronts = pel_allocate((size_t)front_count, sizeof *plan->fronts);
-    p->border_first = pel_allocate((size_t)front_count + 1, sizeof *p->border_first);
-    p->work = pel_allocate((size_t)front_count, sizeof *p->work);
-    if (plan->fronts == NULL || p->border_first == NULL || p->work == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(plan->fronts, front_count), PEL_ROOM(p->border_first, (size_t)front_count + 1),
+                          PEL_ROOM(p->work, front_count)))
         return pel_fail_memory(error);
     /* parents of fronts by number: that of the last column (count is free now) */
     for (int32_t f = 0; f < front_count; f++) {
@@ -429,9 +424,7 @@ static pel_status choose_tasks(planner *p, pel_error *error)
     pel_factor_plan *plan = p->plan;
     double all = sum_work(p);
     /* subtrees grow in number with children that are opened: there is room for all */
-    plan->tasks = pel_allocate((size_t)plan->front_count, sizeof *plan->tasks);
-    plan->upper = pel_allocate((size_t)plan->front_count, sizeof *plan->upper);
-    if (plan->tasks == NULL || plan->upper == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(plan->tasks, plan->front_count), PEL_ROOM(plan->upper, plan->front_count)))
         return pel_fail_memory(error);
     for (int32_t f = 0; f < plan->front_count; f++)
         if (plan->fronts[f].parent < 0)
@@ -540,13 +533,9 @@ static pel_status allocate_planner(planner *p, pel_error *error)
     plan->node_count = m->node_count;
     plan->unknown_count = m->unknown_count;
     plan->block_count = m->block_count;
-    plan->order = pel_allocate(count, sizeof *plan->order);
-    plan->front_unknown = pel_allocate((size_t)m->unknown_count, sizeof *plan->front_unknown);
-    plan->pivot_start = pel_allocate(count + 1, sizeof *plan->pivot_start);
-    plan->block_row = pel_allocate((size_t)m->block_count, sizeof *plan->block_row);
-    p->position = pel_allocate(11 * count, sizeof *p->position);
-    if (plan->order == NULL || plan->front_unknown == NULL || plan->pivot_start == NULL || plan->block_row == NULL ||
-        p->position == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(plan->order, count), PEL_ROOM(plan->front_unknown, m->unknown_count),
+                          PEL_ROOM(plan->pivot_start, count + 1), PEL_ROOM(plan->block_row, m->block_count),
+                          PEL_ROOM(p->position, 11 * count)))
         return pel_fail_memory(error);
     int32_t **arrays[] = {&p->parent,   &p->count,  &p->mark,    &p->stack,       &p->place,
                           &p->front_of, &p->pivots, &p->borders, &p->first_child, &p->sibling};

@@ -1,6 +1,7 @@
 #include "linear/jacobi.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -19,9 +20,7 @@ void pel_jacobi_destroy(pel_jacobi *jacobi)
 {
     if (jacobi == NULL)
         return;
-    pel_free(jacobi->start);
-    pel_free(jacobi->inverses);
-    pel_free(jacobi);
+    PEL_FREE_ALL(jacobi->start, jacobi->inverses, jacobi);
 }
 
 pel_status pel_jacobi_create(const pel_matrix *matrix, pel_jacobi **jacobi, pel_error *error)

@@ -1,6 +1,7 @@
 #include "linear/matrix.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 
@@ -32,21 +33,16 @@ void pel_matrix_destroy(pel_matrix *matrix)
 {
     if (matrix == NULL)
         return;
-    void *arrays[] = {matrix->first_unknown, matrix->row_start,     matrix->column,        matrix->block_start,
-                      matrix->values,        matrix->element_start, matrix->element_place, matrix->element_node,
-                      matrix->node_start,    matrix->ordered,       matrix->group_start,   matrix->piece_start,
-                      matrix->color_start};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(matrix->first_unknown, matrix->row_start, matrix->column, matrix->block_start, matrix->values,
+                 matrix->element_start, matrix->element_place, matrix->element_node, matrix->node_start,
+                 matrix->ordered, matrix->group_start, matrix->piece_start, matrix->color_start);
     pel_free(matrix);
 }
 
 static void release_builder(builder *b)
 {
-    void *arrays[] = {b->use_start,  b->use_element,   b->use_corner, b->stamp, b->key,   b->sorted,
-                      b->meet_start, b->meet_coupling, b->piece,      b->used,  b->counts};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(b->use_start, b->use_element, b->use_corner, b->stamp, b->key, b->sorted, b->meet_start,
+                 b->meet_coupling, b->piece, b->used, b->counts);
 }
 
 static int32_t size_of(const pel_matrix *matrix, int32_t node)
@@ -129,27 +125,14 @@ static pel_status allocate_builder(builder *b, pel_error *error)
     size_t corners = elements > 0 ? (size_t)def->element_start[elements] : 0;
     m->node_count = def->node_count;
     m->element_count = def->element_count;
-    m->first_unknown = pel_allocate(nodes + 1, sizeof *m->first_unknown);
-    m->row_start = pel_allocate(nodes + 1, sizeof *m->row_start);
-    m->node_start = pel_allocate(elements + 1, sizeof *m->node_start);
-    m->element_start = pel_allocate(elements + 1, sizeof *m->element_start);
-    m->element_node = pel_allocate(corners, sizeof *m->element_node);
-    m->ordered = pel_allocate(elements, sizeof *m->ordered);
-    b->use_start = pel_allocate(nodes + 1, sizeof *b->use_start);
-    b->use_element = pel_allocate(corners, sizeof *b->use_element);
-    b->use_corner = pel_allocate(corners, sizeof *b->use_corner);
-    b->meet_start = pel_allocate(nodes + 1, sizeof *b->meet_start);
-    b->meet_coupling = pel_allocate(4 * (size_t)def->coupling_count, sizeof *b->meet_coupling);
-    b->stamp = pel_allocate(nodes, sizeof *b->stamp);
-    b->key = pel_allocate(elements, sizeof *b->key);
-    b->sorted = pel_allocate(elements, sizeof *b->sorted);
-    b->piece = pel_allocate(elements + 1, sizeof *b->piece);
-    b->used = pel_allocate(nodes, sizeof *b->used);
-    b->counts = pel_allocate(nodes + elements + CLASS_COUNT + 1, sizeof *b->counts);
-    if (m->first_unknown == NULL || m->row_start == NULL || m->node_start == NULL || m->element_start == NULL ||
-        m->element_node == NULL || m->ordered == NULL || b->use_start == NULL || b->use_element == NULL ||
-        b->use_corner == NULL || b->meet_start == NULL || b->meet_coupling == NULL || b->stamp == NULL ||
-        b->key == NULL || b->sorted == NULL || b->piece == NULL || b->used == NULL || b->counts == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(m->first_unknown, nodes + 1), PEL_ROOM(m->row_start, nodes + 1),
+                          PEL_ROOM(m->node_start, elements + 1), PEL_ROOM(m->element_start, elements + 1),
+                          PEL_ROOM(m->element_node, corners), PEL_ROOM(m->ordered, elements),
+                          PEL_ROOM(b->use_start, nodes + 1), PEL_ROOM(b->use_element, corners),
+                          PEL_ROOM(b->use_corner, corners), PEL_ROOM(b->meet_start, nodes + 1),
+                          PEL_ROOM(b->meet_coupling, 4 * (size_t)def->coupling_count), PEL_ROOM(b->stamp, nodes),
+                          PEL_ROOM(b->key, elements), PEL_ROOM(b->sorted, elements), PEL_ROOM(b->piece, elements + 1),
+                          PEL_ROOM(b->used, nodes), PEL_ROOM(b->counts, nodes + elements + CLASS_COUNT + 1)))
         return pel_fail_memory(error);
     return PEL_OK;
 }
@@ -244,10 +227,8 @@ static pel_status build_rows(builder *b, pel_error *error)
         m->row_start[i + 1] = (int32_t)block_count;
     }
     m->block_count = (int32_t)block_count;
-    m->column = pel_allocate((size_t)block_count, sizeof *m->column);
-    m->block_start = pel_allocate((size_t)block_count + 1, sizeof *m->block_start);
-    m->element_place = pel_allocate((size_t)m->element_start[m->element_count], sizeof *m->element_place);
-    if (m->column == NULL || m->block_start == NULL || m->element_place == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(m->column, block_count), PEL_ROOM(m->block_start, (size_t)block_count + 1),
+                          PEL_ROOM(m->element_place, m->element_start[m->element_count])))
         return pel_fail_memory(error);
     int64_t values = 0;
     for (int32_t i = 0; i < m->node_count; i++) {
@@ -359,10 +340,9 @@ static pel_status group_elements(builder *b, pel_error *error)
     while (color_round(b, m->piece_count, colors) > 0)
         ;
     sort_by_key(NULL, m->piece_count, colors, m->color_count, b->counts, order);
-    m->color_start = pel_allocate((size_t)m->color_count + 1, sizeof *m->color_start);
-    m->piece_start = pel_allocate((size_t)m->piece_count + 1, sizeof *m->piece_start);
-    m->group_start = pel_allocate((size_t)m->element_count + 1, sizeof *m->group_start);
-    if (m->color_start == NULL || m->piece_start == NULL || m->group_start == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(m->color_start, (size_t)m->color_count + 1),
+                          PEL_ROOM(m->piece_start, (size_t)m->piece_count + 1),
+                          PEL_ROOM(m->group_start, (size_t)m->element_count + 1)))
         return pel_fail_memory(error);
     int32_t count = 0;
     for (int32_t k = 0; k < m->piece_count; k++) {

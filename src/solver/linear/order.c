@@ -1,6 +1,7 @@
 #include "linear/order.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 
@@ -406,8 +407,6 @@ pel_status pel_vertex_order_nodes(const pel_matrix *matrix, const double (*coord
             order[i] = i;
         dissect(&d, 0, matrix->node_count);
     }
-    pel_free(d.ranks);
-    pel_free(d.side);
-    pel_free(numbers);
+    PEL_FREE_ALL(d.ranks, d.side, numbers);
     return has_memory ? PEL_OK : pel_fail_memory(error);
 }

@@ -1,6 +1,7 @@
 #include "linear/pcg.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -21,9 +22,7 @@ void pel_pcg_destroy(pel_pcg *pcg)
 {
     if (pcg == NULL)
         return;
-    pel_free(pcg->residual);
-    pel_free(pcg->sums);
-    pel_free(pcg);
+    PEL_FREE_ALL(pcg->residual, pcg->sums, pcg);
 }
 
 pel_status pel_pcg_create(int32_t unknown_count, pel_pcg **pcg, pel_error *error)
@@ -36,9 +35,7 @@ pel_status pel_pcg_create(int32_t unknown_count, pel_pcg **pcg, pel_error *error
     size_t stride = ((size_t)unknown_count + 7) / 8 * 8;
     made->unknown_count = unknown_count;
     made->chunk_count = (unknown_count + CHUNK - 1) / CHUNK;
-    made->residual = pel_allocate_aligned(5 * stride, sizeof *made->residual);
-    made->sums = pel_allocate((size_t)made->chunk_count, sizeof *made->sums);
-    if (made->residual == NULL || made->sums == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->residual, 5 * stride), PEL_ROOM(made->sums, made->chunk_count))) {
         pel_pcg_destroy(made);
         return pel_fail_memory(error);
     }

@@ -1,6 +1,7 @@
 #include "solve/descent.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -43,15 +44,11 @@ pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_e
         return pel_fail_memory(error);
     size_t size = 3 * (size_t)vertex_count;
     made->vertex_count = vertex_count;
-    made->movable = pel_allocate((size_t)vertex_count, sizeof *made->movable);
-    double **vectors[] = {&made->x,         &made->gradient, &made->trial,    &made->trial_gradient,
-                          &made->direction, &made->spread,   &made->position, &made->force};
-    bool room = made->movable != NULL;
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        room &= (*vectors[i] = pel_allocate(size, sizeof **vectors[i])) != NULL;
-    made->step_pairs = pel_allocate(PAIR_COUNT * size, sizeof *made->step_pairs);
-    made->gradient_pairs = pel_allocate(PAIR_COUNT * size, sizeof *made->gradient_pairs);
-    if (!room || made->step_pairs == NULL || made->gradient_pairs == NULL) {
+    if (!PEL_ALLOCATE_ALL(
+            PEL_ROOM(made->movable, vertex_count), PEL_ROOM(made->x, size), PEL_ROOM(made->gradient, size),
+            PEL_ROOM(made->trial, size), PEL_ROOM(made->trial_gradient, size), PEL_ROOM(made->direction, size),
+            PEL_ROOM(made->spread, size), PEL_ROOM(made->position, size), PEL_ROOM(made->force, size),
+            PEL_ROOM(made->step_pairs, PAIR_COUNT * size), PEL_ROOM(made->gradient_pairs, PAIR_COUNT * size))) {
         pel_descent_destroy(made);
         return pel_fail_memory(error);
     }
@@ -63,11 +60,9 @@ void pel_descent_destroy(pel_descent *descent)
 {
     if (descent == NULL)
         return;
-    void *arrays[] = {descent->x,         descent->gradient,   descent->trial,          descent->trial_gradient,
-                      descent->direction, descent->step_pairs, descent->gradient_pairs, descent->position,
-                      descent->force,     descent->movable,    descent->spread};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(descent->x, descent->gradient, descent->trial, descent->trial_gradient, descent->direction,
+                 descent->step_pairs, descent->gradient_pairs, descent->position, descent->force, descent->movable,
+                 descent->spread);
     pel_free(descent);
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/lane.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "linear/eigen.h"
 #include "linear/pcg.h"
@@ -57,16 +58,11 @@ pel_status pel_modes_create(pel_newton *newton, pel_analysis analysis, int32_t c
     made->system = pel_newton_system_of(newton);
     made->pattern = pel_newton_pattern(newton);
     size_t unknowns = (size_t)made->pattern->unknown_count;
-    made->masses = pel_allocate(unknowns, sizeof *made->masses);
-    made->right = pel_allocate(unknowns, sizeof *made->right);
-    made->stresses = pel_allocate((size_t)made->pattern->stress_count + 1, sizeof *made->stresses);
-    made->values = pel_allocate((size_t)count, sizeof *made->values);
-    made->vectors = pel_allocate((size_t)count * unknowns, sizeof *made->vectors);
-    made->fixed = pel_allocate(unknowns, 1);
-    made->frame =
-        pel_allocate((size_t)made->pattern->vertex_count + (size_t)made->pattern->edge_count, sizeof *made->frame);
-    bool room = made->frame != NULL && made->fixed != NULL && made->masses != NULL && made->right != NULL &&
-                made->stresses != NULL && made->values != NULL && made->vectors != NULL;
+    bool room = PEL_ALLOCATE_ALL(
+        PEL_ROOM(made->masses, unknowns), PEL_ROOM(made->right, unknowns),
+        PEL_ROOM(made->stresses, (size_t)made->pattern->stress_count + 1), PEL_ROOM(made->values, count),
+        PEL_ROOM(made->vectors, (size_t)count * unknowns), PEL_ROOM(made->fixed, unknowns),
+        PEL_ROOM(made->frame, (size_t)made->pattern->vertex_count + (size_t)made->pattern->edge_count));
     pel_status status = room ? PEL_OK : pel_fail_memory(error);
     if (status == PEL_OK && analysis == PEL_ANALYSIS_BUCKLING)
         status = pel_newton_create_matrix(newton, &made->geometric, error);

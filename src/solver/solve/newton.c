@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
 
@@ -227,14 +228,11 @@ void pel_newton_destroy(pel_newton *newton)
     destroy_system(newton);
     pel_newton_space_destroy(newton->space);
     pel_tangent_destroy(newton->tangent);
-    void *arrays[] = {
-        newton->gradient,    newton->right,  newton->step,        newton->start, newton->masses, newton->start_gradient,
-        newton->stresses,    newton->fixed,  newton->walked,      newton->move,  newton->frame,  newton->path,
-        newton->load,        newton->answer, newton->balance,     newton->way,   newton->begin,  newton->part_start,
-        newton->part_walked, newton->best,   newton->best_walked, newton->first, newton->left,   newton->product,
-        newton->sum,         newton->plain,  newton->coupled};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(newton->gradient, newton->right, newton->step, newton->start, newton->masses, newton->start_gradient,
+                 newton->stresses, newton->fixed, newton->walked, newton->move, newton->frame, newton->path,
+                 newton->load, newton->answer, newton->balance, newton->way, newton->begin, newton->part_start,
+                 newton->part_walked, newton->best, newton->best_walked, newton->first, newton->left, newton->product,
+                 newton->sum, newton->plain, newton->coupled);
     pel_free(newton);
 }
 

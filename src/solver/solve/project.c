@@ -1,6 +1,7 @@
 #include "solve/project.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
 #include "math/functions.h"
@@ -70,10 +71,8 @@ void pel_projector_destroy(pel_projector *projector)
 {
     if (projector == NULL)
         return;
-    void *arrays[] = {projector->base,     projector->older_position, projector->older_velocity,
-                      projector->reaction, projector->is_fixed,       projector->touches};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(projector->base, projector->older_position, projector->older_velocity, projector->reaction,
+                 projector->is_fixed, projector->touches);
     pel_free(projector);
 }
 
@@ -410,9 +409,7 @@ pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *e
     size_t count = (size_t)projector->model->vertex_count;
     if (projector->reaction != NULL)
         return PEL_OK;
-    projector->reaction = pel_allocate_aligned(count, sizeof *projector->reaction);
-    projector->is_fixed = pel_allocate(count, sizeof *projector->is_fixed);
-    bool made = projector->reaction != NULL && projector->is_fixed != NULL;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(projector->reaction, count), PEL_ROOM(projector->is_fixed, count));
     for (int32_t b = 0; b < projector->model->body_count; b++)
         for (int32_t i = 0; made && i < projector->batches->bodies[b].batch_count; i++)
             made = !projector->batches->bodies[b].batches[i].is_projected ||

@@ -1,6 +1,7 @@
 #include "solve/relax.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/body_force.h"
 
@@ -21,14 +22,10 @@ pel_status pel_relax_create(const pel_refined_model *active, pel_relax **relax, 
         return pel_fail_memory(error);
     made->active = active;
     made->revision = -1;
-    made->slices = pel_allocate(slices, sizeof *made->slices);
-    made->slice_begin = pel_allocate((size_t)model->body_count + 1, sizeof *made->slice_begin);
-    made->border = pel_allocate(vertices, sizeof *made->border);
-    made->is_border = pel_allocate(vertices, sizeof *made->is_border);
-    made->stage = pel_allocate_aligned(vertices, sizeof *made->stage);
-    made->inside = pel_allocate((size_t)pel_slice_chunk_count(0, model->slice_count), sizeof *made->inside);
-    if (made->slices == NULL || made->slice_begin == NULL || made->border == NULL || made->is_border == NULL ||
-        made->stage == NULL || made->inside == NULL) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->slices, slices), PEL_ROOM(made->slice_begin, (size_t)model->body_count + 1),
+                          PEL_ROOM(made->border, vertices), PEL_ROOM(made->is_border, vertices),
+                          PEL_ROOM_ALIGNED(made->stage, vertices),
+                          PEL_ROOM(made->inside, pel_slice_chunk_count(0, model->slice_count)))) {
         pel_relax_destroy(made);
         return pel_fail_memory(error);
     }
@@ -40,13 +37,8 @@ void pel_relax_destroy(pel_relax *relax)
 {
     if (relax == NULL)
         return;
-    pel_free(relax->slices);
-    pel_free(relax->slice_begin);
-    pel_free(relax->border);
-    pel_free(relax->is_border);
-    pel_free(relax->stage);
-    pel_free(relax->inside);
-    pel_free(relax);
+    PEL_FREE_ALL(relax->slices, relax->slice_begin, relax->border, relax->is_border, relax->stage, relax->inside,
+                 relax);
 }
 
 static void list_slices(pel_relax *relax)

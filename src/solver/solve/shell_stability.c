@@ -1,6 +1,7 @@
 #include "solve/shell_stability.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "force/body_force.h"
 
@@ -116,9 +117,6 @@ pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *s
         /* the quotient comes from below */
         stability->stiffness = fmin(MARGIN * value, stability->stiffness_bound);
     }
-    pel_free(product);
-    pel_free(at.mode);
-    pel_free(at.force);
-    pel_free(at.moved);
+    PEL_FREE_ALL(product, at.mode, at.force, at.moved);
     return status;
 }

@@ -268,20 +268,16 @@ static double largest_product(double h[STRAIN_COUNT][STRAIN_COUNT], double g[STR
 static void add_membrane(const pel_model *model, const pel_shell *shell, const pel_record *positions,
                          const pel_softness_scratch *scratch)
 {
-    pel_membrane_material material = shell->material;
     for (int32_t t = 0; t < shell->triangle_count && shell->has_membrane; t++) {
         const int32_t *corners = shell->corners[t];
         const pel_rest_triangle rest = pel_shell_rest(shell, t);
-        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
         double x[3][3], f[6], r[6], modes[STRAIN_COUNT][6];
         double h[STRAIN_COUNT][STRAIN_COUNT], g[STRAIN_COUNT][STRAIN_COUNT];
         pel_load_points(positions, corners, 3, x);
         pel_deformation_gradient(&rest, (const double(*)[3])x, f);
         if (!(rest.area > 0) || !find_rotation(f, r))
             continue;
-        material.young = sheet.young;
-        material.thickness = sheet.thickness;
-        pel_membrane_law law = pel_membrane_law_of(&material);
+        const pel_membrane_law law = pel_shell_law(shell, t);
         find_modes(r, modes);
         find_tangent(&law, f, modes, h);
         find_mobility(model, corners, &rest, g);
@@ -296,13 +292,13 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
                              const pel_bending_isometric *isometric, const pel_record *positions)
 {
     double x[4][3], gradient[4][3] = {{0}}, sum = 0;
-    if (shell->bending == PEL_BENDING_HINGE) {
+    if (shell->bending->is_angle) {
         pel_load_points(positions, hinge->vertices, 4, x);
         pel_dihedral_angle((const double(*)[3])x, gradient);
     }
     for (int k = 0; k < 4; k++) {
         double weight = isometric->weight[k];
-        double square = shell->bending == PEL_BENDING_HINGE ? pel_vec3_squared_length(gradient[k]) : weight * weight;
+        double square = shell->bending->is_angle ? pel_vec3_squared_length(gradient[k]) : weight * weight;
         sum += (double)model->inverse_mass[hinge->vertices[k]] * square;
     }
     return sum;
@@ -312,7 +308,7 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
 static void add_bending(const pel_model *model, const pel_shell *shell, const pel_record *positions,
                         const pel_softness_scratch *scratch)
 {
-    bool is_angle = shell->bending == PEL_BENDING_HINGE;
+    bool is_angle = shell->bending->is_angle;
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         const pel_bending_isometric isometric = pel_shell_isometric(model->rest, &hinge);
