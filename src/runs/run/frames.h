@@ -39,8 +39,8 @@ typedef struct pel_run_frame {
     double time;           /* s */
     pel_run_totals totals; /* before it; frame_count is its number */
     /* null when one thread does everything */
-    double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */
-    void *snapshot;     /* (snapshot_size) of the simulation */
+    double *tool_force;      /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */
+    unsigned char *snapshot; /* (snapshot_size) of the simulation */
 } pel_run_frame;
 
 /* While a frame is under way everything here belongs to the thread that writes. */
