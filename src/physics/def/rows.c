@@ -1,4 +1,5 @@
 #include "def/row_words.h"
+#include "geom/solid.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
 
@@ -64,9 +65,9 @@ CONDITION(is_active, pel_anisotropy_def, def->mode == PEL_FIBRE_ACTIVE)
 CONDITION(curls, pel_anisotropy_def, def->mode == PEL_FIBRE_CURL)
 CONDITION(has_fibres, pel_anisotropy_def, def->mode != PEL_FIBRE_CURL)
 CONDITION(has_foundation, pel_support_def, def->foundation > 0)
-CONDITION(is_capsule, pel_tool_def, def->shape == PEL_TOOL_CAPSULE)
-CONDITION(is_round, pel_tool_def, def->shape == PEL_TOOL_SPHERE || is_capsule(def))
-CONDITION(is_box, pel_tool_def, def->shape == PEL_TOOL_BOX)
+CONDITION(has_radius, pel_tool_def, pel_solid_rows[def->shape].has_radius)
+CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
+CONDITION(has_size, pel_tool_def, pel_solid_rows[def->shape].has_size)
 CONDITION(is_instrument, pel_tool_def, def->shape != PEL_TOOL_SUPPORT)
 CONDITION(grasps, pel_tool_def, def->grasp)
 CONDITION(is_enabled, pel_contact_def, def->enabled)
@@ -342,18 +343,18 @@ static const pel_def_row rows[] = {
      .doc = "rigid instruments that press and grasp; the force on each is reported"},
     {"tools[]", MAP, .doc = "one tool"},
     {"tools[].name", OF(TOOL, pel_tool_def, name, NONE), NAME, .preset = "tool#", .doc = "name in outputs"},
-    {"tools[].shape", TOOL(shape), FIXED, WORD("sphere", "capsule", "box"), ALTERNATIVE,
+    {"tools[].shape", TOOL(shape), FIXED, .forms = PEL_FORM_WORD, ALTERNATIVE,
      .doc = "shape of the tool; its dimensions are further keys of the tool"},
     {"tools[].mesh", TOOL(mesh), MAP, ALTERNATIVE, .like = "<mesh>",
      .doc = "the tool's surface about its center, open or closed; needs `contact`"},
     {"tools[].radius", TOOL(radius), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere", REQUIRED,
-     WHEN(is_round), .doc = "radius of the sphere"},
+     WHEN(has_radius), .doc = "radius of the sphere"},
     {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule", REQUIRED,
      .doc = "radius of the capsule"},
     {"tools[].length", TOOL(half_length), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule",
-     REQUIRED, FACTOR(2), WHEN(is_capsule), .doc = "distance of the centers of the caps, along the tool's z axis"},
+     REQUIRED, FACTOR(2), WHEN(has_length), .doc = "distance of the centers of the caps, along the tool's z axis"},
     {"tools[].size", TOOL(half_extents), VECTOR, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "box", REQUIRED,
-     FACTOR(2), WHEN(is_box), .doc = "full lengths of the box along the tool's axes"},
+     FACTOR(2), WHEN(has_size), .doc = "full lengths of the box along the tool's axes"},
     {"tools[].body", TOOL(body), .initial = -1, TEXT, .doc = "the only body that the tool acts on; default: all"},
     {"tools[].friction", TOOL(friction), NUMBER, AT_LEAST(0), AUTO(-1), WHEN(is_instrument),
      .doc = "Coulomb's coefficient of the tool; default: that of `contact`"},

@@ -1,6 +1,7 @@
+#include "scene/build.h"
+
 #include "base/number.h"
 #include "observe/field.h"
-#include "scene/build.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
 #include "scene/table.h"

@@ -1,6 +1,7 @@
 #include "scene/table.h"
 
 #include "def/row_words.h"
+#include "geom/solid.h"
 #include "pellicle/preset.h"
 #include "pellicle/scene.h"
 #include "scene/shape_rows.h"
@@ -101,6 +102,16 @@ static const pel_def_row last_rows[] = {
     {"<region>.nearest", VECTOR, .unit = "m", ALTERNATIVE, .doc = "the one vertex nearest to this point"},
 };
 
+/* the shapes of tools, or the solids among them; null when out of memory */
+static const char *const *shape_words(pel_arena *arena, bool of_solids)
+{
+    const char **words = pel_arena_take(arena, PEL_TOOL_SHAPE_COUNT + 1, sizeof *words);
+    for (int i = 0, count = 0; words != NULL && i < PEL_TOOL_SHAPE_COUNT; i++)
+        if (!of_solids || pel_solid_rows[i].distance != NULL)
+            words[count++] = pel_solid_rows[i].word;
+    return (const char *const *)words;
+}
+
 /* names of the materials; null when out of memory */
 static const char *const *preset_words(pel_arena *arena)
 {
@@ -168,6 +179,11 @@ static void add_row(row_list *list, const pel_def_row *row)
     *made = *row;
     if (strcmp(row->path, "bodies[].membrane.preset") == 0)
         list->failed |= (made->words = preset_words(list->arena)) == NULL;
+    if (strcmp(row->path, "tools[].shape") == 0) {
+        made->words = shape_words(list->arena, true);
+        made->values = shape_words(list->arena, false);
+        list->failed |= made->words == NULL || made->values == NULL;
+    }
     if (strcmp(row->path, "<mesh>.shape") != 0)
         return;
     made->words = pel_scene_shape_words(list->arena);

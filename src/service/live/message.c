@@ -1,7 +1,10 @@
 #include "live/message.h"
 
 #include "base/memory.h"
+#include "geom/solid.h"
 #include "io/json.h"
+#include "math/bounds.h"
+#include "mesh/figures.h"
 #include "pellicle/observe.h"
 #include "scene/word_mesh.h"
 
@@ -63,12 +66,6 @@ static unsigned char *text_message(pel_json *json, size_t *size)
 
 /* ---- hello ---- */
 
-static const char *shape_name(pel_tool_shape shape)
-{
-    static const char *const names[] = {"sphere", "capsule", "box", "mesh", "support"};
-    return names[shape];
-}
-
 static void put_mesh(pel_json *json, const pel_mesh *mesh)
 {
     put_key(json, "positions");
@@ -88,7 +85,7 @@ static void put_tools(pel_json *json, const pel_scene *scene)
         const pel_tool_def *tool = &scene->sim.tools[t];
         next_element(json, t == 0);
         put_string(json, "name", tool->name);
-        put_string(json, "shape", shape_name(tool->shape));
+        put_string(json, "shape", pel_solid_rows[tool->shape].word);
         put_number(json, "radius", tool->radius);
         put_number(json, "half_length", tool->half_length);
         put_numbers(json, "half_extents", tool->half_extents, 3);
@@ -133,21 +130,13 @@ static void put_fields(pel_json *json)
     pel_json_print(json, "]");
 }
 
-static void enclose(const pel_mesh *mesh, double low[3], double high[3])
-{
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
-}
-
 /* the box about all bodies at rest */
 static void put_box(pel_json *json, const pel_model_def *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
     for (int32_t b = 0; b < model->body_count; b++)
-        enclose(model->bodies[b].mesh, low, high);
+        pel_mesh_add_box(model->bodies[b].mesh, low, high);
     put_numbers(json, "low", low, 3);
     put_numbers(json, "high", high, 3);
 }
@@ -187,9 +176,8 @@ static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
     double most = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const char *name = scene->model.bodies[b].name;
-        double springs = 0, home = 0, low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
-               high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-        enclose(scene->model.bodies[b].mesh, low, high);
+        double springs = 0, home = 0, low[3], high[3];
+        pel_mesh_box(scene->model.bodies[b].mesh, low, high);
         double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
         double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
                           sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
@@ -319,7 +307,7 @@ static void put_hand(pel_json *json, const pel_session *session)
     put_key(json, "hand");
     pel_json_print(json, "{");
     put_string(json, "kind", kinds[hand.kind]);
-    put_string(json, "shape", shape_name(hand.shape));
+    put_string(json, "shape", pel_solid_rows[hand.shape].word);
     put_number(json, "radius", hand.radius);
     put_numbers(json, "point", hand.point, 3);
     put_numbers(json, "rotation", hand.rotation, 4);
