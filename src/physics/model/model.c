@@ -22,21 +22,9 @@ enum { BODY_COOKIE = 0x626f6479, MODEL_COOKIE = 0x6d6f6465 };
 
 pel_body_def pel_body_def_default(void)
 {
-    return (pel_body_def){
-        .mass_kind = PEL_MASS_PER_VERTEX,
-        .mass = 1,
-        .spring_stiffness = {.value = 3},
-        .spring_damping = {.value = 0.5},
-        .volumetric_stiffness = {.value = 1.5},
-        .volumetric_damping = {.value = 0.5},
-        .reference_count = 252,
-        .friction = -1,
-        .restitution = -1,
-        .contact_thickness = -1,
-        .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
-        .shell = pel_shell_def_default(),
-        .cookie = BODY_COOKIE,
-    };
+    pel_body_def def = {.refine = {.memory_limit = (size_t)2 << 30}, .cookie = BODY_COOKIE};
+    pel_def_reset(PEL_DEF_BODY, &def);
+    return def;
 }
 
 pel_model_def pel_model_def_default(void)
@@ -508,7 +496,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
 static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
 {
     model->def = *def;
-    pel_status status = pel_def_copy(&model->copies, pel_model_members, &model->def, error);
+    pel_status status = pel_def_copy(&model->copies, PEL_DEF_MODEL, &model->def, error);
     /* the bodies are a copy of this model: it may write to them */
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
@@ -533,7 +521,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     } else {
         made->body_count = def->body_count;
         memcpy(made->gravity, def->gravity, sizeof made->gravity);
-        pel_fingerprint_add(&made->fingerprint, pel_model_members, def);
+        pel_fingerprint_add(&made->fingerprint, PEL_DEF_MODEL, def);
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);

@@ -8,8 +8,8 @@
 #define PEL_MODEL_MODEL_H
 
 #include "base/wide.h"
-#include "model/def_copy.h"
-#include "model/fingerprint.h"
+#include "def/copy.h"
+#include "def/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
 

@@ -15,23 +15,14 @@
 
 pel_shell_def pel_shell_def_default(void)
 {
-    return (pel_shell_def){
-        .membrane =
-            {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2, .extension_limit = 50, .stiffening = 10},
-        .bending = {.weight = 0.01, .stiffness = {.value = -1}},
-        .pressure = {.gamma = 1.4, .target = {.value = 1}},
-    };
+    return pel_body_def_default().shell;
 }
 
 pel_anisotropy_def pel_anisotropy_def_default(void)
 {
-    return (pel_anisotropy_def){
-        .stiffness = 1,
-        .max_step = 0.05,
-        .rest_length = {.value = 1},
-        .curvature = -1,
-        .axis = {0, 0, 1},
-    };
+    pel_anisotropy_def def = {.axis = {0, 0, 1}};
+    pel_def_reset(PEL_DEF_FIBRES, &def);
+    return def;
 }
 
 /* whether a def switches anything on */

@@ -5,8 +5,8 @@
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
+#include "law/bending_model.h"
 #include "law/membrane.h"
-#include "model/bending_model.h"
 #include "model/model.h"
 #include "pellicle/element.h"
 

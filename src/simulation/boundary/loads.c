@@ -13,7 +13,9 @@
 
 pel_load_def pel_load_def_default(void)
 {
-    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)HUGE_VAL};
+    pel_load_def def = {0};
+    pel_def_reset(PEL_DEF_LOAD, &def);
+    return def;
 }
 
 static bool is_finite3(const double a[3])

@@ -13,13 +13,9 @@
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE,
-                          .body = -1,
-                          .press = true,
-                          .friction = -1,
-                          .restitution = -1,
-                          .thickness = -1,
-                          .grasp_until = (double)HUGE_VAL};
+    pel_tool_def def = {0};
+    pel_def_reset(PEL_DEF_TOOL, &def);
+    return def;
 }
 
 /* ---- checks ---- */

@@ -1,9 +1,9 @@
-/* Deep copies of defs, by the tables of their members: the defs of a model and a simulation, for callers that change a
+/* Deep copies of defs, by the table of members: the defs of a model and a simulation, for callers that change a
    part and create them again. */
-#ifndef PEL_MODEL_DEF_COPY_H
-#define PEL_MODEL_DEF_COPY_H
+#ifndef PEL_DEF_COPY_H
+#define PEL_DEF_COPY_H
 
-#include "model/fingerprint.h"
+#include "def/row.h"
 
 /* owns the arrays of copied defs */
 typedef struct pel_copies {
@@ -18,6 +18,6 @@ void pel_copies_free(pel_copies *copies);
 
 /* Replaces pointers of a def that was copied as a struct by pointers to copies, except meshes. PEL_OUT_OF_MEMORY: the
    def is unusable then. */
-pel_status pel_def_copy(pel_copies *copies, const pel_member *members, void *def, pel_error *error);
+pel_status pel_def_copy(pel_copies *copies, pel_def_kind kind, void *def, pel_error *error);
 
 #endif

@@ -2,7 +2,7 @@
 #include "shell_fixture.h"
 
 #include "force/shell_body.h"
-#include "model/bending_model.h"
+#include "law/bending_model.h"
 #include "model/shell.h"
 
 #include <string.h>

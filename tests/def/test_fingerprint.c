@@ -2,7 +2,7 @@
    other. */
 #include "check.h"
 
-#include "model/fingerprint.h"
+#include "def/fingerprint.h"
 
 #include <stdlib.h>
 
@@ -89,8 +89,8 @@ static all_defs *make_defs(void)
 static pel_fingerprint fingerprint_of(const all_defs *all)
 {
     pel_fingerprint made = {{0}};
-    pel_fingerprint_add(&made, pel_model_members, &all->model);
-    pel_fingerprint_add(&made, pel_sim_members, &all->sim);
+    pel_fingerprint_add(&made, PEL_DEF_MODEL, &all->model);
+    pel_fingerprint_add(&made, PEL_DEF_SIM, &all->sim);
     return made;
 }
 
@@ -129,49 +129,85 @@ static void change_bytes(walk *w, pel_part part, void *data, size_t size, bool i
     }
 }
 
-static void change_members(walk *w, const pel_member *members, char *def, pel_part outer);
+static void change_members(walk *w, pel_def_kind kind, char *def);
 
-static void change_behind(walk *w, const pel_member *member, char *def, pel_part part)
+/* a pointer becomes null; nothing else can be without a mesh */
+static char *change_pointer(walk *w, pel_part part, void *at, bool is_shared)
 {
     char *pointer, *none = NULL;
-    int32_t count = 0, fewer;
-    memcpy(&pointer, def + member->offset, sizeof pointer);
+    memcpy(&pointer, at, sizeof pointer);
     assert_non_null(pointer);
-    memcpy(def + member->offset, &none, sizeof none);
-    /* nothing else can be without a mesh */
-    if (member->form != PEL_MEMBER_MESH || part != PEL_PART_MESH)
-        check_seen(w, part, member->members != NULL);
-    memcpy(def + member->offset, &pointer, sizeof pointer);
-    if (member->form == PEL_MEMBER_LIST) {
-        memcpy(&count, def + member->count_offset, sizeof count);
-        fewer = count - 1;
-        memcpy(def + member->count_offset, &fewer, sizeof fewer);
-        check_seen(w, part, true);
-        memcpy(def + member->count_offset, &count, sizeof count);
-    }
-    if (member->form == PEL_MEMBER_MESH) {
-        change_bytes(w, part, w->all->positions, sizeof w->all->positions, true);
-        change_bytes(w, part, w->all->triangles, sizeof w->all->triangles, true);
-    } else if (member->form == PEL_MEMBER_FIELD) {
-        change_bytes(w, part, pointer, sizeof w->all->field, true);
-    } else if (member->members == NULL) {
-        change_bytes(w, part, pointer, (size_t)count * member->size, true);
-    }
-    for (int32_t i = 0; member->members != NULL && i < count; i++)
-        change_members(w, member->members, pointer + (size_t)i * member->size, part);
+    memcpy(at, &none, sizeof none);
+    if (part != PEL_PART_MESH || is_shared)
+        check_seen(w, part, is_shared);
+    memcpy(at, &pointer, sizeof pointer);
+    return pointer;
 }
 
-static void change_members(walk *w, const pel_member *members, char *def, pel_part outer)
+static void change_list(walk *w, pel_part part, void *at, int32_t *count, size_t size)
 {
-    for (const pel_member *member = members; member->form != PEL_MEMBER_END; member++) {
-        pel_part part = member->part == PEL_PART_SAME ? outer : member->part;
-        if (member->form == PEL_MEMBER_PLAIN)
-            change_bytes(w, part, def + member->offset, member->size, false);
-        else if (member->form == PEL_MEMBER_DEF)
-            change_members(w, member->members, def + member->offset, part);
-        else if (member->form != PEL_MEMBER_OTHER && member->form != PEL_MEMBER_TEXT)
-            change_behind(w, member, def, part);
+    char *list = change_pointer(w, part, at, false);
+    --*count;
+    check_seen(w, part, true);
+    ++*count;
+    change_bytes(w, part, list, (size_t)*count * size, true);
+}
+
+static void change_quantity(walk *w, pel_part part, pel_quantity *quantity)
+{
+    change_bytes(w, part, &quantity->value, sizeof quantity->value, false);
+    change_bytes(w, part, change_pointer(w, part, &quantity->field, false), sizeof w->all->field, true);
+    change_list(w, part, &quantity->keys, &quantity->key_count, sizeof(pel_key));
+}
+
+static void change_defs(walk *w, const pel_def_row *row, char *def)
+{
+    char *defs = change_pointer(w, row->part, def + row->offset, true);
+    int32_t *count = (int32_t *)(void *)(def + row->count_offset);
+    --*count;
+    check_seen(w, row->part, true);
+    ++*count;
+    for (int32_t i = 0; i < *count; i++)
+        change_members(w, row->element, defs + (size_t)i * row->size);
+}
+
+static void change_member(walk *w, const pel_def_row *row, char *def)
+{
+    void *at = def + row->offset;
+    switch (row->store) {
+    case PEL_STORE_QUANTITY:
+        change_quantity(w, row->part, at);
+        break;
+    case PEL_STORE_KEYS:
+    case PEL_STORE_LIST:
+        change_list(w, row->part, at, (int32_t *)(void *)(def + row->count_offset), row->size);
+        break;
+    case PEL_STORE_FIELD:
+        change_bytes(w, row->part, change_pointer(w, row->part, at, false), sizeof w->all->field, true);
+        break;
+    case PEL_STORE_MESH:
+        change_pointer(w, row->part, at, false);
+        change_bytes(w, row->part, w->all->positions, sizeof w->all->positions, true);
+        change_bytes(w, row->part, w->all->triangles, sizeof w->all->triangles, true);
+        break;
+    case PEL_STORE_DEF:
+        change_members(w, row->element, at);
+        break;
+    case PEL_STORE_DEFS:
+        change_defs(w, row, def);
+        break;
+    default:
+        change_bytes(w, row->part, at, row->size, false);
     }
+}
+
+static void change_members(walk *w, pel_def_kind kind, char *def)
+{
+    const pel_def_row *members[PEL_MOST_MEMBERS];
+    int32_t count = pel_def_members(kind, members);
+    for (int32_t i = 0; i < count; i++)
+        if (members[i]->part != PEL_PART_NONE)
+            change_member(w, members[i], def);
 }
 
 static void test_every_member(void **unused)
@@ -179,8 +215,8 @@ static void test_every_member(void **unused)
     (void)unused;
     all_defs *all = make_defs();
     walk w = {.all = all, .before = fingerprint_of(all)};
-    change_members(&w, pel_model_members, (char *)&all->model, PEL_PART_COUNT);
-    change_members(&w, pel_sim_members, (char *)&all->sim, PEL_PART_COUNT);
+    change_members(&w, PEL_DEF_MODEL, (char *)&all->model);
+    change_members(&w, PEL_DEF_SIM, (char *)&all->sim);
     assert_true(w.changes > 3000);
     pel_fingerprint after = fingerprint_of(all);
     assert_memory_equal(&after, &w.before, sizeof after);

@@ -1,7 +1,8 @@
 /* Deep copies of defs: the copy has the fingerprint of the original, and keeps it when the original is freed. */
 #include "check.h"
+#include "def/copy.h"
+#include "def/fingerprint.h"
 #include "failing_malloc.h"
-#include "model/def_copy.h"
 
 #include <stdlib.h>
 
@@ -46,7 +47,7 @@ static original *make_original(void)
 static pel_fingerprint fingerprint_of(const pel_model_def *def)
 {
     pel_fingerprint made = {{0}};
-    pel_fingerprint_add(&made, pel_model_members, def);
+    pel_fingerprint_add(&made, PEL_DEF_MODEL, def);
     return made;
 }
 
@@ -57,7 +58,7 @@ static void test_stands_alone(void **unused)
     pel_copies copies = {NULL};
     pel_model_def copy = o->model;
     pel_fingerprint before = fingerprint_of(&o->model);
-    assert_int_equal(pel_def_copy(&copies, pel_model_members, &copy, NULL), PEL_OK);
+    assert_int_equal(pel_def_copy(&copies, PEL_DEF_MODEL, &copy, NULL), PEL_OK);
     assert_ptr_not_equal(copy.bodies, o->model.bodies);
     assert_ptr_equal(copy.bodies->mesh, &o->mesh);
     /* the original changes: all but its mesh */
@@ -80,7 +81,7 @@ static pel_status copy_once(const void *data, pel_error *error)
 {
     pel_copies copies = {NULL};
     pel_model_def copy = *(const pel_model_def *)data;
-    pel_status status = pel_def_copy(&copies, pel_model_members, &copy, error);
+    pel_status status = pel_def_copy(&copies, PEL_DEF_MODEL, &copy, error);
     pel_copies_free(&copies);
     return status;
 }

@@ -1,4 +1,4 @@
-#include "model/bending_model.h"
+#include "law/bending_model.h"
 
 static const pel_bending_traits rows[PEL_BENDING_COUNT] = {
     [PEL_BENDING_ISOMETRIC] = {.has_hinges = true, .form = PEL_BENDING_LITERAL},

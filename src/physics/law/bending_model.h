@@ -2,8 +2,8 @@
    enumerator (pellicle/shell.h), a row here, and the measure that the rows' code calls: of hinges, which are two
    triangles that share an edge (pellicle/bending.h), or of triangles with rotations of their edges
    (measure/midedge.h). */
-#ifndef PEL_MODEL_BENDING_MODEL_H
-#define PEL_MODEL_BENDING_MODEL_H
+#ifndef PEL_LAW_BENDING_MODEL_H
+#define PEL_LAW_BENDING_MODEL_H
 
 #include "pellicle/bending.h"
 #include "pellicle/shell.h"
