@@ -242,8 +242,7 @@ static double body_size(const job *j)
 static double tool_radius(const pel_tool_def *tool)
 {
     const double *half = tool->half_extents;
-    return tool->shape == PEL_TOOL_BOX ? sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
-                                       : tool->radius + (tool->shape == PEL_TOOL_CAPSULE ? tool->half_length : 0);
+    return tool->radius + tool->half_length + sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
 }
 
 static void find_middle(const job *j, double middle[3])

@@ -143,7 +143,7 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
 {
     pel_run_frame *frame = &frames->frame;
     frames->snapshot_size = pel_sim_save_size(sim);
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(frame->snapshot, frames->snapshot_size),
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM_OF(frame->snapshot, frames->snapshot_size, 1),
                           PEL_ROOM(frame->tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count)))
         return pel_fail_memory(error);
     return pel_worker_create(1, write_job, frames, &frames->worker, error);

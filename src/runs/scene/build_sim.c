@@ -1,5 +1,6 @@
 #include "scene/build.h"
 
+#include "geom/solid.h"
 #include "observe/field.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
@@ -133,17 +134,15 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
 
 static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
 {
-    /* in the order of the words in the table */
-    static const pel_tool_shape shapes[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_BOX};
-    tool->shape = shapes[pel_scene_value_integer(value, "shape")];
-    if (tool->shape == PEL_TOOL_BOX) {
+    pel_solid_find(pel_scene_value_entry(value, "shape")->text, &tool->shape);
+    const pel_solid_row *row = &pel_solid_rows[tool->shape];
+    if (row->has_size)
         pel_scene_value_numbers(pel_scene_value_entry(value, "size"), tool->half_extents);
-        for (int i = 0; i < 3; i++)
-            tool->half_extents[i] /= 2;
-        return;
-    }
-    tool->radius = pel_scene_value_number(value, "radius");
-    if (tool->shape == PEL_TOOL_CAPSULE)
+    for (int i = 0; i < 3; i++)
+        tool->half_extents[i] /= 2;
+    if (row->has_radius)
+        tool->radius = pel_scene_value_number(value, "radius");
+    if (row->has_length)
         tool->half_length = pel_scene_value_number(value, "length") / 2;
 }
 

@@ -1,5 +1,6 @@
 #include "scene/table.h"
 
+#include "geom/solid.h"
 #include "law/membrane.h"
 #include "model/bending_model.h"
 #include "pellicle/preset.h"
@@ -269,7 +270,7 @@ static const pel_scene_row rows[] = {
     {"tools", LIST, .preset = "[]", .doc = "rigid instruments that press and grasp; the force on each is reported"},
     {"tools[]", MAP, .doc = "one tool"},
     {"tools[].name", NAME, .preset = "tool#", .doc = "name in outputs"},
-    {"tools[].shape", WORD("sphere", "capsule", "box"), ALTERNATIVE,
+    {"tools[].shape", .forms = PEL_FORM_WORD, ALTERNATIVE,
      .doc = "shape of the tool; its dimensions are further keys of the tool"},
     {"tools[].mesh", MAP, ALTERNATIVE, .like = "<mesh>",
      .doc = "the tool's surface about its center, open or closed; needs `contact`"},
@@ -498,6 +499,16 @@ static const pel_scene_row rows[] = {
 enum { ROW_COUNT = sizeof rows / sizeof rows[0] };
 
 /* names of the materials; null when out of memory */
+/* the solids among the shapes of tools */
+static const char *const *solid_words(pel_arena *arena)
+{
+    const char **words = pel_arena_take(arena, PEL_TOOL_SHAPE_COUNT + 1, sizeof *words);
+    for (int i = 0, count = 0; words != NULL && i < PEL_TOOL_SHAPE_COUNT; i++)
+        if (pel_solid_rows[i].distance != NULL)
+            words[count++] = pel_solid_rows[i].word;
+    return (const char *const *)words;
+}
+
 static const char *const *preset_words(pel_arena *arena)
 {
     int32_t count;
@@ -564,8 +575,9 @@ const pel_scene_table *pel_scene_table_create(pel_arena *arena)
     size_t count = 0;
     for (size_t i = 0; i < ROW_COUNT; i++) {
         all[count++] = rows[i];
-        if (strcmp(rows[i].path, "bodies[].membrane.preset") == 0) {
-            all[count - 1].words = preset_words(arena);
+        const bool is_preset = strcmp(rows[i].path, "bodies[].membrane.preset") == 0;
+        if (is_preset || strcmp(rows[i].path, "tools[].shape") == 0) {
+            all[count - 1].words = is_preset ? preset_words(arena) : solid_words(arena);
             if (all[count - 1].words == NULL)
                 return NULL;
         }

@@ -1,6 +1,7 @@
 #include "live/message.h"
 
 #include "base/memory.h"
+#include "geom/solid.h"
 #include "io/json.h"
 #include "math/bounds.h"
 #include "mesh/figures.h"
@@ -27,12 +28,6 @@ static unsigned char *text_message(pel_json *json, size_t *size)
 
 /* ---- hello ---- */
 
-static const char *shape_name(pel_tool_shape shape)
-{
-    static const char *const names[] = {"sphere", "capsule", "box", "mesh", "support"};
-    return names[shape];
-}
-
 static void put_mesh(pel_json *json, const pel_mesh *mesh)
 {
     pel_json_numbers(json, "positions", &mesh->positions[0][0], 3 * mesh->vertex_count);
@@ -49,7 +44,7 @@ static void put_tools(pel_json *json, const pel_scene *scene)
         const pel_tool_def *tool = &scene->sim.tools[t];
         pel_json_open(json, NULL, '{');
         pel_json_text(json, "name", tool->name);
-        pel_json_text(json, "shape", shape_name(tool->shape));
+        pel_json_text(json, "shape", pel_solid_rows[tool->shape].word);
         pel_json_number(json, "radius", tool->radius);
         pel_json_number(json, "half_length", tool->half_length);
         pel_json_numbers(json, "half_extents", tool->half_extents, 3);
@@ -260,7 +255,7 @@ static void put_hand(pel_json *json, const pel_session *session)
     pel_session_get_hand(session, &hand);
     pel_json_open(json, "hand", '{');
     pel_json_text(json, "kind", kinds[hand.kind]);
-    pel_json_text(json, "shape", shape_name(hand.shape));
+    pel_json_text(json, "shape", pel_solid_rows[hand.shape].word);
     pel_json_number(json, "radius", hand.radius);
     pel_json_numbers(json, "point", hand.point, 3);
     pel_json_numbers(json, "rotation", hand.rotation, 4);

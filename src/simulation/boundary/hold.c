@@ -1,6 +1,7 @@
 #include "boundary/hold.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "model/quantity.h"
 #include "solve/newton_run.h"
@@ -352,10 +353,8 @@ void pel_holds_destroy(pel_sim *sim)
         return;
     for (int32_t h = 0; h < holds->hold_count; h++)
         pel_free(holds->holds[h].keys);
-    void *arrays[] = {holds->holds,   holds->held,       holds->vertices,  holds->axes,
-                      holds->springs, holds->edge_fixed, holds->edge_owner};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(holds->holds, holds->held, holds->vertices, holds->axes, holds->springs, holds->edge_fixed,
+                 holds->edge_owner);
     pel_free(holds);
 }
 

@@ -1,6 +1,7 @@
 #include "boundary/loads.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/follower.h"
 #include "math/vec3.h"
@@ -179,11 +180,9 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
     const pel_body_levels *detail = sim->model->bodies[def->body].detail;
     int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
     int32_t count = def->vertices != NULL ? def->vertex_count : mesh_count;
-    load->base_weights = pel_allocate((size_t)mesh_count, sizeof *load->base_weights);
-    load->densities =
-        pel_allocate((size_t)detail->forest->levels[detail->forest->depth]->vertex_count, sizeof *load->densities);
-    load->weight_of_place = pel_allocate(place_count(sim, def->body), sizeof *load->weight_of_place);
-    if (load->base_weights == NULL || load->densities == NULL || load->weight_of_place == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->base_weights, mesh_count),
+                          PEL_ROOM(load->densities, detail->forest->levels[detail->forest->depth]->vertex_count),
+                          PEL_ROOM(load->weight_of_place, place_count(sim, def->body))))
         return pel_fail_memory(error);
     for (int32_t i = 0; i < count; i++)
         load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
@@ -209,10 +208,8 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     load->from = def->from;
     load->until = def->until;
     size_t room = body->detail != NULL ? place_count(sim, def->body) : (size_t)count;
-    load->vertices = pel_allocate(room, sizeof *load->vertices);
-    load->weights = pel_allocate(room, sizeof *load->weights);
-    load->keys = pel_allocate((size_t)def->key_count, sizeof *load->keys);
-    if (load->vertices == NULL || load->weights == NULL || load->keys == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->vertices, room), PEL_ROOM(load->weights, room),
+                          PEL_ROOM(load->keys, def->key_count)))
         return pel_fail_memory(error);
     double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0;
     if (def->key_count > 0)
@@ -258,12 +255,9 @@ pel_status pel_load_retime(pel_sim *sim, int32_t index, const pel_load_def *def,
 void pel_loads_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->loads->count; i++) {
-        pel_free(sim->loads->items[i].vertices);
-        pel_free(sim->loads->items[i].weights);
-        pel_free(sim->loads->items[i].keys);
-        pel_free(sim->loads->items[i].base_weights);
-        pel_free(sim->loads->items[i].densities);
-        pel_free(sim->loads->items[i].weight_of_place);
+        PEL_FREE_ALL(sim->loads->items[i].vertices, sim->loads->items[i].weights, sim->loads->items[i].keys,
+                     sim->loads->items[i].base_weights, sim->loads->items[i].densities,
+                     sim->loads->items[i].weight_of_place);
     }
     pel_free(sim->loads->items);
 }

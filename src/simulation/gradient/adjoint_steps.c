@@ -13,6 +13,7 @@
    between are recomputed n at a time (Griewank 1992): three steps and one linear system a step, and 2 n states. The
    steps are solved to rounding, so that derivatives are those of their solution. */
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "gradient/adjoint.h"
@@ -117,10 +118,8 @@ static bool make_room(path *p)
 
 static void release(path *p)
 {
-    void *arrays[] = {p->kept,          p->between,  p->end,      p->positions,      p->velocities,    p->by_positions,
-                      p->by_velocities, p->position, p->velocity, p->older_position, p->older_velocity};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(p->kept, p->between, p->end, p->positions, p->velocities, p->by_positions, p->by_velocities,
+                 p->position, p->velocity, p->older_position, p->older_velocity);
 }
 
 /* ---- forth ---- */

@@ -1,5 +1,6 @@
 #include "sim/parameter_table.h"
 
+#include "geom/solid.h"
 #include "law/membrane.h"
 #include "model/bending_model.h"
 
@@ -171,20 +172,19 @@ static bool has_fibres(const void *def)
     return !curls(def);
 }
 
-static bool is_round(const void *def)
+static bool has_radius(const void *def)
 {
-    pel_tool_shape shape = ((const pel_tool_def *)def)->shape;
-    return shape == PEL_TOOL_SPHERE || shape == PEL_TOOL_CAPSULE;
+    return pel_solid_rows[((const pel_tool_def *)def)->shape].has_radius;
 }
 
-static bool is_capsule(const void *def)
+static bool has_length(const void *def)
 {
-    return ((const pel_tool_def *)def)->shape == PEL_TOOL_CAPSULE;
+    return pel_solid_rows[((const pel_tool_def *)def)->shape].has_length;
 }
 
-static bool is_box(const void *def)
+static bool has_size(const void *def)
 {
-    return ((const pel_tool_def *)def)->shape == PEL_TOOL_BOX;
+    return pel_solid_rows[((const pel_tool_def *)def)->shape].has_size;
 }
 
 static bool is_instrument(const void *def)
@@ -348,10 +348,10 @@ static const pel_parameter_row rows[] = {
      .is_implying = true},
     {"loads[].keys", LOAD(keys), FACTOR, .count_offset = offsetof(pel_load_def, key_count)},
 
-    {"tools[].radius", TOOL(radius), NUMBER, .unit = "m", POSITIVE, .applies = is_round},
-    {"tools[].length", TOOL(half_length), NUMBER, .unit = "m", POSITIVE, .factor = 2, .applies = is_capsule},
+    {"tools[].radius", TOOL(radius), NUMBER, .unit = "m", POSITIVE, .applies = has_radius},
+    {"tools[].length", TOOL(half_length), NUMBER, .unit = "m", POSITIVE, .factor = 2, .applies = has_length},
     {"tools[].size", TOOL(half_extents), .kind = PEL_PARAMETER_VECTOR, .store = PEL_STORE_DOUBLE, .unit = "m", POSITIVE,
-     .factor = 2, .applies = is_box},
+     .factor = 2, .applies = has_size},
     {"tools[].friction", TOOL(friction), NUMBER, AT_LEAST(0), AUTO(-1), .applies = is_instrument},
     {"tools[].thickness", TOOL(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(-1), .applies = is_instrument},
     {"tools[].restitution", TOOL(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), .applies = is_instrument},

@@ -12,7 +12,7 @@
 #include "boundary/hold.h"
 #include "boundary/loads.h"
 #include "method/softness.h"
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"

@@ -2,6 +2,7 @@
 #include "tool/create.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/mesh_query.h"
 #include "tool/pose.h"
@@ -30,22 +31,22 @@ static bool is_positive(double value)
 
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
 {
+    const pel_solid_row *row = &pel_solid_rows[def->shape];
     const double *half = def->half_extents;
     if (def->shape == PEL_TOOL_MESH) {
         if (def->mesh == NULL)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a mesh",
                                       "tool of shape mesh has no mesh");
-    } else if (def->shape == PEL_TOOL_BOX) {
-        if (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give three half extents above 0",
-                                      "box has no size");
-    } else if (!is_positive(def->radius)) {
+    }
+    if (row->has_size && (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2])))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give three half extents above 0",
+                                  "%s has no size", row->word);
+    if (row->has_radius && !is_positive(def->radius))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a radius above 0",
                                   "radius is not above 0");
-    }
-    if (def->shape == PEL_TOOL_CAPSULE && !(def->half_length >= 0 && isfinite(def->half_length)))
+    if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length)))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a half length of at least 0",
-                                  "capsule length is below 0");
+                                  "%s length is below 0", row->word);
     return PEL_OK;
 }
 
@@ -83,7 +84,7 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     if (def->body < -1 || def->body >= sim->model->body_count)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body of the model, or -1 for all",
                                   "tool names a body that does not exist");
-    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SUPPORT + 1))
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give one of pel_tool_shape",
                                   "shape of the tool is unknown");
     if (def->key_count < 1 || def->keys == NULL)
@@ -128,7 +129,7 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
     double radius = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
-    tool->solid = (pel_solid){.kind = PEL_SOLID_SPHERE, .radius = radius};
+    tool->solid = (pel_solid){.shape = PEL_TOOL_SPHERE, .radius = radius};
     return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
                            mesh->triangle_count, &tool->mesh, error);
 }
@@ -167,13 +168,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     size_t vertex_count = (size_t)sim->model->vertex_count;
     size_t triangle_count = (size_t)sim->model->triangle_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
-    static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
-                                           [PEL_TOOL_BOX] = PEL_SOLID_BOX,
-                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
-    tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
-    memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
+    tool->solid = pel_solid_of(def);
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
         if (status == PEL_OK && def->grasp)
@@ -228,10 +223,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
 static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
     size_t count = (size_t)sim->model->vertex_count;
-    sim->tools->held_vertices = pel_allocate(count, sizeof *sim->tools->held_vertices);
-    sim->tools->held_targets = pel_allocate(count, sizeof *sim->tools->held_targets);
-    sim->tools->grip_forces = pel_allocate(count, sizeof *sim->tools->grip_forces);
-    if (sim->tools->held_vertices == NULL || sim->tools->held_targets == NULL || sim->tools->grip_forces == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->held_vertices, count), PEL_ROOM(sim->tools->held_targets, count),
+                          PEL_ROOM(sim->tools->grip_forces, count)))
         return pel_fail_memory(error);
     return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
@@ -244,15 +237,12 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->tools->count = count;
     if (count == 0)
         return PEL_OK;
-    sim->tools->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->near_triangles);
-    sim->tools->plane_of_triangle =
-        pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->plane_of_triangle);
-    sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
-    sim->tools->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->looked_at);
-    sim->tools->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->moved_at);
-    sim->tools->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->cornered_at);
-    if (sim->tools->near_triangles == NULL || sim->tools->plane_of_triangle == NULL || sim->held == NULL ||
-        sim->tools->looked_at == NULL || sim->tools->moved_at == NULL || sim->tools->cornered_at == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->near_triangles, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->plane_of_triangle, sim->model->triangle_count),
+                          PEL_ROOM(sim->held, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->looked_at, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->moved_at, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->cornered_at, sim->model->vertex_count)))
         return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
     bool grasps = false;
@@ -294,23 +284,15 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes,         tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,           tool->anchors,
-                          tool->support, tool->support_marks,   tool->near.triangles, tool->in_reach.triangles};
-        for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
-            pel_free(arrays[a]);
+        PEL_FREE_ALL(tool->keys, tool->key_spins, tool->planes, tool->planes_before, tool->touches,
+                     tool->touch_of_vertex, tool->held, tool->anchors, tool->support, tool->support_marks,
+                     tool->near.triangles, tool->in_reach.triangles);
         pel_mesh_destroy(tool->mesh);
         pel_mesh_query_destroy(tool->query);
     }
     pel_free(sim->tools->items);
     pel_tool_search_destroy(sim->tools->search);
-    pel_free(sim->tools->near_triangles);
-    pel_free(sim->tools->plane_of_triangle);
-    pel_free(sim->held);
-    pel_free(sim->tools->looked_at);
-    pel_free(sim->tools->moved_at);
-    pel_free(sim->tools->cornered_at);
-    pel_free(sim->tools->held_vertices);
-    pel_free(sim->tools->held_targets);
-    pel_free(sim->tools->grip_forces);
+    PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
+                 sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
+                 sim->tools->grip_forces);
 }

@@ -1,7 +1,7 @@
 /* Constraints of a minimisation: energy, forces, stiffness and multipliers; positions and forces are (3 vertex_count).
  */
-#ifndef PEL_MINIMISE_MINIMISE_CONTACT_H
-#define PEL_MINIMISE_MINIMISE_CONTACT_H
+#ifndef PEL_MINIMISE_CONSTRAINT_H
+#define PEL_MINIMISE_CONSTRAINT_H
 
 #include "minimise/minimise.h"
 

@@ -1,6 +1,6 @@
 /* Constraints against tools. */
-#ifndef PEL_MINIMISE_MINIMISE_TOOL_H
-#define PEL_MINIMISE_MINIMISE_TOOL_H
+#ifndef PEL_MINIMISE_CONSTRAINT_TOOL_H
+#define PEL_MINIMISE_CONSTRAINT_TOOL_H
 
 #include "minimise/minimise.h"
 

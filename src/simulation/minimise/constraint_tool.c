@@ -2,12 +2,12 @@
    the nearest points of vertices and edges to their axis, and of triangles to its ends; boxes, if contact does not
    treat them as surfaces, by planes at vertices and at the deepest points of triangles, along separating axes that are
    recomputed in each round. */
-#include "minimise/minimise_tool.h"
+#include "minimise/constraint_tool.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
-#include "minimise/minimise_contact.h"
+#include "minimise/constraint.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
@@ -181,7 +181,7 @@ static pel_status add_round(const tool_search *search, int32_t t, pel_error *err
 {
     const pel_sim *sim = search->sim;
     const pel_tool *tool = &sim->tools->items[search->tool];
-    bool is_sphere = tool->solid.kind == PEL_SOLID_SPHERE;
+    bool is_sphere = pel_solid_is_ball(&tool->solid);
     pel_status status = is_sphere ? add_face(search, t, 0, error) : PEL_OK;
     if (is_sphere && !pel_tool_cuts(sim, tool, sim->model->triangles[t][0]))
         return status;
@@ -252,7 +252,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
     for (int i = 0; i < 3; i++) {
         pel_pose_to_local(&tool->pose, sim->minimise->position + 3 * (size_t)sim->model->triangles[t][i], corner[i]);
     }
-    double support = pel_box_separation(solid.half_extents, (const double(*)[3])corner, axis);
+    double support = pel_solid_separation(&solid, (const double(*)[3])corner, axis);
     double gap = -support;
     for (int i = 0; i < 3; i++)
         gap += w[i] * pel_vec3_dot(axis, corner[i]);

@@ -1,4 +1,4 @@
-#include "minimise/minimise_contact.h"
+#include "minimise/constraint.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -49,7 +49,7 @@ static void find_start(const pel_sim *sim, const pel_minimise_contact *constrain
 static double find_nearest(const pel_solid *solid, const pel_minimise_contact *constraint, double x[3][3],
                            double weights[4], double way[3])
 {
-    double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0, on_axis[4];
+    double half = solid->half_length, on_axis[4];
     const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
     double at[3] = {0, 0, constraint->end * half};
     pel_vec3_set(weights, 1, 0, 0);

@@ -6,16 +6,17 @@
    With tools or contact the energy is minimised under their constraints (minimise.h), in rounds: minimise, update the
    multipliers, search for new contacts. After a collision during a step, the next round starts there. Multipliers are
    not part of the state: a step computes its initial ones from the balance of forces at its start. */
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 
 #include "base/lane.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/functions.h"
-#include "minimise/minimise_contact.h"
-#include "minimise/minimise_free.h"
-#include "minimise/minimise_tool.h"
+#include "minimise/constraint.h"
+#include "minimise/constraint_tool.h"
+#include "minimise/free_body.h"
 #include "minimise/step_newton.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"
@@ -631,14 +632,9 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
     minimise->run = run;
     minimise->force_time = 1;
     minimise->stray_body = -1;
-    minimise->position = pel_allocate(3 * count, sizeof *minimise->position);
-    minimise->force = pel_allocate(3 * count, sizeof *minimise->force);
-    minimise->record = pel_allocate_aligned(count, sizeof *minimise->record);
-    minimise->external = pel_allocate_aligned(count, sizeof *minimise->external);
-    minimise->constraint_of_vertex = pel_allocate(count, sizeof *minimise->constraint_of_vertex);
-    minimise->shares = pel_allocate(count, sizeof *minimise->shares);
-    if (minimise->position == NULL || minimise->force == NULL || minimise->record == NULL ||
-        minimise->external == NULL || minimise->constraint_of_vertex == NULL || minimise->shares == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(minimise->position, 3 * count), PEL_ROOM(minimise->force, 3 * count),
+                          PEL_ROOM_ALIGNED(minimise->record, count), PEL_ROOM_ALIGNED(minimise->external, count),
+                          PEL_ROOM(minimise->constraint_of_vertex, count), PEL_ROOM(minimise->shares, count)))
         return pel_fail_memory(error);
     for (size_t v = 0; v < count; v++)
         minimise->shares[v] = 1;
@@ -669,11 +665,8 @@ void pel_minimise_destroy(pel_sim *sim)
     pel_descent_destroy(minimise->minimiser);
     pel_sim_newton_destroy(sim);
     pel_tangent_destroy(minimise->tangent);
-    void *arrays[] = {
-        minimise->position, minimise->force,       minimise->record, minimise->external, minimise->constraint_of_vertex,
-        minimise->shares,   minimise->constraints, minimise->others};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(minimise->position, minimise->force, minimise->record, minimise->external,
+                 minimise->constraint_of_vertex, minimise->shares, minimise->constraints, minimise->others);
     pel_free(minimise);
 }
 

@@ -2,7 +2,7 @@
    volumetric springs and tools hold a body; contact between bodies does when one of them is held. A body may turn under
    loads, which bounds their energy: torques need nothing to hold them. A pressure on all of a closed body has no net
    force; the vertex-normal form has a small one, which is not counted. */
-#include "minimise/minimise_free.h"
+#include "minimise/free_body.h"
 
 #include "base/status.h"
 #include "boundary/hold.h"

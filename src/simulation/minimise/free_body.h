@@ -1,6 +1,6 @@
 /* Bodies that nothing holds. */
-#ifndef PEL_MINIMISE_MINIMISE_FREE_H
-#define PEL_MINIMISE_MINIMISE_FREE_H
+#ifndef PEL_MINIMISE_FREE_BODY_H
+#define PEL_MINIMISE_FREE_BODY_H
 
 #include "minimise/minimise.h"
 
