@@ -28,7 +28,7 @@ static void write(const schema_writer *out, const char *text)
 
 static void write_text(const schema_writer *out, const char *text)
 {
-    pel_json_string(out->json, text);
+    pel_json_put_text(out->json, text);
 }
 
 static void write_limit(schema_writer *out, const char *key, double limit)
@@ -36,7 +36,7 @@ static void write_limit(schema_writer *out, const char *key, double limit)
     if (!isfinite(limit))
         return;
     pel_json_print(out->json, ",\"%s\":", key);
-    pel_json_number(out->json, limit);
+    pel_json_put_number(out->json, limit);
 }
 
 static void write_number(schema_writer *out, pel_form form, pel_range range)
