@@ -1,5 +1,6 @@
 #include "contact/set.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -248,6 +249,7 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
             add_found(m, &found->collisions[i], i);
     take_over(m, NULL);
     exchange_lists(set, m->count);
+    PEL_ASSERT_WHOLE(pel_contact_set_is_valid(set));
     return PEL_OK;
 }
 

@@ -15,6 +15,7 @@
    small body more than its seams take; the curve pays where barriers are cheap. */
 #include "batch/batches.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -610,11 +611,13 @@ pel_status pel_batches_create(const pel_model *model, pel_method method, pel_bat
     }
     if (status == PEL_OK)
         status = make_phases(made, error);
-    if (status == PEL_OK)
-        *batches = made;
-    else
+    if (status != PEL_OK) {
         pel_batches_destroy(made);
-    return status;
+        return status;
+    }
+    PEL_ASSERT_WHOLE(pel_batches_is_valid(made));
+    *batches = made;
+    return PEL_OK;
 }
 
 void pel_batches_destroy(pel_batches *batches)
@@ -634,6 +637,7 @@ void pel_batches_rebuild(pel_batches *batches, int32_t body)
     update_pieces(&p);
     for (int32_t i = 0; i < p.made->batch_count; i++)
         fill_batch(&p, &p.made->batches[i], NULL);
+    PEL_ASSERT_WHOLE(pel_batches_is_valid(batches));
 }
 
 /* ---- directions ---- */

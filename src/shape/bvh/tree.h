@@ -61,6 +61,10 @@ void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
+/* Whether each triangle is in one lane, each vertex and edge belongs to one triangle, and the box of each node contains
+   those below it (not yet fitted boxes are empty). */
+bool pel_tree_is_valid(const pel_tree *tree);
+
 /* ---- edges ---- */
 
 static inline int32_t pel_tree_corner(const pel_tree *tree, int32_t h)

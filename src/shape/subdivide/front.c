@@ -1,5 +1,6 @@
 #include "subdivide/front.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "base/status.h"
@@ -119,6 +120,7 @@ pel_status pel_front_create(const pel_lod_forest *forest, pel_front **front, pel
     for (int32_t l = 0; l <= forest->depth; l++)
         made->node_begin[l + 1] = made->node_begin[l] + forest->levels[l]->triangle_count;
     start_base(made, &size);
+    PEL_ASSERT_WHOLE(pel_front_is_valid(made));
     *front = made;
     return PEL_OK;
 }
@@ -540,6 +542,7 @@ void pel_front_commit(pel_front *front)
     }
     pel_sort_int32(front->added_vertices, front->added_count);
     pel_sort_int32(front->removed_vertices, front->removed_count);
+    PEL_ASSERT_WHOLE(pel_front_is_valid(front));
 }
 
 /* ---- walking ---- */

@@ -1,8 +1,10 @@
 #include "subdivide/split.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "mesh/topology_check.h"
 
 pel_level_size pel_level_size_of(const pel_topology *topology)
 {
@@ -138,6 +140,7 @@ pel_status pel_topology_split(const pel_topology *coarse, pel_topology **fine, p
     split_twins(coarse->twin, coarse->triangle_count, made->twin);
     number_edges(made);
     split_corners(coarse, made->corner_of_vertex);
+    PEL_ASSERT_WHOLE(pel_topology_is_valid(made));
     *fine = made;
     return PEL_OK;
 }

@@ -1,5 +1,6 @@
 #include "linear/matrix.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/sort.h"
@@ -379,11 +380,13 @@ pel_status pel_matrix_create(const pel_matrix_def *def, pel_matrix **matrix, pel
     if (status == PEL_OK)
         status = group_elements(&b, error);
     release_builder(&b);
-    if (status == PEL_OK)
-        *matrix = b.matrix;
-    else
+    if (status != PEL_OK) {
         pel_matrix_destroy(b.matrix);
-    return status;
+        return status;
+    }
+    PEL_ASSERT_WHOLE(pel_matrix_is_valid(b.matrix));
+    *matrix = b.matrix;
+    return PEL_OK;
 }
 
 /* one color of pieces on its way into the matrix */
