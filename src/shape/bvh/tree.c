@@ -246,6 +246,7 @@ void pel_tree_destroy(pel_tree *tree)
 
 static pel_box leaf_box(const pel_tree *tree, int32_t leaf, const pel_box *boxes)
 {
+    PEL_ASSERT_INDEX(leaf, tree->leaf_count);
     const int32_t *triangles = tree->leaves[leaf];
     pel_box whole = pel_box_empty();
     for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)

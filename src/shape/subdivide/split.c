@@ -92,6 +92,7 @@ static void number_edges(pel_topology *topology)
 /* a new vertex is left by three half-edges on each side: towards m_(i-1), m_(i+1) and v_(i+1) */
 static int32_t corner_of_edge_vertex(const pel_topology *coarse, int32_t e)
 {
+    PEL_ASSERT_INDEX(e, coarse->edge_count);
     int32_t h = coarse->half_edge_of_edge[e], t = h / 3, i = h % 3;
     if (coarse->twin[h] < 0)
         return 3 * (4 * t + next_corner(i)) + 2;
