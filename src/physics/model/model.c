@@ -1,6 +1,7 @@
 /* Building the model: checks of the defs, then masses, springs and triangles in the model's vertex order. */
 #include "model/model.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -276,6 +277,7 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 
 static void fill_triangles(pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     int32_t first = model->triangle_begin[body];
     model->triangle_begin[body + 1] = first + b->mesh->triangle_count;
@@ -409,6 +411,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
 
 static pel_status check_masses(const pel_model *model, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     for (int32_t v = 0; v < b->mesh->vertex_count; v++) {
         pel_real mass = model->mass[b->model_index[v]];

@@ -8,6 +8,7 @@
  */
 #include "boundary/follower.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -46,6 +47,7 @@ static void find_weights(const pel_load_def *def, int32_t vertex_count, double *
 
 static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int32_t corners[3], double weight)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_body *body = &sim->model->bodies[def->body];
     const double(*x)[3] = (const double(*)[3])body->mesh->positions;
     const edge_frame rest = find_frame(x[corners[0]], x[corners[1]], x[corners[2]]);
@@ -58,6 +60,7 @@ static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int
 
 static pel_status list_edges(pel_sim *sim, const pel_load_def *def, int32_t l, pel_error *error)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_mesh *mesh = sim->model->bodies[def->body].mesh;
     double *weights = pel_allocate((size_t)mesh->vertex_count, sizeof *weights);
     pel_topology *topology = NULL;
