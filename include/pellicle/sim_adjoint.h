@@ -75,7 +75,7 @@ PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *
 /* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
    small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
    the end of its step: two or three solutions per step instead of the factorizations of Newton's method
-   (src/solver/solve/newton_beside.c). To get the derivative of a reading with respect to a number along the steps, use
+   (src/solver/newton/beside.c). To get the derivative of a reading with respect to a number along the steps, use
    two simulations, in which the number is slightly smaller and slightly larger, and divide the difference of the
    reading by the difference of the number. For PEL_METHOD_STATIC (including arc length) and PEL_METHOD_IMPLICIT,
    without tools, contact, refinement, analyses and a time budget. The call fails if a step does not converge; the

@@ -55,8 +55,8 @@ typedef struct pel_solver_def {
     double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; modes ignore tools and contact */
-    int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     pel_path path;           /* static, without an analysis */
+    int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     double budget; /* s, static and implicit: a step ends after the linear solve in progress at this time, with the best
                       state so far (pel_solver_reading has the residual); results depend on the machine. 0 = none */
 } pel_solver_def;

@@ -18,11 +18,11 @@ typedef struct pel_support_def {
     double axes[3][3];      /* rows are orthonormal axes; default: x, y, z */
     bool fix[3];            /* held components along the axes; default: all */
     double displacement[3]; /* m, along the axes, from the rest position; of held components */
-    const pel_key *keys;    /* (key_count) factor on the displacement over time; null = 1 */
+    double foundation;   /* N/m3, Winkler foundation: springs of this stiffness per rest area of the triangles with all
+                            corners among the vertices, a third for each corner; replaces stiffness; 0 = none */
+    const pel_key *keys; /* (key_count) factor on the displacement over time; null = 1 */
     int32_t key_count;
     double stiffness;  /* N/m of each vertex: springs hold the components; 0 = rigid */
-    double foundation; /* N/m3, Winkler foundation: springs of this stiffness per rest area of the triangles with all
-                          corners among the vertices, a third for each corner; replaces stiffness; 0 = none */
     bool fix_rotation; /* edges with both ends among the vertices keep their normals (PEL_BENDING_MIDEDGE): an edge
                           held in space is clamped, one in a plane of symmetry keeps the surface normal to it */
 } pel_support_def;

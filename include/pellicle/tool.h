@@ -16,6 +16,8 @@ typedef enum pel_tool_shape {
     PEL_TOOL_SUPPORT  /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
 } pel_tool_shape;
 
+enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_SUPPORT + 1 }; /* number of shapes */
+
 /* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
 
    Between two keys positions are interpolated linearly, quaternions spherically along the shorter arc. Rotation
@@ -59,6 +61,10 @@ typedef struct pel_tool_def {
 } pel_tool_def;
 
 PEL_API pel_tool_def pel_tool_def_default(void);
+/* The surface of a tool in its own frame, wound outward, as results show it; of PEL_TOOL_MESH a copy of its mesh. Free
+   with pel_mesh_destroy. PEL_BAD_ARGUMENT for PEL_TOOL_SUPPORT, no mesh and dimensions that are not finite,
+   PEL_OUT_OF_MEMORY; *mesh is null then. */
+PEL_API pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error);
 /* The pose (position 3, unit quaternion 4) of the keys of a tool at a time [s]; constant before the first key and after
    the last. */
 PEL_API void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);

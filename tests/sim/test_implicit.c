@@ -707,8 +707,8 @@ static void test_refined(void **unused)
 {
     (void)unused;
     check_refined(PEL_METHOD_IMPLICIT);
-    skip_if_slow();
-    check_refined(PEL_METHOD_STATIC);
+    if (is_all())
+        check_refined(PEL_METHOD_STATIC);
 }
 
 /* threads and snapshots, on a surface that was refined while it ran */

@@ -1,12 +1,12 @@
 #include "contact/set.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
 
 #include <string.h>
-#include <time.h>
 
 enum { VELOCITY_SWEEPS = 4 };
 
@@ -82,12 +82,16 @@ void pel_contact_set_destroy(pel_contact_set *set)
 
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
 {
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
     double first = set->groups[a].friction, second = set->groups[b].friction;
     return first == second ? first : sqrt(first * second);
 }
 
 double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
 {
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
     return 0.5 * (set->groups[a].thickness + set->groups[b].thickness);
 }
 
@@ -97,6 +101,8 @@ double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
 static bool make_contact(const pel_contact_set *set, const pel_collision *pair, const pel_ccd_hit *hit,
                          pel_contact *contact)
 {
+    PEL_ASSERT_INDEX(pair->vertices[0], set->point_count);
+    PEL_ASSERT_INDEX(pair->vertices[3], set->point_count);
     /* points 0 and 3 are of either side */
     const int32_t *group = set->group_of_point;
     double separation = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]), free = 0;
@@ -154,6 +160,7 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
 /* the merged list becomes the list */
 static void exchange_lists(pel_contact_set *set, int32_t count)
 {
+    PEL_ASSERT(count >= 0 && (size_t)count <= set->other_capacity);
     pel_contact *list = set->list.contacts;
     pel_contact_key *keys = set->keys;
     size_t capacity = set->capacity, key_capacity = set->key_capacity;
@@ -180,6 +187,7 @@ typedef struct merger {
 static bool take_over(merger *m, const pel_contact_key *key)
 {
     pel_contact_set *set = m->set;
+    PEL_ASSERT(m->old >= 0 && m->old <= set->list.count);
     for (; m->old < set->list.count; m->old++) {
         int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
         if (order >= 0)
@@ -248,17 +256,11 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
             add_found(m, &found->collisions[i], i);
     take_over(m, NULL);
     exchange_lists(set, m->count);
+    PEL_ASSERT_WHOLE(pel_contact_set_is_valid(set));
     return PEL_OK;
 }
 
 /* ---- search ---- */
-
-static double seconds_now(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
@@ -275,12 +277,12 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
 /* what comes within the distance between start and end */
 static pel_status search(pel_contact_set *set, double distance, pel_collision_result *found, pel_error *error)
 {
-    double began = seconds_now();
+    double began = pel_seconds();
     set->way_is_searched = false;
     pel_collision_query query = query_of(set, distance);
     pel_status status = pel_collider_detect(set->collider, &query, found, error);
     pel_contact_count_search(set, found);
-    set->statistics.find_seconds += seconds_now() - began;
+    set->statistics.find_seconds += pel_seconds() - began;
     return status;
 }
 
@@ -355,14 +357,14 @@ static bool measure_way(pel_contact_set *set, const pel_collision_query *query, 
 
 bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest)
 {
-    double began = seconds_now();
+    double began = pel_seconds();
     const pel_collision_query query = query_of(set, set->largest);
     bool may_be = set->list.count == 0 && set->tangles.is_known && set->tangles.count == 0 && !has_round_obstacle(set);
     set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
                                 measure_way(set, &query, position, next));
     if (set->was_clear)
         set->conflict_count = 0;
-    set->statistics.find_seconds += seconds_now() - began;
+    set->statistics.find_seconds += pel_seconds() - began;
     return set->was_clear;
 }
 
@@ -373,10 +375,10 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
         return PEL_OK;
     }
     pel_status status = search(set, set->largest, found, error);
-    double began = seconds_now();
+    double began = pel_seconds();
     if (status == PEL_OK)
         status = pel_contact_find_conflicts(set, found, error);
-    set->statistics.guard_seconds += seconds_now() - began;
+    set->statistics.guard_seconds += pel_seconds() - began;
     set->on_way = *found;
     set->way_is_searched = status == PEL_OK;
     return status;

@@ -38,8 +38,8 @@ typedef struct pel_obstacle {
     bool is_held_back; /* by the last guard */
     /* own: its part of the points, none for spheres and capsules */
     int32_t point_begin, point_end;
-    const double (*local)[3]; /* (points) in its frame */
-    double corners[8][3];     /* of a box */
+    const double (*local)[3];             /* (points) in its frame */
+    double corners[PEL_SOLID_CORNERS][3]; /* of a solid with flat faces */
 } pel_obstacle;
 
 /* a body or an obstacle */
@@ -213,6 +213,9 @@ void pel_contact_set_forget_step(pel_contact_set *set);
 /* Moves the next positions by sweeps over the contacts, and `end` with them. Velocities lose what runs into a contact,
    by impulses: momentum stays and energy cannot grow. */
 void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *motion, int32_t sweeps);
+/* Whether the groups, and the contacts with their keys, are whole: sorted, each pair once, with points and obstacles
+   that exist, unit normals, and weights that add up to nothing unless an obstacle has the rest. */
+bool pel_contact_set_is_valid(const pel_contact_set *set);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */

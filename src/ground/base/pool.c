@@ -4,6 +4,7 @@
    number of chunks before the rest: if it sees chunks of the new loop, it sees its function too. */
 #include "base/pool.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
@@ -106,9 +107,8 @@ pel_status pel_pool_create(int thread_count, pel_pool **pool, pel_error *error)
     for (int i = 0; i < helper_count; i++) {
         if (pthread_create(&made->helpers[i], NULL, help, made) != 0) {
             pel_pool_destroy(made);
-            pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start %d threads", thread_count);
-            pel_fail_remedy(error, "ask for fewer threads");
-            return PEL_OUT_OF_MEMORY;
+            return pel_refuse(error, PEL_OUT_OF_MEMORY, "ask for fewer threads", "cannot start %d threads",
+                              thread_count);
         }
         made->helper_count++;
     }
@@ -170,6 +170,7 @@ pel_status pel_pool_check(const pel_pool *pool, pel_error *error)
 
 void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *function, void *context)
 {
+    PEL_ASSERT(chunk_count >= 0 && function != NULL);
     if (pool == NULL || pool->helper_count == 0 || chunk_count <= 1) {
         for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
             function(context, chunk);

@@ -1,11 +1,14 @@
 /* Sessions. Commands between two steps are recorded as lines of words, and a replay executes the same lines at the same
    steps: so it has the bits of the session by construction. Undo truncates the record at the restored state. */
 #include "pellicle/session.h"
+#include "base/assert.h"
 
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/bounds.h"
+#include "mesh/figures.h"
 #include "pellicle/measure.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
@@ -89,16 +92,11 @@ static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
 
 static double diagonal(const pel_model_def *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
     for (int32_t b = 0; b < model->body_count; b++)
-        for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
-            for (int i = 0; i < 3; i++) {
-                low[i] = fmin(low[i], model->bodies[b].mesh->positions[v][i]);
-                high[i] = fmax(high[i], model->bodies[b].mesh->positions[v][i]);
-            }
-    for (int i = 0; i < 3; i++)
-        sum += (high[i] - low[i]) * (high[i] - low[i]);
-    return sqrt(sum);
+        pel_mesh_add_box(model->bodies[b].mesh, low, high);
+    return pel_vec3_distance(low, high);
 }
 
 static bool take_bodies(pel_session *session)
@@ -280,12 +278,8 @@ static pel_status grab(pel_session *session, const pel_command *command, bool *d
 /* moves the middle of the mesh's box to 0 and its farthest vertex to the radius */
 static void fit_mesh(pel_mesh *mesh, double radius)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, most = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    double low[3], high[3], most = 0;
+    pel_mesh_box(mesh, low, high);
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         double squared = 0;
         for (int i = 0; i < 3; i++) {
@@ -420,6 +414,7 @@ const pel_mesh *pel_session_tool_mesh(const pel_session *session)
 
 static pel_status read_positions(pel_session *session, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     size_t count = (size_t)pel_sim_vertex_count(session->sim, body);
     void *room = pel_reallocate(session->positions, 3 * count, sizeof(double));
     if (room == NULL)
@@ -431,6 +426,7 @@ static pel_status read_positions(pel_session *session, int32_t body, pel_error *
 
 static pel_status set_pins(pel_session *session, int32_t body, const unsigned char *pins, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     const body_grip *grip = &session->bodies[body];
     int32_t count = 0, *vertices = pel_allocate((size_t)grip->vertex_count, sizeof *vertices);
     if (vertices == NULL)
@@ -508,6 +504,7 @@ static pel_status inflate(pel_session *session, const pel_command *command, pel_
    the surface */
 static pel_status push_body(pel_session *session, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     const body_grip *grip = &session->bodies[body];
     pel_status status = read_positions(session, body, error);
     if (status != PEL_OK)

@@ -16,14 +16,16 @@
 
 #include "adapt/criterion.h"
 #include "adapt/energy.h"
+#include "base/assert.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/refine.h"
-#include "pellicle/sim_surface.h"
 
 /* triangles that one event changes, roughly: at least, and the surface over this share */
 enum { PORTION_LEAST = 24, PORTION_SHARE = 1024 };
@@ -84,11 +86,9 @@ void pel_refine_destroy(pel_sim *sim)
 {
     for (int32_t b = 0; sim->refine != NULL && b < sim->model->body_count; b++) {
         pel_refine_body *refine = &sim->refine[b];
-        void *arrays[] = {refine->mark_counts, refine->requests, refine->warm_step, refine->strengths,
-                          refine->asked_level, refine->visited,  refine->queue,     refine->candidates,
-                          refine->leaving,     refine->hot,      refine->hot_place, refine->rest_curvatures};
-        for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-            pel_free(arrays[i]);
+        PEL_FREE_ALL(refine->mark_counts, refine->requests, refine->warm_step, refine->strengths, refine->asked_level,
+                     refine->visited, refine->queue, refine->candidates, refine->leaving, refine->hot,
+                     refine->hot_place, refine->rest_curvatures);
     }
     pel_free(sim->refine);
 }
@@ -97,6 +97,7 @@ void pel_refine_destroy(pel_sim *sim)
 
 static void ask(pel_refine_body *refine, pel_front *front, int32_t node, bool asked)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t count = refine->mark_counts[node] += asked ? 1 : -1;
     if (count == (asked ? 1 : 0))
         pel_front_mark(front, node, asked);
@@ -106,6 +107,7 @@ static void ask(pel_refine_body *refine, pel_front *front, int32_t node, bool as
 static int32_t ask_around(pel_refine_body *refine, pel_front *front, int32_t level, int32_t v, bool asked,
                           int32_t queue_count, bool grow)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     const pel_topology *topology = front->forest->levels[level];
     int32_t first = topology->corner_of_vertex[v], h = first;
     while (h >= 0) {
@@ -127,6 +129,7 @@ static int32_t ask_around(pel_refine_body *refine, pel_front *front, int32_t lev
 /* asks for, or takes back, the rings around a vertex on one level */
 static void ask_rings(pel_refine_body *refine, pel_front *front, int32_t level, int32_t v, int32_t rings, bool asked)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t begin = 0, end = 1, count = 1;
     refine->walk++;
     refine->queue[0] = v;
@@ -177,6 +180,7 @@ static void commit(pel_sim *sim, int32_t body)
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     if (own->front == NULL)
         return;
@@ -193,6 +197,7 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 
 static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, true);
     refine->requests[v] = PEL_REQUEST_MADE;
@@ -203,6 +208,7 @@ static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 
 static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, false);
     refine->requests[v] = PEL_REQUEST_NONE;
@@ -213,12 +219,14 @@ static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 
 static bool has_cooled(const pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     int64_t since = sim->state->step - sim->refine[body].warm_step[v];
     return since > 0 && since >= sim->model->bodies[body].detail->def.dwell;
 }
 
 static void look_at(pel_sim *sim, int32_t body, int32_t v, const pel_verdict *verdict)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     uint8_t *requests = &refine->requests[v];
     refine->strengths[v] = verdict->strength;
@@ -299,6 +307,7 @@ static bool displace(pel_sim *sim, int32_t body, double below, int most, displac
    four, as closing the front costs more than finding the weakest */
 static bool heat_within_budget(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     displacement gone = {.count = 0};

@@ -4,10 +4,11 @@
 
    A displacement turns the frame by w = t x (u_b - u_a) / l + t n . (u_c - (1 - s) u_a - s u_b) / h, with the length l
    of the edge a b, the height h of the tip c over it and the foot a + s (b - a) of that height. So dF = w x F. The
-   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (solve/newton_skew.c).
+   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (newton/skew.c).
  */
 #include "boundary/follower.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -35,14 +36,6 @@ static edge_frame find_frame(const double a[3], const double b[3], const double 
     return f;
 }
 
-static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "load", load);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 /* of the vertices of the mesh: -1 = not of the load */
 static void find_weights(const pel_load_def *def, int32_t vertex_count, double *weights)
 {
@@ -54,6 +47,7 @@ static void find_weights(const pel_load_def *def, int32_t vertex_count, double *
 
 static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int32_t corners[3], double weight)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_body *body = &sim->model->bodies[def->body];
     const double(*x)[3] = (const double(*)[3])body->mesh->positions;
     const edge_frame rest = find_frame(x[corners[0]], x[corners[1]], x[corners[2]]);
@@ -66,6 +60,7 @@ static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int
 
 static pel_status list_edges(pel_sim *sim, const pel_load_def *def, int32_t l, pel_error *error)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_mesh *mesh = sim->model->bodies[def->body].mesh;
     double *weights = pel_allocate((size_t)mesh->vertex_count, sizeof *weights);
     pel_topology *topology = NULL;
@@ -99,12 +94,14 @@ pel_status pel_followers_create(pel_sim *sim, const pel_sim_def *def, pel_error 
         if (!load->follower)
             continue;
         if (load->kind != PEL_LOAD_PER_LENGTH)
-            return refuse(error, l, "a follower load must be a force per length",
-                          "give it per length of boundary edges (`per: length`), or leave out `follower`");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l,
+                                      "give it per length of boundary edges (`per: length`), or leave out `follower`",
+                                      "a follower load must be a force per length");
         const pel_body *body = &sim->model->bodies[load->body];
         if (body->shell == NULL && body->plain_spring == 0)
-            return refuse(error, l, "a follower load acts on a body without elements",
-                          "give the body a membrane, bending or springs");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l,
+                                      "give the body a membrane, bending or springs",
+                                      "a follower load acts on a body without elements");
         most += 3 * (size_t)sim->model->bodies[load->body].mesh->triangle_count;
     }
     if (most == 0)

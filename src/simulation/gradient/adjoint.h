@@ -2,9 +2,9 @@
 #ifndef PEL_SIM_ADJOINT_H
 #define PEL_SIM_ADJOINT_H
 
-#include "solve/newton.h"
-#include "stage/stage.h"
+#include "newton/newton.h"
 #include "pellicle/sim_adjoint.h"
+#include "stage/stage.h"
 
 typedef struct pel_adjoint_work {
     pel_sim *sim;

@@ -1,13 +1,14 @@
 /* Shells under the methods that use forces, and for all methods the volume of bodies under pressure. */
 #include "stage/shells.h"
 
+#include "base/assert.h"
 #include "base/status.h"
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "solve/shell_stability.h"
 #include "stage/surface_view.h"
-#include "pellicle/sim_surface.h"
 
 #include <string.h>
 
@@ -19,14 +20,6 @@ static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
     return NULL;
 }
 
-static pel_status refuse_shell(int32_t body, const char *what, const char *remedy, pel_error *error)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static pel_status check_shells(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -35,17 +28,19 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
             continue;
         const char *refusal = mode_refusal(sim, body->shell);
         if (refusal != NULL)
-            return refuse_shell(b, refusal, "use the method pbd, or one of the modes strain, active and curl", error);
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "use the method pbd, or one of the modes strain, active and curl", "%s", refusal);
         if (body->shell->strain_limit > 0 && !sim->stepper->limits_strain)
-            return refuse_shell(
-                b, "strain_limit is a constraint of the methods pbd and xpbd",
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "body", b,
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
-                error);
+                "strain_limit is a constraint of the methods pbd and xpbd");
         if (body->shell->bending->turns_edges && !sim->stepper->turns_edges)
-            return refuse_shell(
-                b, "bending model midedge has a rotation on each edge, which only static and implicit solve for",
-                "use the method implicit or static, or the bending model hinge, which ignores Poisson's ratio", error);
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "body", b,
+                "use the method implicit or static, or the bending model hinge, which ignores Poisson's ratio",
+                "bending model midedge has a rotation on each edge, which only static and implicit solve for");
     }
     return PEL_OK;
 }
@@ -75,6 +70,7 @@ void pel_shells_destroy(pel_sim *sim)
 /* new position and velocity of a vertex by the force of its shell; fine vertices have no inverse mass there */
 static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_real velocity_gain)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_record acceleration = sim->state->position[v][3] * sim->force[v];
     sim->state->position_next[v] += position_gain * acceleration;
     if (sim->state->velocity_next != NULL)
@@ -168,6 +164,7 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 
 void pel_shells_follow(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     sim->state->older_is_known = false;
     pel_batches_rebuild(sim->batches, body);
     pel_shell_forces_rebuild(sim->shells, body);

@@ -1,6 +1,8 @@
 #include "tool/search.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 
@@ -200,16 +202,10 @@ static bool allocate(pel_tool_search *search)
     if (is_short)
         return false;
     size_t blocks = (size_t)search->block_count;
-    search->own = pel_allocate_aligned(blocks, sizeof *search->own);
-    search->boxes = pel_allocate_aligned(blocks, sizeof *search->boxes);
-    search->beside = pel_allocate(blocks * BESIDE_LIMIT, sizeof *search->beside);
-    search->beside_count = pel_allocate(blocks, sizeof *search->beside_count);
-    search->is_stale = pel_allocate(blocks, sizeof *search->is_stale);
-    search->sorted = pel_allocate(triangles, sizeof *search->sorted);
-    search->set = pel_allocate(triangles / 64 + 1, sizeof *search->set);
-    search->copy = pel_allocate_aligned(vertices, sizeof *search->copy);
-    return search->own != NULL && search->boxes != NULL && search->beside != NULL && search->beside_count != NULL &&
-           search->is_stale != NULL && search->sorted != NULL && search->set != NULL && search->copy != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(search->own, blocks), PEL_ROOM_ALIGNED(search->boxes, blocks),
+                            PEL_ROOM(search->beside, blocks * BESIDE_LIMIT), PEL_ROOM(search->beside_count, blocks),
+                            PEL_ROOM(search->is_stale, blocks), PEL_ROOM(search->sorted, triangles),
+                            PEL_ROOM(search->set, triangles / 64 + 1), PEL_ROOM_ALIGNED(search->copy, vertices));
 }
 
 pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error)
@@ -235,11 +231,9 @@ void pel_tool_search_destroy(pel_tool_search *search)
 {
     if (search == NULL)
         return;
-    void *arrays[] = {search->member,   search->block,  search->owner, search->next,   search->first,
-                      search->bodies,   search->own,    search->boxes, search->beside, search->beside_count,
-                      search->is_stale, search->sorted, search->set,   search->copy};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(search->member, search->block, search->owner, search->next, search->first, search->bodies, search->own,
+                 search->boxes, search->beside, search->beside_count, search->is_stale, search->sorted, search->set,
+                 search->copy);
     pel_free(search);
 }
 
@@ -258,6 +252,7 @@ typedef struct span {
 
 static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     const pel_search_body *own = &search->bodies[body];
     bool fine = block >= own->block_fine;
     int32_t begin = fine ? own->fine_place + (block - own->block_fine) * BLOCK
@@ -270,6 +265,7 @@ static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
 /* past the last block in use */
 static int32_t block_end(const pel_tool_search *search, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     const pel_search_body *own = &search->bodies[body];
     int32_t used = search->model->bodies[body].slice_end * PEL_WIDTH - own->fine_place;
     return own->block_fine + block_count_of(used);
@@ -277,6 +273,7 @@ static int32_t block_end(const pel_tool_search *search, int32_t body)
 
 static void list_beside(pel_tool_search *search, int32_t body, int32_t block)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     int32_t *list = search->beside + (size_t)block * BESIDE_LIMIT, count = 0;
     span own = span_of(search, body, block);
     for (int32_t k = own.begin; k < own.end; k++)
@@ -322,6 +319,7 @@ static pel_search_box box_of_triangles(const pel_tool_search *search, span own, 
 
 static void fit_body(pel_tool_search *search, int32_t body, const pel_record *positions)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     int32_t begin = search->bodies[body].block_begin, end = block_end(search, body);
     for (int32_t block = begin; block < end; block++) {
         span own = span_of(search, body, block);
@@ -404,6 +402,7 @@ static int32_t find_in_block(const pel_tool_search *search, span own, const pel_
 int32_t pel_tool_search_find(const pel_tool_search *search, int32_t body, const pel_search_box *box, int32_t *triangles,
                              int32_t count)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++)
         if (!pel_search_apart(&search->boxes[block], box))
             count = find_in_block(search, span_of(search, body, block), box, triangles, count);

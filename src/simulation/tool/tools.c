@@ -1,6 +1,7 @@
 /* Rigid tools in a step: they follow their keys, hold grasped vertices, and push the surface out. */
 #include "tool/tools.h"
 
+#include "base/assert.h"
 #include "tool/grip.h"
 #include "tool/pose.h"
 #include "tool/press.h"
@@ -12,6 +13,7 @@ enum { ROUND_LIMIT = 4 };
 
 static void forget_touches(pel_tool *tool)
 {
+    PEL_ASSERT(tool->touch_count >= 0);
     for (int32_t i = 0; i < tool->touch_count; i++)
         tool->touch_of_vertex[tool->touches[i].vertex] = 0;
     tool->touch_count = 0;
@@ -97,7 +99,7 @@ void pel_tools_return(pel_sim *sim)
 
 static bool presses(const pel_tool *tool, bool only_round)
 {
-    return tool->press && tool->mesh == NULL && !(only_round && tool->solid.kind == PEL_SOLID_BOX);
+    return tool->press && tool->mesh == NULL && (!only_round || pel_solid_is_round(&tool->solid));
 }
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)
