@@ -4,6 +4,7 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "results/folder.h"
+#include "stage/stepper.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -109,7 +110,7 @@ static void write_solver(pel_json *json, const pel_run_ending *ending)
         return;
     count_entry(json, "substeps_min", s->solver.least_substeps);
     count_entry(json, "substeps_max", s->solver.most_substeps);
-    if (method != PEL_METHOD_XPBD)
+    if (!pel_stepper_of(method)->is_compliant)
         return;
     count_entry(json, "substeps_needed", s->solver.needed_substeps);
     begin(json, "second_order");

@@ -6,6 +6,7 @@
 #include "scene/region.h"
 #include "scene/table.h"
 #include "scene/validate.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -263,15 +264,6 @@ static pel_choice choice(const pel_scene_value *value)
     return value->number > 0 ? PEL_YES : PEL_NO;
 }
 
-/* in the order of pel_method and of the words in the table */
-static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
-                                           "xpbd",         "descent",  "static", "implicit"};
-
-const char *pel_scene_method_name(pel_method method)
-{
-    return method_names[method];
-}
-
 static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
 {
     const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
@@ -417,7 +409,7 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
     const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
     for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
-        if (scene->sim.solver.method == PEL_METHOD_PBD_DISTANCE)
+        if (pel_stepper_of(scene->sim.solver.method)->has_lengths)
             note_ignored(reader, body);
     read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);

@@ -5,6 +5,7 @@
 #include "model/bending_model.h"
 #include "pellicle/preset.h"
 #include "scene/shape_rows.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -343,8 +344,7 @@ static const pel_scene_row rows[] = {
             "auto: 1 GiB, or 4 KiB per triangle if that is more"},
 
     {"solver", MAP, .preset = "{}", .doc = "method and time integration"},
-    {"solver.method", WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
-     .preset = "quasi-static", .varies = true,
+    {"solver.method", .forms = PEL_FORM_WORD, .words = pel_method_words, .preset = "quasi-static", .varies = true,
      .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
             "B; pbd-distance: position-based dynamics of edge lengths; xpbd: position-based dynamics that follows the "
             "stiffness of the material; descent: minimises the energy under tools and contacts; static: equilibria by "

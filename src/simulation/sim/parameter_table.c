@@ -3,6 +3,7 @@
 #include "geom/solid.h"
 #include "law/membrane.h"
 #include "model/bending_model.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 
@@ -202,29 +203,29 @@ static bool is_enabled(const void *def)
     return ((const pel_contact_def *)def)->enabled;
 }
 
-static pel_method method_of(const void *def)
+static const pel_stepper *stepper_of(const void *def)
 {
-    return ((const pel_solver_def *)def)->method;
+    return pel_stepper_of(((const pel_solver_def *)def)->method);
 }
 
-static bool is_quasi_static(const void *def)
+static bool relaxes(const void *def)
 {
-    return method_of(def) == PEL_METHOD_QUASI_STATIC;
+    return stepper_of(def)->relaxes;
 }
 
 static bool is_explicit(const void *def)
 {
-    return method_of(def) == PEL_METHOD_EXPLICIT;
+    return stepper_of(def)->is_explicit;
 }
 
-static bool is_xpbd(const void *def)
+static bool is_compliant(const void *def)
 {
-    return method_of(def) == PEL_METHOD_XPBD;
+    return stepper_of(def)->is_compliant;
 }
 
 static bool has_substeps(const void *def)
 {
-    return method_of(def) == PEL_METHOD_PBD || method_of(def) == PEL_METHOD_PBD_DISTANCE || is_xpbd(def);
+    return stepper_of(def)->has_substeps;
 }
 
 static bool has_drag(const void *def)
@@ -232,14 +233,14 @@ static bool has_drag(const void *def)
     return has_substeps(def) || is_explicit(def);
 }
 
-static bool is_descent(const void *def)
+static bool descends(const void *def)
 {
-    return method_of(def) == PEL_METHOD_DESCENT;
+    return stepper_of(def)->descends;
 }
 
 static bool iterates(const void *def)
 {
-    return has_substeps(def) || is_descent(def);
+    return has_substeps(def) || descends(def);
 }
 
 /* ---- the table ---- */
@@ -376,24 +377,21 @@ static const pel_parameter_row rows[] = {
     {"contact.sweeps", CONTACT(sweeps), INTEGER, COUNT_FROM(1), AUTO(0), .applies = is_enabled},
     {"contact.limit", CONTACT(limit), INTEGER, COUNT_FROM(0), .applies = is_enabled},
 
-    {"solver.method", SOLVER(method), .store = PEL_STORE_INT,
-     WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
+    {"solver.method", SOLVER(method), .store = PEL_STORE_INT, .kind = PEL_PARAMETER_WORD, .words = pel_method_words,
      STRUCTURE("the method decides what the state holds")},
     {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", POSITIVE,
      REFUSED("time is counted in steps of dt", "change substeps, or make a simulation with the new dt")},
-    {"solver.alpha", SOLVER(alpha), NUMBER, POSITIVE, AUTO(0), .applies = is_quasi_static},
-    {"solver.velocity", SOLVER(keep_velocity), .store = PEL_STORE_BOOL, WORD("ignore", "keep"),
-     .applies = is_quasi_static},
+    {"solver.alpha", SOLVER(alpha), NUMBER, POSITIVE, AUTO(0), .applies = relaxes},
+    {"solver.velocity", SOLVER(keep_velocity), .store = PEL_STORE_BOOL, WORD("ignore", "keep"), .applies = relaxes},
     {"solver.integrator", SOLVER(symplectic), .store = PEL_STORE_BOOL, WORD("forward", "symplectic"),
      .applies = is_explicit, STRUCTURE("velocities of the two belong to different times")},
     {"solver.iterations", SOLVER(iterations), INTEGER, COUNT_FROM(1), AUTO(0), .applies = iterates},
     {"solver.substeps", SOLVER(substeps), INTEGER, COUNT_FROM(1), AUTO(0), .applies = has_substeps},
-    {"solver.max_substeps", SOLVER(max_substeps), INTEGER, COUNT_FROM(1), AUTO(0), .applies = is_xpbd},
+    {"solver.max_substeps", SOLVER(max_substeps), INTEGER, COUNT_FROM(1), AUTO(0), .applies = is_compliant},
     {"solver.second_order", SOLVER(second_order), .store = PEL_STORE_INT, WORD("false", "true"), AUTO(PEL_AUTO),
-     .applies = is_xpbd, STRUCTURE("the two remember different states")},
+     .applies = is_compliant, STRUCTURE("the two remember different states")},
     {"solver.drag", SOLVER(drag), NUMBER, .unit = "1/s", AT_LEAST(0), .applies = has_drag},
-    {"solver.descent", SOLVER(gradient_only), .store = PEL_STORE_BOOL, WORD("lbfgs", "gradient"),
-     .applies = is_descent},
+    {"solver.descent", SOLVER(gradient_only), .store = PEL_STORE_BOOL, WORD("lbfgs", "gradient"), .applies = descends},
 };
 
 const pel_parameter_row *pel_parameter_row_at(int32_t index)
