@@ -3,7 +3,8 @@
 #include "diagnostics.h"
 #include "json.h"
 
-#include <stdlib.h>
+#include "papers/lab/median.h"
+
 #include <string.h>
 
 static const cli_bench_case *const cases[] = {
@@ -29,18 +30,6 @@ void cli_bench_add(cli_bench_result *result, const char *name, const char *unit,
     result->numbers[i].value = value;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
-double cli_bench_median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
-}
-
 static pel_status repeat(const cli_bench_case *bench, void *inner, double *times, int count, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -49,9 +38,9 @@ static pel_status repeat(const cli_bench_case *bench, void *inner, double *times
             status = bench->rewind(inner, error);
         if (status != PEL_OK)
             break;
-        double start = cli_clock();
+        double start = pel_seconds();
         status = bench->once(inner, error);
-        times[i] = cli_clock() - start;
+        times[i] = pel_seconds() - start;
     }
     return status;
 }
@@ -65,7 +54,7 @@ static pel_status measure(const cli_bench_case *bench, int repeats, cli_bench_re
     if (status == PEL_OK)
         status = repeat(bench, inner, times, repeats, error);
     if (status == PEL_OK) {
-        result->median_s = cli_bench_median(times, repeats);
+        result->median_s = lab_median(times, repeats);
         result->min_s = times[0];
         if (bench->finish != NULL)
             status = bench->finish(inner, result, error);

@@ -31,11 +31,6 @@ const char *cli_scene_path(char *path, size_t size, const char *name);
 /* makes the nearest installed scene the remedy of an error about a missing file, if the name can mean one */
 void cli_suggest_scene(pel_error *error, const char *name);
 
-/* seconds of a steady clock */
-double cli_clock(void);
-/* seconds that this thread has used */
-double cli_processor_clock(void);
-
 /* whether the path ends like a scene file (.yaml, .yml, .json) */
 bool cli_is_scene(const char *path);
 bool cli_is_folder(const char *path);

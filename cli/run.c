@@ -45,7 +45,7 @@ static void print_progress(const display *d, const pel_run_progress *p)
 static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
-    double now = cli_clock();
+    double now = pel_seconds();
     /* nothing is lost if the program ends before this point */
     cli_catch_stop(d->quiet                  ? ""
                    : d->form == PROGRESS_BAR ? "\r\033[Kstopping; the same again ends at once\n"

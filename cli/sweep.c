@@ -27,7 +27,7 @@ typedef struct display {
 static void show_progress(void *user, const pel_study_progress *p)
 {
     display *d = user;
-    double now = cli_clock();
+    double now = pel_seconds();
     if (now - d->last < 0.1 && p->done < p->total)
         return;
     d->last = now;

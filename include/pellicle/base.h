@@ -93,6 +93,13 @@ PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
    infinity. Returns text. */
 PEL_API const char *pel_json_digits(double number, char text[32]);
 
+/* Seconds of a monotonic clock, from any origin: only differences mean something. Setting the time of the system does
+   not change it. */
+PEL_API double pel_seconds(void);
+
+/* Processor time of the calling thread in seconds, likewise: other load on the machine counts less. */
+PEL_API double pel_thread_seconds(void);
+
 /* Receiver of notes and warnings (a quad was triangulated, vertices were welded). Null log or null write: none. */
 typedef struct pel_log {
     void (*write)(void *user, const char *text); /* one line without newline */

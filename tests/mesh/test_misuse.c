@@ -129,6 +129,9 @@ static void test_errors(void **unused)
     pel_error error;
     GIVES(pel_fail(NULL, PEL_BAD_ARGUMENT, "x") == PEL_BAD_ARGUMENT);
     GIVES(pel_fail_memory(NULL) == PEL_OUT_OF_MEMORY);
+    GIVES(pel_refuse(NULL, PEL_BAD_MESH, "", "%d", 1) == PEL_BAD_MESH);
+    GIVES(pel_refuse_element(NULL, PEL_BAD_MESH, "load", -1, "", "%d", 1) == PEL_BAD_MESH);
+    GIVES(pel_seconds() <= pel_seconds() && pel_thread_seconds() >= 0);
     SURVIVES(pel_fail_remedy(NULL, "x"));
     SURVIVES(pel_fail_element(NULL, "vertex", 1));
     SURVIVES(pel_fail_element(&error, NULL, -1));
@@ -165,6 +168,9 @@ static void test_meshes(void **unused)
     FAILS(pel_mesh_add_field(mesh, "x", INT32_MAX, NULL, &error));
     GIVES(pel_mesh_field(NULL, "x") == NULL);
     GIVES(pel_mesh_field(mesh, NULL) == NULL);
+    double low[3], high[3];
+    SURVIVES(pel_mesh_box(NULL, low, high));
+    GIVES((pel_mesh_box(mesh, low, high), low[0] <= high[0]));
     pel_transform transform = pel_transform_default();
     REFUSED("mesh", pel_mesh_transform(NULL, &transform, &error));
     REFUSED("transform", pel_mesh_transform(mesh, NULL, &error));

@@ -5,6 +5,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "model/levels.h"
 #include "model/orient.h"
 #include "model/quantity.h"
@@ -54,11 +55,9 @@ static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *
         return PEL_BAD_ARGUMENT;
     }
     for (int32_t other = 0; other < body; other++)
-        if (strcmp(def->bodies[other].name, name) == 0) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "two bodies are named '%s'", name);
-            pel_fail_remedy(error, "give each body a name of its own");
-            return PEL_BAD_ARGUMENT;
-        }
+        if (strcmp(def->bodies[other].name, name) == 0)
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "give each body a name of its own", "two bodies are named '%s'",
+                              name);
     return PEL_OK;
 }
 
@@ -153,12 +152,9 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *v = mesh->triangles[t];
         double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
-        if (!(area > 0 && isfinite(area))) {
-            pel_fail(error, PEL_BAD_MESH, "triangle has no area");
-            pel_fail_element(error, "triangle", t);
-            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
-            return PEL_BAD_MESH;
-        }
+        if (!(area > 0 && isfinite(area)))
+            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh with `pellicle check --fix`",
+                                      "triangle has no area");
         *total += area;
         for (int i = 0; i < 3; i++)
             areas[v[i]] += area / 3;
@@ -170,20 +166,6 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
 static double rest_volume(const pel_mesh *mesh)
 {
     return pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
-}
-
-static double bounding_diagonal(const pel_mesh *mesh)
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double low = mesh->positions[0][i], high = low;
-        for (int32_t v = 1; v < mesh->vertex_count; v++) {
-            low = fmin(low, mesh->positions[v][i]);
-            high = fmax(high, mesh->positions[v][i]);
-        }
-        square += (high - low) * (high - low);
-    }
-    return sqrt(square);
 }
 
 /* ---- arrays ---- */
@@ -428,14 +410,11 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     if (status == PEL_OK)
         status = pel_vertex_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
     for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
-        if (scratch->valence[v] == 0) {
-            pel_fail(error, PEL_BAD_MESH, "vertex belongs to no triangle");
-            pel_fail_element(error, "vertex", (int64_t)v);
-            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
-            return PEL_BAD_MESH;
-        }
+        if (scratch->valence[v] == 0)
+            return pel_refuse_element(error, PEL_BAD_MESH, "vertex", (int64_t)v,
+                                      "repair the mesh with `pellicle check --fix`", "vertex belongs to no triangle");
     copy_numbers(def, body);
-    body->diameter = bounding_diagonal(def->mesh);
+    body->diameter = pel_mesh_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }
@@ -447,10 +426,8 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
         pel_real mass = model->mass[b->model_index[v]];
         if (mass > 0 && isfinite(mass) && isfinite(1 / mass))
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "mass of the vertex is %g in body '%s'", (double)mass, b->name);
-        pel_fail_element(error, "vertex", v);
-        pel_fail_remedy(error, "give a density and thickness above 0");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", v, "give a density and thickness above 0",
+                                  "mass of the vertex is %g in body '%s'", (double)mass, b->name);
     }
     return PEL_OK;
 }

@@ -418,11 +418,9 @@ static pel_status write_file(const char *path, glb *g, const pel_json *json, pel
 {
     size_t numbers = 4 * g->index_count + frames_size(g) + animation_size(g);
     size_t total = HEAD_SIZE + CHUNK_HEAD_SIZE + json->length + CHUNK_HEAD_SIZE + numbers;
-    if (total > UINT32_MAX) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the file would have %zu bytes; the format allows at most 4 GiB", total);
-        pel_fail_remedy(error, "export a point cache (.pc2), or run the scene with fewer frames");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (total > UINT32_MAX)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "export a point cache (.pc2), or run the scene with fewer frames",
+                          "the file would have %zu bytes; the format allows at most 4 GiB", total);
     pel_file_writer writer;
     pel_status status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)

@@ -76,9 +76,8 @@ static pel_status find_word(const char *word, pel_command *command, pel_error *e
             command->word = (pel_command_word)i;
             return PEL_OK;
         }
-    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a command", word);
-    pel_fail_remedy(error, "use set, grab, press, move, release, pin, unpin, inflate or mark");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use set, grab, press, move, release, pin, unpin, inflate or mark",
+                      "'%.40s' is not a command", word);
 }
 
 static pel_status take_numbers(const char **at, const grammar *rule, pel_command *command, pel_error *error)

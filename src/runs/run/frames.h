@@ -101,7 +101,4 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error);
 /* The present state without the skipped parts (kept.h), which are 0. */
 void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger);
 
-/* s, from some fixed moment */
-double pel_run_clock(void);
-
 #endif

@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "geom/solid.h"
 #include "io/json.h"
+#include "math/bounds.h"
+#include "mesh/figures.h"
 #include "pellicle/observe.h"
 #include "scene/word_mesh.h"
 
@@ -128,21 +130,13 @@ static void put_fields(pel_json *json)
     pel_json_print(json, "]");
 }
 
-static void enclose(const pel_mesh *mesh, double low[3], double high[3])
-{
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
-}
-
 /* the box about all bodies at rest */
 static void put_box(pel_json *json, const pel_model_def *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
     for (int32_t b = 0; b < model->body_count; b++)
-        enclose(model->bodies[b].mesh, low, high);
+        pel_mesh_add_box(model->bodies[b].mesh, low, high);
     put_numbers(json, "low", low, 3);
     put_numbers(json, "high", high, 3);
 }
@@ -182,9 +176,8 @@ static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
     double most = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const char *name = scene->model.bodies[b].name;
-        double springs = 0, home = 0, low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
-               high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-        enclose(scene->model.bodies[b].mesh, low, high);
+        double springs = 0, home = 0, low[3], high[3];
+        pel_mesh_box(scene->model.bodies[b].mesh, low, high);
         double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
         double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
                           sheet_stiffness(sim, name, "springs.young", "springs.thickness") +

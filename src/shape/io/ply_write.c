@@ -77,7 +77,7 @@ static bool make_columns(ply_writer *writer, const pel_mesh *mesh, const pel_log
     size_t count = 3;
     for (int32_t f = 0; f < mesh->field_count; f++)
         count += (size_t)mesh->fields[f].component_count;
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(writer->columns, count), PEL_ROOM(writer->record, count)))
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(writer->columns, count), PEL_ROOM(writer->record, count * sizeof(double))))
         return false;
     for (int i = 0; i < 3; i++) {
         column *axis = &writer->columns[writer->column_count++];

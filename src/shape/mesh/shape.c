@@ -316,11 +316,9 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
     PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
     const pel_shape_info *info = pel_shape_info_of(def->kind);
-    if (def->cookie != COOKIE || info == NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the shape's def was not filled by pel_shape_def_default");
-        pel_fail_remedy(error, "begin with pel_shape_def_default(kind) and change its members");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->cookie != COOKIE || info == NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "begin with pel_shape_def_default(kind) and change its members",
+                          "the shape's def was not filled by pel_shape_def_default");
     for (int32_t i = 0; i < info->parameter_count; i++) {
         pel_status status = check_value(info, &info->parameters[i], value_of(def, &info->parameters[i]), error);
         if (status != PEL_OK)

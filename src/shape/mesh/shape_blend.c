@@ -5,6 +5,7 @@
    The tables are in units of the body: about 1 long, z up, faces look along -y. */
 #include "base/status.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "mesh/implicit.h"
 #include "mesh/shape_build.h"
 
@@ -135,12 +136,8 @@ static double body_distance(const void *inner, const double point[3], double gra
 /* to its longest side, about the origin */
 static void fit(pel_mesh *mesh, double size)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, longest = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    double low[3], high[3], longest = 0;
+    pel_mesh_box(mesh, low, high);
     for (int i = 0; i < 3; i++)
         longest = fmax(longest, high[i] - low[i]);
     for (int32_t v = 0; v < mesh->vertex_count; v++)

@@ -37,11 +37,9 @@ static void move_to_lens(const pel_lens_outline *outline, pel_mesh *mesh, double
 pel_status pel_shape_lens_capsule(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
 {
     pel_lens_outline outline;
-    if (!pel_lens_outline_of_age(def->age, &outline)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "lens-capsule: there is no outline for age %d", (int)def->age);
-        pel_fail_remedy(error, "use age 11, 29 or 45");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!pel_lens_outline_of_age(def->age, &outline))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use age 11, 29 or 45",
+                          "lens-capsule: there is no outline for age %d", (int)def->age);
     pel_mesh *made;
     pel_status status = pel_shape_geodesic_sphere(def->frequency, 1, true, &made, error);
     if (status != PEL_OK)

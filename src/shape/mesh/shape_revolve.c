@@ -152,12 +152,10 @@ pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_err
 
 pel_status pel_shape_torus(const pel_shape_def *def, pel_mesh **mesh, pel_error *error)
 {
-    if (def->minor_radius >= def->major_radius) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "torus: minor_radius %g is not less than major_radius %g", def->minor_radius,
-                 def->major_radius);
-        pel_fail_remedy(error, "make minor_radius smaller, so that the hole stays open");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->minor_radius >= def->major_radius)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "make minor_radius smaller, so that the hole stays open",
+                          "torus: minor_radius %g is not less than major_radius %g", def->minor_radius,
+                          def->major_radius);
     row *rows = pel_allocate((size_t)def->rings, sizeof *rows);
     if (rows == NULL)
         return pel_fail_memory(error);

@@ -17,6 +17,7 @@
 #include "adapt/criterion.h"
 #include "adapt/energy.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/vec3.h"
@@ -83,11 +84,9 @@ void pel_refine_destroy(pel_sim *sim)
 {
     for (int32_t b = 0; sim->refine != NULL && b < sim->model->body_count; b++) {
         pel_refine_body *refine = &sim->refine[b];
-        void *arrays[] = {refine->mark_counts, refine->requests, refine->warm_step, refine->strengths,
-                          refine->asked_level, refine->visited,  refine->queue,     refine->candidates,
-                          refine->leaving,     refine->hot,      refine->hot_place, refine->rest_curvatures};
-        for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-            pel_free(arrays[i]);
+        PEL_FREE_ALL(refine->mark_counts, refine->requests, refine->warm_step, refine->strengths, refine->asked_level,
+                     refine->visited, refine->queue, refine->candidates, refine->leaving, refine->hot,
+                     refine->hot_place, refine->rest_curvatures);
     }
     pel_free(sim->refine);
 }

@@ -1,6 +1,7 @@
 #include "boundary/loads.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/follower.h"
 #include "math/vec3.h"
@@ -15,14 +16,6 @@ pel_load_def pel_load_def_default(void)
     return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)HUGE_VAL};
 }
 
-static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "load", load);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static bool is_finite3(const double a[3])
 {
     return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]);
@@ -31,32 +24,40 @@ static bool is_finite3(const double a[3])
 static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_t load, pel_error *error)
 {
     if (def->body < 0 || def->body >= sim->model->body_count)
-        return refuse(error, load, "load names a body that does not exist", "give the number of a body of the model");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the number of a body of the model",
+                                  "load names a body that does not exist");
     if (PEL_IS_NO_CHOICE(def->kind, PEL_LOAD_MOMENT + 1))
-        return refuse(error, load, "kind of the load is unknown", "give one of pel_load_kind");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give one of pel_load_kind",
+                                  "kind of the load is unknown");
     if (def->vertex_count < 0 || def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
-        return refuse(error, load, "keys is null, or vertex_count or key_count is below 0",
-                      "give counts of the arrays");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give counts of the arrays",
+                                  "keys is null, or vertex_count or key_count is below 0");
     if (!is_finite3(def->force))
-        return refuse(error, load, "force is not finite", "give three finite numbers");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give three finite numbers",
+                                  "force is not finite");
     if (!(def->until > def->from))
-        return refuse(error, load, "load ends before it begins: from is not less than until",
-                      "give `from` less than `until`");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give `from` less than `until`",
+                                  "load ends before it begins: from is not less than until");
     const pel_body *body = &sim->model->bodies[def->body];
     if (def->vertices != NULL && def->vertex_count < 1)
-        return refuse(error, load, "load acts on no vertex", "choose a region that holds at least one vertex");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load,
+                                  "choose a region that holds at least one vertex", "load acts on no vertex");
     for (int32_t i = 0; def->vertices != NULL && i < def->vertex_count; i++) {
         if (def->vertices[i] < 0 || def->vertices[i] >= body->mesh->vertex_count)
-            return refuse(error, load, "load names a vertex that does not exist", "give vertex numbers of the mesh");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give vertex numbers of the mesh",
+                                      "load names a vertex that does not exist");
         if (def->weights != NULL && !isfinite(def->weights[i]))
-            return refuse(error, load, "weight is not finite", "give finite weights");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give finite weights",
+                                      "weight is not finite");
     }
     if (def->kind >= PEL_LOAD_PER_LENGTH && body->detail != NULL)
-        return refuse(error, load, "load on edges of a body that refines", "give the load per vertex or in total");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the load per vertex or in total",
+                                  "load on edges of a body that refines");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return refuse(error, load, "keys are not finite or not in order", "give keys with increasing times");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give keys with increasing times",
+                                      "keys are not finite or not in order");
     return PEL_OK;
 }
 
@@ -100,8 +101,9 @@ static pel_status weigh_by_length(const pel_mesh *mesh, const pel_load_def *def,
     }
     pel_free(lengths);
     if (status == PEL_OK && !(sum > 0))
-        return refuse(error, index, "load per length acts on no boundary edge",
-                      "choose a region with both ends of boundary edges, or give the load per vertex");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", index,
+                                  "choose a region with both ends of boundary edges, or give the load per vertex",
+                                  "load per length acts on no boundary edge");
     return status;
 }
 
@@ -178,11 +180,9 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
     const pel_body_levels *detail = sim->model->bodies[def->body].detail;
     int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
     int32_t count = def->vertices != NULL ? def->vertex_count : mesh_count;
-    load->base_weights = pel_allocate((size_t)mesh_count, sizeof *load->base_weights);
-    load->densities =
-        pel_allocate((size_t)detail->forest->levels[detail->forest->depth]->vertex_count, sizeof *load->densities);
-    load->weight_of_place = pel_allocate(place_count(sim, def->body), sizeof *load->weight_of_place);
-    if (load->base_weights == NULL || load->densities == NULL || load->weight_of_place == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->base_weights, mesh_count),
+                          PEL_ROOM(load->densities, detail->forest->levels[detail->forest->depth]->vertex_count),
+                          PEL_ROOM(load->weight_of_place, place_count(sim, def->body))))
         return pel_fail_memory(error);
     for (int32_t i = 0; i < count; i++)
         load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
@@ -208,10 +208,8 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     load->from = def->from;
     load->until = def->until;
     size_t room = body->detail != NULL ? place_count(sim, def->body) : (size_t)count;
-    load->vertices = pel_allocate(room, sizeof *load->vertices);
-    load->weights = pel_allocate(room, sizeof *load->weights);
-    load->keys = pel_allocate((size_t)def->key_count, sizeof *load->keys);
-    if (load->vertices == NULL || load->weights == NULL || load->keys == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->vertices, room), PEL_ROOM(load->weights, room),
+                          PEL_ROOM(load->keys, def->key_count)))
         return pel_fail_memory(error);
     double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0;
     if (def->key_count > 0)
@@ -257,12 +255,9 @@ pel_status pel_load_retime(pel_sim *sim, int32_t index, const pel_load_def *def,
 void pel_loads_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->loads->count; i++) {
-        pel_free(sim->loads->items[i].vertices);
-        pel_free(sim->loads->items[i].weights);
-        pel_free(sim->loads->items[i].keys);
-        pel_free(sim->loads->items[i].base_weights);
-        pel_free(sim->loads->items[i].densities);
-        pel_free(sim->loads->items[i].weight_of_place);
+        PEL_FREE_ALL(sim->loads->items[i].vertices, sim->loads->items[i].weights, sim->loads->items[i].keys,
+                     sim->loads->items[i].base_weights, sim->loads->items[i].densities,
+                     sim->loads->items[i].weight_of_place);
     }
     pel_free(sim->loads->items);
 }

@@ -1,5 +1,6 @@
 #include "pellicle/potential.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/follower.h"
 #include "boundary/loads.h"
@@ -48,13 +49,10 @@ static pel_status allocate(pel_potential *potential, pel_error *error)
     for (int32_t b = 0; b < sim->model->body_count; b++)
         potential->vertex_count += pel_output_count(sim, b);
     size_t vertices = (size_t)sim->model->vertex_count;
-    potential->places = pel_allocate((size_t)potential->vertex_count, sizeof *potential->places);
-    potential->rows = pel_allocate(vertices, sizeof *potential->rows);
-    potential->unknowns = pel_allocate(unknown_count(potential), sizeof *potential->unknowns);
-    potential->gradient = pel_allocate(unknown_count(potential), sizeof *potential->gradient);
-    potential->dead_load = pel_allocate_aligned(vertices, sizeof *potential->dead_load);
-    bool room = potential->places != NULL && potential->rows != NULL && potential->unknowns != NULL &&
-                potential->gradient != NULL && potential->dead_load != NULL;
+    bool room = PEL_ALLOCATE_ALL(
+        PEL_ROOM(potential->places, potential->vertex_count), PEL_ROOM(potential->rows, vertices),
+        PEL_ROOM(potential->unknowns, unknown_count(potential)),
+        PEL_ROOM(potential->gradient, unknown_count(potential)), PEL_ROOM_ALIGNED(potential->dead_load, vertices));
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -92,10 +90,7 @@ void pel_potential_destroy(pel_potential *potential)
         return;
     pel_tangent_destroy(potential->tangent);
     pel_matrix_destroy(potential->matrix);
-    void *arrays[] = {potential->places, potential->rows, potential->unknowns, potential->gradient,
-                      potential->dead_load};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(potential->places, potential->rows, potential->unknowns, potential->gradient, potential->dead_load);
     pel_free(potential);
 }
 
@@ -215,10 +210,8 @@ void pel_hessian_destroy(pel_hessian *hessian)
 {
     if (hessian == NULL)
         return;
-    void *arrays[] = {hessian->row_start, hessian->columns, hessian->values, hessian->coefficients,
-                      hessian->volume_gradients};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(hessian->row_start, hessian->columns, hessian->values, hessian->coefficients,
+                 hessian->volume_gradients);
     pel_free(hessian);
 }
 

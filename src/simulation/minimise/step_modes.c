@@ -1,11 +1,12 @@
 #include "minimise/step_modes.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "stage/accessors.h"
 #include "tool/tool.h"
@@ -27,10 +28,8 @@ pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
     pel_sim_modes *made = sim->modes = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    made->base = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->base);
-    made->values = pel_allocate((size_t)count, sizeof *made->values);
-    made->present = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *made->present);
-    if (made->base == NULL || made->present == NULL || made->values == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->base, sim->model->vertex_count), PEL_ROOM(made->values, count),
+                          PEL_ROOM_ALIGNED(made->present, sim->model->vertex_count)))
         return pel_fail_memory(error);
     return pel_modes_create(sim->newton, sim->solver.analysis, count, &made->modes, error);
 }
@@ -56,10 +55,7 @@ void pel_sim_modes_destroy(pel_sim *sim)
     if (sim->modes == NULL)
         return;
     pel_modes_destroy(sim->modes->modes);
-    pel_free(sim->modes->base);
-    pel_free(sim->modes->present);
-    pel_free(sim->modes->values);
-    pel_free(sim->modes);
+    PEL_FREE_ALL(sim->modes->base, sim->modes->present, sim->modes->values, sim->modes);
 }
 
 /* About the state at rest, or that under the loads of the first step: which step asks first makes no difference. */

@@ -14,7 +14,7 @@
 #include "observe/ledger.h"
 
 #include "base/lane.h"
-#include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -270,13 +270,8 @@ static double spring_energy(const pel_sim *sim, int32_t b)
 {
     const pel_body *body = &sim->model->bodies[b];
     double sum = 0;
-    for (int32_t slice = body->slice_begin; slice < body->slice_end; slice++) {
-        pel_wide spring, volumetric;
-        pel_slice_energy(sim->model, sim->state, slice, &spring, &volumetric);
-        for (int lane = 0; lane < PEL_WIDTH; lane++)
-            if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
-                sum += (double)spring[lane] + (double)volumetric[lane];
-    }
+    for (int32_t slice = body->slice_begin; slice < body->slice_end; slice++)
+        sum = pel_slice_energy_add(sim->model, sim->state, slice, true, sum);
     return sum;
 }
 
@@ -514,13 +509,9 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 {
     pel_ledger *ledger = sim->ledger;
     size_t body_count = (size_t)sim->model->body_count;
-    ledger->tools = pel_allocate((size_t)sim->tools->count, sizeof *ledger->tools);
-    ledger->factors = pel_allocate(body_count, sizeof *ledger->factors);
-    ledger->volumes = pel_allocate(body_count, sizeof *ledger->volumes);
-    sim->checked_volumes = pel_allocate(body_count, sizeof *sim->checked_volumes);
-    ledger->chunks = pel_allocate((size_t)pel_slice_chunk_count(0, sim->model->slice_count), sizeof *ledger->chunks);
-    if (ledger->tools == NULL || ledger->factors == NULL || ledger->volumes == NULL || sim->checked_volumes == NULL ||
-        ledger->chunks == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tools->count), PEL_ROOM(ledger->factors, body_count),
+                          PEL_ROOM(ledger->volumes, body_count), PEL_ROOM(sim->checked_volumes, body_count),
+                          PEL_ROOM(ledger->chunks, pel_slice_chunk_count(0, sim->model->slice_count))))
         return pel_fail_memory(error);
     pel_ledger_refill(sim);
     pel_ledger_follow(sim);
@@ -529,11 +520,8 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 
 void pel_ledger_destroy(pel_sim *sim)
 {
-    pel_free(sim->ledger->tools);
-    pel_free(sim->ledger->factors);
-    pel_free(sim->ledger->volumes);
-    pel_free(sim->checked_volumes);
-    pel_free(sim->ledger->chunks);
+    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->factors, sim->ledger->volumes, sim->checked_volumes,
+                 sim->ledger->chunks);
 }
 
 /* ---- snapshots ---- */

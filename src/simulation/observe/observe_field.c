@@ -3,6 +3,7 @@
 #include "observe/observe_field.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "observe/field.h"
 #include "observe/field_mechanics.h"
@@ -34,10 +35,8 @@ struct pel_observer {
 static void empty(view *v)
 {
     pel_topology_destroy(v->topology);
-    void *arrays[] = {v->triangles, v->rest,    v->positions,    v->scratch,
-                      v->measures,  v->numbers, v->on_triangles, v->on_vertices};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(v->triangles, v->rest, v->positions, v->scratch, v->measures, v->numbers, v->on_triangles,
+                 v->on_vertices);
     *v = (view){.revision = -1, .positions_of = -1, .measures_of = -1, .mechanics_of = -1};
 }
 

@@ -1,6 +1,7 @@
 #include "observe/pick.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/ray.h"
 #include "stage/stage.h"
@@ -21,9 +22,7 @@ struct pel_picker {
 static void empty(pel_picker *picker)
 {
     pel_tree_destroy(picker->tree);
-    void *arrays[] = {picker->boxes, picker->positions, picker->triangles, picker->begin, picker->first};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(picker->boxes, picker->positions, picker->triangles, picker->begin, picker->first);
     *picker = (pel_picker){.revision = -1};
 }
 
@@ -52,18 +51,16 @@ static void read_positions(const pel_sim *sim, pel_picker *picker)
 static pel_status fill(const pel_sim *sim, pel_picker *picker, pel_error *error)
 {
     int32_t body_count = sim->model->body_count;
-    picker->begin = pel_allocate((size_t)body_count + 1, sizeof *picker->begin);
-    picker->first = pel_allocate((size_t)body_count + 1, sizeof *picker->first);
-    if (picker->begin == NULL || picker->first == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(picker->begin, (size_t)body_count + 1),
+                          PEL_ROOM(picker->first, (size_t)body_count + 1)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < body_count; b++) {
         picker->begin[b + 1] = picker->begin[b] + pel_sim_vertex_count(sim, b);
         picker->first[b + 1] = picker->first[b] + pel_sim_triangle_count(sim, b);
     }
-    picker->positions = pel_allocate((size_t)picker->begin[body_count], sizeof *picker->positions);
-    picker->boxes = pel_allocate_aligned((size_t)picker->begin[body_count], sizeof *picker->boxes);
-    picker->triangles = pel_allocate((size_t)picker->first[body_count], sizeof *picker->triangles);
-    if (picker->positions == NULL || picker->boxes == NULL || picker->triangles == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(picker->positions, picker->begin[body_count]),
+                          PEL_ROOM_ALIGNED(picker->boxes, picker->begin[body_count]),
+                          PEL_ROOM(picker->triangles, picker->first[body_count])))
         return pel_fail_memory(error);
     read_positions(sim, picker);
     for (int32_t b = 0; b < body_count; b++) {

@@ -3,6 +3,7 @@
 #include "stage/surface_view.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "pellicle/error.h"
 
@@ -32,9 +33,7 @@ pel_status pel_surface_rows_create(pel_sim *sim, pel_error *error)
 void pel_surface_rows_destroy(pel_sim *sim)
 {
     for (int32_t b = 0; sim->rows != NULL && b < sim->model->body_count; b++) {
-        pel_free(sim->rows[b].vertices);
-        pel_free(sim->rows[b].row_of_vertex);
-        pel_free(sim->rows[b].surface);
+        PEL_FREE_ALL(sim->rows[b].vertices, sim->rows[b].row_of_vertex, sim->rows[b].surface);
     }
     pel_free(sim->rows);
 }

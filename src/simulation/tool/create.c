@@ -2,6 +2,7 @@
 #include "tool/create.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "bvh/mesh_query.h"
 #include "tool/pose.h"
@@ -23,14 +24,6 @@ pel_tool_def pel_tool_def_default(void)
 
 /* ---- checks ---- */
 
-static pel_status refuse(pel_error *error, int32_t tool, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "tool", tool);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static bool is_positive(double value)
 {
     return value > 0 && isfinite(value);
@@ -40,37 +33,38 @@ static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *
 {
     const pel_solid_row *row = &pel_solid_rows[def->shape];
     const double *half = def->half_extents;
-    char text[64];
-    if (def->shape == PEL_TOOL_MESH) {
-        if (def->mesh == NULL)
-            return refuse(error, tool, "tool of shape mesh has no mesh", "give a mesh");
-    }
-    if (row->has_size && (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))) {
-        snprintf(text, sizeof text, "%s has no size", row->word);
-        return refuse(error, tool, text, "give three half extents above 0");
-    }
+    if (def->shape == PEL_TOOL_MESH && def->mesh == NULL)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a mesh",
+                                  "tool of shape mesh has no mesh");
+    if (row->has_size && (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2])))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give three half extents above 0",
+                                  "%s has no size", row->word);
     if (row->has_radius && !is_positive(def->radius))
-        return refuse(error, tool, "radius is not above 0", "give a radius above 0");
-    if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length))) {
-        snprintf(text, sizeof text, "%s length is below 0", row->word);
-        return refuse(error, tool, text, "give a half length of at least 0");
-    }
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a radius above 0",
+                                  "radius is not above 0");
+    if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length)))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a half length of at least 0",
+                                  "%s length is below 0", row->word);
     return PEL_OK;
 }
 
 static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
 {
     if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
-        return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body and vertices of its mesh",
+                                  "support has no body or no vertices");
     if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
-        return refuse(error, tool, "center of the support is not finite", "give a point in metres");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a point in metres",
+                                  "center of the support is not finite");
     for (int32_t i = 0; i < def->vertex_count; i++) {
         int32_t v = def->vertices[i];
         if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
-            return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give vertices of the mesh",
+                                      "support names a vertex that does not exist");
         if (!(sim->model->inverse_mass[sim->model->bodies[def->body].model_index[v]] > 0))
-            return refuse(error, tool, "support holds a vertex that is pinned",
-                          "remove it from the pins or from the support");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                      "remove it from the pins or from the support",
+                                      "support holds a vertex that is pinned");
     }
     return PEL_OK;
 }
@@ -79,38 +73,49 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
 {
     const pel_tool_def *def = &defs[tool];
     if (def->name == NULL || def->name[0] == '\0' || strlen(def->name) >= PEL_NAME_SIZE)
-        return refuse(error, tool, "tool has no name or a very long one", "give a short name");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a short name",
+                                  "tool has no name or a very long one");
     for (int32_t other = 0; other < tool; other++)
         if (strcmp(defs[other].name, def->name) == 0)
-            return refuse(error, tool, "two tools have the same name", "give each tool a name of its own");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give each tool a name of its own",
+                                      "two tools have the same name");
     if (def->body < -1 || def->body >= sim->model->body_count)
-        return refuse(error, tool, "tool names a body that does not exist", "give a body of the model, or -1 for all");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body of the model, or -1 for all",
+                                  "tool names a body that does not exist");
     if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT))
-        return refuse(error, tool, "shape of the tool is unknown", "give one of pel_tool_shape");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give one of pel_tool_shape",
+                                  "shape of the tool is unknown");
     if (def->key_count < 1 || def->keys == NULL)
-        return refuse(error, tool, "tool has no pose: no keys", "give at least one key");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give at least one key",
+                                  "tool has no pose: no keys");
     for (int32_t k = 0; k < def->key_count; k++) {
         const pel_pose_key *key = &def->keys[k];
         if (!pel_tool_is_key(key))
-            return refuse(
-                error, tool,
-                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion",
-                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "tool", tool,
+                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns",
+                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion");
         if (k > 0 && !(key->time > key[-1].time))
-            return refuse(error, tool, "keys are not in order", "give keys with increasing times");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give keys with increasing times",
+                                      "keys are not in order");
     }
     if (!isfinite(def->friction))
-        return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a coefficient of at least 0",
+                                  "the friction of a tool is not finite");
     if (!isfinite(def->restitution))
-        return refuse(error, tool, "the restitution of a tool is not finite", "give a number from 0 to 1");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a number from 0 to 1",
+                                  "the restitution of a tool is not finite");
     if (!isfinite(def->thickness))
-        return refuse(error, tool, "the thickness of a tool is not finite", "give a number of metres above 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a number of metres above 0",
+                                  "the thickness of a tool is not finite");
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
-        return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
-                      "give grasp_from < grasp_until and a reach of at least 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give grasp_from < grasp_until and a reach of at least 0",
+                                  "grasp ends before it begins, or its reach is below 0");
     if (def->grasp && !(def->grasp_max_force >= 0))
-        return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
-                      "give grasp_max_force > 0 in newtons, or 0 for no limit");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give grasp_max_force > 0 in newtons, or 0 for no limit",
+                                  "the largest force of a grasp is below 0 or not a number");
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
 
@@ -216,10 +221,8 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
 static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
     size_t count = (size_t)sim->model->vertex_count;
-    sim->tools->held_vertices = pel_allocate(count, sizeof *sim->tools->held_vertices);
-    sim->tools->held_targets = pel_allocate(count, sizeof *sim->tools->held_targets);
-    sim->tools->grip_forces = pel_allocate(count, sizeof *sim->tools->grip_forces);
-    if (sim->tools->held_vertices == NULL || sim->tools->held_targets == NULL || sim->tools->grip_forces == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->held_vertices, count), PEL_ROOM(sim->tools->held_targets, count),
+                          PEL_ROOM(sim->tools->grip_forces, count)))
         return pel_fail_memory(error);
     return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
@@ -232,15 +235,12 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     sim->tools->count = count;
     if (count == 0)
         return PEL_OK;
-    sim->tools->near_triangles = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->near_triangles);
-    sim->tools->plane_of_triangle =
-        pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->plane_of_triangle);
-    sim->held = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->held);
-    sim->tools->looked_at = pel_allocate((size_t)sim->model->triangle_count, sizeof *sim->tools->looked_at);
-    sim->tools->moved_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->moved_at);
-    sim->tools->cornered_at = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->cornered_at);
-    if (sim->tools->near_triangles == NULL || sim->tools->plane_of_triangle == NULL || sim->held == NULL ||
-        sim->tools->looked_at == NULL || sim->tools->moved_at == NULL || sim->tools->cornered_at == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->near_triangles, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->plane_of_triangle, sim->model->triangle_count),
+                          PEL_ROOM(sim->held, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->looked_at, sim->model->triangle_count),
+                          PEL_ROOM(sim->tools->moved_at, sim->model->vertex_count),
+                          PEL_ROOM(sim->tools->cornered_at, sim->model->vertex_count)))
         return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
     bool grasps = false;
@@ -282,23 +282,15 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
-        void *arrays[] = {tool->keys,    tool->key_spins,       tool->planes,         tool->planes_before,
-                          tool->touches, tool->touch_of_vertex, tool->held,           tool->anchors,
-                          tool->support, tool->support_marks,   tool->near.triangles, tool->in_reach.triangles};
-        for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++)
-            pel_free(arrays[a]);
+        PEL_FREE_ALL(tool->keys, tool->key_spins, tool->planes, tool->planes_before, tool->touches,
+                     tool->touch_of_vertex, tool->held, tool->anchors, tool->support, tool->support_marks,
+                     tool->near.triangles, tool->in_reach.triangles);
         pel_mesh_destroy(tool->mesh);
         pel_mesh_query_destroy(tool->query);
     }
     pel_free(sim->tools->items);
     pel_tool_search_destroy(sim->tools->search);
-    pel_free(sim->tools->near_triangles);
-    pel_free(sim->tools->plane_of_triangle);
-    pel_free(sim->held);
-    pel_free(sim->tools->looked_at);
-    pel_free(sim->tools->moved_at);
-    pel_free(sim->tools->cornered_at);
-    pel_free(sim->tools->held_vertices);
-    pel_free(sim->tools->held_targets);
-    pel_free(sim->tools->grip_forces);
+    PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
+                 sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
+                 sim->tools->grip_forces);
 }

@@ -1,6 +1,7 @@
 #include "tool/search.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 
@@ -200,16 +201,10 @@ static bool allocate(pel_tool_search *search)
     if (is_short)
         return false;
     size_t blocks = (size_t)search->block_count;
-    search->own = pel_allocate_aligned(blocks, sizeof *search->own);
-    search->boxes = pel_allocate_aligned(blocks, sizeof *search->boxes);
-    search->beside = pel_allocate(blocks * BESIDE_LIMIT, sizeof *search->beside);
-    search->beside_count = pel_allocate(blocks, sizeof *search->beside_count);
-    search->is_stale = pel_allocate(blocks, sizeof *search->is_stale);
-    search->sorted = pel_allocate(triangles, sizeof *search->sorted);
-    search->set = pel_allocate(triangles / 64 + 1, sizeof *search->set);
-    search->copy = pel_allocate_aligned(vertices, sizeof *search->copy);
-    return search->own != NULL && search->boxes != NULL && search->beside != NULL && search->beside_count != NULL &&
-           search->is_stale != NULL && search->sorted != NULL && search->set != NULL && search->copy != NULL;
+    return PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(search->own, blocks), PEL_ROOM_ALIGNED(search->boxes, blocks),
+                            PEL_ROOM(search->beside, blocks * BESIDE_LIMIT), PEL_ROOM(search->beside_count, blocks),
+                            PEL_ROOM(search->is_stale, blocks), PEL_ROOM(search->sorted, triangles),
+                            PEL_ROOM(search->set, triangles / 64 + 1), PEL_ROOM_ALIGNED(search->copy, vertices));
 }
 
 pel_status pel_tool_search_create(const pel_model *model, pel_tool_search **search, pel_error *error)
@@ -235,11 +230,9 @@ void pel_tool_search_destroy(pel_tool_search *search)
 {
     if (search == NULL)
         return;
-    void *arrays[] = {search->member,   search->block,  search->owner, search->next,   search->first,
-                      search->bodies,   search->own,    search->boxes, search->beside, search->beside_count,
-                      search->is_stale, search->sorted, search->set,   search->copy};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        pel_free(arrays[i]);
+    PEL_FREE_ALL(search->member, search->block, search->owner, search->next, search->first, search->bodies, search->own,
+                 search->boxes, search->beside, search->beside_count, search->is_stale, search->sorted, search->set,
+                 search->copy);
     pel_free(search);
 }
 

@@ -1,6 +1,7 @@
 #include "tool/solid.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
@@ -47,10 +48,7 @@ void pel_solids_destroy(pel_sim *sim)
     pel_sim_solids *solids = sim->tools->solids;
     if (solids == NULL)
         return;
-    pel_free(solids->list.contacts);
-    pel_free(solids->pairs);
-    pel_free(solids->mark_of_vertex);
-    pel_free(solids);
+    PEL_FREE_ALL(solids->list.contacts, solids->pairs, solids->mark_of_vertex, solids);
 }
 
 /* ---- search ---- */

@@ -214,9 +214,9 @@ static pel_status fail_unstable(const pel_modes *modes, pel_error *error)
 {
     if (pel_pool_is_stopped(modes->system.pool))
         return pel_pool_check(modes->system.pool, error);
-    pel_fail(error, PEL_BAD_ARGUMENT, "the state under the loads is not stable: it has no frequencies");
-    pel_fail_remedy(error, "make the loads smaller, or find the buckling load with analysis: buckling");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT,
+                      "make the loads smaller, or find the buckling load with analysis: buckling",
+                      "the state under the loads is not stable: it has no frequencies");
 }
 
 /* ---- frequencies ---- */
@@ -240,10 +240,10 @@ static pel_status prepare_modal(pel_modes *modes, const pel_tangent_input *input
 
 pel_status pel_modes_fail_unloaded(pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "no load acts, so there is no load factor");
-    pel_fail_remedy(error, "add the loads or the pressure under which the body is to buckle; displacements of supports "
-                           "do not count");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT,
+                      "add the loads or the pressure under which the body is to buckle; displacements of supports "
+                      "do not count",
+                      "no load acts, so there is no load factor");
 }
 
 /* N, what rounding of positions leaves of the forces at rest */

@@ -5,6 +5,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "math/bounds.h"
 
 #include <math.h>
 #include <string.h>
@@ -153,13 +154,14 @@ static void measure(pel_newton *newton)
 {
     const pel_model *model = newton->model;
     const pel_tangent_pattern *pattern = newton->pattern;
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
-    for (int32_t v = 0; v < model->vertex_count; v++)
-        for (int k = 0; k < 3; k++) {
+    double low[3], high[3], x[3], sum = 0;
+    pel_bounds_clear(low, high);
+    for (int32_t v = 0; v < model->vertex_count; v++) {
+        for (int k = 0; k < 3; k++)
             newton->masses[3 * v + k] = (double)model->mass[v];
-            low[k] = fmin(low[k], (double)model->rest[v][k]);
-            high[k] = fmax(high[k], (double)model->rest[v][k]);
-        }
+        pel_vertex_position(model->rest, v, x);
+        pel_bounds_add(low, high, x);
+    }
     newton->size = pel_vec3_distance(low, high);
     for (int32_t e = 0; e < pattern->edge_count; e++) {
         const int32_t *ends = pel_tangent_edges_of(newton->tangent)[e].vertices;

@@ -12,9 +12,8 @@ enum { MOST_PRODUCTS = 30 };
 
 static pel_status fail_unstable(pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "the state is not a stable equilibrium: its derivatives do not exist");
-    pel_fail_remedy(error, "make the loads smaller, or support the bodies that can move freely");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "make the loads smaller, or support the bodies that can move freely",
+                      "the state is not a stable equilibrium: its derivatives do not exist");
 }
 
 static pel_status solve_adjoint(newton_run *run, double *multipliers)

@@ -24,9 +24,7 @@ enum { MOST_ITERATIONS = 8 };
 
 static pel_status fail(pel_error *error, const char *what)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "take derivatives by differences of whole runs");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs", "%s", what);
 }
 
 /* the lead as a run, at its end */
