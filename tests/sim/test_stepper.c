@@ -43,6 +43,7 @@ static bool is_live(pel_sim *sim, const char *path)
 static void test_live_parameters(void **unused)
 {
     (void)unused;
+    int readers[4] = {0};
     pel_mesh *mesh = make_sphere(2);
     pel_body_def body = ball_body(mesh);
     pel_model *model = make_model(&body);
@@ -57,6 +58,10 @@ static void test_live_parameters(void **unused)
         assert_int_equal(is_live(sim, "solver.substeps"), s->has_substeps);
         assert_int_equal(is_live(sim, "solver.max_substeps"), s->is_compliant);
         assert_int_equal(is_live(sim, "solver.descent"), s->descends);
+        readers[0] += s->relaxes;
+        readers[1] += s->has_substeps;
+        readers[2] += s->is_compliant;
+        readers[3] += s->descends;
         assert_int_equal(is_live(sim, "solver.drag"), s->has_substeps || s->is_explicit);
         pel_sim_destroy(sim);
         /* a budget and an analysis are refused by the other methods */
@@ -69,6 +74,8 @@ static void test_live_parameters(void **unused)
         assert_int_equal(pel_sim_create(&def, &sim, NULL) == PEL_OK, s->is_static);
         pel_sim_destroy(sim);
     }
+    for (int i = 0; i < 4; i++)
+        assert_true(readers[i] > 0);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
 }
