@@ -84,45 +84,45 @@ static void print_experiment(const lab_experiment *experiment)
     fflush(stdout);
 }
 
-static void write_numbers(cli_json *json, const lab_experiment *experiment)
+static void write_numbers(pel_json *json, const lab_experiment *experiment)
 {
-    cli_json_open(json, "numbers", '[');
+    pel_json_open(json, "numbers", '[');
     for (int i = 0; i < experiment->finding_count; i++) {
         const lab_finding *f = &experiment->findings[i];
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "name", f->name);
-        cli_json_number(json, "value", f->value);
-        cli_json_text(json, "relation", lab_relation_sign(f->relation));
-        cli_json_number(json, "expected", f->expected);
-        cli_json_number(json, "tolerance", f->tolerance);
-        cli_json_bool(json, "judged", f->relation != LAB_TOLD);
-        cli_json_bool(json, "holds", lab_finding_holds(f));
-        cli_json_text(json, "origin", lab_origin_name(experiment->claims[f->claim].origin));
-        cli_json_text(json, "source", f->source);
-        cli_json_number(json, "claim", f->claim);
-        cli_json_close(json, '}');
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "name", f->name);
+        pel_json_number(json, "value", f->value);
+        pel_json_text(json, "relation", lab_relation_sign(f->relation));
+        pel_json_number(json, "expected", f->expected);
+        pel_json_number(json, "tolerance", f->tolerance);
+        pel_json_bool(json, "judged", f->relation != LAB_TOLD);
+        pel_json_bool(json, "holds", lab_finding_holds(f));
+        pel_json_text(json, "origin", lab_origin_name(experiment->claims[f->claim].origin));
+        pel_json_text(json, "source", f->source);
+        pel_json_number(json, "claim", f->claim);
+        pel_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    pel_json_close(json, ']');
 }
 
-static void write_json(cli_json *json, const lab_experiment *experiment)
+static void write_json(pel_json *json, const lab_experiment *experiment)
 {
     char text[512];
-    cli_json_open(json, experiment->name, '{');
-    cli_json_text(json, "folder", experiment->folder);
-    cli_json_text(json, "verdict", lab_verdict_name(lab_experiment_verdict(experiment)));
-    cli_json_number(json, "seconds", experiment->seconds);
-    cli_json_open(json, "claims", '[');
+    pel_json_open(json, experiment->name, '{');
+    pel_json_text(json, "folder", experiment->folder);
+    pel_json_text(json, "verdict", lab_verdict_name(lab_experiment_verdict(experiment)));
+    pel_json_number(json, "seconds", experiment->seconds);
+    pel_json_open(json, "claims", '[');
     for (int i = 0; i < experiment->claim_count; i++) {
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "origin", lab_origin_name(experiment->claims[i].origin));
-        cli_json_text(json, "says", experiment->claims[i].says);
-        cli_json_text(json, "verdict", lab_claim_text(experiment, i, text, sizeof text));
-        cli_json_close(json, '}');
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "origin", lab_origin_name(experiment->claims[i].origin));
+        pel_json_text(json, "says", experiment->claims[i].says);
+        pel_json_text(json, "verdict", lab_claim_text(experiment, i, text, sizeof text));
+        pel_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    pel_json_close(json, ']');
     write_numbers(json, experiment);
-    cli_json_close(json, '}');
+    pel_json_close(json, '}');
 }
 
 /* ---- all of them ---- */
@@ -139,7 +139,7 @@ static bool is_wanted(const cli_call *call, const char *name)
 
 typedef struct job {
     const cli_call *call;
-    cli_json *json; /* nullable */
+    pel_json *json; /* nullable */
     bool quiet, fails;
     progress at;
 } job;
@@ -193,7 +193,7 @@ int cli_reproduce(const cli_call *call)
         return CLI_DONE;
     }
     const char *output = cli_value(call, "output"), *up = cli_value(call, "up"), *data = cli_value(call, "data");
-    cli_json json = {.file = stdout};
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
     job work = {.call = call, .at.begin = pel_seconds()};
     papers_def def = {
         .folder = output != NULL ? output : "results/reproduce",
@@ -210,10 +210,10 @@ int cli_reproduce(const cli_call *call)
         work.at.count += is_wanted(call, papers_case_at(i)->name);
     if (cli_has(call, "json")) {
         work.json = &json;
-        cli_json_open(&json, NULL, '{');
+        pel_json_open(&json, NULL, '{');
     }
     int result = run_all(&work, &def);
     if (work.json != NULL)
-        cli_json_close(&json, '}');
+        pel_json_close(&json, '}');
     return result;
 }

@@ -178,11 +178,11 @@ static bool copy_summary(const char *folder)
 /* a run that was refused, or that could not even write its summary */
 static void write_refusal(const pel_error *error)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "status", "refused");
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "status", "refused");
     cli_write_error(&json, error);
-    cli_json_close(&json, '}');
+    pel_json_close(&json, '}');
 }
 
 static int run_scene(const cli_call *call, const pel_scene *scene, const char *folder)

@@ -1,5 +1,6 @@
 #include "failing_malloc.h"
 
+#include "base/assert.h"
 #include "check.h"
 
 #include <malloc.h>
@@ -39,7 +40,7 @@ static void unlock(void)
 /* true when the allocation being asked for has to fail */
 static bool must_fail(void)
 {
-    if (!atomic_load(&counting))
+    if (!atomic_load(&counting) || pel_check_is_running())
         return false;
     lock();
     bool fails = ++count.calls == fail_at;
@@ -50,7 +51,7 @@ static bool must_fail(void)
 
 static void *remember(void *block)
 {
-    if (block == NULL || !atomic_load(&counting))
+    if (block == NULL || !atomic_load(&counting) || pel_check_is_running())
         return block;
     lock();
     if (count.live == LIVE_LIMIT)

@@ -18,7 +18,6 @@ ALLOWED = {
     "gradient/step_beside.c": "the same beside a simulation",
     "boundary/edge_load.c": "unknowns of the implicit methods",
     "boundary/hold.c": "unknowns of the implicit methods",
-    "sim/parameter_table.c": "the path solver.method",
     "sim/sim_create.c": "checks of defs; releases what all methods made",
     "stage/shells.c": "the layout of elements",
     "observe/ledger.c": "an analysis of modes moves nothing",
@@ -27,6 +26,7 @@ ALLOWED = {
 NAME = re.compile(r"\bPEL_METHOD_(?!COUNT)[A-Z_]+")
 NAMING = {
     "physics/batch/batches.c": "the layout of constraints",
+    "physics/def/rows.c": "which keys a method reads",
     "solver/solve/project.c": "multipliers of constraints",
     "runs/scene/method.c": "the choice of a method",
 }

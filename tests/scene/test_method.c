@@ -1,6 +1,7 @@
 /* The method of scenes that leave it to the program, and runs of xpbd that are too soft. */
 #define _XOPEN_SOURCE 700
 #include "check.h"
+#include "def/row.h"
 #include "failing_malloc.h"
 
 #include <ftw.h>

@@ -543,8 +543,10 @@ static void test_damage(void **unused)
         uint64_t hash = pel_sim_hash(made.sim);
         assert_int_equal(pel_sim_load(made.sim, bytes, size, &error), PEL_BAD_FORMAT);
         assert_true(pel_sim_hash(made.sim) == hash);
+        assert_false(pel_snapshot_is_valid(made.sim, bytes));
         bytes[at] ^= (unsigned char)(1 << at % 8);
     }
+    assert_true(pel_snapshot_is_valid(made.sim, bytes));
     for (size_t cut = 16; cut < size; cut += 1 + cut / 3)
         check_refused(made.sim, bytes, cut, "the snapshot is cut short");
     assert_int_equal(pel_sim_load(made.sim, bytes, size, NULL), PEL_OK);

@@ -1,6 +1,7 @@
 /* The rows of the methods: words, traits that go together, and the live parameters that follow from them. */
 #include "fixture.h"
 
+#include "def/row.h"
 #include "pellicle/live.h"
 #include "stage/stepper.h"
 

@@ -4,6 +4,7 @@
    against an obstacle to what that feels. */
 #include "contact/force.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -50,6 +51,7 @@ static void destroy_pages(const pel_contact_forces *forces, pel_force_pages *pag
 /* a page to write to; null when there is no memory for it */
 static pel_record *touch_page(pel_contact_forces *forces, pel_force_pages *pages, int32_t p)
 {
+    PEL_ASSERT_INDEX(p, page_count(forces));
     if (pages->pages[p] == NULL)
         pages->pages[p] = make_page();
     if (pages->pages[p] == NULL)
@@ -68,6 +70,7 @@ static void clear_page(pel_force_pages *pages, int32_t p)
 
 void pel_contact_force_add(pel_contact_forces *forces, pel_force_pages *to, int32_t v, const double force[3])
 {
+    PEL_ASSERT_INDEX(v, forces->vertex_count);
     pel_record *page = touch_page(forces, to, v / PEL_FORCE_PAGE);
     for (int k = 0; page != NULL && k < 3; k++)
         page[v % PEL_FORCE_PAGE][k] += (pel_real)force[k];
@@ -75,6 +78,7 @@ void pel_contact_force_add(pel_contact_forces *forces, pel_force_pages *to, int3
 
 void pel_contact_forces_read(const pel_contact_forces *forces, int32_t begin, int32_t count, pel_record *page)
 {
+    PEL_ASSERT(begin % PEL_FORCE_PAGE == 0 && begin >= 0 && begin + count <= forces->vertex_count);
     const pel_record *own = forces->vertex.pages[begin / PEL_FORCE_PAGE];
     if (own != NULL)
         memcpy(page, own, (size_t)count * sizeof *page);

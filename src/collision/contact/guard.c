@@ -20,6 +20,7 @@
 
    How near may a pair come? To the guarded distance; when it starts nearer than that, to 0.99 of where it starts, so
    that it can part and slide but not close in. */
+#include "base/assert.h"
 #include "contact/set.h"
 
 #include "base/memory.h"
@@ -104,8 +105,10 @@ static void begin_zones(pel_contact_set *set)
 /* returns the zone of both */
 static int32_t join(pel_zone *zones, int32_t a, int32_t b)
 {
+    PEL_ASSERT(a >= 0 && b >= 0);
     a = find_zone(zones, a);
     b = find_zone(zones, b);
+    PEL_ASSERT(zones[a].parent == a && zones[b].parent == b);
     if (a == b)
         return a;
     pel_zone *kept = &zones[a < b ? a : b];
@@ -129,6 +132,8 @@ static bool goes_far(const pel_contact_set *set, const pel_zone *zone)
    own, so that it can come on while the body before it stands */
 static void join_conflict(pel_contact_set *set, const pel_conflict *conflict)
 {
+    PEL_ASSERT(conflict->obstacle >= -1 && conflict->obstacle < set->def.obstacle_count);
+    PEL_ASSERT(conflict->time >= 0);
     pel_zone *zones = set->zones;
     int32_t nodes[5], count = nodes_of(set, conflict, nodes), places = conflict->obstacle >= 0 ? count - 1 : count;
     for (int i = 1; i < places; i++)

@@ -1,5 +1,6 @@
 #include "contact/set.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -81,12 +82,16 @@ void pel_contact_set_destroy(pel_contact_set *set)
 
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
 {
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
     double first = set->groups[a].friction, second = set->groups[b].friction;
     return first == second ? first : sqrt(first * second);
 }
 
 double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
 {
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
     return 0.5 * (set->groups[a].thickness + set->groups[b].thickness);
 }
 
@@ -96,6 +101,8 @@ double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
 static bool make_contact(const pel_contact_set *set, const pel_collision *pair, const pel_ccd_hit *hit,
                          pel_contact *contact)
 {
+    PEL_ASSERT_INDEX(pair->vertices[0], set->point_count);
+    PEL_ASSERT_INDEX(pair->vertices[3], set->point_count);
     /* points 0 and 3 are of either side */
     const int32_t *group = set->group_of_point;
     double separation = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]), free = 0;
@@ -153,6 +160,7 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
 /* the merged list becomes the list */
 static void exchange_lists(pel_contact_set *set, int32_t count)
 {
+    PEL_ASSERT(count >= 0 && (size_t)count <= set->other_capacity);
     pel_contact *list = set->list.contacts;
     pel_contact_key *keys = set->keys;
     size_t capacity = set->capacity, key_capacity = set->key_capacity;
@@ -179,6 +187,7 @@ typedef struct merger {
 static bool take_over(merger *m, const pel_contact_key *key)
 {
     pel_contact_set *set = m->set;
+    PEL_ASSERT(m->old >= 0 && m->old <= set->list.count);
     for (; m->old < set->list.count; m->old++) {
         int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
         if (order >= 0)
@@ -247,6 +256,7 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
             add_found(m, &found->collisions[i], i);
     take_over(m, NULL);
     exchange_lists(set, m->count);
+    PEL_ASSERT_WHOLE(pel_contact_set_is_valid(set));
     return PEL_OK;
 }
 

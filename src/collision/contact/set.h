@@ -213,6 +213,9 @@ void pel_contact_set_forget_step(pel_contact_set *set);
 /* Moves the next positions by sweeps over the contacts, and `end` with them. Velocities lose what runs into a contact,
    by impulses: momentum stays and energy cannot grow. */
 void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *motion, int32_t sweeps);
+/* Whether the groups, and the contacts with their keys, are whole: sorted, each pair once, with points and obstacles
+   that exist, unit normals, and weights that add up to nothing unless an obstacle has the rest. */
+bool pel_contact_set_is_valid(const pel_contact_set *set);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */

@@ -4,6 +4,7 @@
    number of chunks before the rest: if it sees chunks of the new loop, it sees its function too. */
 #include "base/pool.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
@@ -169,6 +170,7 @@ pel_status pel_pool_check(const pel_pool *pool, pel_error *error)
 
 void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *function, void *context)
 {
+    PEL_ASSERT(chunk_count >= 0 && function != NULL);
     if (pool == NULL || pool->helper_count == 0 || chunk_count <= 1) {
         for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
             function(context, chunk);

@@ -5,6 +5,7 @@
 #ifndef PEL_BATCH_BATCH_H
 #define PEL_BATCH_BATCH_H
 
+#include "base/assert.h"
 #include "base/wide.h"
 #include "law/membrane.h"
 
@@ -91,6 +92,8 @@ typedef struct pel_batch {
 
 static inline pel_real *pel_batch_number(const pel_batch *batch, int32_t i, int j)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
+    PEL_ASSERT_INDEX(j, batch->number_count);
     size_t block = (size_t)i / PEL_BLOCK, lane = (size_t)i % PEL_BLOCK;
     return &batch->numbers[(block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK + lane];
 }

@@ -15,6 +15,7 @@
    small body more than its seams take; the curve pays where barriers are cheap. */
 #include "batch/batches.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -53,6 +54,8 @@ static bool may_matter(const plan *p, const int32_t *places, int count)
 
 static void push_element(plan *p, const int32_t *places, int arity, int32_t origin, int32_t *count)
 {
+    PEL_ASSERT(*count < p->made->scratch->count_limit);
+    PEL_ASSERT(arity >= 2 && arity <= 4);
     memcpy(p->made->scratch->vertices + (size_t)*count * (size_t)arity, places, (size_t)arity * sizeof *places);
     p->made->scratch->origins[(*count)++] = origin;
 }
@@ -127,6 +130,7 @@ static int32_t list_fibres(plan *p, const pel_shell_region *region)
 
 static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     int32_t slot = batch->sources[i] / PEL_WIDTH, lane = batch->sources[i] % PEL_WIDTH;
     int32_t place = batch->steps[i / PEL_BLOCK * 2 * PEL_BLOCK + i % PEL_BLOCK] / PEL_STEP;
     *pel_batch_number(batch, i, 0) = pel_model_rest_length(p->model, slot, place);
@@ -136,6 +140,7 @@ static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
 
 static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     const pel_rest_triangle rest = pel_shell_rest(p->body->shell, batch->sources[i]);
     for (int j = 0; j < 3; j++)
         *pel_batch_number(batch, i, j) = (pel_real)rest.inverse[j];
@@ -149,12 +154,14 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
 
 static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     if (batch->number_count > 0)
         *pel_batch_number(batch, i, 0) = (pel_real)p->body->shell->pressure_weights[batch->sources[i]];
 }
 
 static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     const pel_shell *shell = p->body->shell;
     const pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
     if (shell->bending->is_angle) {
@@ -175,6 +182,7 @@ static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 
 static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_triangle *rest, const double direction[2])
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     *pel_batch_number(batch, i, 0) = (pel_real)(rest->inverse[0] * direction[0] + rest->inverse[1] * direction[1]);
     *pel_batch_number(batch, i, 1) = (pel_real)(rest->inverse[2] * direction[1]);
 }
@@ -182,6 +190,8 @@ static void set_direction(const pel_batch *batch, int32_t i, const pel_rest_tria
 /* weight and shares of a triangle that caves in */
 static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fibre *fibre, double area, int32_t i)
 {
+    PEL_ASSERT(area > 0);
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     const int32_t *corners = p->body->shell->corners[fibre->triangle];
     *pel_batch_number(batch, i, PEL_CAVE_WEIGHT) = (pel_real)fibre->weight;
     for (int k = 0; k < 3; k++) {
@@ -193,6 +203,7 @@ static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fib
 
 static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     const pel_shell_fibre fibre = pel_shell_fibre_of(p->body->shell, region, batch->sources[i]);
     const pel_rest_triangle rest = pel_shell_rest(p->body->shell, fibre.triangle);
     set_direction(batch, i, &rest, fibre.direction);
@@ -221,6 +232,7 @@ static int32_t list_elements(plan *p, const pel_batch *batch)
 
 static void fill_number(const plan *p, const pel_batch *batch, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     if (batch->arity == 2)
         fill_edge(p, batch, i);
     else if (batch->arity == 4)
@@ -468,6 +480,7 @@ static int32_t count_limit(const plan *p)
 
 static plan plan_of(pel_batches *batches, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, batches->model->body_count);
     const pel_model *model = batches->model;
     plan p = {.model = model, .body = &model->bodies[body], .method = batches->method, .made = &batches->bodies[body]};
     p.literal = p.method == PEL_METHOD_PBD;
@@ -530,6 +543,7 @@ static pel_status create_body(plan *p, pel_error *error)
 {
     pel_body_batches *made = p->made;
     made->pieces = (pel_pieces){.piece_count = piece_count_of(p->body->mesh->vertex_count)};
+    PEL_ASSERT(made->pieces.piece_count == 1 || made->pieces.piece_count % 2 == 0);
     made->pieces.first_place = p->first_place;
     made->pieces.place_count = p->place_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->pieces.piece_of_place, p->place_count), PEL_ROOM(made->scratch, 1)))
@@ -569,6 +583,8 @@ static int32_t bundles_of_phase(const pel_body_batches *body, int phase)
 
 static int32_t bundle_number(const pel_body_batches *body, int phase, int32_t i)
 {
+    PEL_ASSERT_INDEX(phase, PEL_PHASE_COUNT);
+    PEL_ASSERT_INDEX(i, bundles_of_phase(body, phase));
     int32_t pieces = body->pieces.piece_count;
     const int32_t numbers[PEL_PHASE_COUNT] = {i, pieces + 2 * i, pieces + 2 * i + 1, 2 * pieces - 1};
     return numbers[phase];
@@ -610,11 +626,13 @@ pel_status pel_batches_create(const pel_model *model, pel_method method, pel_bat
     }
     if (status == PEL_OK)
         status = make_phases(made, error);
-    if (status == PEL_OK)
-        *batches = made;
-    else
+    if (status != PEL_OK) {
         pel_batches_destroy(made);
-    return status;
+        return status;
+    }
+    PEL_ASSERT_WHOLE(pel_batches_is_valid(made));
+    *batches = made;
+    return PEL_OK;
 }
 
 void pel_batches_destroy(pel_batches *batches)
@@ -628,12 +646,14 @@ void pel_batches_destroy(pel_batches *batches)
 
 void pel_batches_rebuild(pel_batches *batches, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, batches->model->body_count);
     plan p = plan_of(batches, body);
     if (p.made->batch_count == 0)
         return;
     update_pieces(&p);
     for (int32_t i = 0; i < p.made->batch_count; i++)
         fill_batch(&p, &p.made->batches[i], NULL);
+    PEL_ASSERT_WHOLE(pel_batches_is_valid(batches));
 }
 
 /* ---- directions ---- */
@@ -653,6 +673,7 @@ static void follow_region(const pel_batch *batch, const pel_shell *shell, const 
 
 void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions)
 {
+    PEL_ASSERT_INDEX(body, batches->model->body_count);
     const pel_shell *shell = batches->model->bodies[body].shell;
     const pel_body_batches *own = &batches->bodies[body];
     for (int32_t i = 0; i < own->batch_count; i++) {

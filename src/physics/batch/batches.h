@@ -46,6 +46,10 @@ void pel_batches_rebuild(pel_batches *batches, int32_t body);
    positions. */
 void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions);
 
+/* Whether places, lanes and bundles are within their arrays, blocks that are computed together share no vertex, and
+   neither do bundles of a phase. */
+bool pel_batches_is_valid(const pel_batches *batches);
+
 /* true for a batch whose energy has a region's fibres */
 static inline bool pel_batch_is_fibre(const pel_batch *batch)
 {

@@ -3,6 +3,7 @@
    model's order, which traverses the surface in rings, so that elements of one colour are near each other in memory. */
 #include "batch/layout.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -49,6 +50,7 @@ typedef struct build {
 
 static int32_t lowest_place(const build *job, int32_t c)
 {
+    PEL_ASSERT_INDEX(c, job->count);
     const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity;
     int32_t least = v[0];
     for (int k = 1; k < job->arity; k++)
@@ -58,6 +60,7 @@ static int32_t lowest_place(const build *job, int32_t c)
 
 static int32_t bundle_of(const build *job, int32_t c)
 {
+    PEL_ASSERT_INDEX(c, job->count);
     const int32_t *v = job->vertices + (size_t)c * (size_t)job->arity, pieces = job->pieces->piece_count;
     int32_t low = job->pieces->piece_of_place[v[0] - job->pieces->first_place], high = low;
     for (int k = 1; k < job->arity; k++) {
@@ -90,6 +93,7 @@ static void sort_elements(const build *job, int32_t *begin)
 /* gives the elements sorted[from .. to - 1] colours; returns their number */
 static int32_t color_bundle(const build *job, int32_t from, int32_t to)
 {
+    PEL_ASSERT(from >= 0 && from <= to && to <= job->count);
     pel_build_scratch *s = job->scratch;
     int32_t left = to - from, color_count = 0, first = job->pieces->first_place;
     for (int32_t i = from; i < to; i++)
@@ -120,6 +124,7 @@ static int32_t color_bundle(const build *job, int32_t from, int32_t to)
 /* sorts a coloured bundle by colour into order, counts (color_count + 1) being where colours begin; returns blocks */
 static int32_t sort_colors(const build *job, int32_t from, int32_t to, int32_t color_count)
 {
+    PEL_ASSERT(from >= 0 && from <= to && to <= job->count && color_count >= 0);
     pel_build_scratch *s = job->scratch;
     int32_t blocks = 0;
     memset(s->counts, 0, ((size_t)color_count + 1) * sizeof *s->counts);
@@ -135,6 +140,9 @@ static int32_t sort_colors(const build *job, int32_t from, int32_t to, int32_t c
 
 static void fill_block(pel_batch *batch, const build *job, int32_t block, const int32_t *members, int32_t member_count)
 {
+    PEL_ASSERT_INDEX(block, batch->capacity);
+    PEL_ASSERT(member_count >= 1 && member_count <= PEL_BLOCK);
+    PEL_ASSERT_INDEX(block, batch->block_count);
     batch->lane_counts[block] = (uint8_t)member_count;
     for (int32_t lane = 0; lane < PEL_BLOCK; lane++) {
         int32_t c = members[lane < member_count ? lane : member_count - 1];
@@ -148,6 +156,7 @@ static void fill_block(pel_batch *batch, const build *job, int32_t block, const 
 /* the blocks of a bundle, colour after colour (sorted in order, counts at the ends of colours); returns the next one */
 static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, int32_t from, int32_t color_count)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_build_scratch *s = job->scratch;
     int32_t begin = from;
     for (int32_t c = 0; c < color_count; c++) {
@@ -164,6 +173,7 @@ static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, in
 
 pel_status pel_batch_reserve(pel_batch *batch, int32_t capacity, int32_t bundle_count, pel_error *error)
 {
+    PEL_ASSERT(batch->steps == NULL && capacity >= 0);
     size_t lanes = (size_t)capacity * PEL_BLOCK;
     batch->capacity = capacity;
     bool room = PEL_ALLOCATE_ALL(PEL_ROOM(batch->bundle_begin, (size_t)bundle_count + 1),
@@ -193,6 +203,7 @@ static int32_t count_blocks(const build *job, const int32_t *begin)
 pel_status pel_batch_build(pel_batch *batch, const pel_pieces *pieces, int32_t count, pel_build_scratch *scratch,
                            pel_error *error)
 {
+    PEL_ASSERT(count >= 0 && count <= scratch->count_limit);
     build job = {scratch->vertices, batch->arity, count, pel_bundle_count(pieces), pieces, scratch};
     int32_t *begin = scratch->bundles;
     sort_elements(&job, begin);
@@ -214,6 +225,7 @@ pel_status pel_batch_build(pel_batch *batch, const pel_pieces *pieces, int32_t c
 
 void pel_batch_share(pel_batch *batch, const pel_batch *other)
 {
+    PEL_ASSERT(batch->steps == NULL && batch->arity == other->arity);
     batch->is_shared = true;
     batch->capacity = other->capacity;
     batch->block_count = other->block_count;

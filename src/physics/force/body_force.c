@@ -1,4 +1,5 @@
 #include "force/body_force.h"
+#include "base/assert.h"
 
 #include <math.h>
 
@@ -85,6 +86,7 @@ pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, 
 void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
                       pel_wide *volumetric)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     pel_body_force body = pel_slice_force_of(model, state, slice);
     pel_slice own = pel_slice_load(state->position, slice);
     pel_wide half = pel_wide_splat((pel_real)0.5), sum = pel_wide_splat(0);

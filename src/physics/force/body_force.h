@@ -3,6 +3,7 @@
 #ifndef PEL_FORCE_BODY_FORCE_H
 #define PEL_FORCE_BODY_FORCE_H
 
+#include "base/assert.h"
 #include "base/pool.h"
 #include "measure/spring.h"
 #include "model/state.h"
@@ -37,6 +38,7 @@ static inline void pel_slice_store(pel_record *records, int32_t slice, pel_wide3
 static inline pel_wide3 pel_slot_offset(const pel_model *model, const pel_record *position, int32_t slot,
                                         const pel_wide3 *own)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     pel_wide a, b, c, d;
     pel_wide_gather(position, model->neighbours[slot], &a, &b, &c, &d);
     return (pel_wide3){a - own->x, b - own->y, c - own->z};
@@ -54,6 +56,7 @@ typedef struct pel_slot_flight {
 static inline pel_slot_flight pel_slot_begin(const pel_model *model, const pel_record *position, int32_t slot,
                                              const pel_wide3 *own)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     pel_wide3 offset = pel_slot_offset(model, position, slot, own);
     return (pel_slot_flight){offset, pel_spring_length(offset)};
 }
@@ -61,6 +64,7 @@ static inline pel_slot_flight pel_slot_begin(const pel_model *model, const pel_r
 /* rest lengths of a slot; where no body has springs, which have no force then, the present ones do */
 static inline pel_wide pel_slot_rest(const pel_model *model, int32_t slot, pel_wide length)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     return model->rest_lengths != NULL ? model->rest_lengths[slot] : length;
 }
 
@@ -73,6 +77,7 @@ typedef struct pel_spring_sum {
 static inline void pel_slot_end(const pel_model *model, int32_t slot, bool uniform, const pel_slot_flight *flight,
                                 pel_spring_sum *sum)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     pel_wide scale =
         uniform ? pel_spring_scale(flight->length, pel_wide_splat(1), pel_slot_rest(model, slot, flight->length))
                 : pel_spring_scale(flight->length, model->stiffnesses[slot], model->products[slot]);
@@ -88,6 +93,7 @@ static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_recor
                                          const pel_wide3 *own, int32_t next, const pel_wide3 *next_own, bool uniform,
                                          pel_slot_flight *flight, pel_wide *longest)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     const pel_wide zero = pel_wide_splat(0);
     pel_spring_sum sum = {{zero, zero, zero}, *longest};
     int32_t last = model->slot_end[slice] - 1;
@@ -107,6 +113,7 @@ static inline pel_wide3 pel_spring_force(const pel_model *model, const pel_recor
 static inline pel_wide pel_slice_longest(const pel_model *model, const pel_record *position, int32_t slice,
                                          const pel_wide3 *own)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     pel_wide square = pel_wide_splat(0);
     for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
         pel_wide3 d = pel_slot_offset(model, position, slot, own);
@@ -124,6 +131,7 @@ typedef struct pel_body_force {
 
 static inline pel_body_force pel_body_force_of(const pel_model *model, const pel_state *state, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const double *factor = state->factors[body];
     double uniform = model->bodies[body].uniform_spring;
     return (pel_body_force){
@@ -138,6 +146,7 @@ static inline pel_body_force pel_body_force_of(const pel_model *model, const pel
 /* the same in one slice: where no vertex is off the base, springs need not be read */
 static inline pel_body_force pel_slice_force_of(const pel_model *model, const pel_state *state, int32_t slice)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     int32_t body = model->body_of_slice[slice];
     pel_body_force numbers = pel_body_force_of(model, state, body);
     double spring = model->bodies[body].plain_spring;
@@ -152,6 +161,7 @@ static inline pel_body_force pel_slice_force_of(const pel_model *model, const pe
 static inline void pel_add_volumetric(const pel_model *model, int32_t slice, const pel_wide3 *own,
                                       const pel_body_force *body, pel_wide3 *force)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     pel_slice rest = pel_slice_load(model->rest, slice); /* its fourth number is k' */
     pel_wide common = pel_wide_splat(body->stiffness);
     pel_wide k = pel_wide_splat(body->volumetric_stiffness) * rest.inverse_mass;
@@ -164,6 +174,7 @@ static inline void pel_add_volumetric(const pel_model *model, int32_t slice, con
 static inline pel_wide3 pel_elastic_force(const pel_model *model, const pel_record *position, int32_t slice,
                                           const pel_wide3 *own, const pel_body_force *body, pel_wide *longest)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     pel_slot_flight flight = pel_slot_begin(model, position, model->slot_begin[slice], own);
     pel_wide3 force = pel_spring_force(model, position, slice, own, slice, own, body->uniform, &flight, longest);
     pel_add_volumetric(model, slice, own, body, &force);
@@ -174,6 +185,7 @@ static inline pel_wide3 pel_elastic_force(const pel_model *model, const pel_reco
 static inline void pel_add_damping(const pel_model *model, int32_t slice, const pel_wide3 *own,
                                    const pel_wide3 *velocity, const pel_body_force *body, pel_wide3 *force)
 {
+    PEL_ASSERT_INDEX(slice, model->slice_count);
     const pel_wide *damping = (const pel_wide *)model->damping, *radial = (const pel_wide *)model->volumetric_damping;
     pel_slice rest = pel_slice_load(model->rest, slice);
     pel_wide3 e = {own->x - rest.position.x, own->y - rest.position.y, own->z - rest.position.z};

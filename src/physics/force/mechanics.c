@@ -9,6 +9,7 @@
    moments of a triangle are |e| times the normal moments on its edges, which determine M. */
 #include "force/mechanics.h"
 
+#include "base/assert.h"
 #include "force/shell_body.h"
 #include "force/tangent_body.h"
 #include "math/functions.h"
@@ -171,6 +172,7 @@ static const pel_tangent_shell *midedge_shell(const pel_tangent *tangent, int32_
 static double midedge_moments(const pel_tangent *tangent, const pel_tangent_shell *own, int32_t t,
                               const double *unknowns, double moment[3])
 {
+    PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     const double *xi = unknowns + 3 * (size_t)tangent->pattern.vertex_count;
     double alpha[3], sign;
     for (int k = 0; k < 3; k++) {

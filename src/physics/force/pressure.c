@@ -1,5 +1,6 @@
 #include "force/pressure.h"
 
+#include "base/assert.h"
 #include "math/functions.h"
 #include "model/state.h"
 
@@ -74,6 +75,7 @@ double pel_pressure_potential(const pel_shell *shell, double time, double load_f
 
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     /* the order of a shell's triangles does not depend on the history of a refined surface */
     const pel_shell *shell = model->bodies[body].shell;
     double volume = 0, at[3];

@@ -1,5 +1,6 @@
 /* Forces and energies of shells over the blocks of batches, all lanes at once. Blocks share no vertex, so a block adds
    to the forces of its corners independently of others. */
+#include "base/assert.h"
 #include "force/shell_body.h"
 #include "law/fibre.h"
 #include "measure/fibre.h"
@@ -9,16 +10,19 @@
 
 PEL_INLINE const int32_t *steps_of(const pel_batch *batch, int32_t block, int k)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return batch->steps + ((size_t)block * (size_t)batch->arity + (size_t)k) * PEL_BLOCK;
 }
 
 PEL_INLINE pel_lane number_of(const pel_batch *batch, int32_t block, int j)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return pel_lane_load(batch->numbers + ((size_t)block * (size_t)batch->number_count + (size_t)j) * PEL_BLOCK, 0);
 }
 
 PEL_INLINE pel_particle corner_of(const pel_batch *batch, int32_t block, int k, const pel_record *position)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return pel_particle_load(position, steps_of(batch, block, k), 0);
 }
 
@@ -44,6 +48,7 @@ static inline pel_lane used_lanes(pel_lane a, int32_t count)
 PEL_INLINE pel_lane press_membrane(const pel_batch *batch, int32_t block, const pel_record *position,
                                    pel_membrane_kind kind, pel_lane3 force[3])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane law[PEL_LAW_NUMBERS], number[4];
     pel_lane3 x[3], stress[2];
     for (int i = 0; i < PEL_LAW_NUMBERS; i++)
@@ -66,6 +71,7 @@ PEL_INLINE pel_lane press_membrane(const pel_batch *batch, int32_t block, const 
 
 PEL_INLINE pel_lane bend_angle(const pel_batch *batch, int32_t block, const pel_record *position, pel_lane3 force[4])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_particle x[4];
     for (int k = 0; k < 4; k++)
         x[k] = corner_of(batch, block, k, position);
@@ -78,6 +84,7 @@ PEL_INLINE pel_lane bend_angle(const pel_batch *batch, int32_t block, const pel_
 PEL_INLINE pel_lane bend_isometric(const pel_batch *batch, int32_t block, const pel_record *position,
                                    pel_lane3 force[4])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_particle x[4];
     pel_lane weight[4];
     for (int k = 0; k < 4; k++)
@@ -95,6 +102,7 @@ PEL_INLINE pel_lane bend_isometric(const pel_batch *batch, int32_t block, const 
 PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_record *position, double rest_length,
                                bool squared, pel_lane3 force[3])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane3 x[3];
     for (int k = 0; k < 3; k++)
         x[k] = corner_of(batch, block, k, position).at;
@@ -110,6 +118,7 @@ PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_
 
 PEL_INLINE pel_lane weight_of(const pel_batch *batch, int32_t block)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return batch->number_count > 0 ? number_of(batch, block, 0) : pel_lane_splat(1);
 }
 
@@ -117,6 +126,7 @@ PEL_INLINE pel_lane weight_of(const pel_batch *batch, int32_t block)
 PEL_INLINE pel_lane press_area(const pel_batch *batch, int32_t block, const pel_record *position, double pressure,
                                pel_lane3 force[3])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane3 x[3];
     for (int k = 0; k < 3; k++)
         x[k] = corner_of(batch, block, k, position).at;

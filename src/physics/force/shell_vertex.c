@@ -1,4 +1,5 @@
 /* Energies and virials of a shell at the vertices, for measures and for the criterion of refinement. */
+#include "base/assert.h"
 #include "force/shell_body.h"
 #include "math/vec3.h"
 
@@ -68,6 +69,7 @@ static void add_fibres(const corner_sums *sums, double *values)
 void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                            const pel_record *position, double time, double *virials)
 {
+    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     if (own == NULL)
         return;
@@ -80,6 +82,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
                                const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres)
 {
+    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     double *lists[3] = {membrane, bending, fibres};
     for (int i = 0; i < 3; i++)
@@ -113,6 +116,7 @@ static int corner_at(const int32_t *vertices, int32_t place)
 static void subtract_hinge(const pel_shell *shell, const pel_record *rest, int32_t i, const pel_record *position,
                            int32_t place, double force[3])
 {
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
     const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
     double x[4][3], gradient[4][3];
     pel_load_points(position, hinge.vertices, 4, x);
@@ -143,6 +147,7 @@ static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_re
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
                                 int32_t place, double force[3])
 {
+    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     pel_vec3_set(force, 0, 0, 0);
     if (own == NULL)

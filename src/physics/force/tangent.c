@@ -1,5 +1,6 @@
 #include "force/tangent.h"
 
+#include "base/assert.h"
 #include "force/pressure.h"
 #include "force/tangent_body.h"
 #include "math/vec3.h"
@@ -32,6 +33,7 @@ static pel_tangent_request request_of(const pel_tangent_loop *loop, const tangen
 static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
                          const tangent_element *element)
 {
+    PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     double energy = 0;
     for (int32_t i = own->fibre_begin[t]; i < own->fibre_begin[t + 1]; i++) {
         const pel_tangent_fibre *fibre = &own->fibres[i];
@@ -72,6 +74,7 @@ static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *p
 static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
                       const tangent_element *element, pel_tangent_energy *energy)
 {
+    PEL_ASSERT_INDEX(i, part->count);
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
     const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
@@ -96,6 +99,7 @@ static double factor_of(const pel_tangent_loop *loop, int32_t body, pel_paramete
 static void add_spring(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
                        const tangent_element *element, pel_tangent_energy *energy)
 {
+    PEL_ASSERT_INDEX(i, part->count);
     const pel_tangent_spring *spring = &loop->tangent->springs[i];
     const pel_line line = pel_line_of_spring(spring->stiffness * factor_of(loop, spring->body, PEL_SPRING_STIFFNESS),
                                              spring->rest_length);
@@ -150,6 +154,7 @@ static void load_element(const pel_tangent_loop *loop, const pel_tangent_part *p
 static void add_element(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, pel_tangent_sum sum,
                         pel_tangent_energy *energy)
 {
+    PEL_ASSERT_INDEX(i, part->count);
     tangent_element element;
     element.sum = sum;
     load_element(loop, part, part->first + i, &element);
@@ -261,6 +266,7 @@ static double shell_volume(const pel_tangent_loop *loop, const pel_tangent_shell
 /* the vector that a triangle's pressure is multiplied by, on each corner: a sixth of its normal, twice its area long */
 static void pressure_vector(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, double vector[3])
 {
+    PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     double x[9], weight = own->shell->pressure_weights != NULL ? own->shell->pressure_weights[t] : 1;
     pel_tangent_points(loop->input->unknowns, own->shell->corners[t], 3, x);
     pel_vec3_triangle_normal(x, x + 3, x + 6, vector);

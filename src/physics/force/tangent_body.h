@@ -2,6 +2,7 @@
 #ifndef PEL_FORCE_TANGENT_BODY_H
 #define PEL_FORCE_TANGENT_BODY_H
 
+#include "base/assert.h"
 #include "force/tangent.h"
 #include "measure/midedge.h"
 #include "model/shell.h"
@@ -106,6 +107,7 @@ typedef struct pel_tangent_loop {
 /* the place of a triangle's first stress, in a part of triangles; those of its fibres follow */
 static inline int32_t pel_tangent_stress(const pel_tangent_shell *own, const pel_tangent_part *part, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     return part->first_stress + t * part->strains + (own->fibre_begin != NULL ? own->fibre_begin[t] : 0);
 }
 

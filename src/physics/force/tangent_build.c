@@ -1,3 +1,4 @@
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -16,6 +17,7 @@ static bool has_energy(const pel_shell_region *region)
 
 static bool has_springs(const pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     return model->bodies[body].plain_spring != 0; /* the same on a refined surface */
 }
 
@@ -284,6 +286,7 @@ static void fill_parts(pel_tangent *tangent)
 
 static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, int32_t i, int32_t *nodes)
 {
+    PEL_ASSERT_INDEX(i, part->count);
     const pel_tangent_shell *own = part->shell >= 0 ? &tangent->shells[part->shell] : NULL;
     switch (part->kind) {
     case PEL_TANGENT_PART_TRIANGLES:

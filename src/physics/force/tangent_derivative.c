@@ -2,6 +2,7 @@
    numbers of the elements, for an adjoint solution m. Factors of stiffness are exact, as the gradient is linear in
    them. Poisson's ratio and rest positions enter few numbers of each element: differences of fourth order of that
    element's own product, with a relative error of some 1e-11. */
+#include "base/assert.h"
 #include "force/shell_body.h"
 #include "force/tangent_body.h"
 #include "math/vec3.h"
@@ -38,6 +39,7 @@ static double product(const double *a, const double *b, int count)
 static void load_triangle(const pel_tangent *tangent, const pel_tangent_shell *own, int32_t t, const double *m,
                           triangle *at)
 {
+    PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     size_t positions = 3 * (size_t)tangent->pattern.vertex_count;
     const double *xi = tangent->input.unknowns + positions;
     *at = (triangle){.tangent = tangent, .own = own, .t = t};

@@ -1,5 +1,6 @@
 #include "model/event_energy.h"
 
+#include "base/assert.h"
 #include "math/vec3.h"
 
 #include <math.h>
@@ -8,6 +9,7 @@
 static double spring_of(const pel_model *model, const pel_state *state, int32_t place, int32_t slot, double factor,
                         double force[3])
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     int32_t lane = place % PEL_WIDTH, other = model->neighbours[slot][lane];
     double x[3], y[3], rest = (double)model->rest_lengths[slot][lane];
     double k = factor * (double)model->stiffnesses[slot][lane];
@@ -23,6 +25,7 @@ static double spring_of(const pel_model *model, const pel_state *state, int32_t 
 static double energy_of_place(const pel_refined_model *active, double factor, const pel_state *state, int32_t place,
                               pel_record *force)
 {
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     const pel_model *model = &active->model;
     int32_t slice = place / PEL_WIDTH, lane = place % PEL_WIDTH;
     double sum = 0, total[3] = {0, 0, 0}, each[3];
@@ -42,6 +45,7 @@ static double energy_of_place(const pel_refined_model *active, double factor, co
 double pel_event_energy(pel_refined_model *active, int32_t body, const pel_state *state, const int32_t *places,
                         int32_t count, pel_record *force)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     double sum = 0;
     for (int32_t i = 0; i < count; i++)
         active->is_dirty[places[i]] = 1;

@@ -1,5 +1,6 @@
 #include "model/levels.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -166,6 +167,7 @@ static void fit_moduli(pel_body_levels *detail, const pel_body_def *def)
 
 pel_status pel_body_detail_create(const pel_body_def *def, pel_model *model, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     if (def->refine.levels == 0)
         return PEL_OK;
     pel_body_levels *detail = pel_allocate(1, sizeof *detail);

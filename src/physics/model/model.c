@@ -1,6 +1,7 @@
 /* Building the model: checks of the defs, then masses, springs and triangles in the model's vertex order. */
 #include "model/model.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -22,21 +23,9 @@ enum { BODY_COOKIE = 0x626f6479, MODEL_COOKIE = 0x6d6f6465 };
 
 pel_body_def pel_body_def_default(void)
 {
-    return (pel_body_def){
-        .mass_kind = PEL_MASS_PER_VERTEX,
-        .mass = 1,
-        .spring_stiffness = {.value = 3},
-        .spring_damping = {.value = 0.5},
-        .volumetric_stiffness = {.value = 1.5},
-        .volumetric_damping = {.value = 0.5},
-        .reference_count = 252,
-        .friction = -1,
-        .restitution = -1,
-        .contact_thickness = -1,
-        .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
-        .shell = pel_shell_def_default(),
-        .cookie = BODY_COOKIE,
-    };
+    pel_body_def def = {.refine = {.memory_limit = (size_t)2 << 30}, .cookie = BODY_COOKIE};
+    pel_def_reset(PEL_DEF_BODY, &def);
+    return def;
 }
 
 pel_model_def pel_model_def_default(void)
@@ -288,6 +277,7 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
 
 static void fill_triangles(pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     int32_t first = model->triangle_begin[body];
     model->triangle_begin[body + 1] = first + b->mesh->triangle_count;
@@ -421,6 +411,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
 
 static pel_status check_masses(const pel_model *model, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     for (int32_t v = 0; v < b->mesh->vertex_count; v++) {
         pel_real mass = model->mass[b->model_index[v]];
@@ -508,7 +499,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
 static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
 {
     model->def = *def;
-    pel_status status = pel_def_copy(&model->copies, pel_model_members, &model->def, error);
+    pel_status status = pel_def_copy(&model->copies, PEL_DEF_MODEL, &model->def, error);
     /* the bodies are a copy of this model: it may write to them */
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
@@ -533,7 +524,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     } else {
         made->body_count = def->body_count;
         memcpy(made->gravity, def->gravity, sizeof made->gravity);
-        pel_fingerprint_add(&made->fingerprint, pel_model_members, def);
+        pel_fingerprint_add(&made->fingerprint, PEL_DEF_MODEL, def);
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);

@@ -7,9 +7,10 @@
 #ifndef PEL_MODEL_MODEL_H
 #define PEL_MODEL_MODEL_H
 
+#include "base/assert.h"
 #include "base/wide.h"
-#include "model/def_copy.h"
-#include "model/fingerprint.h"
+#include "def/copy.h"
+#include "def/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
 
@@ -120,6 +121,7 @@ struct pel_model {
 /* past the last place of a body, including places unused while it is coarse */
 static inline int32_t pel_body_place_end(const pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     int32_t end = model->bodies[body].slice_end;
     if (model->bodies[body].front != NULL)
         end = body + 1 < model->body_count ? model->bodies[body + 1].slice_begin : model->slice_count;
@@ -159,6 +161,7 @@ static inline pel_real pel_model_distance_at_rest(const pel_model *model, int32_
 /* Rest length of the spring, or of the edge, in a slot of place i. */
 static inline pel_real pel_model_rest_length(const pel_model *model, int32_t slot, int32_t i)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     return model->rest_lengths != NULL ? model->rest_lengths[slot][i % PEL_WIDTH]
                                        : pel_model_distance_at_rest(model, i, model->neighbours[slot][i % PEL_WIDTH]);
 }
@@ -168,6 +171,7 @@ static inline pel_real pel_model_rest_length(const pel_model *model, int32_t slo
    so the rest shape is free of force to the last bit. */
 static inline void pel_model_set_spring(pel_model *model, int32_t slot, int32_t i, int32_t j, double stiffness)
 {
+    PEL_ASSERT_INDEX(slot, model->slot_begin[model->slice_count]);
     pel_real length = pel_model_distance_at_rest(model, i, j);
     int32_t lane = i % PEL_WIDTH;
     model->neighbours[slot][lane] = j;
@@ -184,6 +188,7 @@ static inline void pel_model_set_spring(pel_model *model, int32_t slot, int32_t 
    triangle of a node and half has the fixed number 2 node + half in its body, so that it can be named over events. */
 static inline int32_t pel_surface_count(const pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_front *front = model->bodies[body].front;
     return front != NULL ? front->triangle_count : model->triangle_begin[body + 1] - model->triangle_begin[body];
 }
@@ -193,6 +198,7 @@ static inline int32_t pel_surface_number(const pel_front_triangle *triangle)
 }
 static inline int32_t pel_surface_triangle(const pel_model *model, int32_t body, int32_t i)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_front *front = model->bodies[body].front;
     return model->triangle_begin[body] + (front != NULL ? pel_surface_number(&front->triangles[i]) : i);
 }

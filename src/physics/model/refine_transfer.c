@@ -16,6 +16,7 @@
        refined:    u_0 = 1/4 [u_0 of child 0 + 1/2 (those of the middles beside it in their three children each)]
 
    do not depend on densities. The quasi-static method stores x - x_before instead of velocities. */
+#include "base/assert.h"
 #include "math/matrix2.h"
 #include "math/vec3.h"
 #include "model/refined_model.h"
@@ -92,6 +93,7 @@ static void place_vertex(const pel_refined_body *body, const pel_state *state, i
 
 void pel_refine_transfer_positions(const pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *b = &active->bodies[body];
     for (int32_t i = 0; i < b->front->added_count; i++) {
         int32_t v = b->front->added_vertices[i], place = b->model_index[v];
@@ -213,6 +215,7 @@ static void scatter(const transfer *run, int32_t level, int32_t t, double area, 
 
 void pel_refine_transfer_gather(pel_refined_model *active, int32_t body, const pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_front *front = active->bodies[body].front;
     transfer run = {active, &active->bodies[body], active->model.bodies[body].detail, state};
     for (int32_t c = 0; c < front->change_count; c++) {
@@ -229,6 +232,7 @@ void pel_refine_transfer_gather(pel_refined_model *active, int32_t body, const p
 
 void pel_refine_transfer_apply(pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *b = &active->bodies[body];
     for (int32_t d = 0; d < active->dirty_count; d++) {
         int32_t place = b->model_index[active->dirty[d]];

@@ -1,5 +1,6 @@
 #include "model/refined_model.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -54,6 +55,7 @@ static int32_t fine_capacity(const pel_body_levels *detail)
 
 static pel_status check_budget(const pel_model *model, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body_levels *detail = model->bodies[body].detail;
     int32_t least = detail->forest->levels[detail->def.everywhere ? detail->forest->depth : 0]->triangle_count;
     if (detail->def.budget == 0 || detail->def.budget >= least)
@@ -117,6 +119,7 @@ static bool allocate_places(pel_refined_model *active)
 
 static bool allocate_body(pel_refined_model *active, int32_t b)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     pel_body *body = &active->model.bodies[b];
     pel_refined_body *own = &active->bodies[b];
     body->model_index = pel_allocate((size_t)body->mesh->vertex_count, sizeof *body->model_index);
@@ -163,6 +166,7 @@ static bool allocate_row(pel_refined_model *active, int32_t longest)
 /* vertices of a body's mesh, and its springs with the places shifted */
 static void copy_vertices(pel_refined_model *active, int32_t b)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     pel_model *model = &active->model;
     const pel_model *given = active->given;
     const pel_body *body = &model->bodies[b];
@@ -188,6 +192,7 @@ static void copy_vertices(pel_refined_model *active, int32_t b)
 
 static void copy_springs(pel_refined_model *active, int32_t b)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     pel_model *model = &active->model;
     const pel_model *given = active->given;
     const pel_body *body = &model->bodies[b];
@@ -211,6 +216,7 @@ static void copy_springs(pel_refined_model *active, int32_t b)
 /* triangles and fans of a body that does not refine */
 static void copy_triangles(pel_refined_model *active, int32_t b)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     pel_model *model = &active->model;
     const pel_model *given = active->given;
     const pel_body *body = &model->bodies[b], *from = &given->bodies[b];
@@ -259,6 +265,7 @@ static int32_t edge_number(const pel_front *front, const row_triangle *triangle,
 static double edge_value(const pel_body_levels *detail, const pel_front *front, const row_triangle *triangle,
                          int32_t edge, const double *values)
 {
+    PEL_ASSERT_INDEX(edge, front->bisector_begin + front->node_count);
     int32_t level = triangle->level, t = triangle->t;
     if (edge >= front->bisector_begin) {
         double sum = 0;
@@ -276,6 +283,8 @@ static double edge_value(const pel_body_levels *detail, const pel_front *front, 
 static double edge_stiffness(const pel_body_levels *detail, const pel_front *front, int32_t v, int32_t other,
                              int32_t edge, const row_triangle *sides[2])
 {
+    PEL_ASSERT_INDEX(v, front->forest->levels[front->forest->depth]->vertex_count);
+    PEL_ASSERT_INDEX(edge, front->bisector_begin + front->node_count);
     bool unchanged = detail->def.springs == PEL_REFINE_UNCHANGED;
     double sum = 0, d[3];
     int count = 0, base = 0;
@@ -300,6 +309,7 @@ static double edge_stiffness(const pel_body_levels *detail, const pel_front *fro
 static int32_t collect_row(pel_refined_model *active, const pel_body_levels *detail, const pel_front *front, int32_t v,
                            int32_t fan_count)
 {
+    PEL_ASSERT_INDEX(v, front->forest->levels[front->forest->depth]->vertex_count);
     const pel_front_corner *fan = active->fan;
     const row_triangle *around = active->around;
     bool open = fan[fan_count - 1].previous_edge != fan[0].next_edge;
@@ -320,6 +330,7 @@ static int32_t collect_row(pel_refined_model *active, const pel_body_levels *det
 /* the springs of one place; in the rest of its lane, springs to itself stay */
 static void write_row(pel_refined_model *active, const pel_refined_body *own, int32_t place, int32_t count)
 {
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     pel_model *model = &active->model;
     int32_t slice = place / PEL_WIDTH, begin = model->slot_begin[slice], longest = 1;
     for (int32_t s = 0; s < count; s++)
@@ -336,6 +347,8 @@ static void write_row(pel_refined_model *active, const pel_refined_body *own, in
 /* a vertex amid triangles of the base has the numbers that were given */
 static void set_given(pel_refined_model *active, int32_t body, int32_t v, int32_t place)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     pel_model *model = &active->model;
     const pel_model *given = active->given;
     int32_t from = given->bodies[body].model_index[v];
@@ -348,6 +361,8 @@ static void set_given(pel_refined_model *active, int32_t body, int32_t v, int32_
 
 static void set_shared(pel_refined_model *active, int32_t body, int32_t v, int32_t place, double area)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     pel_model *model = &active->model;
     const pel_body_levels *detail = model->bodies[body].detail;
     const pel_nodal *density = &detail->densities[v];
@@ -364,6 +379,7 @@ static void set_shared(pel_refined_model *active, int32_t body, int32_t v, int32
 
 static void set_fine(pel_refined_model *active, int32_t place, bool fine, pel_state *state)
 {
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     uint8_t *is_fine = &active->is_fine[place], *count = &active->fine_counts[place / PEL_WIDTH];
     *count = (uint8_t)(*count + fine - *is_fine);
     *is_fine = fine;
@@ -373,6 +389,7 @@ static void set_fine(pel_refined_model *active, int32_t place, bool fine, pel_st
 
 static void set_base(pel_refined_model *active, int32_t place, bool base)
 {
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     int32_t slice = place / PEL_WIDTH;
     active->mixed_counts[slice] = (uint8_t)(active->mixed_counts[slice] + active->is_base[place] - base);
     active->is_base[place] = base;
@@ -382,6 +399,8 @@ static void set_base(pel_refined_model *active, int32_t place, bool base)
 /* notes the rate of a vertex off the base by its row (Gershgorin's bound), and whether it is fine */
 static void judge_row(pel_refined_model *active, int32_t body, int32_t place, int32_t count, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     const pel_model *model = &active->model;
     const pel_relaxation *relaxation = &active->relaxation;
     const pel_curve *curves = model->bodies[body].curves;
@@ -402,6 +421,7 @@ static void judge_row(pel_refined_model *active, int32_t body, int32_t place, in
 /* forces of shells reach over two triangles: while any triangle is refined, all vertices of the body count as fine */
 static void judge_shell(pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *own = &active->bodies[body];
     bool fine = active->relaxation.factor > 0 && own->front->red_count > 0;
     for (int32_t i = 0; i < own->front->vertex_count; i++) {
@@ -412,6 +432,7 @@ static void judge_shell(pel_refined_model *active, int32_t body, pel_state *stat
 
 static void rebuild_vertex(pel_refined_model *active, int32_t body, int32_t v, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *own = &active->bodies[body];
     const pel_body_levels *detail = active->model.bodies[body].detail;
     int32_t place = own->model_index[v], fan_count = pel_front_fan(own->front, v, active->fan);
@@ -437,6 +458,7 @@ static void rebuild_vertex(pel_refined_model *active, int32_t body, int32_t v, p
 
 static int32_t take_place(pel_refined_body *own)
 {
+    PEL_ASSERT(own->lowest_free >= 0 && own->lowest_free <= own->fine_limit - own->fine_begin);
     int32_t word = own->lowest_free / 64;
     while (own->used[word] == UINT64_MAX)
         word++;
@@ -446,6 +468,7 @@ static int32_t take_place(pel_refined_body *own)
     own->used[word] |= UINT64_C(1) << (place % 64);
     own->lowest_free = place + 1;
     place += own->fine_begin;
+    PEL_ASSERT(place < own->fine_limit);
     own->fine_end = place < own->fine_end ? own->fine_end : place + 1;
     return place;
 }
@@ -453,6 +476,8 @@ static int32_t take_place(pel_refined_body *own)
 static void give_back(pel_refined_body *own, int32_t place)
 {
     int32_t at = place - own->fine_begin;
+    PEL_ASSERT(at >= 0 && place < own->fine_end);
+    PEL_ASSERT((own->used[at / 64] >> (at % 64) & 1) != 0);
     own->used[at / 64] &= ~(UINT64_C(1) << (at % 64));
     own->lowest_free = at < own->lowest_free ? at : own->lowest_free;
     for (int32_t last = own->fine_end - own->fine_begin - 1;
@@ -463,6 +488,7 @@ static void give_back(pel_refined_body *own, int32_t place)
 /* a place without mass and springs, as padding is */
 static void clear_place(pel_refined_model *active, int32_t place, pel_state *state)
 {
+    PEL_ASSERT_INDEX(place, active->model.vertex_count);
     pel_model *model = &active->model;
     model->rest[place][3] = 0;
     model->mass[place] = model->inverse_mass[place] = 0;
@@ -493,6 +519,7 @@ static void note_dirty(pel_refined_model *active, const pel_refined_body *own, i
 /* the energy of the elements that the event removes, before their rows change */
 static void note_energy(pel_refined_model *active, int32_t body, const pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *own = &active->bodies[body];
     const pel_front *front = own->front;
     int32_t count = 0;
@@ -534,6 +561,7 @@ static void collect_dirty(pel_refined_model *active, const pel_refined_body *own
 
 static void write_triangles(pel_refined_model *active, int32_t body, int32_t node)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *own = &active->bodies[body];
     for (int half = 0; half < 2; half++) {
         int32_t at = own->front->place_of_node[node][half];
@@ -548,6 +576,7 @@ static void write_triangles(pel_refined_model *active, int32_t body, int32_t nod
 
 static void update_body(pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     active->revision++;
     pel_body *b = &active->model.bodies[body];
     const pel_refined_body *own = &active->bodies[body];
@@ -565,6 +594,7 @@ static void update_body(pel_refined_model *active, int32_t body, pel_state *stat
 
 void pel_refined_commit(pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     pel_refined_body *own = &active->bodies[body];
     pel_front *front = own->front;
     pel_front_commit(front);
@@ -605,6 +635,7 @@ void pel_refined_commit(pel_refined_model *active, int32_t body, pel_state *stat
 
 void pel_refined_rebuild(pel_refined_model *active, int32_t body, pel_state *state)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     const pel_refined_body *own = &active->bodies[body];
     for (int32_t i = 0; i < own->front->vertex_count; i++) {
         int32_t v = own->front->vertices[i];
@@ -621,6 +652,7 @@ void pel_refined_rebuild(pel_refined_model *active, int32_t body, pel_state *sta
 
 bool pel_refined_set_places(pel_refined_model *active, int32_t body, const int32_t *vertex_of_place)
 {
+    PEL_ASSERT_INDEX(body, active->model.body_count);
     pel_refined_body *own = &active->bodies[body];
     const pel_front *front = own->front;
     int32_t base_count = front->forest->levels[0]->vertex_count, fine_count = 0;
@@ -653,6 +685,7 @@ bool pel_refined_set_places(pel_refined_model *active, int32_t body, const int32
 
 static void start_body(pel_refined_model *active, int32_t b)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     pel_model *model = &active->model;
     const pel_body *body = &model->bodies[b];
     pel_refined_body *own = &active->bodies[b];
@@ -675,6 +708,7 @@ static void start_body(pel_refined_model *active, int32_t b)
 
 static pel_status create_shell(pel_refined_model *active, int32_t b, pel_error *error)
 {
+    PEL_ASSERT_INDEX(b, active->model.body_count);
     const pel_body *given = &active->given->bodies[b];
     pel_body *body = &active->model.bodies[b];
     pel_refined_body *own = &active->bodies[b];

@@ -1,5 +1,6 @@
 #include "model/shell.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -15,23 +16,14 @@
 
 pel_shell_def pel_shell_def_default(void)
 {
-    return (pel_shell_def){
-        .membrane =
-            {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2, .extension_limit = 50, .stiffening = 10},
-        .bending = {.weight = 0.01, .stiffness = {.value = -1}},
-        .pressure = {.gamma = 1.4, .target = {.value = 1}},
-    };
+    return pel_body_def_default().shell;
 }
 
 pel_anisotropy_def pel_anisotropy_def_default(void)
 {
-    return (pel_anisotropy_def){
-        .stiffness = 1,
-        .max_step = 0.05,
-        .rest_length = {.value = 1},
-        .curvature = -1,
-        .axis = {0, 0, 1},
-    };
+    pel_anisotropy_def def = {.axis = {0, 0, 1}};
+    pel_def_reset(PEL_DEF_FIBRES, &def);
+    return def;
 }
 
 /* whether a def switches anything on */
@@ -278,6 +270,7 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
 /* D of a triangle by its material; 0 without a membrane */
 static double triangle_bending(const pel_shell *shell, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, shell->triangle_count);
     if (!shell->has_membrane)
         return 0;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
@@ -506,6 +499,7 @@ static pel_status check_closed(const pel_body_def *def, const pel_body *body, in
 pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int32_t body, const pel_topology *topology,
                                  pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     if (!is_on(&def->shell))
         return PEL_OK;
     pel_body *b = &model->bodies[body];
@@ -563,6 +557,7 @@ void pel_shell_destroy(pel_shell *shell)
 
 pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, shell->triangle_count);
     if (shell->rests != NULL)
         return shell->rests[t];
     double x[3][3];
@@ -574,6 +569,7 @@ pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t)
 
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
     const int32_t *sides = shell->hinge_sides[i], h = sides[0];
     const int32_t corners[4] = {h, pel_half_edge_next(h), pel_half_edge_previous(h), pel_half_edge_previous(sides[1])};
     pel_shell_hinge hinge = {.number = i, .triangles = {h / 3, sides[1] / 3}};
@@ -585,6 +581,7 @@ pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i)
 
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
     double angle;
     if (shell->rest_angles != NULL)
         return shell->rest_angles[i];
@@ -594,6 +591,7 @@ double pel_shell_rest_angle(const pel_shell *shell, int32_t i)
 
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
     pel_shell_fibre fibre = {.triangle = pel_shell_fibre_triangle(region, i),
                              .weight = pel_shell_fibre_weight(region, i)};
     double x[3][3];

@@ -5,8 +5,9 @@
 #ifndef PEL_MODEL_SHELL_H
 #define PEL_MODEL_SHELL_H
 
+#include "base/assert.h"
+#include "law/bending_model.h"
 #include "law/membrane.h"
-#include "model/bending_model.h"
 #include "model/model.h"
 #include "pellicle/element.h"
 
@@ -95,12 +96,14 @@ static inline void pel_load_points(const pel_record *position, const int32_t *ve
 
 static inline pel_shell_sheet pel_shell_sheet_of(const pel_shell *shell, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, shell->triangle_count);
     return shell->sheets != NULL ? shell->sheets[t]
                                  : (pel_shell_sheet){shell->material.young, shell->material.thickness};
 }
 /* of triangle t */
 static inline pel_membrane_law pel_shell_law(const pel_shell *shell, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, shell->triangle_count);
     pel_membrane_law law = shell->law;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
     law.modulus *= sheet.young * sheet.thickness;
@@ -110,6 +113,7 @@ pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t);
 
 static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
     return shell->hinge_stiffnesses != NULL ? shell->hinge_stiffnesses[i] : shell->hinge_stiffness;
 }
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
@@ -117,10 +121,12 @@ double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
 
 static inline int32_t pel_shell_fibre_triangle(const pel_shell_region *region, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, region->fibre_count);
     return region->triangles != NULL ? region->triangles[i] : i;
 }
 static inline double pel_shell_fibre_weight(const pel_shell_region *region, int32_t i)
 {
+    PEL_ASSERT_INDEX(i, region->fibre_count);
     return region->weights != NULL ? region->weights[i] : 1;
 }
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i);

@@ -20,6 +20,7 @@
  */
 #include "results/common_mesh.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -189,6 +190,7 @@ static const double *find_values(const pel_mesh *mesh, const char *name, int32_t
 static pel_status open_frame(const pel_frames *frames, int32_t frame, pel_mesh **mesh, frame_view *view,
                              pel_error *error)
 {
+    PEL_ASSERT_INDEX(frame, frames->frame_count);
     pel_status status = pel_frames_read(frames, frame, mesh, error);
     if (status != PEL_OK)
         return status;
@@ -212,6 +214,7 @@ static pel_status open_frame(const pel_frames *frames, int32_t frame, pel_mesh *
 
 pel_status pel_common_mesh_check(const pel_frames *frames, int32_t frame, pel_error *error)
 {
+    PEL_ASSERT_INDEX(frame, frames->frame_count);
     pel_mesh *mesh;
     frame_view view;
     pel_status status = open_frame(frames, frame, &mesh, &view, error);

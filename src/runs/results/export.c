@@ -1,5 +1,6 @@
 #include "results/export.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -190,6 +191,7 @@ pel_status pel_export_read(const pel_export_source *source, int32_t frame, pel_m
 
 pel_status pel_export_fail_changed(const pel_frames *frames, int32_t frame, pel_error *error)
 {
+    PEL_ASSERT_INDEX(frame, frames->frame_count);
     pel_fail(error, PEL_BAD_FORMAT, "the triangles of this frame are not those of the first");
     pel_fail_remedy(error, "make sure that no other program writes into the folder");
     pel_fail_place(error, frames->paths[frame], 0, 0);
@@ -198,6 +200,7 @@ pel_status pel_export_fail_changed(const pel_frames *frames, int32_t frame, pel_
 
 pel_status pel_export_fail_large(const pel_frames *frames, int32_t frame, pel_error *error)
 {
+    PEL_ASSERT_INDEX(frame, frames->frame_count);
     pel_fail(error, PEL_BAD_FORMAT, "a coordinate is too large for a 32-bit number");
     pel_fail_remedy(error, "export numbered OBJ or PLY files instead");
     pel_fail_place(error, frames->paths[frame], 0, 0);

@@ -261,9 +261,9 @@ static void put_vertex_accessor(pel_json *json, const part *of, size_t offset, c
                    offset, FLOAT, of->vertex_count);
     if (bounds != NULL) {
         pel_json_print(json, ",\"min\":");
-        pel_json_numbers(json, bounds, 3);
+        pel_json_put_numbers(json, bounds, 3);
         pel_json_print(json, ",\"max\":");
-        pel_json_numbers(json, bounds + 3, 3);
+        pel_json_put_numbers(json, bounds + 3, 3);
     }
     pel_json_print(json, "}");
 }
@@ -289,9 +289,9 @@ static void put_accessors(pel_json *json, const glb *g)
     size_t count = (size_t)g->frame_count;
     pel_json_print(json, ",{\"bufferView\":2,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\",\"min\":[", FLOAT,
                    count);
-    pel_json_number(json, (double)(float)g->frames->times[0]);
+    pel_json_put_number(json, (double)(float)g->frames->times[0]);
     pel_json_print(json, "],\"max\":[");
-    pel_json_number(json, (double)(float)g->frames->times[count - 1]);
+    pel_json_put_number(json, (double)(float)g->frames->times[count - 1]);
     pel_json_print(json,
                    "]},{\"bufferView\":2,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}]",
                    4 * count, FLOAT, count * (count - 1));
@@ -317,7 +317,7 @@ static void put_node(pel_json *json, const glb *g, int32_t p)
     pel_json_print(json, "%s{\"mesh\":%d", p > 0 ? "," : "", (int)p);
     if (g->part_count > 1) {
         pel_json_print(json, ",\"name\":");
-        pel_json_string(json, tool != NULL ? tool : body);
+        pel_json_put_text(json, tool != NULL ? tool : body);
     }
     pel_json_print(json, ",\"rotation\":[-0.70710678,0,0,0.70710678]}");
 }

@@ -73,11 +73,9 @@ pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_er
     *mesh = NULL;
     PEL_REFUSE_NULL(def, error);
     if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT) || def->shape == PEL_TOOL_SUPPORT ||
-        (def->shape == PEL_TOOL_MESH && def->mesh == NULL)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the tool has no surface");
-        pel_fail_remedy(error, "give a shape with a surface, and a mesh for the shape mesh");
-        return PEL_BAD_ARGUMENT;
-    }
+        (def->shape == PEL_TOOL_MESH && def->mesh == NULL))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a shape with a surface, and a mesh for the shape mesh",
+                          "the tool has no surface");
     const pel_tool tool = {.solid = pel_solid_of(def), .mesh = (pel_mesh *)(uintptr_t)def->mesh};
     pel_tool_surface surface = {.vertex_count = 0};
     pel_status status = make_shape(&surface, &tool, error);

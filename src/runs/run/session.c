@@ -1,6 +1,7 @@
 /* Sessions. Commands between two steps are recorded as lines of words, and a replay executes the same lines at the same
    steps: so it has the bits of the session by construction. Undo truncates the record at the restored state. */
 #include "pellicle/session.h"
+#include "base/assert.h"
 
 #include "base/memory.h"
 #include "base/number.h"
@@ -411,6 +412,7 @@ const pel_mesh *pel_session_tool_mesh(const pel_session *session)
 
 static pel_status read_positions(pel_session *session, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     size_t count = (size_t)pel_sim_vertex_count(session->sim, body);
     void *room = pel_reallocate(session->positions, 3 * count, sizeof(double));
     if (room == NULL)
@@ -422,6 +424,7 @@ static pel_status read_positions(pel_session *session, int32_t body, pel_error *
 
 static pel_status set_pins(pel_session *session, int32_t body, const unsigned char *pins, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     const body_grip *grip = &session->bodies[body];
     int32_t count = 0, *vertices = pel_allocate((size_t)grip->vertex_count, sizeof *vertices);
     if (vertices == NULL)
@@ -499,6 +502,7 @@ static pel_status inflate(pel_session *session, const pel_command *command, pel_
    the surface */
 static pel_status push_body(pel_session *session, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, session->body_count);
     const body_grip *grip = &session->bodies[body];
     pel_status status = read_positions(session, body, error);
     if (status != PEL_OK)

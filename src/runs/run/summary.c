@@ -1,4 +1,5 @@
 #include "results/summary.h"
+#include "def/row.h"
 #include "run/state.h"
 #include "scene/build.h"
 #include "stage/stepper.h"

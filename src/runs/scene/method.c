@@ -3,6 +3,7 @@
    step of implicit grows faster than the triangles, with the fill of its factor. */
 #include "scene/method.h"
 
+#include "def/row.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "stage/stepper.h"

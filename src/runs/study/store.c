@@ -1,6 +1,7 @@
 /* The folder of a study. Each chunk has a file of its own in rows/: a first line that names the study, then a line for
    each run, with a hash in front, so that a line that was cut off by a kill or a full disk is not taken for a row. */
 #define _DEFAULT_SOURCE /* flock */
+#include "base/assert.h"
 #include "study/study.h"
 
 #include "base/hash.h"
@@ -126,6 +127,7 @@ typedef pel_status row_visitor(pel_study_store *store, int64_t run, const char *
 
 static pel_status note_present(pel_study_store *store, int64_t run, const char *row, size_t length)
 {
+    PEL_ASSERT_INDEX(run, store->study->run_count);
     if (store->present[run] != ROW_DONE)
         store->present[run] = is_done(row, length) ? ROW_DONE : ROW_FAILED;
     return PEL_OK;
@@ -134,6 +136,7 @@ static pel_status note_present(pel_study_store *store, int64_t run, const char *
 /* of a run that was done again, the row that is done, else the later one */
 static pel_status keep_row(pel_study_store *store, int64_t run, const char *row, size_t length)
 {
+    PEL_ASSERT_INDEX(run, store->study->run_count);
     if (store->rows[run] != NULL && pel_study_row_is_done(store->rows[run]))
         return PEL_OK;
     char *copy = pel_allocate(length + 1, 1);

@@ -1,5 +1,6 @@
 #include "bvh/search.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -163,6 +164,7 @@ static void set_lane(leaf_content *content, int place, int32_t element, const in
 static void add_features(const pel_tree *tree, leaf_content *content, int32_t t, const pel_box boxes[3],
                          int *edge_count)
 {
+    PEL_ASSERT_INDEX(t, tree->triangle_count);
     const int32_t *v = tree->triangles[t];
     unsigned features = tree->features[t];
     for (int i = 0; i < 3; i++) {
@@ -181,6 +183,7 @@ static void add_features(const pel_tree *tree, leaf_content *content, int32_t t,
 
 static void lay_out(const pel_tree *tree, int32_t leaf, leaf_content *content)
 {
+    PEL_ASSERT_INDEX(leaf, tree->leaf_count);
     const int32_t *triangles = tree->leaves[leaf];
     int edge_count = 0;
     content->leaf = leaf;
@@ -557,6 +560,7 @@ pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pa
 
 static bool add_leaf(const pel_tree *tree, int32_t leaf, const pel_box *box, pel_element_list *list)
 {
+    PEL_ASSERT_INDEX(leaf, tree->leaf_count);
     const int32_t *triangles = tree->leaves[leaf];
     if (!pel_reserve((void **)&list->elements, &list->capacity, list->count + PEL_LANES, sizeof *list->elements))
         return false;

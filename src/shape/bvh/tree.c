@@ -1,5 +1,6 @@
 #include "bvh/tree.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -143,6 +144,7 @@ void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
 {
     build b = {.tree = tree, .positions = positions};
     run_build(&b);
+    PEL_ASSERT_WHOLE(pel_tree_is_valid(tree));
 }
 
 /* for the first time, with memory to do it faster */
@@ -228,6 +230,7 @@ pel_status pel_tree_create(const double (*positions)[3], int32_t vertex_count, c
         pel_tree_destroy(tree);
         return pel_fail_memory(error);
     }
+    PEL_ASSERT_WHOLE(pel_tree_is_valid(tree));
     *result = tree;
     return PEL_OK;
 }
@@ -243,6 +246,7 @@ void pel_tree_destroy(pel_tree *tree)
 
 static pel_box leaf_box(const pel_tree *tree, int32_t leaf, const pel_box *boxes)
 {
+    PEL_ASSERT_INDEX(leaf, tree->leaf_count);
     const int32_t *triangles = tree->leaves[leaf];
     pel_box whole = pel_box_empty();
     for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)
@@ -312,6 +316,7 @@ void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool)
     refit_above(&f, 0, 0, tree->leaf_count);
     if (!(tree->built_cost > 0))
         tree->built_cost = pel_tree_cost(tree);
+    PEL_ASSERT_WHOLE(pel_tree_is_valid(tree));
 }
 
 static bool leaf_changed(const fit *f, int32_t leaf)

@@ -16,6 +16,7 @@
 #ifndef PEL_BVH_TREE_H
 #define PEL_BVH_TREE_H
 
+#include "base/assert.h"
 #include "base/pool.h"
 #include "bvh/box.h"
 #include "pellicle/topology.h"
@@ -61,10 +62,15 @@ void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 
+/* Whether each triangle is in one lane, each vertex and edge belongs to one triangle, and the box of each node contains
+   those below it (not yet fitted boxes are empty). */
+bool pel_tree_is_valid(const pel_tree *tree);
+
 /* ---- edges ---- */
 
 static inline int32_t pel_tree_corner(const pel_tree *tree, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * tree->triangle_count);
     const int32_t *corners = *tree->triangles;
     return corners[h];
 }
@@ -72,6 +78,7 @@ static inline int32_t pel_tree_corner(const pel_tree *tree, int32_t h)
 /* the edge along which a half-edge runs */
 static inline int32_t pel_tree_edge(const pel_tree *tree, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * tree->triangle_count);
     int32_t first = h;
     for (int32_t g = tree->next_in_edge[h]; g != h; g = tree->next_in_edge[g])
         first = g < first ? g : first;
@@ -80,6 +87,7 @@ static inline int32_t pel_tree_edge(const pel_tree *tree, int32_t h)
 
 static inline void pel_tree_edge_ends(const pel_tree *tree, int32_t e, int32_t ends[2])
 {
+    PEL_ASSERT_INDEX(e, 3 * tree->triangle_count);
     ends[0] = pel_tree_corner(tree, e);
     ends[1] = pel_tree_corner(tree, pel_half_edge_next(e));
 }
@@ -87,6 +95,7 @@ static inline void pel_tree_edge_ends(const pel_tree *tree, int32_t e, int32_t e
 /* the vertices across from an edge in its first two triangles, -1 = none */
 static inline void pel_tree_edge_opposites(const pel_tree *tree, int32_t e, int32_t opposites[2])
 {
+    PEL_ASSERT_INDEX(e, 3 * tree->triangle_count);
     int32_t second = tree->next_in_edge[e];
     opposites[0] = pel_tree_corner(tree, pel_half_edge_previous(e));
     opposites[1] = second != e ? pel_tree_corner(tree, pel_half_edge_previous(second)) : -1;
@@ -95,6 +104,7 @@ static inline void pel_tree_edge_opposites(const pel_tree *tree, int32_t e, int3
 /* The box of an edge or triangle from those of the vertices (vertex_count). */
 static inline pel_box pel_tree_edge_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t e)
 {
+    PEL_ASSERT_INDEX(e, 3 * tree->triangle_count);
     int32_t ends[2];
     pel_tree_edge_ends(tree, e, ends);
     return pel_box_join(vertex_boxes[ends[0]], vertex_boxes[ends[1]]);
@@ -102,6 +112,7 @@ static inline pel_box pel_tree_edge_box(const pel_tree *tree, const pel_box *ver
 
 static inline pel_box pel_tree_triangle_box(const pel_tree *tree, const pel_box *vertex_boxes, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, tree->triangle_count);
     const int32_t *v = tree->triangles[t];
     return pel_box_join(pel_box_join(vertex_boxes[v[0]], vertex_boxes[v[1]]), vertex_boxes[v[2]]);
 }

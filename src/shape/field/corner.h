@@ -16,6 +16,7 @@
 #ifndef PEL_MEASURE_CORNER_H
 #define PEL_MEASURE_CORNER_H
 
+#include "base/assert.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/flat_triangle.h"
@@ -29,6 +30,7 @@ typedef struct pel_corner {
 
 static inline pel_corner pel_corner_load(const pel_topology *topology, const double *positions, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * topology->triangle_count);
     const int32_t *triangle = topology->triangles[h / 3];
     const double *a = positions + 3 * (size_t)triangle[h % 3];
     const double *b = positions + 3 * (size_t)triangle[(h + 1) % 3];
@@ -90,11 +92,14 @@ static inline void pel_corner_add_angle_normal(const pel_corner *corner, double 
 /* the corners of a vertex in counter-clockwise order: for (h = first; h >= 0; h = next) */
 static inline int32_t pel_corner_first(const pel_topology *topology, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
     return topology->corner_of_vertex[v];
 }
 
 static inline int32_t pel_corner_next(const pel_topology *topology, int32_t v, int32_t h)
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
+    PEL_ASSERT_INDEX(h, 3 * topology->triangle_count);
     int32_t next = pel_half_edge_turn(topology, h);
     return next == topology->corner_of_vertex[v] ? -1 : next;
 }
@@ -102,6 +107,7 @@ static inline int32_t pel_corner_next(const pel_topology *topology, int32_t v, i
 /* where a fan is open, it begins with the half-edge that has no twin */
 static inline bool pel_vertex_is_boundary(const pel_topology *topology, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
     int32_t first = topology->corner_of_vertex[v];
     return first < 0 || topology->twin[first] < 0;
 }

@@ -1,4 +1,5 @@
 /* Areas, normals and curvatures around vertices. */
+#include "base/assert.h"
 #include "field/corner.h"
 #include "pellicle/measure.h"
 
@@ -6,6 +7,7 @@
    or else a sum over 100,000 vertices would be off by their number times 2.4e-16. */
 static double angle_defect(const pel_topology *topology, int32_t v, double angles)
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
     const double pi = 3.14159265358979323846, pi_rest = 1.2246467991473532e-16;
     if (topology->corner_of_vertex[v] < 0)
         return 0;
@@ -135,6 +137,7 @@ void pel_surface_curvature_summary(const pel_topology *topology, const double *p
 /* a third of the triangles' areas around a vertex, and the same along their normals */
 static double third_area(const pel_topology *topology, const double *positions, int32_t v, double area_vector[3])
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
     double area = 0;
     pel_vec3_set(area_vector, 0, 0, 0);
     for (int32_t h = pel_corner_first(topology, v); h >= 0; h = pel_corner_next(topology, v, h)) {

@@ -5,6 +5,7 @@
 
        loop 0 .. n - 1; best[i][k] cuts the part from i to k, closed by the edge k - i:
        the triangle (i, m, k) beside that edge, best[i][m] and best[m][k] */
+#include "base/assert.h"
 #include "pellicle/mesh_check.h"
 
 #include "base/hash.h"
@@ -74,6 +75,7 @@ static void add_edge(fill_work *w, int32_t a, int32_t b)
 
 static bool on_rim(const pel_topology *topology, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, topology->vertex_count);
     int32_t h = topology->corner_of_vertex[v];
     return h >= 0 && topology->twin[h] < 0;
 }
@@ -120,6 +122,7 @@ static bool append(fill_work *w, int32_t vertex, int32_t beyond)
 /* the rim half-edge that ends where h begins; rim vertices have one of either kind */
 static int32_t previous_on_rim(const pel_topology *topology, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * topology->triangle_count);
     int32_t at = pel_half_edge_previous(h);
     while (topology->twin[at] >= 0)
         at = pel_half_edge_previous(topology->twin[at]);

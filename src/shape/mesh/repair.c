@@ -2,6 +2,7 @@
    repaired mesh is written once, at the end. Welding keeps the position of the first vertex of each place, and places
    are linked by steps of at most the tolerance, so no two places of the result are within the tolerance: repairing
    again welds no two places. */
+#include "base/assert.h"
 #include "pellicle/mesh_check.h"
 
 #include "base/memory.h"
@@ -108,12 +109,14 @@ static void weld_triangles(work *w)
 
 static bool repeats_vertex(const work *w, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, w->mesh->triangle_count);
     const int32_t *v = w->triangles[t];
     return v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
 }
 
 static bool is_flat(const work *w, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, w->mesh->triangle_count);
     const int32_t *v = w->triangles[t];
     double(*positions)[3] = w->mesh->positions;
     return pel_triangle_is_flat(positions[v[0]], positions[v[1]], positions[v[2]]);
@@ -162,6 +165,7 @@ static pel_status drop_duplicate_triangles(work *w)
 
 static void turn_triangle(work *w, int32_t t)
 {
+    PEL_ASSERT_INDEX(t, w->mesh->triangle_count);
     int32_t second = w->triangles[t][1];
     w->triangles[t][1] = w->triangles[t][2];
     w->triangles[t][2] = second;

@@ -1,10 +1,12 @@
 #include "pellicle/topology.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "mesh/edge_table.h"
 #include "mesh/patch.h"
+#include "mesh/topology_check.h"
 
 #include <string.h>
 
@@ -302,6 +304,7 @@ pel_status pel_topology_create(const pel_mesh *mesh, pel_topology **topology, pe
         pel_topology_destroy(made);
         return status;
     }
+    PEL_ASSERT_WHOLE(pel_topology_is_valid(made));
     *topology = made;
     return PEL_OK;
 }

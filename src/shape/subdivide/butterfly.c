@@ -12,6 +12,7 @@
    not change a bit of the result. */
 #include "subdivide/butterfly.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -120,6 +121,7 @@ static inline bool is_irregular(const pel_butterfly *butterfly, int32_t v)
 /* vertices and edges around v, one after the other; returns the end */
 static int32_t *gather_ring(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, int32_t *ring)
 {
+    PEL_ASSERT_INDEX(v, level->vertex_count);
     const int32_t *origin = level->triangles[0];
     int32_t h = level->corner_of_vertex[v], *end = ring + 2 * butterfly->ring_size[v];
     for (; ring != end; ring += 2) {
@@ -186,6 +188,7 @@ ROW_INLINE quad load_row(const columns *part, int32_t v)
 ROW_INLINE void ring_values(const pel_butterfly *butterfly, const pel_topology *level, int32_t v, const int32_t *ring,
                             const columns *part, const double *wave)
 {
+    PEL_ASSERT_INDEX(v, level->vertex_count);
     const int32_t size = butterfly->ring_size[v];
     const quad second = splat(size == 3 ? 0 : size == 4 ? 0.25 : 0.5), inverse = splat(1.0 / size);
     const quad centre = load_row(part, v);
@@ -213,6 +216,7 @@ ROW_INLINE void ring_values(const pel_butterfly *butterfly, const pel_topology *
 
 ROW_INLINE int32_t tip_of(const pel_topology *level, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * level->triangle_count);
     const int32_t *origin = level->triangles[0];
     return origin[pel_half_edge_previous(h)];
 }
@@ -221,12 +225,14 @@ ROW_INLINE int32_t tip_of(const pel_topology *level, int32_t h)
  */
 ROW_INLINE quad tip_across(const pel_topology *level, int32_t h, const columns *part, quad p, quad q, quad r)
 {
+    PEL_ASSERT_INDEX(h, 3 * level->triangle_count);
     int32_t g = level->twin[h];
     return g >= 0 ? load_row(part, tip_of(level, g)) : p + q - r;
 }
 
 ROW_INLINE quad regular_value(const pel_topology *level, int32_t h, int32_t g, const columns *part)
 {
+    PEL_ASSERT_INDEX(h, 3 * level->triangle_count);
     const int32_t *origin = level->triangles[0];
     const int32_t h1 = pel_half_edge_next(h), h2 = pel_half_edge_previous(h);
     const int32_t g1 = pel_half_edge_next(g), g2 = pel_half_edge_previous(g);
@@ -240,6 +246,7 @@ ROW_INLINE quad regular_value(const pel_topology *level, int32_t h, int32_t g, c
 /* half-edge h is the first about its origin; the last one ends in the boundary edge before */
 ROW_INLINE quad boundary_value(const pel_topology *level, int32_t h, const columns *part)
 {
+    PEL_ASSERT_INDEX(h, 3 * level->triangle_count);
     int32_t last = h, turned;
     while ((turned = pel_half_edge_turn(level, last)) >= 0)
         last = turned;

@@ -1,5 +1,6 @@
 #include "subdivide/forest.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "subdivide/clamp.h"
@@ -123,6 +124,7 @@ pel_status pel_lod_forest_interpolate(const pel_lod_forest *forest, int32_t comp
 
 int32_t pel_lod_forest_vertex_level(const pel_lod_forest *forest, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, forest->levels[forest->depth]->vertex_count);
     int32_t level = 0;
     while (v >= forest->levels[level]->vertex_count)
         level++;
@@ -131,6 +133,7 @@ int32_t pel_lod_forest_vertex_level(const pel_lod_forest *forest, int32_t v)
 
 bool pel_lod_forest_vertex_parents(const pel_lod_forest *forest, int32_t v, int32_t parents[2])
 {
+    PEL_ASSERT_INDEX(v, forest->levels[forest->depth]->vertex_count);
     int32_t level = pel_lod_forest_vertex_level(forest, v);
     if (level == 0)
         return false;

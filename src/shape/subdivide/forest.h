@@ -7,6 +7,7 @@
 #ifndef PEL_SUBDIVIDE_FOREST_H
 #define PEL_SUBDIVIDE_FOREST_H
 
+#include "base/assert.h"
 #include "subdivide/butterfly.h"
 
 #include "pellicle/mesh.h"
@@ -53,6 +54,7 @@ static inline int32_t pel_lod_child(int32_t t, int32_t i)
 }
 static inline int32_t pel_lod_midpoint(const pel_topology *level, int32_t h)
 {
+    PEL_ASSERT_INDEX(h, 3 * level->triangle_count);
     return level->vertex_count + level->edge_of_half_edge[h];
 }
 

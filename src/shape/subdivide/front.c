@@ -1,5 +1,6 @@
 #include "subdivide/front.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "base/status.h"
@@ -119,6 +120,7 @@ pel_status pel_front_create(const pel_lod_forest *forest, pel_front **front, pel
     for (int32_t l = 0; l <= forest->depth; l++)
         made->node_begin[l + 1] = made->node_begin[l] + forest->levels[l]->triangle_count;
     start_base(made, &size);
+    PEL_ASSERT_WHOLE(pel_front_is_valid(made));
     *front = made;
     return PEL_OK;
 }
@@ -139,6 +141,7 @@ void pel_front_destroy(pel_front *front)
 
 int32_t pel_front_level(const pel_front *front, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t level = 0;
     while (node >= front->node_begin[level + 1])
         level++;
@@ -147,6 +150,7 @@ int32_t pel_front_level(const pel_front *front, int32_t node)
 
 bool pel_front_is_marked(const pel_front *front, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     return front->flags[node] & MARKED;
 }
 
@@ -158,6 +162,8 @@ typedef struct place {
 
 static place place_on(const pel_front *front, int32_t level, int32_t node)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t begin = front->node_begin[level];
     return (place){front->forest->levels[level], level, begin, node - begin};
 }
@@ -172,6 +178,7 @@ static int32_t neighbour(const place *at, int k)
 /* number of edge k over all levels */
 static int32_t edge_of(const pel_front *front, const place *at, int k)
 {
+    PEL_ASSERT_INDEX(k, 3);
     return pel_lod_midpoint(at->topology, 3 * at->t + k) - front->forest->levels[0]->vertex_count;
 }
 
@@ -192,6 +199,8 @@ static int split_edge_count(const pel_front *front, const place *at)
 
 void pel_front_mark(pel_front *front, int32_t node, bool marked)
 {
+    PEL_ASSERT(node < front->node_count);
+    PEL_ASSERT_INDEX(node, front->node_count);
     uint8_t *flags = &front->flags[node];
     if (node >= front->red_limit || (*flags & MARKED) == (marked ? MARKED : 0))
         return;
@@ -205,6 +214,8 @@ void pel_front_mark(pel_front *front, int32_t node, bool marked)
 
 void pel_front_mark_vertex(pel_front *front, int32_t v, int32_t level, bool marked)
 {
+    PEL_ASSERT_INDEX(v, front->forest->levels[front->forest->depth]->vertex_count);
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t own = pel_lod_forest_vertex_level(front->forest, v);
     if (level <= own || level > front->forest->depth)
         return;
@@ -220,6 +231,7 @@ void pel_front_mark_vertex(pel_front *front, int32_t v, int32_t level, bool mark
 
 static void add_candidate(pel_front *front, int32_t *list, int32_t *count, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     if (front->flags[node] & CANDIDATE)
         return;
     front->flags[node] |= CANDIDATE;
@@ -287,6 +299,7 @@ static bool is_seed(const pel_front *front, const place *at)
 /* removes candidates that are no longer requested, with all nodes that might depend on them */
 static int32_t delete_unsupported(pel_front *front, int32_t level)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t count = 0;
     for (int32_t c = 0; c < front->candidate_count; c++) {
         place at = place_on(front, level, front->candidates[c]);
@@ -314,6 +327,8 @@ static int32_t delete_unsupported(pel_front *front, int32_t level)
 /* makes a node red if the rules say so, with all that follows on its level */
 static void insert_supported(pel_front *front, int32_t level, int32_t node)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
+    PEL_ASSERT_INDEX(node, front->node_count);
     place at = place_on(front, level, node);
     if (is_red(front, node) || (split_edge_count(front, &at) < 2 && !is_seed(front, &at)))
         return;
@@ -336,6 +351,7 @@ static void insert_supported(pel_front *front, int32_t level, int32_t node)
 
 static void close_level(pel_front *front, int32_t level)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t deleted_count = delete_unsupported(front, level);
     for (int32_t c = 0; c < front->candidate_count; c++) {
         insert_supported(front, level, front->candidates[c]);
@@ -369,6 +385,7 @@ int32_t pel_front_close(pel_front *front)
 
 static void remove_triangle(pel_front *front, int32_t node, int half)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t at = front->place_of_node[node][half], last = --front->triangle_count;
     front->place_of_node[node][half] = -1;
     if (at == last)
@@ -387,6 +404,8 @@ static void add_triangle(pel_front *front, const pel_front_triangle *triangle)
 static int leaf_triangles(const pel_front *front, int32_t level, int32_t node, uint8_t shape,
                           pel_front_triangle triangles[2])
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
+    PEL_ASSERT_INDEX(node, front->node_count);
     if (shape == PEL_FRONT_ABSENT || shape == PEL_FRONT_RED)
         return 0;
     place at = place_on(front, level, node);
@@ -404,6 +423,7 @@ static int leaf_triangles(const pel_front *front, int32_t level, int32_t node, u
 
 static void clear_leaf(pel_front *front, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     for (int half = 1; half >= 0; half--)
         if (front->place_of_node[node][half] >= 0)
             remove_triangle(front, node, half);
@@ -411,6 +431,7 @@ static void clear_leaf(pel_front *front, int32_t node)
 
 static void set_shape(pel_front *front, int32_t node, uint8_t shape)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     pel_front_triangle triangles[2];
     int count = leaf_triangles(front, pel_front_level(front, node), node, shape, triangles);
     for (int i = 0; i < count; i++)
@@ -421,6 +442,7 @@ static void set_shape(pel_front *front, int32_t node, uint8_t shape)
 static void update_place(int32_t *list, int32_t *count, int32_t *places, int32_t item, bool active)
 {
     int32_t at = places[item];
+    PEL_ASSERT(at < *count && (at < 0 || list[at] == item));
     if ((at >= 0) == active)
         return;
     if (active) {
@@ -436,11 +458,13 @@ static void update_place(int32_t *list, int32_t *count, int32_t *places, int32_t
 
 static void update_edge(pel_front *front, int32_t edge, bool active)
 {
+    PEL_ASSERT_INDEX(edge, front->bisector_begin + front->node_count);
     update_place(front->edges, &front->edge_count, front->place_of_edge, edge, active);
 }
 
 static void update_vertex(pel_front *front, int32_t v, bool active)
 {
+    PEL_ASSERT_INDEX(v, front->forest->levels[front->forest->depth]->vertex_count);
     if ((front->index_in_front[v] >= 0) == active)
         return;
     if (active)
@@ -468,6 +492,7 @@ static uint8_t shape_of(const pel_front *front, const place *at)
 /* records a node whose shape has changed; its triangles leave the list immediately */
 static void note_change(pel_front *front, int32_t level, int32_t node)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     if (node < 0)
         return;
     place at = place_on(front, level, node);
@@ -481,6 +506,7 @@ static void note_change(pel_front *front, int32_t level, int32_t node)
 
 static void note_changes_about(pel_front *front, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t level = pel_front_level(front, node);
     place at = place_on(front, level, node);
     note_change(front, level, node);
@@ -493,6 +519,7 @@ static void note_changes_about(pel_front *front, int32_t node)
 /* an edge is active when it is not split and a triangle of its level lies next to it */
 static void update_edges(pel_front *front, int32_t node, bool adding)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t level = pel_front_level(front, node);
     place at = place_on(front, level, node);
     for (int k = 0; k < 3; k++) {
@@ -510,6 +537,7 @@ static void update_edges(pel_front *front, int32_t node, bool adding)
 
 static void update_vertices(pel_front *front, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     place at = place_on(front, pel_front_level(front, node), node);
     for (int k = 0; k < 3; k++) {
         int32_t edge = edge_of(front, &at, k);
@@ -540,6 +568,8 @@ void pel_front_commit(pel_front *front)
     }
     pel_sort_int32(front->added_vertices, front->added_count);
     pel_sort_int32(front->removed_vertices, front->removed_count);
+    PEL_ASSERT(front->triangle_count == front->next_triangle_count);
+    PEL_ASSERT_WHOLE(pel_front_is_valid(front));
 }
 
 /* ---- walking ---- */
@@ -547,12 +577,14 @@ void pel_front_commit(pel_front *front)
 /* the edge from the corner k of a split triangle to the middle of its edge k, and on to the next corner */
 static int32_t first_half(const pel_front *front, const place *at, int k)
 {
+    PEL_ASSERT_INDEX(k, 3);
     place child = place_on(front, at->level + 1, front->node_begin[at->level + 1] + pel_lod_child(at->t, k));
     return edge_of(front, &child, 0);
 }
 
 static int32_t second_half(const pel_front *front, const place *at, int k)
 {
+    PEL_ASSERT_INDEX(k, 3);
     place child = place_on(front, at->level + 1, front->node_begin[at->level + 1] + pel_lod_child(at->t, (k + 1) % 3));
     return edge_of(front, &child, 2);
 }
@@ -620,6 +652,7 @@ static int32_t sector_corners(const pel_front *front, int32_t level, int32_t h, 
 
 int32_t pel_front_fan(const pel_front *front, int32_t v, pel_front_corner *fan)
 {
+    PEL_ASSERT_INDEX(v, front->forest->levels[front->forest->depth]->vertex_count);
     int32_t level = pel_lod_forest_vertex_level(front->forest, v), count = 0;
     const pel_topology *topology = front->forest->levels[level];
     int32_t first = topology->corner_of_vertex[v], h = first;
@@ -634,6 +667,7 @@ int32_t pel_front_fan(const pel_front *front, int32_t v, pel_front_corner *fan)
 
 void pel_front_edge_ends(const pel_front *front, int32_t edge, int32_t ends[2])
 {
+    PEL_ASSERT_INDEX(edge, front->bisector_begin + front->node_count);
     const pel_lod_forest *forest = front->forest;
     int32_t level = 0;
     if (edge >= front->bisector_begin) {
@@ -655,6 +689,7 @@ void pel_front_edge_ends(const pel_front *front, int32_t edge, int32_t ends[2])
 
 static int32_t write_surface(const pel_front *front, int32_t level, int32_t t, pel_front_triangle *triangles)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t node = front->node_begin[level] + t;
     if (front->shapes[node] != PEL_FRONT_RED)
         return leaf_triangles(front, level, node, front->shapes[node], triangles);

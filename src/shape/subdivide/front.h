@@ -138,7 +138,7 @@ void pel_front_edge_ends(const pel_front *front, int32_t edge, int32_t ends[2]);
 void pel_front_surface(const pel_front *front, pel_front_triangle *triangles);
 
 /* Checks the whole structure against the rules and its lists against each other (front_check.c). Takes time and memory
-   in proportion to the forest; false as well when out of memory. */
+   in proportion to the forest; true as well when out of memory. */
 bool pel_front_is_valid(const pel_front *front);
 
 #endif

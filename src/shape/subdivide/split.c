@@ -1,8 +1,10 @@
 #include "subdivide/split.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "mesh/topology_check.h"
 
 pel_level_size pel_level_size_of(const pel_topology *topology)
 {
@@ -90,6 +92,7 @@ static void number_edges(pel_topology *topology)
 /* a new vertex is left by three half-edges on each side: towards m_(i-1), m_(i+1) and v_(i+1) */
 static int32_t corner_of_edge_vertex(const pel_topology *coarse, int32_t e)
 {
+    PEL_ASSERT_INDEX(e, coarse->edge_count);
     int32_t h = coarse->half_edge_of_edge[e], t = h / 3, i = h % 3;
     if (coarse->twin[h] < 0)
         return 3 * (4 * t + next_corner(i)) + 2;
@@ -138,6 +141,7 @@ pel_status pel_topology_split(const pel_topology *coarse, pel_topology **fine, p
     split_twins(coarse->twin, coarse->triangle_count, made->twin);
     number_edges(made);
     split_corners(coarse, made->corner_of_vertex);
+    PEL_ASSERT_WHOLE(pel_topology_is_valid(made));
     *fine = made;
     return PEL_OK;
 }

@@ -15,6 +15,7 @@
 #include "adapt/criterion.h"
 
 #include "adapt/refine.h"
+#include "base/assert.h"
 #include "tool/near.h"
 
 /* a tool is left at this multiple of the distance at which it is met */
@@ -203,6 +204,7 @@ static bool is_near_tool(const pel_sim *sim, int32_t body, const pel_wide3 *x, p
 
 void pel_refine_criterion_begin(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     double near = sim->model->bodies[body].detail->def.near_tools;
     for (int32_t i = 0; near > 0 && i < sim->tools->count; i++) {
         const pel_search_box box = pel_tool_box(&sim->tools->items[i], LEAVING_RATIO * near, 0);
@@ -216,6 +218,7 @@ void pel_refine_criterion_begin(pel_sim *sim, int32_t body)
 void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const pel_body_force *numbers,
                                 pel_verdict verdicts[PEL_WIDTH])
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_model *model = sim->model;
     const pel_refine_def *def = &model->bodies[body].detail->def;
     pel_slice own = pel_slice_load(sim->state->position, slice);
@@ -247,6 +250,7 @@ void pel_refine_criterion_slice(pel_sim *sim, int32_t body, int32_t slice, const
 
 void pel_refine_criterion_forget(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_refine_body *refine = &sim->refine[body];
     for (int32_t i = 0; i < refine->curvature_count; i++)
         refine->rest_curvatures[i] = (double)NAN;

@@ -1,5 +1,6 @@
 #include "adapt/energy.h"
 
+#include "base/assert.h"
 #include "model/event_energy.h"
 
 #include <float.h>
@@ -27,6 +28,7 @@ typedef struct keeper {
 
 double pel_refine_energy_before(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     if (sim->model->bodies[body].shell == NULL)
         return 0;
     pel_shell_energy energy =
@@ -202,6 +204,7 @@ static bool is_allowed(const pel_sim *sim, int32_t body, double change)
 
 void pel_refine_keep_energy(pel_sim *sim, int32_t body, double shells_before)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     keeper k = {.sim = sim, .body = body, .only_new = sim->model->bodies[body].front->added_count > 0};
     double target = sim->active->event_energy + shells_before, energy = evaluate(&k);
     if (fabs(energy - target) <= TOLERANCE * target)

@@ -16,6 +16,7 @@
 
 #include "adapt/criterion.h"
 #include "adapt/energy.h"
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -95,6 +96,7 @@ void pel_refine_destroy(pel_sim *sim)
 
 static void ask(pel_refine_body *refine, pel_front *front, int32_t node, bool asked)
 {
+    PEL_ASSERT_INDEX(node, front->node_count);
     int32_t count = refine->mark_counts[node] += asked ? 1 : -1;
     if (count == (asked ? 1 : 0))
         pel_front_mark(front, node, asked);
@@ -104,6 +106,7 @@ static void ask(pel_refine_body *refine, pel_front *front, int32_t node, bool as
 static int32_t ask_around(pel_refine_body *refine, pel_front *front, int32_t level, int32_t v, bool asked,
                           int32_t queue_count, bool grow)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     const pel_topology *topology = front->forest->levels[level];
     int32_t first = topology->corner_of_vertex[v], h = first;
     while (h >= 0) {
@@ -125,6 +128,7 @@ static int32_t ask_around(pel_refine_body *refine, pel_front *front, int32_t lev
 /* asks for, or takes back, the rings around a vertex on one level */
 static void ask_rings(pel_refine_body *refine, pel_front *front, int32_t level, int32_t v, int32_t rings, bool asked)
 {
+    PEL_ASSERT_INDEX(level, front->forest->depth + 1);
     int32_t begin = 0, end = 1, count = 1;
     refine->walk++;
     refine->queue[0] = v;
@@ -175,6 +179,7 @@ static void commit(pel_sim *sim, int32_t body)
 
 void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     if (own->front == NULL)
         return;
@@ -191,6 +196,7 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 
 static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, true);
     refine->requests[v] = PEL_REQUEST_MADE;
@@ -201,6 +207,7 @@ static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 
 static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, false);
     refine->requests[v] = PEL_REQUEST_NONE;
@@ -211,12 +218,14 @@ static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 
 static bool has_cooled(const pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     int64_t since = sim->state->step - sim->refine[body].warm_step[v];
     return since > 0 && since >= sim->model->bodies[body].detail->def.dwell;
 }
 
 static void look_at(pel_sim *sim, int32_t body, int32_t v, const pel_verdict *verdict)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     uint8_t *requests = &refine->requests[v];
     refine->strengths[v] = verdict->strength;
@@ -297,6 +306,7 @@ static bool displace(pel_sim *sim, int32_t body, double below, int most, displac
    four, as closing the front costs more than finding the weakest */
 static bool heat_within_budget(pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     displacement gone = {.count = 0};

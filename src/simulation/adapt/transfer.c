@@ -3,6 +3,7 @@
 
 #include "adapt/criterion.h"
 #include "adapt/refine.h"
+#include "base/assert.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "stage/shells.h"
@@ -12,6 +13,7 @@
 /* the criterion's memory, and which vertex has which place; the front follows from the marks */
 void pel_refine_transfer(pel_cursor *at, const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     const pel_front *front = own->front;
@@ -50,6 +52,7 @@ static bool is_whole(const pel_sim *sim, int32_t body)
 
 bool pel_refine_restore(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     if (!is_whole(sim, body))
@@ -92,6 +95,7 @@ static pel_status refuse_room(const pel_refined_body *now, pel_error *error)
 
 pel_status pel_refine_check_room(const pel_sim *from, const pel_sim *to, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, from->model->body_count);
     const pel_refined_body *old = &from->active->bodies[body], *new = &to->active->bodies[body];
     const int32_t needed = pel_sim_triangle_count(from, body);
     pel_status status = PEL_OK;

@@ -1,16 +1,18 @@
 #include "boundary/edge_load.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
-#include "solve/newton.h"
-#include "solve/newton_run.h"
+#include "newton/newton.h"
+#include "newton/run.h"
 
 #include <string.h>
 
 /* the edges of one load that `marks` (vertex_count) has both ends of */
 static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_error *error)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     pel_newton *newton = sim->newton;
     const pel_tangent_edge *edges = pel_tangent_edges_of(pel_newton_tangent(newton));
     int32_t before = sim->loads->edge_load_count;
@@ -83,6 +85,7 @@ static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time
 
 double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns)
 {
+    PEL_ASSERT_INDEX(load, sim->loads->count);
     double sum = 0;
     for (int32_t i = 0; i < sim->loads->edge_load_count; i++)
         if (sim->loads->edge_loads[i].load == load)

@@ -4,10 +4,11 @@
 
    A displacement turns the frame by w = t x (u_b - u_a) / l + t n . (u_c - (1 - s) u_a - s u_b) / h, with the length l
    of the edge a b, the height h of the tip c over it and the foot a + s (b - a) of that height. So dF = w x F. The
-   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (solve/newton_skew.c).
+   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (newton/skew.c).
  */
 #include "boundary/follower.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -46,6 +47,7 @@ static void find_weights(const pel_load_def *def, int32_t vertex_count, double *
 
 static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int32_t corners[3], double weight)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_body *body = &sim->model->bodies[def->body];
     const double(*x)[3] = (const double(*)[3])body->mesh->positions;
     const edge_frame rest = find_frame(x[corners[0]], x[corners[1]], x[corners[2]]);
@@ -58,6 +60,7 @@ static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int
 
 static pel_status list_edges(pel_sim *sim, const pel_load_def *def, int32_t l, pel_error *error)
 {
+    PEL_ASSERT_INDEX(l, sim->loads->count);
     const pel_mesh *mesh = sim->model->bodies[def->body].mesh;
     double *weights = pel_allocate((size_t)mesh->vertex_count, sizeof *weights);
     pel_topology *topology = NULL;

@@ -1,10 +1,11 @@
 #include "boundary/hold.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "model/quantity.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -193,6 +194,7 @@ static void add_springs(pel_holds *holds, const pel_support_def *def, int32_t ow
 static pel_status hold_vertex(pel_sim *sim, const pel_support_def *def, int32_t owner, int32_t v, int32_t *place,
                               pel_error *error)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_holds *holds = sim->holds;
     if (!(def->fix[0] || def->fix[1] || def->fix[2]))
         return PEL_OK;
@@ -360,6 +362,7 @@ void pel_holds_destroy(pel_sim *sim)
 
 bool pel_holds_has_body(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++)
         if (sim->holds->holds[h].body == body)
             return true;
@@ -513,6 +516,7 @@ static pel_status refuse_mechanism(const pel_sim *sim, int32_t body, const motio
 
 pel_status pel_holds_check_mechanism(const pel_sim *sim, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_body *own = &sim->model->bodies[body];
     motion m = {.size = own->diameter};
     double free[6];
@@ -591,6 +595,7 @@ void pel_holds_add_matrix(const pel_sim *sim, pel_matrix *matrix)
 /* N, of a vertex on a support along a direction */
 static void add_reading(pel_sim *sim, pel_hold *hold, int32_t v, double size, const double direction[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double point[3], force[3], torque[3];
     pel_vertex_position(sim->state->position_next, v, point);
     pel_vec3_scale(direction, size, force);
@@ -703,6 +708,7 @@ double pel_holds_work(pel_sim *sim, double time)
 
 void pel_holds_add_readings(const pel_sim *sim, int32_t body, pel_support_reading *sum)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++) {
         const pel_hold *hold = &sim->holds->holds[h];
         if (hold->body != body)

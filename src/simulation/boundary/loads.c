@@ -1,5 +1,6 @@
 #include "boundary/loads.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -13,7 +14,9 @@
 
 pel_load_def pel_load_def_default(void)
 {
-    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)HUGE_VAL};
+    pel_load_def def = {0};
+    pel_def_reset(PEL_DEF_LOAD, &def);
+    return def;
 }
 
 static bool is_finite3(const double a[3])
@@ -23,6 +26,7 @@ static bool is_finite3(const double a[3])
 
 static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_t load, pel_error *error)
 {
+    PEL_ASSERT_INDEX(load, sim->loads->count);
     if (def->body < 0 || def->body >= sim->model->body_count)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the number of a body of the model",
                                   "load names a body that does not exist");
@@ -124,6 +128,7 @@ static bool set_weight(pel_load *load, int32_t at, double weight)
 
 static bool set_vertex(const pel_sim *sim, pel_load *load, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
     int32_t place = active->bodies[load->body].model_index[v];
@@ -145,6 +150,7 @@ static void list_places(const pel_sim *sim, pel_load *load)
 
 void pel_loads_update(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
     for (int32_t l = 0; l < sim->loads->count; l++) {
@@ -163,6 +169,7 @@ void pel_loads_update(pel_sim *sim, int32_t body)
 
 void pel_loads_rebuild(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_front *front = sim->model->bodies[body].front;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         pel_load *load = &sim->loads->items[l];
@@ -290,6 +297,7 @@ typedef struct real_gains {
 
 static bool push(pel_sim *sim, int32_t v, real_gains gain, pel_record acceleration)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     sim->state->position_next[v] += gain.position * acceleration;
     if (sim->state->velocity_next != NULL)
         sim->state->velocity_next[v] += gain.velocity * acceleration;
@@ -356,6 +364,7 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
 
 double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors)
 {
+    PEL_ASSERT_INDEX(load, sim->loads->count);
     const pel_load *at = &sim->loads->items[load];
     double force[3], sum = 0;
     if (!load_force(sim, at, time, force))
@@ -447,5 +456,6 @@ double pel_loads_work(const pel_sim *sim, double from, double to)
 
 void pel_load_transfer(pel_cursor *at, const pel_sim *sim, int32_t load)
 {
+    PEL_ASSERT_INDEX(load, sim->loads->count);
     pel_transfer(at, sim->loads->items[load].force, sizeof sim->loads->items[load].force);
 }

@@ -1,4 +1,4 @@
-/* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (solve/newton.h).
+/* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (newton/newton.h).
 
    With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by -m
    . dg/dp. Vertices held at their rest positions move with them. In a step of the method implicit x_1 = e y + (1 - e)

@@ -1,4 +1,4 @@
-/* A step of a simulation, and of others beside it with the matrix at its end (solve/newton_beside.c). */
+/* A step of a simulation, and of others beside it with the matrix at its end (newton/beside.c). */
 #include "gradient/step_beside.h"
 
 #include "base/status.h"

@@ -1,5 +1,6 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
 #include "solve/project.h"
+#include "base/assert.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "contact/sweep.h"
@@ -217,6 +218,7 @@ static void set_substeps(pel_sim *sim, int32_t count, bool is_loaded)
 /* the mean of the substeps and the contacts */
 static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double contact[3];
     pel_vertex_position(sim->projector->reaction, v, force);
     pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
@@ -227,6 +229,7 @@ static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
 /* adds drag and damping of a held vertex, by its mean velocity in the step */
 static void add_damping(const pel_sim *sim, int32_t v, const double *factors, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_model *model = sim->model;
     const pel_record next = sim->state->position_next[v], before = sim->state->position[v];
     double drag = factors[PEL_SPRING_DAMPING] * (double)model->damping[v] + sim->solver.drag * (double)model->mass[v];

@@ -1,5 +1,7 @@
 #include "stage/stepper.h"
 
+#include "def/row.h"
+
 #include <string.h>
 
 static const pel_stepper *const kinds[] = {
@@ -7,10 +9,6 @@ static const pel_stepper *const kinds[] = {
     PEL_METHODS(KIND)
 #undef KIND
 };
-
-#define WORD(METHOD, name, word) word,
-const char *const pel_method_words[] = {PEL_METHODS(WORD) NULL};
-#undef WORD
 
 const pel_stepper *pel_stepper_of(pel_method method)
 {

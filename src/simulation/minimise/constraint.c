@@ -1,5 +1,6 @@
 #include "minimise/constraint.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "contact/contact.h"
@@ -22,6 +23,7 @@ enum { ESTIMATE_SWEEPS = 20 };
 
 static double mobility_of(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
 }
 

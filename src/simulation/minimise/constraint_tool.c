@@ -4,6 +4,7 @@
    recomputed in each round. */
 #include "minimise/constraint_tool.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
@@ -265,6 +266,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
 /* index the known features of a tool by triangle and vertex, or forget them */
 static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forget)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     const pel_minimise *minimise = sim->minimise;
     for (int32_t c = 0; c < other_count; c++) {
         const pel_minimise_contact *old = &minimise->others[c];
@@ -283,6 +285,7 @@ static void set_known(pel_sim *sim, int32_t tool, int32_t other_count, bool forg
 
 static pel_status find(pel_sim *sim, int32_t tool, int32_t other_count, double longest, pel_error *error)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_tool *t = &sim->tools->items[tool];
     double free_depth = pel_tool_press_tolerance(sim, t);
     const tool_search search = {.sim = sim,

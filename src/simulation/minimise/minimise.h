@@ -17,8 +17,8 @@
 #define PEL_SIM_DESCENT_H
 
 #include "force/tangent_body.h"
+#include "newton/newton.h"
 #include "solve/descent.h"
-#include "solve/newton.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 

@@ -8,6 +8,7 @@
    not part of the state: a step computes its initial ones from the balance of forces at its start. */
 #include "minimise/rounds.h"
 
+#include "base/assert.h"
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/room.h"
@@ -230,6 +231,7 @@ static void set_poses(pel_sim *sim, double share)
 /* false if it is close enough to continue from its position */
 static bool go_back_to(pel_sim *sim, int32_t v, double share)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const double *start = sim->contacts->start[v], *end = sim->contacts->end[v];
     double beyond = (1 - share) * pel_vec3_distance(start, end);
     if (beyond < BEYOND_SHARE * sim->minimise->mean_edge || (sim->held != NULL && sim->held[v]))

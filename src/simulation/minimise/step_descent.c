@@ -1,5 +1,6 @@
 /* The method `descent`: L-BFGS (solve/descent.h) in the frame of minimise.h. If all bodies are held and nothing
    touches, the factored Hessian is the preconditioner. */
+#include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
 #include "minimise/constraint.h"
@@ -40,6 +41,7 @@ static void follow_surface(pel_sim *sim)
 
 static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_vec3_copy(pel_descent_force(sim->minimise->minimiser) + 3 * (size_t)v, force);
 }
 

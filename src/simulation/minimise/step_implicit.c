@@ -15,6 +15,7 @@
    steps. BDF2 damps unresolved motion and keeps sliding and resting contact at second order. Euler takes the first step
    and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h). Damping
    along volumetric springs is c (u . e) e, with e from the start of the step. */
+#include "base/assert.h"
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -169,6 +170,7 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 /* N s/m */
 static double drag_of(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const double *factors = sim->state->factors[sim->model->body_of_slice[v / PEL_WIDTH]];
     return factors[PEL_SPRING_DAMPING] * (double)sim->model->damping[v] +
            sim->solver.drag * (double)sim->model->mass[v];
@@ -236,6 +238,7 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
 /* m/s: mean velocity of the step */
 static double mean_velocity(const pel_sim *sim, int32_t v, int k)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return (sim->minimise->newton->unknowns[3 * v + k] - (double)sim->state->position[v][k]) / sim->step.dt;
 }
 

@@ -1,4 +1,5 @@
 #include "minimise/step_newton.h"
+#include "base/assert.h"
 #include "minimise/rounds.h"
 #include "minimise/step_turn.h"
 
@@ -139,11 +140,13 @@ static void find_loads(pel_sim *sim, double time)
 
 static bool is_held(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return !(sim->model->inverse_mass[v] > 0) || (sim->held != NULL && sim->held[v]);
 }
 
 bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_body *own = &sim->model->bodies[body];
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
         if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
@@ -359,6 +362,7 @@ static void add_skew(void *context, const double *x, double *y)
 /* the elements of the model have blocks for the corners of a triangle */
 static bool has_tied_corners(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_body *body = &sim->model->bodies[sim->model->body_of_slice[v / PEL_WIDTH]];
     return body->shell != NULL || body->plain_spring != 0;
 }
@@ -418,11 +422,13 @@ static int32_t leader_of(const newton_group *groups, int32_t body)
 
 static int32_t body_of(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return sim->model->body_of_slice[v / PEL_WIDTH];
 }
 
 int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     return leader_of(sim->minimise->newton->groups, body);
 }
 
@@ -637,6 +643,7 @@ pel_tangent *pel_sim_newton_settle_edges(const pel_sim *sim, const double **unkn
 
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const double *gradient = pel_newton_gradient(sim->newton);
     pel_vec3_scale(gradient + 3 * (size_t)v, -1, force);
 }

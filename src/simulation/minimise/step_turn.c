@@ -2,6 +2,7 @@
  */
 #include "minimise/step_turn.h"
 
+#include "base/assert.h"
 #include "math/pose.h"
 #include "stage/rigid_motion.h"
 
@@ -119,6 +120,7 @@ static void correct(const pel_sim_turn *turn, const pel_implicit_scheme *s, doub
 void pel_sim_turn_refer(const pel_sim *sim, const pel_implicit_scheme *s, int32_t v, double anchor[3],
                         double carried[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_sim_turn *turn = &sim->minimise->newton->turns[sim->model->body_of_slice[v / PEL_WIDTH]];
     const pel_state *state = sim->state;
     double position[3];

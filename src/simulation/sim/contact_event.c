@@ -5,6 +5,7 @@
    refined surface; if that does not help, the event is reverted by a snapshot from before it. */
 #include "sim/contact_event.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -29,6 +30,7 @@ static bool count_pairs(pel_sim *sim, int64_t *count)
 /* the middle of the edge of a new vertex; velocities stay */
 static void move_to_middle(pel_sim *sim, const pel_refined_body *own, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_lod_forest *forest = own->front->forest;
     const pel_topology *coarse = forest->levels[pel_lod_forest_vertex_level(forest, v) - 1];
     int32_t h = coarse->half_edge_of_edge[v - coarse->vertex_count], place = own->model_index[v];

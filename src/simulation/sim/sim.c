@@ -2,6 +2,7 @@
 #include "sim/sim.h"
 
 #include "adapt/refine.h"
+#include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
 #include "method/bending_weight.h"
@@ -33,6 +34,7 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 /* the new positions and velocities become the present ones */
 static void accept(pel_state *state)
 {
+    PEL_ASSERT(state->position != state->position_next);
     pel_record *oldest = state->position_before, *velocity = state->velocity;
     state->position_before = state->position;
     state->position = state->position_next;
@@ -106,6 +108,7 @@ static pel_status keep_apart(pel_sim *sim, double next, const pel_step_result *r
 /* accept the new positions and velocities of a part */
 static void accept_part(pel_sim *sim, double next)
 {
+    PEL_ASSERT(next > 0);
     bool is_last = pel_parts_are_last(sim);
     pel_supports_read(sim, next);
     mark_contacts(sim);

@@ -36,11 +36,10 @@ enum { CHUNKS_WORTH_THREADS = 4 };
 
 pel_sim_def pel_sim_def_default(void)
 {
-    return (pel_sim_def){
-        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
-        .contact = {.self = true, .between = true, .relative_thickness = 1e-4, .restitution = -1},
-        .cookie = SIM_COOKIE,
-    };
+    pel_sim_def def = {.cookie = SIM_COOKIE};
+    pel_def_reset(PEL_DEF_SOLVER, &def.solver);
+    pel_def_reset(PEL_DEF_CONTACT, &def.contact);
+    return def;
 }
 
 /* ---- creation ---- */

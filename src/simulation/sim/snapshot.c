@@ -5,6 +5,7 @@
 #include "adapt/criterion.h"
 #include "adapt/refine.h"
 #include "adapt/transfer.h"
+#include "base/assert.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -143,7 +144,18 @@ static size_t save(const pel_sim *sim, void *bytes)
     pel_cursor place = {.bytes = bytes, .at = sizeof head};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
+    PEL_ASSERT(place.at == head.size);
     return place.at;
+}
+
+bool pel_snapshot_is_valid(const pel_sim *sim, const void *bytes)
+{
+    header head;
+    memcpy(&head, bytes, sizeof head);
+    return memcmp(head.magic, "PELSNAP", sizeof head.magic) == 0 && head.version == SNAPSHOT_VERSION &&
+           head.real_size == sizeof(pel_real) && head.size == pel_sim_save_size(sim) && head.step >= 0 &&
+           memcmp(&head.fingerprint, &pel_house_of(sim)->fingerprint, sizeof head.fingerprint) == 0 &&
+           head.checksum == checksum_of(bytes, head.size);
 }
 
 void pel_snapshot_keep(const pel_sim *sim, void *bytes)
@@ -153,8 +165,10 @@ void pel_snapshot_keep(const pel_sim *sim, void *bytes)
 
 void pel_sim_save(const pel_sim *sim, void *bytes)
 {
-    if (sim != NULL && bytes != NULL)
-        pel_snapshot_seal(bytes, save(sim, bytes));
+    if (sim == NULL || bytes == NULL)
+        return;
+    pel_snapshot_seal(bytes, save(sim, bytes));
+    PEL_ASSERT_WHOLE(pel_snapshot_is_valid(sim, bytes));
 }
 
 static const char damage_remedy[] = "load another one before the next step";

@@ -1,6 +1,7 @@
 /* of the cube of the trace of the inertia: below it the body is a line */
 #include "stage/rigid_motion.h"
 
+#include "base/assert.h"
 #include "math/vec3.h"
 
 #define LEAST_INERTIA 1e-12
@@ -58,6 +59,7 @@ static double sum_momentum(const pel_sim *sim, int32_t body, const pel_record *p
 pel_rigid_motion pel_rigid_motion_of(const pel_sim *sim, int32_t body, const pel_record *position,
                                      const pel_record *velocity)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_model *model = sim->model;
     pel_rigid_motion motion = {.is_free = is_free(sim, body)};
     double inertia[3][3] = {{0}}, x[3], v[3], turn[3];

@@ -1,6 +1,7 @@
 /* Shells under the methods that use forces, and for all methods the volume of bodies under pressure. */
 #include "stage/shells.h"
 
+#include "base/assert.h"
 #include "base/status.h"
 #include "force/mechanics.h"
 #include "force/pressure.h"
@@ -68,6 +69,7 @@ void pel_shells_destroy(pel_sim *sim)
 /* new position and velocity of a vertex by the force of its shell; fine vertices have no inverse mass there */
 static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_real velocity_gain)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_record acceleration = sim->state->position[v][3] * sim->force[v];
     sim->state->position_next[v] += position_gain * acceleration;
     if (sim->state->velocity_next != NULL)
@@ -161,6 +163,7 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
 
 void pel_shells_follow(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     sim->state->older_is_known = false;
     pel_batches_rebuild(sim->batches, body);
     pel_shell_forces_rebuild(sim->shells, body);

@@ -3,6 +3,7 @@
 #ifndef PEL_STAGE_STAGE_H
 #define PEL_STAGE_STAGE_H
 
+#include "base/assert.h"
 #include "batch/batches.h"
 #include "contact/force.h"
 #include "force/body_force.h"
@@ -116,7 +117,7 @@ struct pel_sim {
     pel_projector *projector;      /* (solve/project.h) position-based methods, else null */
     pel_relax *relax;              /* (solve/relax.h) quasi-static method on bodies that refine, else null */
     pel_minimise *minimise;        /* (minimise/minimise.h) methods that minimise, else null */
-    pel_newton *newton;            /* (solve/newton.h) where one of these has a matrix, else null */
+    pel_newton *newton;            /* (newton/newton.h) where one of these has a matrix, else null */
     pel_sim_path *path;            /* (minimise/step_path.h) null = loads by time */
     pel_sim_modes *modes;          /* (minimise/step_modes.h) null = no analysis */
 };
@@ -151,6 +152,7 @@ static inline bool pel_sim_has_velocity(const pel_sim *sim)
 /* whether the new position of a vertex is within the bound; not so when it is NaN */
 static inline bool pel_sim_is_inside(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double bound = sim->step.bound, x[3];
     pel_vertex_position(sim->state->position_next, v, x);
     return pel_vec3_squared_length(x) < bound * bound;

@@ -21,7 +21,7 @@ typedef struct pel_stepper {
     bool moves_tools;   /* tools and held vertices move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
     bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
-    bool turns_edges;   /* rotations of edges are unknowns (model/bending_model.h) */
+    bool turns_edges;   /* rotations of edges are unknowns (law/bending_model.h) */
     bool minimises;     /* a step is a minimisation, which may take long */
     bool relaxes;       /* approaches rest over many steps: solver.alpha and velocity */
     bool descends;      /* by L-BFGS or gradient descent: solver.descent */
@@ -73,9 +73,6 @@ typedef struct pel_stepper {
 #define PEL_STEPPER(METHOD, name, word) extern const pel_stepper pel_step_##name##_kind;
 PEL_METHODS(PEL_STEPPER)
 #undef PEL_STEPPER
-
-/* words of scenes, by method; null after the last */
-extern const char *const pel_method_words[];
 
 /* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);

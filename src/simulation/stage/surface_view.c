@@ -2,6 +2,7 @@
    next access. */
 #include "stage/surface_view.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/sort.h"
@@ -63,6 +64,7 @@ static const pel_surface_rows *rows_of(const pel_sim *sim, int32_t body)
 
 int32_t pel_output_count(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_front *front = sim->model->bodies[body].front;
     return front != NULL ? front->vertex_count : sim->model->bodies[body].mesh->vertex_count;
 }
@@ -76,6 +78,7 @@ static int32_t row_vertex(const pel_sim *sim, int32_t body, int32_t row)
 
 int32_t pel_output_model_index(const pel_sim *sim, int32_t body, int32_t row)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_body *b = &sim->model->bodies[body];
     if (b->front == NULL || row < b->mesh->vertex_count)
         return b->model_index[row];
@@ -84,17 +87,21 @@ int32_t pel_output_model_index(const pel_sim *sim, int32_t body, int32_t row)
 
 int32_t pel_output_vertex(const pel_sim *sim, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return v < sim->model->bodies[body].mesh->vertex_count ? v : rows_of(sim, body)->row_of_vertex[v];
 }
 
 const int32_t *pel_output_numbers(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_surface_rows *rows = rows_of(sim, body);
     return rows != NULL ? rows->row_of_vertex : NULL;
 }
 
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_surface_rows *rows = rows_of(sim, body);
     return rows != NULL ? rows->surface : NULL;
 }
@@ -188,6 +195,7 @@ static void weights_in_parent(int32_t child, double w[3])
 
 static int32_t place_in_mesh(const pel_lod_forest *forest, int32_t v, double w[3])
 {
+    PEL_ASSERT_INDEX(v, forest->levels[forest->depth]->vertex_count);
     int32_t level = pel_lod_forest_vertex_level(forest, v);
     int32_t h = forest->levels[level]->corner_of_vertex[v], t = h / 3;
     w[0] = w[1] = w[2] = 0;

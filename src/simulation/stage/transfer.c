@@ -1,5 +1,6 @@
 /* Saving and loading: see transfer.h. */
 #include "stage/transfer.h"
+#include "base/assert.h"
 
 #include <string.h>
 
@@ -51,6 +52,7 @@ void pel_transfer_factors(pel_cursor *at, const pel_sim *sim, int32_t unused)
 
 void pel_transfer_bending(pel_cursor *at, const pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     pel_transfer(at, &sim->state->bending[body], sizeof *sim->state->bending);
 }
 

@@ -1,6 +1,7 @@
 /* Forces of contacts on vertices and tools, and their readings. */
 #include "tool/contact_force.h"
 
+#include "base/assert.h"
 #include "stage/surface_view.h"
 
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action)
@@ -63,6 +64,7 @@ void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, co
 
 void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     double change[3];
     for (int k = 0; k < 3; k++)
         change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);

@@ -1,6 +1,7 @@
 /* Tools from their defs: checks, copies and room. */
 #include "tool/create.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -13,13 +14,9 @@
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE,
-                          .body = -1,
-                          .press = true,
-                          .friction = -1,
-                          .restitution = -1,
-                          .thickness = -1,
-                          .grasp_until = (double)HUGE_VAL};
+    pel_tool_def def = {0};
+    pel_def_reset(PEL_DEF_TOOL, &def);
+    return def;
 }
 
 /* ---- checks ---- */
@@ -50,6 +47,7 @@ static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *
 
 static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body and vertices of its mesh",
                                   "support has no body or no vertices");
@@ -71,6 +69,7 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
 
 static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32_t tool, pel_error *error)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     const pel_tool_def *def = &defs[tool];
     if (def->name == NULL || def->name[0] == '\0' || strlen(def->name) >= PEL_NAME_SIZE)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a short name",

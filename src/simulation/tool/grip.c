@@ -6,6 +6,7 @@
    The rest takes over their load in the next steps, so a grasp tears out step by step. */
 #include "tool/grip.h"
 
+#include "base/assert.h"
 #include "bvh/mesh_query.h"
 #include "tool/pose.h"
 
@@ -39,6 +40,7 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
 
 void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double rest[3];
     if (sim->held[v])
         return;

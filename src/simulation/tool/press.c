@@ -11,6 +11,7 @@
    Coulomb's law because each push does. */
 #include "tool/press.h"
 
+#include "base/assert.h"
 #include "base/lane.h"
 #include "contact/set.h"
 #include "tool/contact_force.h"
@@ -41,6 +42,7 @@ typedef struct surface_point {
 
 pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     if (sim->contacts == NULL)
         return tool->solid;
     int32_t group = sim->model->body_count + (int32_t)(tool - sim->tools->items);
@@ -50,6 +52,7 @@ pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t
 
 double pel_sim_friction(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     if (sim->contacts == NULL)
         return 0;
     return pel_contact_friction(sim->contacts, sim->model->body_of_slice[v / PEL_WIDTH],
@@ -220,6 +223,7 @@ static bool press_corner(pel_sim *sim, pel_tool *tool, int32_t t, int corner, do
 /* Without friction a corner that was looked at is out, and stays there while corners are pushed: once is enough. */
 static bool is_done(pel_sim *sim, const pel_tool *tool, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     bool done = sim->tools->cornered_at[v] == sim->tools->press_count && !(pel_sim_friction(sim, tool, v) > 0);
     sim->tools->cornered_at[v] = sim->tools->press_count;
     return done;

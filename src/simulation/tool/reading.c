@@ -4,6 +4,7 @@
    of the loads of its contacts (descent.h), and all of F_i on held vertices. */
 #include "tool/reading.h"
 
+#include "base/assert.h"
 #include "boundary/loads.h"
 #include "tool/press.h"
 
@@ -24,6 +25,7 @@ static void find_load_and_shell_forces(pel_sim *sim, double time)
 /* force on a touched vertex at the new positions, other contacts included */
 static void static_force(const pel_sim *sim, int32_t v, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_state *state = sim->state;
     pel_record elastic = pel_elastic_force_at(sim->model, state, state->position_next, v);
     double contact[3];
@@ -35,6 +37,7 @@ static void static_force(const pel_sim *sim, int32_t v, double force[3])
 /* normal part of a force, which cannot pull, and the tangential part that friction holds */
 static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, const double push[3], double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double square = pel_vec3_squared_length(push), pressing[3], across[3];
     double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
     double friction = pel_sim_friction(sim, tool, v);
@@ -72,6 +75,7 @@ static void read_forces(pel_sim *sim, pel_tool *tool)
 
 void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, double point[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     for (int k = 0; k < 3; k++) {
         double before = (double)sim->state->position[v][k] - tool->pose_before.position[k];
         double after = (double)sim->state->position_next[v][k] - tool->pose.position[k];

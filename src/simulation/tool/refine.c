@@ -1,6 +1,7 @@
 /* Tools on a refining surface: update their triangles and held vertices after an event. */
 #include "tool/refine.h"
 
+#include "base/assert.h"
 #include "tool/grip.h"
 
 /* a plane stays with its triangle where that is still as it was; where it was refined, with the child at the point */
@@ -72,6 +73,7 @@ static void extend_support(pel_sim *sim, int32_t body, pel_tool *tool)
 
 void pel_tools_update(pel_sim *sim, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
         follow_planes(sim, body, tool);

@@ -8,6 +8,7 @@
    the tool only beyond the sagitta, where the tool passes between vertices. */
 #include "tool/sagitta.h"
 
+#include "base/assert.h"
 #include "tool/pose.h"
 
 /* r^2 over that at rest: edges stretch between pressed vertices */
@@ -32,6 +33,7 @@ static double circle_square(const pel_sim *sim, const int32_t corners[3])
 
 bool pel_tool_cuts(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return sim->contacts == NULL && pel_tool_is_round(tool) &&
            sim->model->bodies[sim->model->body_of_slice[v / PEL_WIDTH]].is_foundation;
 }

@@ -1,5 +1,6 @@
 #include "tool/search.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/sort.h"
@@ -251,6 +252,7 @@ typedef struct span {
 
 static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     const pel_search_body *own = &search->bodies[body];
     bool fine = block >= own->block_fine;
     int32_t begin = fine ? own->fine_place + (block - own->block_fine) * BLOCK
@@ -263,6 +265,7 @@ static span span_of(const pel_tool_search *search, int32_t body, int32_t block)
 /* past the last block in use */
 static int32_t block_end(const pel_tool_search *search, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     const pel_search_body *own = &search->bodies[body];
     int32_t used = search->model->bodies[body].slice_end * PEL_WIDTH - own->fine_place;
     return own->block_fine + block_count_of(used);
@@ -270,6 +273,7 @@ static int32_t block_end(const pel_tool_search *search, int32_t body)
 
 static void list_beside(pel_tool_search *search, int32_t body, int32_t block)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     int32_t *list = search->beside + (size_t)block * BESIDE_LIMIT, count = 0;
     span own = span_of(search, body, block);
     for (int32_t k = own.begin; k < own.end; k++)
@@ -315,6 +319,7 @@ static pel_search_box box_of_triangles(const pel_tool_search *search, span own, 
 
 static void fit_body(pel_tool_search *search, int32_t body, const pel_record *positions)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     int32_t begin = search->bodies[body].block_begin, end = block_end(search, body);
     for (int32_t block = begin; block < end; block++) {
         span own = span_of(search, body, block);
@@ -397,6 +402,7 @@ static int32_t find_in_block(const pel_tool_search *search, span own, const pel_
 int32_t pel_tool_search_find(const pel_tool_search *search, int32_t body, const pel_search_box *box, int32_t *triangles,
                              int32_t count)
 {
+    PEL_ASSERT_INDEX(body, search->model->body_count);
     for (int32_t block = search->bodies[body].block_begin, end = block_end(search, body); block < end; block++)
         if (!pel_search_apart(&search->boxes[block], box))
             count = find_in_block(search, span_of(search, body, block), box, triangles, count);

@@ -1,5 +1,6 @@
 #include "tool/solid.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -55,6 +56,7 @@ void pel_solids_destroy(pel_sim *sim)
 
 static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_sim_solids *solids = sim->tools->solids;
     size_t count = (size_t)solids->list.count;
     if (!pel_reserve((void **)&solids->list.contacts, &solids->capacity, count + 1, sizeof *solids->list.contacts) ||
@@ -76,6 +78,7 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
 
 static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t triangle, pel_error *error)
 {
+    PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_status status = PEL_OK;
     for (int c = 0; c < 3 && status == PEL_OK; c++) {
         int32_t v = sim->model->triangles[triangle][c];
@@ -163,6 +166,7 @@ static void keep_start_side(const pel_tool *tool, const double before[3], const 
 static void refresh_vertex(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t v,
                            pel_contact *contact)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double x[3], local[3], before[3], normal[3], normal_before[3];
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);

@@ -3,6 +3,7 @@
    point of the surface nearest to the tool's centre. Bisection finds the distance along a direction. */
 #include "tool/start.h"
 
+#include "base/assert.h"
 #include "base/status.h"
 #include "math/bounds.h"
 #include "math/functions.h"
@@ -37,6 +38,7 @@ static void load_corners(const overlap *o, int32_t t, double corner[3][3])
 
 bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const overlap o = {sim, NULL, body};
     double sum = 0, corner[3][3];
     for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
@@ -186,6 +188,7 @@ static double way_out(const pel_sim *sim, const pel_tool *tool, int32_t body)
 
 pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t body, pel_error *error)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_tool *tool = &sim->tools->items[index];
     pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
              sim->model->bodies[body].name, way_out(sim, tool, body));

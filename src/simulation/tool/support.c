@@ -1,6 +1,7 @@
 /* Forces on the supports of bodies: vertices that are pinned, and keyed supports, which are tools. */
 #include "tool/support.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/forces.h"
@@ -11,6 +12,7 @@
 
 static bool is_pinned(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0);
 }
 
@@ -87,6 +89,7 @@ void pel_supports_read(pel_sim *sim, double time)
  */
 static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double contact[3];
     pel_vec3_set(force, 0, 0, 0);
     if (sim->reactions != NULL)
@@ -101,6 +104,7 @@ static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
 
 void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions)
 {
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     if (sim->stepper->get_held_force == NULL && count_pins(sim, body) > 0)
         pel_sim_compute_forces(sim);
     for (int32_t r = 0; r < pel_output_count(sim, body); r++)

@@ -2,6 +2,7 @@
 #ifndef PEL_TOOL_TOOL_H
 #define PEL_TOOL_TOOL_H
 
+#include "base/assert.h"
 #include "contact/force.h"
 #include "geom/solid.h"
 #include "math/pose.h"
@@ -152,6 +153,7 @@ static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
 /* inverse mass, 0 if a tool holds the vertex */
 static inline double pel_tool_mobility(const pel_sim *sim, int32_t v)
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     return sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
 }
 
@@ -178,6 +180,7 @@ static inline void pel_tool_add_reaction(pel_tool *tool, const double point[3], 
 static inline void pel_tool_add_grip(pel_sim *sim, pel_tool *tool, int32_t v, const double point[3],
                                      const double force[3])
 {
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double back[3];
     pel_vec3_add(sim->tools->grip_forces[v], force, sim->tools->grip_forces[v]);
     pel_tool_add_reaction(tool, point, force);

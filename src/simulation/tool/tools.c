@@ -1,6 +1,7 @@
 /* Rigid tools in a step: they follow their keys, hold grasped vertices, and push the surface out. */
 #include "tool/tools.h"
 
+#include "base/assert.h"
 #include "tool/grip.h"
 #include "tool/pose.h"
 #include "tool/press.h"
@@ -12,6 +13,7 @@ enum { ROUND_LIMIT = 4 };
 
 static void forget_touches(pel_tool *tool)
 {
+    PEL_ASSERT(tool->touch_count >= 0);
     for (int32_t i = 0; i < tool->touch_count; i++)
         tool->touch_of_vertex[tool->touches[i].vertex] = 0;
     tool->touch_count = 0;

@@ -1,6 +1,7 @@
 /* Contact in a step: inputs of the set (contact/set.h), and the loop over search, correction and guard. */
 #include "touch/contact.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -80,6 +81,7 @@ typedef struct edge_place {
 /* shortest edge of a body at rest, on the finest level where it refines, and where it begins */
 static edge_place shortest_edge(const pel_model *model, int32_t body)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_mesh *mesh = model->bodies[body].mesh;
     double levels = model->bodies[body].detail != NULL ? ldexp(1, model->bodies[body].detail->def.levels) : 1;
     edge_place shortest = {HUGE_VAL, body, 0};

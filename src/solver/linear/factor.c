@@ -1,3 +1,4 @@
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -116,6 +117,7 @@ pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matri
 
 void pel_factor_solve(void *context, pel_pool *pool, const double *right, double *solution)
 {
+    PEL_ASSERT(right != NULL && solution != NULL);
     pel_factor *factor = context;
     double largest = 0;
     for (int32_t u = 0; u < factor->plan->unknown_count; u++) {

@@ -1,5 +1,6 @@
 #include "linear/matrix.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/sort.h"
@@ -47,12 +48,14 @@ static void release_builder(builder *b)
 
 static int32_t size_of(const pel_matrix *matrix, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, matrix->node_count);
     return matrix->first_unknown[node + 1] - matrix->first_unknown[node];
 }
 
 /* unknowns of an element */
 static int32_t element_size(const pel_matrix *matrix, int32_t element)
 {
+    PEL_ASSERT_INDEX(element, matrix->element_count);
     int32_t size = 0;
     for (int32_t i = matrix->node_start[element]; i < matrix->node_start[element + 1]; i++)
         size += size_of(matrix, matrix->element_node[i]);
@@ -379,11 +382,13 @@ pel_status pel_matrix_create(const pel_matrix_def *def, pel_matrix **matrix, pel
     if (status == PEL_OK)
         status = group_elements(&b, error);
     release_builder(&b);
-    if (status == PEL_OK)
-        *matrix = b.matrix;
-    else
+    if (status != PEL_OK) {
         pel_matrix_destroy(b.matrix);
-    return status;
+        return status;
+    }
+    PEL_ASSERT_WHOLE(pel_matrix_is_valid(b.matrix));
+    *matrix = b.matrix;
+    return PEL_OK;
 }
 
 /* one color of pieces on its way into the matrix */
@@ -437,6 +442,7 @@ static void add_block(double *block, const double *dense, int32_t size, int32_t 
 /* adds a dense matrix (row-major, size x size) of one element at its places */
 static void add_element(pel_matrix *m, int32_t element, int32_t size, const double *dense)
 {
+    PEL_ASSERT_INDEX(element, m->element_count);
     const int32_t *nodes = &m->element_node[m->node_start[element]],
                   *place = &m->element_place[m->element_start[element]];
     int32_t count = m->node_start[element + 1] - m->node_start[element], sizes[PEL_ELEMENT_SIZE_LIMIT];
@@ -473,6 +479,8 @@ void pel_matrix_assemble(pel_matrix *matrix, pel_pool *pool, pel_matrix_function
 
 int32_t pel_matrix_block(const pel_matrix *matrix, int32_t row, int32_t column)
 {
+    PEL_ASSERT_INDEX(column, matrix->node_count);
+    PEL_ASSERT_INDEX(row, matrix->node_count);
     int32_t low = matrix->row_start[row], high = matrix->row_start[row + 1] - 1;
     while (low < high) {
         int32_t middle = low + (high - low) / 2;
@@ -557,6 +565,7 @@ static void fix_chunk(void *context, int32_t chunk)
 
 void pel_matrix_fix(pel_matrix *matrix, pel_pool *pool, const uint8_t *fixed, const double *value, double *right)
 {
+    PEL_ASSERT((value == NULL) == (right == NULL));
     fixing f = {matrix, fixed, value, right};
     pel_pool_run(pool, chunks_of(matrix), fix_chunk, &f);
 }
@@ -606,6 +615,7 @@ typedef struct product {
 /* a row of nodes of three unknowns: its values are columns of three, loaded four at a time */
 static void multiply_row3(const pel_matrix *m, int32_t row, const double *x, double *y)
 {
+    PEL_ASSERT_INDEX(row, m->node_count);
     quad even = {0}, odd = {0}, third = {0};
     const double *values = &m->values[m->block_start[m->row_start[row]]];
     for (int32_t block = m->row_start[row]; block < m->row_start[row + 1]; block++) {
@@ -629,6 +639,7 @@ static void multiply_row3(const pel_matrix *m, int32_t row, const double *x, dou
 /* a row of one unknown: its values lie as its columns do */
 static double multiply_row1(const pel_matrix *m, int32_t row, const double *x)
 {
+    PEL_ASSERT_INDEX(row, m->node_count);
     double sum = 0;
     const double *values = &m->values[m->block_start[m->row_start[row]]];
     for (int32_t block = m->row_start[row]; block < m->row_start[row + 1]; block++) {
@@ -646,6 +657,7 @@ static double multiply_row1(const pel_matrix *m, int32_t row, const double *x)
 
 static void multiply_row(const pel_matrix *m, int32_t row, int32_t size, const double *x, double *y)
 {
+    PEL_ASSERT_INDEX(row, m->node_count);
     double sum[PEL_NODE_SIZE_LIMIT] = {0};
     const double *values = &m->values[m->block_start[m->row_start[row]]];
     for (int32_t block = m->row_start[row]; block < m->row_start[row + 1]; block++)
@@ -673,6 +685,7 @@ static void multiply_chunk(void *context, int32_t chunk)
 
 void pel_matrix_multiply(const pel_matrix *matrix, pel_pool *pool, const double *x, double *y)
 {
+    PEL_ASSERT(x != y);
     product p = {matrix, x, y};
     pel_pool_run(pool, chunks_of(matrix), multiply_chunk, &p);
 }

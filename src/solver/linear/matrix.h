@@ -77,6 +77,10 @@ void pel_matrix_turn(pel_matrix *matrix, pel_pool *pool, const int32_t *frame, c
 /* y = A x, both (unknown_count) and different; the same bits for any number of threads */
 void pel_matrix_multiply(const pel_matrix *matrix, pel_pool *pool, const double *x, double *y);
 
+/* Whether the pattern is whole: blocks ascend in each row, have their diagonal and their mirror image; elements find
+   the blocks of their nodes, each is summed once, and pieces of one color share no node. */
+bool pel_matrix_is_valid(const pel_matrix *matrix);
+
 /* The block of a pair of nodes, or -1 when the pattern has none. */
 int32_t pel_matrix_block(const pel_matrix *matrix, int32_t row, int32_t column);
 

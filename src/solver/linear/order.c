@@ -1,5 +1,6 @@
 #include "linear/order.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/sort.h"
@@ -40,12 +41,14 @@ typedef struct dissection {
 
 static bool is_inside(const dissection *d, int32_t node, int32_t part)
 {
+    PEL_ASSERT_INDEX(node, d->matrix->node_count);
     return d->part[node] == part;
 }
 
 /* puts the `middle` smallest first (quickselect; no two ranks are equal) */
 static void select_smallest(ranked *ranks, int32_t count, int32_t middle)
 {
+    PEL_ASSERT(middle >= 0 && middle <= count);
     int32_t low = 0, high = count - 1;
     while (low < high) {
         ranked pivot = ranks[low + (high - low) / 2];
@@ -73,6 +76,8 @@ static void select_smallest(ranked *ranks, int32_t count, int32_t middle)
 /* graph distances within a part from a node; returns a farthest one. Nodes that are not reached are far. */
 static int32_t search_breadth(dissection *d, int32_t begin, int32_t end, int32_t from, int32_t *distance)
 {
+    PEL_ASSERT(begin < end && end <= d->matrix->node_count);
+    PEL_ASSERT_INDEX(from, d->matrix->node_count);
     const pel_matrix *m = d->matrix;
     int32_t head = 0, tail = 0, part = d->part[from];
     for (int32_t i = begin; i < end; i++)
@@ -95,6 +100,7 @@ static int32_t search_breadth(dissection *d, int32_t begin, int32_t end, int32_t
 /* direction of the largest extent (power iteration on the covariance) */
 static void principal_axis(const dissection *d, int32_t begin, int32_t end, double axis[3])
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     double mean[3] = {0}, c[3][3] = {{0}};
     for (int32_t i = begin; i < end; i++)
         for (int k = 0; k < 3; k++)
@@ -122,6 +128,7 @@ static void principal_axis(const dissection *d, int32_t begin, int32_t end, doub
 /* sides of the halves of a part along an axis, or by graph distance when it is null */
 static void halve(dissection *d, int32_t begin, int32_t end, const double axis[3])
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     int32_t count = end - begin;
     for (int32_t i = 0; i < count; i++) {
         int32_t node = d->order[begin + i];
@@ -192,6 +199,7 @@ static bool augment(dissection *d, int32_t from, int32_t mark)
 /* matches each left node to a free right neighbour, if it has one */
 static void match_greedily(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     const pel_matrix *m = d->matrix;
     int32_t part = d->part[d->order[begin]];
     for (int32_t i = begin; i < end; i++)
@@ -212,6 +220,7 @@ static void match_greedily(dissection *d, int32_t begin, int32_t end)
 /* true when a left node has a neighbour on the right */
 static bool is_on_cut(const dissection *d, int32_t node)
 {
+    PEL_ASSERT_INDEX(node, d->matrix->node_count);
     const pel_matrix *m = d->matrix;
     for (int32_t block = m->row_start[node]; block < m->row_start[node + 1]; block++)
         if (d->part[m->column[block]] == d->part[node] && d->side[m->column[block]] == 1)
@@ -223,6 +232,7 @@ static bool is_on_cut(const dissection *d, int32_t node)
    no alternating path from a free left node reaches, and the right nodes that one reaches. */
 static void cover_cut(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     match_greedily(d, begin, end);
     for (int32_t i = begin; i < end; i++) {
         int32_t node = d->order[i];
@@ -246,6 +256,7 @@ static void cover_cut(dissection *d, int32_t begin, int32_t end)
 /* sorts a separator along its largest extent, so that the borders of fronts below are contiguous pieces of it */
 static void sort_separator(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     if (d->coordinates == NULL || end - begin < 3)
         return;
     double axis[3];
@@ -300,6 +311,7 @@ static void read_leaf(dissection *d, int32_t begin, int32_t end, leaf *l)
 
 static void order_leaf(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     leaf l;
     read_leaf(d, begin, end, &l);
     uint64_t left = l.count == 64 ? UINT64_MAX : ((uint64_t)1 << l.count) - 1;
@@ -329,6 +341,7 @@ static void order_leaf(dissection *d, int32_t begin, int32_t end)
 /* splits a part along the best of some directions */
 static void split(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     if (d->coordinates == NULL) {
         int32_t first = search_breadth(d, begin, end, d->order[begin], d->distance[0]);
         int32_t last = search_breadth(d, begin, end, first, d->distance[0]);
@@ -375,6 +388,7 @@ static void part_sides(dissection *d, int32_t begin, int32_t end, int32_t ends[2
 
 static void dissect(dissection *d, int32_t begin, int32_t end)
 {
+    PEL_ASSERT(begin >= 0 && begin <= end && end <= d->matrix->node_count);
     if (end - begin <= LEAF_LIMIT) {
         order_leaf(d, begin, end);
         return;

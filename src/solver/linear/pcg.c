@@ -1,5 +1,6 @@
 #include "linear/pcg.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -49,6 +50,7 @@ pel_status pel_pcg_create(int32_t unknown_count, pel_pcg **pcg, pel_error *error
 
 static void multiply(const pel_pcg_def *def, pel_pool *pool, const double *x, double *y)
 {
+    PEL_ASSERT(x != y);
     pel_matrix_multiply(def->matrix, pool, x, y);
     if (def->add_product != NULL)
         def->add_product(def->added, pool, x, y);

@@ -1,4 +1,5 @@
 /* The numbers of batches that change with time and state. */
+#include "base/assert.h"
 #include "solve/project.h"
 
 static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_solver_def *solver, const pel_state *state,
@@ -50,6 +51,7 @@ void pel_project_body_set_time(pel_body_batches *own, const double *factors, dou
 
 static bool has_fixed(const pel_batch *batch, int32_t block, const uint8_t *is_fixed)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const int32_t *steps = batch->steps + (size_t)block * (size_t)batch->arity * PEL_BLOCK;
     for (int32_t i = 0; i < batch->arity * PEL_BLOCK; i++)
         if (is_fixed[steps[i] / PEL_STEP])

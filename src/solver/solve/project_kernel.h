@@ -34,6 +34,7 @@
 #ifndef PEL_SOLVE_PROJECT_KERNEL_H
 #define PEL_SOLVE_PROJECT_KERNEL_H
 
+#include "base/assert.h"
 #include "law/fibre.h"
 #include "measure/fibre.h"
 #include "measure/hinge.h"
@@ -46,22 +47,26 @@
 
 PEL_INLINE const int32_t *steps_of(const pel_batch *batch, int32_t block, int k)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return batch->steps + ((size_t)block * (size_t)batch->arity + (size_t)k) * PEL_BLOCK;
 }
 
 PEL_INLINE pel_lane number_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return pel_lane_load(batch->numbers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane);
 }
 
 PEL_INLINE pel_particle load_particle(const pel_batch *batch, int32_t block, int k, int32_t lane,
                                       const pel_record *positions)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     return pel_particle_load(positions, steps_of(batch, block, k), lane);
 }
 
 PEL_INLINE pel_lane multiplier_of(const pel_batch *batch, int32_t block, int count, int j, int32_t lane)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     if (batch->multipliers == NULL)
         return pel_lane_splat(0);
     return pel_lane_load(batch->multipliers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane);
@@ -70,6 +75,7 @@ PEL_INLINE pel_lane multiplier_of(const pel_batch *batch, int32_t block, int cou
 PEL_INLINE void add_multiplier(const pel_batch *batch, int32_t block, int count, int j, int32_t lane, pel_lane old,
                                pel_lane change)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     if (batch->multipliers != NULL)
         pel_lane_store(batch->multipliers + ((size_t)block * (size_t)count + (size_t)j) * PEL_BLOCK, lane,
                        old + change);
@@ -80,6 +86,7 @@ PEL_INLINE void add_multiplier(const pel_batch *batch, int32_t block, int count,
 PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                              pel_lane3 *ways, bool compliant)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const int count = compliant ? 2 : 1;
     pel_particle a = load_particle(batch, block, 0, lane, positions);
     pel_particle b = load_particle(batch, block, 1, lane, positions);
@@ -111,6 +118,7 @@ typedef struct triangle_lanes {
 PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, int32_t lane, int count,
                                         const pel_record *positions)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     triangle_lanes t;
     for (int k = 0; k < 3; k++)
         t.point[k] = load_particle(batch, block, k, lane, positions);
@@ -156,6 +164,7 @@ PEL_INLINE void load_law(const pel_batch *batch, pel_lane numbers[PEL_LAW_NUMBER
 PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                  pel_lane3 *ways, pel_membrane_kind kind)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane numbers[PEL_LAW_NUMBERS];
     load_law(batch, numbers);
     triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
@@ -173,6 +182,7 @@ PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t 
 PEL_INLINE void project_limit(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                               pel_lane3 *ways)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane half = PEL_CONSTANT(0.5), zero = pel_lane_splat(0);
     const pel_lane least = pel_lane_splat(batch->law.least_strain), most = pel_lane_splat(batch->law.most_strain);
     triangle_lanes t = load_triangle(batch, block, lane, 3, positions);
@@ -226,6 +236,7 @@ PEL_INLINE pel_symmetric3 mobility_of(const triangle_lanes *t, const pel_strain 
 PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric3 g,
                                 pel_symmetric2 strain, pel_lane softness, pel_lane change[3])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane poisson = pel_lane_splat(batch->law.poisson), across = poisson * softness;
     pel_lane shear = pel_lane_splat(2) * (softness + across), old[3];
     for (int i = 0; i < 3; i++)
@@ -246,6 +257,7 @@ PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t l
 PEL_INLINE void project_strain_green(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                      pel_lane3 *ways)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_strain s = pel_green_strain(&t.f);
     pel_lane softness =
@@ -260,6 +272,7 @@ PEL_INLINE void project_strain_green(const pel_batch *batch, int32_t block, int3
 PEL_INLINE void project_strain_aligned(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                        pel_lane3 *ways)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
     triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
     pel_factor f = pel_factor_of(&t.f);
@@ -320,6 +333,7 @@ PEL_INLINE pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b
 PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                       pel_lane3 *ways, pel_membrane_kind kind)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane numbers[PEL_LAW_NUMBERS];
     load_law(batch, numbers);
     triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
@@ -349,6 +363,7 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
 PEL_INLINE void project_strain(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                pel_lane3 *ways, pel_membrane_kind kind)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const int traits = pel_law_traits(kind);
     if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         project_strain_newton(batch, block, lane, positions, ways, kind);
@@ -364,6 +379,7 @@ PEL_INLINE void project_strain(const pel_batch *batch, int32_t block, int32_t la
 PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                   pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     for (int a = 0; a < 4; a++)
         p[a] = load_particle(batch, block, a, lane, positions);
     pel_lane k[4], number = number_of(batch, block, PEL_ISOMETRIC_NUMBERS, compliant ? 3 : 4, lane);
@@ -400,6 +416,7 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
 PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                               pel_particle p[4], pel_lane3 *ways, bool compliant)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane one = pel_lane_splat(1);
     const int count = PEL_ANGLE_NUMBERS;
     for (int k = 0; k < 4; k++)
@@ -442,6 +459,7 @@ typedef struct fibre_lanes {
 PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                   bool compliant)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const int count = compliant ? PEL_FIBRE_NUMBERS : PEL_FIBRE_WEIGHTED_NUMBERS;
     fibre_lanes f;
     for (int k = 0; k < 3; k++)
@@ -459,6 +477,7 @@ PEL_INLINE fibre_lanes load_fibre(const pel_batch *batch, int32_t block, int32_t
 PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                               pel_lane3 *ways, bool squared, bool compliant)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane half = pel_lane_splat((pel_real)0.5);
     fibre_lanes f = load_fibre(batch, block, lane, positions, compliant);
     /* gradient c_k times the slope times the image */
@@ -486,6 +505,7 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
 PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                              pel_lane3 *ways)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     pel_particle p[3];
     for (int k = 0; k < 3; k++)
         p[k] = load_particle(batch, block, k, lane, positions);
@@ -516,6 +536,7 @@ PEL_INLINE int32_t group_end(const pel_batch *batch, int32_t from)
 PEL_INLINE void move_points(const pel_batch *batch, int32_t block, int32_t lane, const pel_particle *points,
                             const pel_lane3 *ways, pel_record *positions)
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
     for (int k = 0; k < batch->arity; k++)
         pel_particle_move(positions, steps_of(batch, block, k), lane, is_staged(batch->arity) ? NULL : &points[k],
                           ways[k]);

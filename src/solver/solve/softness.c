@@ -1,5 +1,6 @@
 #include "solve/softness.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
@@ -45,6 +46,7 @@ void pel_softness_destroy(pel_softness_scratch *scratch)
 /* the level of detail on which a vertex appears; -1 = not in use */
 static int32_t level_of(const pel_model *model, int32_t body, int32_t v)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_front *front = model->bodies[body].front;
     int32_t level = 0;
     if (front == NULL || model->mesh_vertex[v] < 0)
@@ -73,6 +75,7 @@ static void add_element(const pel_softness_scratch *scratch, const int32_t *vert
 /* mean rate of the elements at each vertex and its neighbours by triangles, 0 where there are none */
 static void find_means(const pel_model *model, int32_t body, const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_shell *shell = model->bodies[body].shell;
     int32_t first = model->bodies[body].slice_begin * PEL_WIDTH, end = pel_body_place_end(model, body);
     for (int32_t v = first; v < end; v++) {
@@ -109,6 +112,7 @@ static double top_of(int bin, double largest)
    mesh do not decide, a region that is finer or stiffer does. */
 static double level_rate(const pel_model *model, int32_t body, int32_t level, const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     int32_t first = model->bodies[body].slice_begin * PEL_WIDTH, end = pel_body_place_end(model, body);
     double largest = 0, sum = 0, energies[BIN_COUNT] = {0};
     for (int32_t v = first; v < end; v++)
@@ -131,6 +135,7 @@ static double level_rate(const pel_model *model, int32_t body, int32_t level, co
 /* of the worst level of detail */
 static double worst_rate(const pel_model *model, int32_t body, const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_front *front = model->bodies[body].front;
     double rate = 0;
     find_means(model, body, scratch);
@@ -144,6 +149,7 @@ static double worst_rate(const pel_model *model, int32_t body, const pel_softnes
 static void add_springs(const pel_model *model, const pel_state *state, int32_t body,
                         const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     double factor = state->factors[body][PEL_SPRING_STIFFNESS];
     for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH && b->uniform_spring != 0; v++) {
@@ -345,6 +351,7 @@ static void add_fibres(const pel_model *model, const pel_shell *shell, const pel
 static double pressure_rate(const pel_model *model, int32_t body, const pel_record *positions, double time,
                             const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     const pel_shell *shell = b->shell;
     if (!b->closed || (shell->pressure.kind != PEL_PRESSURE_GAS && shell->pressure.kind != PEL_PRESSURE_VOLUME))
@@ -373,6 +380,7 @@ static double pressure_rate(const pel_model *model, int32_t body, const pel_reco
 static double body_rate(const pel_model *model, const pel_state *state, int32_t body, const pel_record *positions,
                         const pel_softness_scratch *scratch)
 {
+    PEL_ASSERT_INDEX(body, model->body_count);
     const pel_shell *shell = model->bodies[body].shell;
     clear(model, scratch);
     add_springs(model, state, body, scratch);
