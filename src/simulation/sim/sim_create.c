@@ -19,6 +19,7 @@
 #include "solve/project.h"
 #include "solve/relax.h"
 #include "stage/shells.h"
+#include "stage/stepper.h"
 #include "stage/surface_view.h"
 #include "tool/create.h"
 #include "tool/solid.h"
@@ -63,9 +64,9 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a number above 0, or omit it for a stable value");
         return PEL_BAD_ARGUMENT;
     }
-    if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_IMPLICIT + 1))
+    if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_COUNT))
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
-    if (solver->analysis != PEL_ANALYSIS_NONE && solver->method != PEL_METHOD_STATIC) {
+    if (solver->analysis != PEL_ANALYSIS_NONE && !pel_stepper_of(solver->method)->is_static) {
         pel_fail(error, PEL_BAD_ARGUMENT, "only the method static has an analysis");
         pel_fail_remedy(error, "use method static, or no analysis");
         return PEL_BAD_ARGUMENT;
@@ -88,7 +89,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         pel_fail_remedy(error, "give a time above 0 s, or 0 for none");
         return PEL_BAD_ARGUMENT;
     }
-    if (solver->budget > 0 && solver->method != PEL_METHOD_IMPLICIT && solver->method != PEL_METHOD_STATIC) {
+    if (solver->budget > 0 && !pel_stepper_of(solver->method)->has_budget) {
         pel_fail(error, PEL_BAD_ARGUMENT, "only the methods static and implicit have a budget of time");
         pel_fail_remedy(error, "use method implicit, or leave the budget out");
         return PEL_BAD_ARGUMENT;
