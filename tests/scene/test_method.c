@@ -11,6 +11,8 @@
 #include "base/memory.h"
 #include "io/file.h"
 #include "pellicle/run.h"
+#include "pellicle/sim_reading.h"
+#include "scene/build.h"
 #include "stage/stepper.h"
 
 #define HEAD "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}\n"

@@ -3,6 +3,9 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 #include "results/folder.h"
 #include "stage/stepper.h"
 

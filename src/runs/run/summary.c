@@ -1,5 +1,6 @@
 #include "results/summary.h"
 #include "def/row.h"
+#include "pellicle/sim_reading.h"
 #include "run/state.h"
 #include "scene/build.h"
 #include "stage/stepper.h"

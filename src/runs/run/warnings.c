@@ -7,6 +7,7 @@
 #include "minimise/step_newton.h"
 #include "model/model.h"
 #include "model/shell.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
 #include "stage/stepper.h"

@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_surface.h"
 #include "stage/stepper.h"
 
 #include <errno.h>

@@ -22,6 +22,7 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/refine.h"

@@ -8,6 +8,8 @@
 #include "observe/field.h"
 #include "observe/field_mechanics.h"
 #include "pellicle/measure.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "tool/support.h"
 

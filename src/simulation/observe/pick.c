@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "bvh/ray.h"
+#include "pellicle/sim_surface.h"
 #include "stage/stage.h"
 #include "stage/surface_view.h"
 

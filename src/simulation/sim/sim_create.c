@@ -47,13 +47,8 @@ pel_sim_def pel_sim_def_default(void)
 /* iterations and substeps beyond which a step would seem to hang */
 enum { MOST_SWEEPS = 1000000 };
 
-static pel_status check_def(const pel_sim_def *def, pel_error *error)
+static pel_status check_solver(const pel_solver_def *solver, pel_error *error)
 {
-    if (def->cookie != SIM_COOKIE)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
-    if (def->model == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
-    const pel_solver_def *solver = &def->solver;
     if (!(solver->dt > 0 && isfinite(solver->dt)))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give a time step above 0", "solver dt is %g", solver->dt);
     if (!(solver->alpha >= 0 && isfinite(solver->alpha)))
@@ -86,6 +81,18 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     if (!(solver->drag >= 0 && isfinite(solver->drag)))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give a finite number of at least 0", "solver drag is %g",
                           solver->drag);
+    return PEL_OK;
+}
+
+static pel_status check_def(const pel_sim_def *def, pel_error *error)
+{
+    if (def->cookie != SIM_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
+    if (def->model == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
+    pel_status status = check_solver(&def->solver, error);
+    if (status != PEL_OK)
+        return status;
     if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
         return pel_fail(error, PEL_BAD_ARGUMENT, "thread_count is %d", (int)def->thread_count);
     const struct {

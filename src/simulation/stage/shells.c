@@ -6,6 +6,7 @@
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "solve/shell_stability.h"
 #include "stage/surface_view.h"
 

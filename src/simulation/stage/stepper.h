@@ -5,7 +5,7 @@
 #define PEL_STAGE_STEPPER_H
 
 #include "force/tangent.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_reading.h"
 #include "solve/step.h"
 
 typedef struct pel_stepper {

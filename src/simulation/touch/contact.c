@@ -10,6 +10,7 @@
 #include "math/bounds.h"
 #include "observe/ledger.h"
 #include "observe/observe.h"
+#include "pellicle/sim_surface.h"
 #include "stage/accessors.h"
 #include "stage/surface_view.h"
 #include "tool/contact_force.h"
