@@ -8,16 +8,35 @@
 extern "C" {
 #endif
 
-typedef enum pel_method {
-    PEL_METHOD_QUASI_STATIC, /* x += alpha F dt^2 / m (paper A, eq. A-5) */
-    PEL_METHOD_EXPLICIT,     /* Euler's method on m a = F (paper A's baseline); the symplectic form is leapfrog */
-    PEL_METHOD_PBD,          /* paper B: each energy is a constraint, solved by `iterations` Gauss-Seidel sweeps */
-    PEL_METHOD_PBD_DISTANCE, /* position-based dynamics on edge lengths only */
-    PEL_METHOD_XPBD,         /* extended position-based dynamics, strain form, `substeps` of one iteration each */
-    PEL_METHOD_DESCENT, /* energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent */
-    PEL_METHOD_STATIC,  /* static equilibria by Newton's method, under tools and contacts */
-    PEL_METHOD_IMPLICIT /* m a = F at the end of a step (BDF2, implicit midpoint), by Newton's method */
+/* The methods: enumerator, name of the row in src/simulation, name in scene files. To add a method, add its row and a
+   line here.
+   QUASI_STATIC  x += alpha F dt^2 / m (paper A, eq. A-5)
+   EXPLICIT      Euler's method on m a = F (paper A's baseline); the symplectic form is leapfrog
+   PBD           paper B: each energy is a constraint, solved by `iterations` Gauss-Seidel sweeps
+   PBD_DISTANCE  position-based dynamics on edge lengths only
+   XPBD          extended position-based dynamics, strain form, `substeps` of one iteration each
+   DESCENT       energy minimisation step by step, under tools and contacts: L-BFGS or gradient descent
+   STATIC        static equilibria by Newton's method, under tools and contacts
+   IMPLICIT      m a = F at the end of a step (BDF2, implicit midpoint), by Newton's method */
+#define PEL_METHODS(ROW)                                                                                               \
+    ROW(QUASI_STATIC, quasi_static, "quasi-static")                                                                    \
+    ROW(EXPLICIT, explicit, "explicit")                                                                                \
+    ROW(PBD, pbd, "pbd")                                                                                               \
+    ROW(PBD_DISTANCE, pbd_distance, "pbd-distance")                                                                    \
+    ROW(XPBD, xpbd, "xpbd")                                                                                            \
+    ROW(DESCENT, descent, "descent")                                                                                   \
+    ROW(STATIC, static, "static")                                                                                      \
+    ROW(IMPLICIT, implicit, "implicit")
+
+typedef enum pel_method { /* PEL_METHOD_QUASI_STATIC and so on */
+#define PEL_METHOD_ENUMERATOR(METHOD, name, word) PEL_METHOD_##METHOD,
+                          PEL_METHODS(PEL_METHOD_ENUMERATOR)
+#undef PEL_METHOD_ENUMERATOR
 } pel_method;
+
+#define PEL_METHOD_ONE(METHOD, name, word) +1
+enum { PEL_METHOD_COUNT = 0 PEL_METHODS(PEL_METHOD_ONE) }; /* number of methods */
+#undef PEL_METHOD_ONE
 
 /* A choice; PEL_AUTO leaves it to the library. */
 typedef enum pel_choice { PEL_AUTO = -1, PEL_NO = 0, PEL_YES = 1 } pel_choice;
