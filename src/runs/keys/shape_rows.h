@@ -1,8 +1,8 @@
 /* The parameters of the generated shapes (pellicle/shape.h) as rows of the scene table. */
-#ifndef PEL_SCENE_SHAPE_ROWS_H
-#define PEL_SCENE_SHAPE_ROWS_H
+#ifndef PEL_KEYS_SHAPE_ROWS_H
+#define PEL_KEYS_SHAPE_ROWS_H
 
-#include "scene/table.h"
+#include "keys/table.h"
 
 /* names of all shapes, null-terminated; null when out of memory */
 const char *const *pel_scene_shape_words(pel_arena *arena);

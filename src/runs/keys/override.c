@@ -1,8 +1,8 @@
-#include "scene/override.h"
+#include "keys/override.h"
 
-#include "scene/table.h"
-#include "scene/validate.h"
-#include "scene/yaml.h"
+#include "keys/table.h"
+#include "keys/validate.h"
+#include "keys/yaml.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* YAML 1.2 (and so JSON) text -> tree of values, through libfyaml. */
-#ifndef PEL_SCENE_YAML_H
-#define PEL_SCENE_YAML_H
+#ifndef PEL_KEYS_YAML_H
+#define PEL_KEYS_YAML_H
 
-#include "scene/value.h"
+#include "keys/value.h"
 
 /* Parses one document. source names the text in messages; with_lines false omits line and column (overrides and
    defaults). Aliases are expanded; tags, several documents, and keys that are not text are refused. Text without any

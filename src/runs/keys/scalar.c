@@ -1,4 +1,4 @@
-#include "scene/scalar.h"
+#include "keys/scalar.h"
 
 #include <stdbool.h>
 #include <stdint.h>

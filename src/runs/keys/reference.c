@@ -1,6 +1,6 @@
 /* The table as the reference page of scenes (Markdown) and as the list of parameter paths. */
+#include "keys/schema_api.h"
 #include "observe/field.h"
-#include "scene/schema_api.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* Compares a tree of values with the table and completes it. */
-#ifndef PEL_SCENE_VALIDATE_H
-#define PEL_SCENE_VALIDATE_H
+#ifndef PEL_KEYS_VALIDATE_H
+#define PEL_KEYS_VALIDATE_H
 
-#include "scene/table.h"
-#include "scene/value.h"
+#include "keys/table.h"
+#include "keys/value.h"
 
 /* Refuses unknown keys, keys given twice, wrong forms, numbers out of range, missing keys and two of several
    alternatives (PEL_BAD_SCENE at the place of the first one found). Then every value has its form and number, defaults

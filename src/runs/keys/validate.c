@@ -1,8 +1,8 @@
-#include "scene/validate.h"
+#include "keys/validate.h"
 
 #include "base/number.h"
 #include "base/text.h"
-#include "scene/yaml.h"
+#include "keys/yaml.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "scene/schema_api.h"
+#include "keys/schema_api.h"
 
 #include "pellicle/scene.h"
 

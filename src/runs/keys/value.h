@@ -1,10 +1,11 @@
-/* A scene as a tree of values, each with its place. YAML and overrides become such a tree (yaml.c, override.c); check.c
-   compares it with the table and fills in the defaults; print.c writes it; build.c reads the defs out of it. */
-#ifndef PEL_SCENE_VALUE_H
-#define PEL_SCENE_VALUE_H
+/* A scene as a tree of values, each with its place. YAML and overrides become such a tree (yaml.c, override.c);
+   validate.c compares it with the table and fills in the defaults; print.c writes it; the room `scene` reads the defs
+   out of it. */
+#ifndef PEL_KEYS_VALUE_H
+#define PEL_KEYS_VALUE_H
 
 #include "base/status.h"
-#include "scene/arena.h"
+#include "keys/arena.h"
 
 /* where a value stands: a file, or "--set a.b=c" with line 0 */
 typedef struct pel_scene_place {

@@ -1,7 +1,7 @@
-#include "scene/yaml.h"
+#include "keys/yaml.h"
 
 #include "base/text.h"
-#include "scene/scalar.h"
+#include "keys/scalar.h"
 
 #include <errno.h>
 #include <libfyaml.h>

@@ -1,6 +1,6 @@
 /* Memory that is allocated in pieces and freed together: all data of one scene. */
-#ifndef PEL_SCENE_ARENA_H
-#define PEL_SCENE_ARENA_H
+#ifndef PEL_KEYS_ARENA_H
+#define PEL_KEYS_ARENA_H
 
 #include <stddef.h>
 

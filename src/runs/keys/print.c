@@ -1,7 +1,7 @@
-#include "scene/print.h"
+#include "keys/print.h"
 
 #include "base/memory.h"
-#include "scene/table.h"
+#include "keys/table.h"
 
 #include <string.h>
 

@@ -1,4 +1,4 @@
-#include "scene/arena.h"
+#include "keys/arena.h"
 
 #include "base/memory.h"
 

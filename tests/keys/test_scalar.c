@@ -1,8 +1,8 @@
 /* Text of quoted and plain YAML scalars, with the cases that libfyaml 0.7.12 gets wrong. */
 #include "check.h"
 
+#include "keys/scalar.h"
 #include "pellicle/scene.h"
-#include "scene/scalar.h"
 
 static void check(char quote, const char *source, const char *expected)
 {

@@ -1,10 +1,10 @@
-#include "scene/table.h"
+#include "keys/table.h"
 
 #include "def/row_words.h"
 #include "geom/solid.h"
+#include "keys/shape_rows.h"
 #include "pellicle/preset.h"
 #include "pellicle/scene.h"
-#include "scene/shape_rows.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* All keys of a scene: the table of members (def/row.h), with the keys of meshes, runs and outputs. The checker, the
    defaults, the JSON Schema, the reference page, the reader of the defs and --set are derived from it. */
-#ifndef PEL_SCENE_TABLE_H
-#define PEL_SCENE_TABLE_H
+#ifndef PEL_KEYS_TABLE_H
+#define PEL_KEYS_TABLE_H
 
 #include "def/row.h"
-#include "scene/arena.h"
+#include "keys/arena.h"
 
 typedef struct pel_scene_table {
     const pel_def_row *rows;

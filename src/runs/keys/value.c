@@ -1,4 +1,4 @@
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include "base/number.h"
 

@@ -1,9 +1,9 @@
 /* Texts that the table yields. */
-#ifndef PEL_SCENE_SCHEMA_API_H
-#define PEL_SCENE_SCHEMA_API_H
+#ifndef PEL_KEYS_SCHEMA_API_H
+#define PEL_KEYS_SCHEMA_API_H
 
 #include "io/json.h"
-#include "scene/table.h"
+#include "keys/table.h"
 
 #include <stdio.h>
 

@@ -1,8 +1,8 @@
 /* The table as JSON Schema (draft 7) for editors. Every map becomes one object per alternative, and per word of an
    alternative that has its own keys, so that an editor offers exactly the keys that go together. */
-#include "scene/schema_api.h"
+#include "keys/schema_api.h"
 
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "scene/shape_rows.h"
+#include "keys/shape_rows.h"
 
 #include "pellicle/shape.h"
 

@@ -3,11 +3,11 @@
 #include "comma_locale.h"
 #include "failing_malloc.h"
 
+#include "keys/override.h"
+#include "keys/table.h"
+#include "keys/validate.h"
+#include "keys/yaml.h"
 #include "pellicle/scene.h"
-#include "scene/override.h"
-#include "scene/table.h"
-#include "scene/validate.h"
-#include "scene/yaml.h"
 
 #include <stdlib.h>
 
