@@ -225,7 +225,7 @@ static void test_write_failures(void **unused)
     (void)unused;
     write_document *const writers[] = {pel_scene_write_schema, pel_scene_write_reference, pel_scene_write_parameters};
     for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
-        for_allocation_failures(write_one, &writers[i], ROUNDS(1, 11));
+        for_allocation_failures(write_one, &writers[i], LONG(1, ROUNDS(5, 11)));
     FILE *file = fopen("/dev/full", "w");
     if (file == NULL)
         return;

@@ -141,7 +141,7 @@ static void test_blends(void **unused)
         {0.869613816, 0.857095761}, {0.523456661, 0.523465331}, {1.06637442, 1.06795317}};
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     for (int body = 0; body < 3; body++)
-        for (int finer = 0; finer < ROUNDS(2, 1); finer++) {
+        for (int finer = 0; finer < LONG(2, 1); finer++) {
             def.body = (pel_blend_body)body;
             def.size = 2;
             def.edge = finer ? 0.035 : 0.06;
@@ -531,7 +531,7 @@ static void test_allocation_failures_of_blends(void **unused)
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     def.edge = 0.06 * def.size;
     allocation_count count = {.failed = 1};
-    for (long n = 1; count.failed > 0; n += n < ROUNDS(40, 10) ? 1 : ROUNDS(127, 1009)) {
+    for (long n = 1; count.failed > 0; n += n < LONG(40, 10) ? 1 : LONG(127, ROUNDS(509, 1009))) {
         pel_error error = {0};
         failing_malloc_begin(n);
         pel_status status = create_case(&def, &error);

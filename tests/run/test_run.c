@@ -397,7 +397,7 @@ static void test_full_disk(void **unused)
     const char *const checkpoints[2] = {"output.checkpoint=0.1", "output.checkpoint=0"};
     int seen[KIND_COUNT] = {0}, done = 0;
     signal(SIGXFSZ, SIG_IGN);
-    for (int i = 0; i < 60; i += ROUNDS(1, 3)) {
+    for (int i = 0; i < 60; i += LONG(1, 3)) {
         rlim_t size = i / 2 < 20 ? 150 * (rlim_t)(i / 2 + 1) : 3000 * (rlim_t)(i / 2 - 18);
         pel_scene *scene = load_scene(i / 2 % 3 == 0 ? small : smallest, &checkpoints[i % 2], 1);
         run_case test = {.run = "full"};

@@ -3,6 +3,7 @@
 #include "shell_fixture.h"
 
 #include "failing_malloc.h"
+#include "pellicle/sim_adjoint.h"
 
 #include <math.h>
 #include <stdlib.h>

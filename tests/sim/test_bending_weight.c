@@ -1,6 +1,7 @@
 /* The weight of bending that is chosen while a body shrinks: it shrinks further than with the paper's, with less
    jitter, and the same bits again. */
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "stage/stage.h"
 

@@ -11,7 +11,7 @@
 static void test_folded_sheet(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     contact_scene scene;
     pel_sim *sim = folded_sheet(&scene, 14);
     assert_true(run_free(sim, 700) > 50);
@@ -23,108 +23,6 @@ static void test_folded_sheet(void **unused)
             lowest = fmin(lowest, positions[3 * v + 2]);
     assert_true(lowest > 0.25 * pel_sim_contact_thickness(sim));
     assert_true(lowest < 3 * pel_sim_contact_thickness(sim));
-    scene_end(&scene, sim);
-}
-
-static void press_flat(pel_method method)
-{
-    contact_scene scene;
-    pel_sim *sim = pressed_flat(&scene, method, 5, 0.02, 300);
-    assert_true(run_free(sim, 300) > 100);
-    pel_sim_measures measures;
-    pel_sim_measure(sim, &measures);
-    assert_true(measures.volume_ratio < 0.05);
-    for (int i = 0; i < 2; i++) {
-        pel_tool_reading reading;
-        pel_sim_get_tool(sim, i, &reading);
-        assert_near(fabs(reading.position[2]), 0.11, 1e-12);
-        assert_true(reading.contact_count > 10);
-    }
-    scene_end(&scene, sim);
-}
-
-static void test_pressed_flat(void **unused)
-{
-    (void)unused;
-    press_flat(PEL_METHOD_QUASI_STATIC);
-    press_flat(PEL_METHOD_EXPLICIT);
-}
-
-/* plates that would leave less room than the layers need are held back, and say so */
-static void test_held_tools(void **unused)
-{
-    (void)unused;
-    contact_scene scene;
-    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
-    run_free(sim, 300);
-    pel_tool_reading upper, lower;
-    pel_sim_get_tool(sim, 0, &upper);
-    pel_sim_get_tool(sim, 1, &lower);
-    assert_true(upper.position[2] - lower.position[2] > 0.2 + pel_sim_contact_thickness(sim));
-    assert_true(statistics_of(sim).tools_held > 0);
-    scene_end(&scene, sim);
-}
-
-/* Plates that the guard holds back catch up by an eighth of their lag per step, or at twice their speed; others follow
-   their keys. */
-static void test_held_tools_catch_up(void **unused)
-{
-    (void)unused;
-    contact_scene scene;
-    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 2, -0.1, 20);
-    pel_sim_destroy(sim);
-    for (int i = 0; i < 2; i++) {
-        scene.keys[i][2] = scene.keys[i][0];
-        scene.keys[i][2].time = 3 * scene.keys[i][1].time;
-        scene.tools[i].key_count = 3;
-    }
-    sim = make_sim(&scene.def);
-    double dt = scene.def.solver.dt;
-    int blocked = 0, freed = 0;
-    for (int n = 0; n < 60; n++) {
-        pel_pose before[2], keyed[2];
-        bool was_blocked[2];
-        for (int i = 0; i < 2; i++) {
-            before[i] = sim->tools->items[i].pose;
-            keyed[i] = pel_tool_pose_at(&sim->tools->items[i], n * dt);
-            was_blocked[i] = sim->tools->items[i].blocked;
-        }
-        run_steps(sim, 1);
-        for (int i = 0; i < 2; i++) {
-            const pel_tool *tool = &sim->tools->items[i];
-            pel_pose wanted = pel_tool_pose_at(tool, (n + 1) * dt);
-            double way = pel_tool_way(tool, &before[i], &tool->pose), lag = pel_tool_way(tool, &before[i], &wanted);
-            assert_true(way <= fmax(2 * pel_tool_way(tool, &keyed[i], &wanted), lag / 8) + 1e-12);
-            assert_true(tool->blocked || pel_tool_way(tool, &tool->pose, &wanted) <= 1e-12);
-            blocked += tool->blocked;
-            freed += was_blocked[i] && !tool->blocked;
-        }
-    }
-    assert_true(blocked > 20 && freed >= (sizeof(pel_real) == sizeof(float) ? 1 : 2));
-    scene_end(&scene, sim);
-}
-
-/* a plate that stands still lags behind nothing: of two that squash a shell only the one that moves is held back */
-static void test_still_tool_is_not_held(void **unused)
-{
-    (void)unused;
-    skip_if_slow();
-    contact_scene scene;
-    pel_sim *sim = pressed_flat(&scene, PEL_METHOD_QUASI_STATIC, 4, 0, 300);
-    pel_sim_destroy(sim);
-    scene_move(&scene, 0, 0, 0, 1.15, -1, 2.4);
-    scene_move(&scene, 1, 0, 0, -1.15, -1.15, 1);
-    scene.def.tools = scene.tools;
-    assert_int_equal(pel_sim_create(&scene.def, &sim, NULL), PEL_OK);
-    int64_t steps = 0, before = 0;
-    for (int n = 0; n < 300; n++) {
-        run_free(sim, 1);
-        int64_t held = statistics_of(sim).tools_held;
-        assert_true(held - before <= 1);
-        steps += held > before;
-        before = held;
-    }
-    assert_true(steps > 0);
     scene_end(&scene, sim);
 }
 
@@ -171,7 +69,7 @@ static void test_two_bodies(void **unused)
         shoot(sim, 0, 4, 0, 0);
         shoot(sim, 1, -4, 0, 0);
         double before = momentum_of(sim, 2);
-        int64_t most = run_free(sim, 300);
+        int64_t most = run_free(sim, 150);
         assert_near(momentum_of(sim, 2), before, sizeof(pel_real) == 8 ? 1e-12 : 1e-4);
         assert_true(most > 10);
         scene_end(&scene, sim);
@@ -207,7 +105,7 @@ static void test_momentum_of_shells(void **unused)
         pel_sim_measures measures;
         pel_sim_measure(sim, &measures);
         double energy = measures.kinetic_energy;
-        for (int n = 0; n < 60; n++) {
+        for (int n = 0; n < LONG(60, 40); n++) {
             run_free(sim, 1);
             pel_sim_measure(sim, &measures);
             most_energy = fmax(most_energy, measures.kinetic_energy + measures.elastic_energy);
@@ -216,250 +114,6 @@ static void test_momentum_of_shells(void **unused)
         double rounding = sizeof(pel_real) == 8 ? 1e-9 : i / 2 == 3 ? 3e-2 : 1e-3;
         assert_true(fabs(momentum_of(sim, 2) - before) < rounding * scale);
         assert_true(most_energy < 1.05 * energy);
-        scene_end(&scene, sim);
-    }
-}
-
-/* a ring is pushed through a ball, which is held by nothing but its own inertia and another tool */
-static void test_mesh_tool(void **unused)
-{
-    (void)unused;
-    contact_scene scene;
-    scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
-    scene_body(&scene, make_sphere(5));
-    scene.def.contact.friction = 0.4;
-    scene.tool_mesh = make_shape(PEL_SHAPE_TORUS);
-    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
-    scene_tool(&scene, PEL_TOOL_MESH)->mesh = scene.tool_mesh;
-    scene_move(&scene, 0, 0.1, 0, 1.3, 0.3, 1.5);
-    scene_move(&scene, 1, 0, 0.1, -1.3, -0.3, 1.5);
-    pel_sim *sim = scene_create(&scene);
-    assert_true(run_free(sim, ROUNDS(200, 130)) > 50);
-    pel_tool_reading reading;
-    pel_sim_get_tool(sim, 0, &reading);
-    assert_true(reading.force[2] > 0);
-    scene_end(&scene, sim);
-}
-
-/* distance of the surface from the axis of a sphere or capsule along z */
-static double axis_distance(const pel_sim *sim, const pel_mesh *mesh, double half_length)
-{
-    pel_tool_reading reading;
-    double *x = malloc(3 * (size_t)mesh->vertex_count * sizeof *x), least = HUGE_VAL;
-    pel_sim_get_tool(sim, 0, &reading);
-    pel_sim_get_positions(sim, 0, x);
-    double ends[2][3];
-    for (int i = 0; i < 2; i++) {
-        memcpy(ends[i], reading.position, sizeof ends[i]);
-        ends[i][2] += i == 0 ? -half_length : half_length;
-    }
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const int32_t *v = mesh->triangles[t];
-        double weights[5];
-        least = fmin(least,
-                     pel_closest_segment_triangle(ends[0], ends[1], x + 3 * v[0], x + 3 * v[1], x + 3 * v[2], weights));
-    }
-    free(x);
-    return sqrt(least);
-}
-
-/* faster than its own size in a step, through a ball that is hit from above: nothing gets into the tool, and the tool
-   does not get into the ball */
-static void test_fast_round_tools(void **unused)
-{
-    (void)unused;
-    for (int shape = 0; shape < 2; shape++) {
-        contact_scene scene;
-        scene_begin(&scene, PEL_METHOD_QUASI_STATIC);
-        scene_body(&scene, make_sphere(4));
-        pel_tool_def *tool = scene_tool(&scene, shape == 0 ? PEL_TOOL_SPHERE : PEL_TOOL_CAPSULE);
-        tool->radius = 0.1;
-        tool->half_length = shape == 0 ? 0 : 0.1;
-        scene_move(&scene, 0, 0.05, 0.02, 1.6, -3, 0.04);
-        pel_sim *sim = scene_create(&scene);
-        for (int n = 0; n < 60; n++) {
-            assert_int_equal(run_free(sim, 1) >= 0, 1);
-            assert_true(axis_distance(sim, scene.meshes[0], tool->half_length) > tool->radius);
-        }
-        assert_true(statistics_of(sim).tools_held > 0);
-        scene_end(&scene, sim);
-    }
-}
-
-/* a floor at z = 0, of any shape; round ones are large, so that it is as good as flat */
-static void add_floor(contact_scene *scene, pel_tool_shape shape)
-{
-    const double radius = 1000, root = sqrt(0.5);
-    pel_tool_def *tool = scene_tool(scene, shape);
-    bool round = shape == PEL_TOOL_SPHERE || shape == PEL_TOOL_CAPSULE;
-    tool->radius = radius;
-    tool->half_length = 5;
-    tool->half_extents[0] = tool->half_extents[1] = 5;
-    tool->half_extents[2] = 0.5;
-    scene_move(scene, 0, 0, 0, round ? -radius : shape == PEL_TOOL_BOX ? -0.5 : 0, 0, 1);
-    tool->key_count = 1;
-    if (shape == PEL_TOOL_CAPSULE) {
-        scene->keys[0][0].rotation[1] = scene->keys[0][0].rotation[3] = root;
-    } else if (shape == PEL_TOOL_MESH) {
-        pel_transform transform = pel_transform_default();
-        scene->tool_mesh = make_sheet(4, 0);
-        transform.scale[0] = transform.scale[1] = 10;
-        transform.translation[0] = transform.translation[1] = -5;
-        assert_int_equal(pel_mesh_transform(scene->tool_mesh, &transform, NULL), PEL_OK);
-        tool->mesh = scene->tool_mesh;
-    }
-}
-
-/* A sheet that starts at half the thickness above a floor rises to the thickness within some steps, not in one substep,
-   which would throw it up at 3 m/s. */
-static void test_start_too_close(void **unused)
-{
-    (void)unused;
-    const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
-    for (int i = 0; i < 4; i++) {
-        contact_scene scene;
-        scene_begin(&scene, PEL_METHOD_XPBD);
-        scene.gravity = -8;
-        scene.def.solver.substeps = 64;
-        scene.def.contact.thickness = 1e-3;
-        scene_body(&scene, make_sheet(3, 0));
-        add_floor(&scene, shapes[i]);
-        pel_transform transform = pel_transform_default();
-        pel_vec3_set(transform.translation, -0.5, -0.5, 0.5e-3);
-        assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
-        pel_sim *sim = scene_create(&scene);
-        double x[3 * 16], v[3 * 16];
-        for (int n = 0; n < 30; n++) {
-            run_free(sim, 1);
-            pel_sim_get_positions(sim, 0, x);
-            pel_sim_get_velocities(sim, 0, v);
-            for (int k = 0; k < 16; k++)
-                assert_true(x[3 * k + 2] < 1.3e-3 && v[3 * k + 2] < 0.06);
-        }
-        for (int k = 0; k < 16; k++)
-            assert_true(x[3 * k + 2] > 0.7e-3); /* round floors are 0.25 mm lower at the corners */
-        scene_end(&scene, sim);
-    }
-}
-
-/* way along x of a sheet on a floor of slope 1/2 after a time, and the force on the floor over the weight */
-static double slide_with(pel_tool_shape shape, pel_method method, const double friction[3], double time,
-                         double force[3])
-{
-    contact_scene scene;
-    scene_begin(&scene, method);
-    scene.def.solver.dt = 5e-3;
-    scene.def.contact.friction = friction[0];
-    scene.gravity = -8;
-    scene.gravity_along = 4;
-    scene_body(&scene, make_sheet(3, 0));
-    scene.bodies[0].spring_damping.value = scene.bodies[0].volumetric_damping.value = 0;
-    add_floor(&scene, shape);
-    scene.bodies[0].friction = friction[1];
-    scene.tools[0].friction = friction[2];
-    pel_transform transform = pel_transform_default();
-    transform.translation[0] = transform.translation[1] = -0.5;
-    transform.translation[2] = 2e-4;
-    assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
-    scene.def.contact.thickness = 1.5e-4;
-    pel_sim *sim = scene_create(&scene);
-    double x[3 * 16], way = 0;
-    run_free(sim, (int)(time / 5e-3 + 0.5));
-    pel_sim_get_positions(sim, 0, x);
-    for (int v = 0; v < 16; v++) {
-        way += (x[3 * v] - scene.meshes[0]->positions[v][0]) / 16;
-        assert_true(fabs(x[3 * v + 2]) < 2e-3);
-    }
-    pel_tool_reading reading;
-    pel_sim_get_tool(sim, 0, &reading);
-    for (int k = 0; k < 3; k++)
-        force[k] = reading.force[k] / (16 * 0.01);
-    scene_end(&scene, sim);
-    return way;
-}
-
-static double slide(pel_tool_shape shape, pel_method method, double friction, double time, double force[3])
-{
-    const double all[3] = {friction, -1, -1};
-    return slide_with(shape, method, all, time, force);
-}
-
-/* the geometric mean of both sides, independent of the value of contact; one smooth side makes the pair smooth */
-static void test_friction_of_pairs(void **unused)
-{
-    (void)unused;
-    static const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_MESH, PEL_TOOL_CAPSULE};
-    static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_EXPLICIT};
-    static const double own[3] = {7, 0.8, 0.1125}, smooth[3] = {7, 0.8, 0}, half[3] = {0.1125, 0.8, -1};
-    for (int s = 0; s < 3; s++)
-        for (int m = 0; m < 2; m++) {
-            double force[3], expected[3];
-            double way = slide(shapes[s], methods[m], 0.3, 0.2, expected);
-            assert_near(slide_with(shapes[s], methods[m], own, 0.2, force), way, 1e-6);
-            assert_near(force[0], expected[0], 1e-4);
-            assert_near(slide_with(shapes[s], methods[m], half, 0.2, force), way, 1e-6);
-            assert_near(slide_with(shapes[s], methods[m], smooth, 0.2, force),
-                        slide(shapes[s], methods[m], 0, 0.2, expected), 1e-6);
-            assert_true(way < 0.9 * slide(shapes[s], methods[m], 0, 0.2, expected));
-        }
-}
-
-/* Coulomb's law on a slope of tangent 1/2: above it a body stays, below it slides with g (sin - friction cos), on any
-   floor; the floor feels weight and friction */
-static void test_friction_on_slope(void **unused)
-{
-    (void)unused;
-    static const pel_tool_shape shapes[] = {PEL_TOOL_BOX, PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_MESH};
-    static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD};
-    const double rounding = sizeof(pel_real) == 8 ? 1 : 2;
-    for (int i = 0; i < 8; i += ROUNDS(1, 3)) {
-        double force[3], time = 0.5, free_way = 0.5 * 4 * time * time;
-        /* round floors are so large that float does not resolve the thickness on them */
-        if (sizeof(pel_real) == 4 && methods[i % 2] == PEL_METHOD_XPBD && i / 2 >= 1 && i / 2 <= 2)
-            continue;
-        /* on a capsule few points carry, and change from substep to substep */
-        assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 2e-4);
-        assert_near(force[0], 4, 0.04 * rounding);
-        assert_near(force[2], -8, 0.08 * rounding);
-        double smooth = slide(shapes[i / 2], methods[i % 2], 0, time, force);
-        double loss = 0.011 * rounding, slides = slide(shapes[i / 2], methods[i % 2], 0.3, time, force);
-        assert_near(smooth, free_way, loss * free_way);
-        assert_near(slides, 0.4 * free_way, loss * 0.4 * free_way);
-        assert_near(force[0], 0.3 * 8, 0.03 * rounding);
-        assert_near(force[2], -8, 0.08 * rounding);
-    }
-}
-
-/* a body that falls on a floor stays there: the history of second order does not throw it back */
-static void test_no_rebound(void **unused)
-{
-    (void)unused;
-    for (int i = 0; i < 64; i += ROUNDS(1, 5)) {
-        contact_scene scene;
-        scene_begin(&scene, PEL_METHOD_XPBD);
-        scene.def.solver.dt = 5e-3;
-        scene.def.solver.substeps = i % 4 < 2 ? 1 : 3;
-        scene.def.solver.second_order = i % 2 == 1;
-        scene.gravity = -8;
-        scene_body(&scene, make_sheet(3, 0));
-        scene.bodies[0].spring_damping.value = 0;
-        add_floor(&scene, i % 8 < 4 ? PEL_TOOL_BOX : PEL_TOOL_MESH);
-        pel_transform transform = pel_transform_default();
-        transform.translation[0] = transform.translation[1] = -0.5;
-        /* it lands at different times of a step */
-        transform.translation[2] = 0.04 + 5e-4 * (i / 8);
-        assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
-        pel_sim *sim = scene_create(&scene);
-        double x[3 * 16];
-        bool landed = false;
-        for (int n = 0; n < 60; n++) {
-            assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
-            pel_sim_get_positions(sim, 0, x);
-            landed |= x[2] < 1e-3;
-            for (int v = 0; v < 16 && landed; v++)
-                assert_true(x[3 * v + 2] < 1.5e-3);
-        }
-        assert_true(landed);
         scene_end(&scene, sim);
     }
 }
@@ -473,7 +127,7 @@ static void test_shaken(void **unused)
     for (int i = 0; i < 3; i++) {
         contact_scene scene;
         pel_sim *sim = two_spheres(&scene);
-        for (int n = 0; n < ROUNDS(8, 3); n++) {
+        for (int n = 0; n < LONG(8, 3); n++) {
             shake(sim, 0, speeds[i], &random);
             shake(sim, 1, speeds[i], &random);
             run_free(sim, 10);
@@ -510,8 +164,8 @@ static void test_refinement(void **unused)
     double *forces = calloc(3 * (size_t)pel_sim_vertex_count(sim, 0), sizeof *forces);
     assert_int_equal(pel_sim_set_forces(sim, 0, forces, NULL), PEL_OK);
     free(forces);
-    for (int n = 0; n < 130; n++) {
-        run_free(sim, 1);
+    for (int n = 0; n < 26; n++) {
+        run_free(sim, 5);
         int32_t count = pel_sim_triangle_count(sim, 0);
         most = count > most ? count : most;
     }
@@ -563,7 +217,7 @@ static uint64_t hash_of_run(int threads, int save_at)
 {
     contact_scene scene;
     scene_begin(&scene, PEL_METHOD_EXPLICIT);
-    scene_body(&scene, make_sphere(12));
+    scene_body(&scene, make_sphere(8));
     scene_body(&scene, make_moved_sphere(5, 1.9, 0.1, 0.05));
     scene.def.contact.allow_tangled = true;
     scene.def.contact.friction = 0.3;
@@ -885,19 +539,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edge_reaction),
         cmocka_unit_test(test_folded_sheet),
-        cmocka_unit_test(test_pressed_flat),
-        cmocka_unit_test(test_held_tools),
-        cmocka_unit_test(test_held_tools_catch_up),
-        cmocka_unit_test(test_still_tool_is_not_held),
         cmocka_unit_test(test_ring),
-        cmocka_unit_test(test_start_too_close),
         cmocka_unit_test(test_two_bodies),
         cmocka_unit_test(test_momentum_of_shells),
-        cmocka_unit_test(test_mesh_tool),
-        cmocka_unit_test(test_fast_round_tools),
-        cmocka_unit_test(test_friction_on_slope),
-        cmocka_unit_test(test_friction_of_pairs),
-        cmocka_unit_test(test_no_rebound),
         cmocka_unit_test(test_shaken),
         cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_tangled_start),

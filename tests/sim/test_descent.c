@@ -1,5 +1,6 @@
 /* A minimisation under a tool against the state of rest of methods in time. */
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "sim/descent_fixture.h"
 #include "stage/stage.h"
 

@@ -39,7 +39,7 @@ static void test_collapse(void **unused)
     (void)unused;
     static const pel_key keys[2] = {{0, 0}, {1, 40}};
     contact_scene scene;
-    scene_shell(&scene, ROUNDS(8, 4));
+    scene_shell(&scene, LONG(8, ROUNDS(5, 4)));
     scene.bodies[0].shell.pressure.kind = PEL_PRESSURE_GIVEN;
     scene.bodies[0].shell.pressure.outside.value = 1;
     scene.bodies[0].shell.pressure.outside.keys = keys;

@@ -4,6 +4,7 @@
 #include "minimise/minimise.h"
 #include "pellicle/geometry.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "random.h"
 #include "sim/descent_fixture.h"
 #include "tool/tool.h"
@@ -161,7 +162,7 @@ static void test_edges_of_box(void **unused)
     pel_sim *sim = press_create(&scene);
     double before = 0;
     /* deeper, float does not converge, and says so */
-    const int steps = sizeof(pel_real) == 8 ? ROUNDS(20, 14) : 14;
+    const int steps = sizeof(pel_real) == 8 ? LONG(20, 14) : 14;
     for (int n = 1; n <= steps; n++) {
         run_steps(sim, 1);
         if (sizeof(pel_real) == 4 && n > 8 && !solver_of(sim).converged)
@@ -406,7 +407,7 @@ static void test_refined(void **unused)
     scene.def.solver.iterations = 0;
     press_move(&scene, 1.5, 0.2);
     pel_sim *sim = press_create(&scene);
-    for (int n = 0; n < 10; n++) {
+    for (int n = 0; n < LONG(10, 3); n++) {
         run_steps(sim, 1);
         assert_true(solver_of(sim).converged);
     }

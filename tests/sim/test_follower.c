@@ -3,6 +3,8 @@
 #include "boundary/loads.h"
 #include "failing_malloc.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /* Supports of single components: standard problems of shells against their answers, reactions, and bad supports. */
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "stage/stage.h"
 

@@ -538,7 +538,7 @@ static void check_bits(pel_method method, double drag)
     uint64_t hash[4];
     for (int i = 0; i < 4; i++) {
         press_scene scene;
-        press_begin(&scene, 8, 1e5);
+        press_begin(&scene, 6, 1e5);
         press_move(&scene, 1.5, 0.08);
         scene.def.solver.method = method;
         scene.def.solver.dt = 0.05;
@@ -707,8 +707,8 @@ static void test_refined(void **unused)
 {
     (void)unused;
     check_refined(PEL_METHOD_IMPLICIT);
-    skip_if_slow();
-    check_refined(PEL_METHOD_STATIC);
+    if (is_all())
+        check_refined(PEL_METHOD_STATIC);
 }
 
 /* threads and snapshots, on a surface that was refined while it ran */

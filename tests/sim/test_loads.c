@@ -4,7 +4,6 @@
 #include "pellicle/mesh.h"
 #include "pellicle/model.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
 #include "sim/fixture.h"
 
 /* change of a good load in a case */

@@ -1,6 +1,7 @@
 /* Fields by name: all of the table, kept for one state and no longer, on triangles where they are of mechanics. */
 #include "failing_malloc.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_surface.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 

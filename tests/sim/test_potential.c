@@ -1,5 +1,6 @@
 #include "failing_malloc.h"
 #include "pellicle/potential.h"
+#include "pellicle/sim_forces.h"
 #include "random.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"

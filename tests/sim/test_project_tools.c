@@ -1,4 +1,5 @@
 /* Grasps and solids inside the substeps of position-based methods: forces are those of mechanics, no energy appears. */
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 enum { STRIP_X = 16, STRIP_Y = 6 };

@@ -3,6 +3,7 @@
 #include "failing_malloc.h"
 #include "pellicle/live.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_forces.h"
 #include "random.h"
 #include "sim/refine_fixture.h"
 #include "tool/tool.h"
@@ -309,7 +310,7 @@ static double settled(int32_t levels, bool local, bool uniform)
     bench made = begin(mesh, &body, &def);
     if (local)
         refine(&made, nearest_vertex(mesh, 0.3, 0.2, 0.9), 1);
-    run_steps(made.sim, 6000);
+    run_steps(made.sim, LONG(6000, 2000));
     pel_sim_get_positions(made.sim, 0, x);
     int count = 0;
     for (int32_t v = 0; v < 252; v++)
@@ -331,7 +332,7 @@ static void test_stiffness(void **unused)
     for (int uniform = 0; uniform < 2; uniform++) {
         double base = settled(0, false, uniform);
         double local = settled(1, true, uniform) / base, global = settled(1, false, uniform) / base;
-        double finer = settled(2, false, uniform) / base;
+        double finer = is_all() ? settled(2, false, uniform) / base : 1;
         print_message("%s load: 252 gives %.6f, 294 %.4f, 1002 %.4f, 4002 %.4f of it\n", uniform ? "uniform" : "smooth",
                       base, local, global, finer);
         assert_near(local, 1, 0.03);

@@ -73,7 +73,7 @@ static double largest_change(pel_mesh *mesh, tissue what, deformation how)
 {
     bench made = make_tissue(mesh, what);
     double largest = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v += ROUNDS(7, 40))
+    for (int32_t v = 0; v < mesh->vertex_count; v += LONG(7, 40))
         for (int32_t level = 2; level >= 0; level -= 1) {
             deform(&made, how);
             double before = energy_of(&made);

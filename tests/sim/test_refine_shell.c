@@ -1,6 +1,8 @@
 /* Shells that refine, under position-based and explicit methods: rest data on the subdivided surface, hinges across
    transition triangles, the same bits whatever the threads and however a run was cut. */
 #include "failing_malloc.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 #include <stdlib.h>

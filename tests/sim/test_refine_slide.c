@@ -95,7 +95,7 @@ static void test_near_tools(void **unused)
 static void test_both(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     slide(BALL, 0.5, 0.05, true);
     slide(SHEET, 0.5, 0.05, true);
 }

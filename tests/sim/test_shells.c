@@ -1,5 +1,8 @@
 /* Shells in a simulation: the leapfrog, stability, descent, pressure, refusals, snapshots. */
 #include "failing_malloc.h"
+#include "pellicle/measure.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 /* of a volume ratio that a minimisation or relaxation ends with; positions in float have 24 bits */
@@ -581,7 +584,7 @@ static pel_body_def everything(const pel_mesh *mesh)
 /* the same bits after going back to a snapshot, and for any number of threads */
 static void check_bits(pel_method method)
 {
-    pel_mesh *mesh = make_sphere(16);
+    pel_mesh *mesh = make_sphere(12);
     pel_body_def body = everything(mesh);
     pel_model *model = make_model(&body);
     pel_sim_def def = lone_sim(model, method, 5e-4);

@@ -1,6 +1,7 @@
 /* Automatic substeps of xpbd: how soft bodies are with them, and when they change. */
 #include "failing_malloc.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "solve/project.h"
 #include "stage/stage.h"

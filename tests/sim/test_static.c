@@ -2,6 +2,7 @@
 #include "shell_fixture.h"
 
 #include "failing_malloc.h"
+#include "pellicle/sim_ledger.h"
 
 #include <string.h>
 

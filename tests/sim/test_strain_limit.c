@@ -1,4 +1,5 @@
 /* Strain limit of cloth: principal stretches of triangles stay within it. */
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 
 typedef struct cloth {

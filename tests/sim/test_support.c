@@ -1,5 +1,6 @@
 /* Supports: forces on pinned vertices, and supports that move on keys. */
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "stage/stage.h"
 

@@ -1,7 +1,7 @@
 /* The surface of a body that refines, as the public interface shows it. */
 #include "pellicle/model.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "sim/refine_fixture.h"
 

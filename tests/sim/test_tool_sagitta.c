@@ -81,7 +81,7 @@ static void test_xpbd(void **unused)
 static void test_static(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     check_edges(PEL_TOOL_SPHERE, PEL_METHOD_STATIC, 0.1);
 }
 

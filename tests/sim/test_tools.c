@@ -1,6 +1,7 @@
 /* Tools: no penetration, forces that balance, grasping, refusals. */
 #include "geom/solid.h"
 #include "math/pose.h"
+#include "pellicle/sim_ledger.h"
 #include "sim/fixture.h"
 #include "sim/snapshot.h"
 

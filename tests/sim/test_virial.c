@@ -1,11 +1,15 @@
-/* rest positions times a factor; 1e-4 for differences and 1e-9 for sums of some hundred springs come from single too */
 #include "gradient.h"
-#include "pellicle/measure.h"
 #include "pellicle/shape.h"
 #include "random.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 
+#include "pellicle/measure.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
+
+/* rest positions times a factor; 1e-4 for differences and 1e-9 for sums of some hundred springs come from single too */
 static void stretch(pel_sim *sim, const pel_mesh *mesh, double factor)
 {
     double *x = malloc(3 * sizeof *x * (size_t)mesh->vertex_count);

@@ -575,7 +575,7 @@ static void test_stops(void **unused)
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
     pel_mesh *mesh;
     size_t sizes[2];
-    shape.frequency = 54;
+    shape.frequency = 51;
     assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
     assert_int_equal(pel_mesh_write(ball, PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
     pel_mesh_destroy(mesh);
@@ -594,7 +594,7 @@ static void test_stops(void **unused)
     free(whole);
     free(portions);
     unlink("render-stopped.png");
-    for (int most = 0; most < all.asked; most += ROUNDS(9, 40)) {
+    for (int most = 0; most < all.asked; most += LONG(9, 40)) {
         pel_error error;
         patience some = {0, most};
         def.user = &some;

@@ -157,6 +157,8 @@ int32_t pel_def_members(pel_def_kind kind, const pel_def_row *members[PEL_MOST_M
 /* The index of the next parameter, def by def in the order of pel_def_kind; -1 before the first and after the last. */
 int32_t pel_def_parameter_after(int32_t index);
 pel_parameter_kind pel_def_row_kind(const pel_def_row *row);
+/* words of the methods in scenes; null after the last */
+extern const char *const pel_method_words[];
 /* the words of a parameter in the order of its values; null = it is no word */
 const char *const *pel_def_row_words(const pel_def_row *row);
 /* its values may vary over time */

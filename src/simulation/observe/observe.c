@@ -7,6 +7,9 @@
 #include "math/vec3.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_surface.h"
 
 /* velocities of the last step: stored by the explicit method, else the displacement over dt */
 static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])

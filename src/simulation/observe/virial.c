@@ -8,6 +8,7 @@
    shell gives a third of the derivative of its energy to each corner. */
 #include "stage/stage.h"
 #include "stage/surface_view.h"
+#include "pellicle/sim_forces.h"
 
 static pel_wide slice_virial(const pel_sim *sim, const pel_body_force *body, int32_t slice)
 {
