@@ -23,9 +23,9 @@ enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_saniti
 enum { IS_SLOW = 0 };
 #endif
 
-/* How much a test does. With PELLICLE_ALL in the environment (make nightly) it does all, in every build. `make test` and
-   .ci/run leave out what takes long, so that no program takes more than 3 s of processor time (tools/test-times). Slow
-   builds check each operation, not many results, so a few rounds are enough there. */
+/* How much a test does. With PELLICLE_ALL in the environment (make nightly) it does all, in every build. `make test`
+   and .ci/run leave out what takes long, so that no program takes more than 3 s of processor time (tools/test-times).
+   Slow builds check each operation, not many results, so a few rounds are enough there. */
 static inline bool is_all(void)
 {
     return getenv("PELLICLE_ALL") != NULL;

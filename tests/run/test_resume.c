@@ -145,15 +145,16 @@ static void check_methods(const char *text, const char *name, const char *const 
 static void test_methods(void **unused)
 {
     (void)unused;
-    static const char *const crowds[][2] = {{"solver.method=quasi-static", NULL},
-                                            {"solver.method=explicit", "contact.restitution=0.5"},
-                                            {"solver.method=pbd", NULL},
-                                            {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
-                                            {"solver.method=pbd-distance", NULL},
-                                            {"solver.method=xpbd", "solver.substeps=7"},
-                                            {"solver={ method: descent, dt: 0.01, iterations: 4 }", "bodies.b.mesh.frequency=2"},
-                                            {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
-                                            {"solver.method=xpbd", "contact.method=bridson"}};
+    static const char *const crowds[][2] = {
+        {"solver.method=quasi-static", NULL},
+        {"solver.method=explicit", "contact.restitution=0.5"},
+        {"solver.method=pbd", NULL},
+        {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
+        {"solver.method=pbd-distance", NULL},
+        {"solver.method=xpbd", "solver.substeps=7"},
+        {"solver={ method: descent, dt: 0.01, iterations: 4 }", "bodies.b.mesh.frequency=2"},
+        {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
+        {"solver.method=xpbd", "contact.method=bridson"}};
     static const char *const shells[][2] = {{"solver={ method: explicit, dt: 0.0004 }", "duration=0.06"},
                                             {"solver.method=pbd", NULL},
                                             {"solver.method=xpbd", NULL},

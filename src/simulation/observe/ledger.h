@@ -4,9 +4,9 @@
 #define PEL_SIM_LEDGER_H
 
 #include "model/model.h"
+#include "pellicle/sim_ledger.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
-#include "pellicle/sim_ledger.h"
 
 typedef struct pel_ledger_chunk {
     double moment[3]; /* kg m: sum of mass times displacement */

@@ -5,11 +5,11 @@
 #include "boundary/loads.h"
 #include "math/functions.h"
 #include "math/vec3.h"
-#include "stage/shells.h"
-#include "stage/surface_view.h"
 #include "pellicle/sim_contact.h"
 #include "pellicle/sim_forces.h"
 #include "pellicle/sim_surface.h"
+#include "stage/shells.h"
+#include "stage/surface_view.h"
 
 /* velocities of the last step: stored by the explicit method, else the displacement over dt */
 static void vertex_velocity(const pel_sim *sim, int32_t i, double velocity[3])
