@@ -1,5 +1,5 @@
 /* An event of refinement neither gives nor takes elastic energy, beyond 1 % of the body's. */
-#include "refine_fixture.h"
+#include "sim/refine_fixture.h"
 
 #include "shell_fixture.h"
 

@@ -1,7 +1,7 @@
 /* What a search finds, beside a look at every triangle. */
 #include "failing_malloc.h"
 #include "random.h"
-#include "refine_fixture.h"
+#include "sim/refine_fixture.h"
 #include "stage/stage.h"
 #include "tool/search.h"
 

@@ -1,5 +1,5 @@
 /* The quasi-static method has one time course on all levels of detail. */
-#include "refine_fixture.h"
+#include "sim/refine_fixture.h"
 
 #include "shell_fixture.h"
 

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "results/report_run.h"
+#include "report/read.h"
 
 #include <string.h>
 

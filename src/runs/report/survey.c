@@ -1,5 +1,5 @@
 /* The first pass over a run for a report: its fields and their ranges. */
-#include "results/report_run.h"
+#include "report/read.h"
 
 #include "base/hash.h"
 #include "base/memory.h"

@@ -1,6 +1,6 @@
 #include "comma_locale.h"
 #include "failing_malloc.h"
-#include "sample.h"
+#include "mesh/sample.h"
 
 #include "pellicle/mesh_check.h"
 #include "pellicle/shape.h"

@@ -1,6 +1,6 @@
 /* Description of a run in a report, apart from its frames, as JSON: see web/src/data.js. */
 #include "pellicle/observe.h"
-#include "results/report_run.h"
+#include "report/read.h"
 
 #include "base/memory.h"
 #include "base/status.h"

@@ -1,6 +1,6 @@
 /* Derivatives by an adjoint solution against differences of whole solutions. */
-#include "fixture.h"
 #include "shell_fixture.h"
+#include "sim/fixture.h"
 
 #include "failing_malloc.h"
 #include "pellicle/sim_adjoint.h"

@@ -1,5 +1,5 @@
 /* The rows of the methods: words, traits that go together, and the live parameters that follow from them. */
-#include "fixture.h"
+#include "sim/fixture.h"
 
 #include "def/row.h"
 #include "pellicle/live.h"

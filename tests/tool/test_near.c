@@ -1,6 +1,6 @@
 /* Lists of near triangles that are kept over many steps, beside a look at every triangle and beside new lists. */
 #include "random.h"
-#include "refine_fixture.h"
+#include "sim/refine_fixture.h"
 #include "stage/surface_view.h"
 #include "tool/near.h"
 

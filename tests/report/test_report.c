@@ -8,7 +8,7 @@
 #include "math/vec3.h"
 #include "pellicle/report.h"
 #include "pellicle/shape.h"
-#include "run_folder.h"
+#include "results/run_folder.h"
 
 #include <zlib.h>
 

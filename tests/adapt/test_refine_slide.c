@@ -1,5 +1,5 @@
 /* A refined zone follows a tool and lets go of what it has left, within a second. */
-#include "refine_fixture.h"
+#include "sim/refine_fixture.h"
 
 typedef enum ground { BALL, SHEET } ground;
 

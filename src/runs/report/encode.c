@@ -8,7 +8,7 @@
    Where the frame before has the same triangles, positions and fields are differences from it. Differences wrap around
    and are folded (0, -1, 1, -2, ... become 0, 1, 2, 3, ...), so that small ones have zeros in their high bytes. Each
    list of numbers is written as its low bytes, then its next higher bytes, and so on: zlib finds the zeros together. */
-#include "results/report_run.h"
+#include "report/read.h"
 
 #include "base/memory.h"
 #include "base/room.h"

@@ -1,7 +1,7 @@
 /* Tools in a report: each as one surface about its middle and, for each kept frame, the rigid motion that puts it where
    it is then, nine numbers of a rotation by rows and three of the place of the middle. The files of a run hold surfaces
    where they are; the motion follows from three vertices far from each other. */
-#include "results/report_run.h"
+#include "report/read.h"
 
 #include "base/memory.h"
 #include "math/vec3.h"

@@ -1,6 +1,6 @@
 /* One run as a report holds it. */
-#ifndef PEL_RESULTS_REPORT_RUN_H
-#define PEL_RESULTS_REPORT_RUN_H
+#ifndef PEL_REPORT_READ_H
+#define PEL_REPORT_READ_H
 
 #include "io/json.h"
 #include "io/report_pack.h"
