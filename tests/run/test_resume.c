@@ -1,87 +1,5 @@
-/* Runs of all shipped scenes and all methods that are stopped in the middle and continued: every column of the series,
-   the summary with its warnings, all frames and the state hash are those of a run that was not stopped. `make nightly`
-   runs the scenes to their ends, with more stops. */
-#define _XOPEN_SOURCE 700 /* nftw */
-#include "run/run_fixture.h"
-#include "source_dir.h"
-
-enum { LONG_STOPS = 4 };
-
-/* steps at which a run of so many is stopped, one or LONG_STOPS */
-static int64_t stop_of(int64_t step_count, int number)
-{
-    return 1 + step_count * (number + 1) / (LONG(LONG_STOPS, 1) + 1);
-}
-
-static void check_stops(const pel_scene *scene, const char *name, int64_t max_frames)
-{
-    char whole_folder[64], part_folder[64];
-    snprintf(whole_folder, sizeof whole_folder, "%s", name);
-    snprintf(part_folder, sizeof part_folder, "%s-part", name);
-    run_case whole = {.run = whole_folder, .max_frames = max_frames, .threads = 1};
-    check_run(scene, &whole, PEL_OK);
-    for (int i = 0; i < LONG(LONG_STOPS, 1); i++) {
-        int64_t stop = stop_of(whole.summary.steps, i);
-        if (stop >= whole.summary.steps)
-            continue;
-        run_case part = {.run = part_folder, .max_frames = max_frames, .threads = 2, .stop_at = stop};
-        check_run(scene, &part, PEL_STOPPED);
-        part.stop_at = 0;
-        part.resume = "checkpoint";
-        check_run(scene, &part, PEL_OK);
-        if (part.summary.state_hash != whole.summary.state_hash)
-            print_error("%s stopped at step %d ends in another state\n", name, (int)stop);
-        assert_true(part.summary.state_hash == whole.summary.state_hash);
-        check_same_results(whole_folder, part_folder, whole.summary.frames);
-        char path[256];
-        remove_folder(in_folder(path, part_folder, ""));
-    }
-}
-
-/* ---- the scenes of the folder ---- */
-
-/* frames of the quick form */
-static int64_t frames_of(const char *name)
-{
-    static const struct {
-        const char *name;
-        int64_t frames;
-    } scenes[] = {{"balloon", 4},       {"caving-ball", 2},         {"hanging-sheet", 1},    {"lens-capsule", 5},
-                  {"organ-press", 15},  {"shell-crushed", 5},       {"shrinking-torus", 24}, {"sphere-explicit", 9},
-                  {"sphere-press", 12}, {"sphere-press-hollow", 9}, {"sphere-refine", 15},   {"twisted-tube", 2}};
-    if (is_all())
-        return 0;
-    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
-        if (strcmp(scenes[i].name, name) == 0)
-            return (scenes[i].frames + 1) / 2;
-    return 3;
-}
-
-static void test_shipped_scenes(void **unused)
-{
-    (void)unused;
-    DIR *stream = opendir(PEL_SOURCE_DIR "/scenes");
-    assert_non_null(stream);
-    int count = 0;
-    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
-        char path[512], name[64];
-        const char *end = strstr(entry->d_name, ".yaml");
-        if (end == NULL)
-            continue;
-        pel_scene *scene;
-        snprintf(path, sizeof path, PEL_SOURCE_DIR "/scenes/%.200s", entry->d_name);
-        snprintf(name, sizeof name, "%.*s", (int)(end - entry->d_name), entry->d_name);
-        assert_int_equal(pel_scene_load(path, NULL, 0, NULL, &scene, NULL), PEL_OK);
-        if (count % ROUNDS(1, 2) == 0)
-            check_stops(scene, name, frames_of(name));
-        pel_scene_destroy(scene);
-        count++;
-    }
-    closedir(stream);
-    assert_true(count >= 11);
-}
-
-/* ---- all methods ---- */
+/* Runs of all methods that are stopped in the middle and continued: run/stops.h. */
+#include "run/stops.h"
 
 /* two bodies that touch, one of which refines, under a tool that presses, a box that turns and a clamp that loses hold
  */
@@ -165,10 +83,7 @@ static void test_methods(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_methods),
-        cmocka_unit_test(test_shipped_scenes),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_methods)};
     thread_count = 1;
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }
