@@ -25,7 +25,7 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh (SCAL
 test: build ## run the tests, without the parts that take long; PELLICLE_ALL=1 make test runs these too
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET) || status=1; exit $$status
 
-check: build/$(PRESET)/build.ninja $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=sim/tool_grip
+check: build/$(PRESET)/build.ninja $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
 	@tools/check build/$(PRESET) "$(NAME)"
 
 nightly: packages ## run checks that take hours: all tests whole, WebAssembly, pages, 2,000 random scenes, sanitizers, fuzzing, mutations

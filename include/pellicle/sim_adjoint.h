@@ -63,7 +63,7 @@ typedef struct pel_adjoint_steps {
 } pel_adjoint_steps;
 
 /* Takes step_count steps of PEL_METHOD_IMPLICIT and computes the derivatives of a function of them
-   (src/simulation/sim/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ slightly
+   (src/simulation/gradient/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ slightly
    from those of pel_sim_step. The simulation ends after the steps, or at their start on failure. Takes the time of
    three to five times as many steps, and memory for 2 sqrt(step_count) snapshots.
 

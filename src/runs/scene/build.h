@@ -3,7 +3,7 @@
 #define PEL_SCENE_BUILD_H
 
 #include "def/row.h"
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include "pellicle/scene.h"
 

@@ -1,11 +1,11 @@
 #include "scene/build.h"
 
 #include "base/number.h"
+#include "keys/table.h"
+#include "keys/validate.h"
 #include "observe/field.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
-#include "scene/table.h"
-#include "scene/validate.h"
 #include "stage/stepper.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 #include "scene/defaults.h"
 
 #include "base/number.h"
+#include "keys/validate.h"
 #include "law/membrane.h"
 #include "pellicle/preset.h"
-#include "scene/validate.h"
 #include "stage/stepper.h"
 
 #include <math.h>

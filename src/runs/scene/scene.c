@@ -3,14 +3,14 @@
 
 #include "base/memory.h"
 #include "io/file.h"
+#include "keys/override.h"
+#include "keys/print.h"
+#include "keys/validate.h"
+#include "keys/yaml.h"
 #include "scene/build.h"
 #include "scene/defaults.h"
 #include "scene/method.h"
-#include "scene/override.h"
 #include "scene/portable.h"
-#include "scene/print.h"
-#include "scene/validate.h"
-#include "scene/yaml.h"
 #include "stage/stepper.h"
 
 #include <stdio.h>

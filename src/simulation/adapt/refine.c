@@ -1,4 +1,4 @@
-/* Refinement of a body: verdicts of the criteria (refine_criterion.c) become requests, requests become marks of the
+/* Refinement of a body: verdicts of the criteria (criterion.c) become requests, requests become marks of the
    front.
 
    A vertex above a threshold becomes hot and requests the rings around it, on every level finer than its own; a hot

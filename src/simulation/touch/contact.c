@@ -398,7 +398,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     pel_contacts_place(sim);
     expect_tools(sim);
     expect_vertices(sim);
-    /* the substeps see boxes as solids (tool_solid.h) */
+    /* the substeps see boxes as solids (tool/solid.h) */
     return pel_contact_set_find(sim->contacts, least, pel_sim_is_projected(sim), error);
 }
 
