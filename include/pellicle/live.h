@@ -140,6 +140,10 @@ typedef struct pel_drag_reading {
    PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffness, double reach,
                                   pel_drag **drag, pel_error *error);
+/* A stiffness [N/m] for pel_drag_begin: about that of the piece of surface that a hand holds, the largest of all
+   bodies. E h of sheets and of springs by Young's modulus, and the filling under a patch; of springs by a stiffness
+   those of some edges; 1 without any. */
+PEL_API double pel_drag_suit_stiffness(const pel_sim *sim);
 /* Sets the target [m]; call before each step. The held point follows until spring and surface are in equilibrium. */
 PEL_API pel_status pel_drag_move(pel_drag *drag, const double target[3], pel_error *error);
 PEL_API void pel_drag_get(const pel_drag *drag, pel_drag_reading *reading);

@@ -643,6 +643,7 @@ static void test_live(void **unused)
     REFUSED("origin", pel_pick(sim, NULL, zero3, &hit, &error));
     REFUSED("hit", pel_pick(sim, zero3, zero3, NULL, &error));
     FAILS(pel_pick(sim, nan3, nan3, &hit, &error));
+    assert_true(pel_drag_suit_stiffness(NULL) == 0);
     REFUSED("hit", pel_drag_begin(sim, NULL, 1, 1, &drag, &error));
     REFUSED("drag", pel_drag_begin(sim, &hit, 1, 1, NULL, &error));
     FAILS(pel_drag_begin(sim, &hit, nan_value, nan_value, &drag, &error));

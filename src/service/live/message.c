@@ -17,9 +17,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* radius of the patch of surface that a hand holds, relative to the longest side of the body */
-#define PATCH_SHARE 0.1
-
 static unsigned char *text_message(pel_json *json, size_t *size)
 {
     if (json->failed) {
@@ -99,54 +96,6 @@ static void put_box(pel_json *json, const pel_model_def *model)
     pel_json_numbers(json, "high", high, 3);
 }
 
-static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
-{
-    char path[PEL_PARAMETER_PATH_SIZE];
-    pel_parameter_info info;
-    snprintf(path, sizeof path, "bodies.%s.%s", body, key);
-    if (pel_parameter_find(sim, path, &info, NULL) != PEL_OK || !isfinite(info.value[0]))
-        return false;
-    *value = info.value[0];
-    return true;
-}
-
-/* N/m of a sheet by its modulus and thickness; 0 without */
-static double sheet_stiffness(const pel_sim *sim, const char *body, const char *young, const char *thickness)
-{
-    double modulus = 0, height = 0;
-    bool is_known = read_number(sim, body, young, &modulus) && read_number(sim, body, thickness, &height);
-    return is_known ? 0.3 * modulus * height : 0;
-}
-
-/* N/m of the filling under a patch of the surface, given by its modulus; 0 without */
-static double filling_stiffness(const pel_sim *sim, const char *body, double radius)
-{
-    double modulus = 0, depth = 0;
-    bool is_known = read_number(sim, body, "volumetric.young", &modulus) &&
-                    read_number(sim, body, "volumetric.depth", &depth) && depth > 0;
-    return is_known ? 3.14 * radius * radius * modulus / depth : 0;
-}
-
-/* N/m, a spring about as stiff as the piece of surface that it holds: E h of a sheet and the filling under a patch; of
-   springs by a stiffness those of some edges */
-static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
-{
-    double most = 0;
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
-        const char *name = scene->model.bodies[b].name;
-        double springs = 0, home = 0, low[3], high[3];
-        pel_mesh_box(scene->model.bodies[b].mesh, low, high);
-        double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
-        double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
-                          sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
-                          filling_stiffness(sim, name, PATCH_SHARE * size);
-        read_number(sim, name, "volumetric.stiffness", &home);
-        read_number(sim, name, "springs.stiffness", &springs);
-        most = fmax(most, fmax(by_young, 4 * (springs + home)));
-    }
-    return most > 0 ? most : 1;
-}
-
 unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_sim *sim, size_t *size)
 {
     pel_json json = {0};
@@ -155,7 +104,7 @@ unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_s
     pel_json_text(&json, "title", scene->title);
     pel_json_text(&json, "path", path);
     pel_json_number(&json, "dt", scene->sim.solver.dt);
-    pel_json_number(&json, "stiffness", suit_stiffness(sim, scene));
+    pel_json_number(&json, "stiffness", pel_drag_suit_stiffness(sim));
     put_box(&json, &scene->model);
     pel_json_open(&json, "bodies", '[');
     for (int32_t b = 0; b < scene->model.body_count; b++) {

@@ -29,6 +29,9 @@
 /* mass factor of the nearest vertex that certainly holds it */
 #define REACH_MARGIN 1.001
 
+/* radius of the patch of surface that a hand holds, relative to the longest side of the body */
+#define PATCH_SHARE 0.1
+
 struct pel_drag {
     pel_sim *sim;
     char name[PEL_NAME_SIZE];
@@ -210,4 +213,55 @@ pel_status pel_drag_end(pel_drag *drag, pel_error *error)
         drag->sim->tools->items[tool].grasp_until = pel_sim_time(drag->sim);
     pel_free(drag);
     return status;
+}
+
+/* ---- a spring that suits ---- */
+
+static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
+{
+    char path[PEL_PARAMETER_PATH_SIZE];
+    pel_parameter_info info;
+    snprintf(path, sizeof path, "bodies.%s.%s", body, key);
+    if (pel_parameter_find(sim, path, &info, NULL) != PEL_OK || !isfinite(info.value[0]))
+        return false;
+    *value = info.value[0];
+    return true;
+}
+
+/* N/m of a sheet by its modulus and thickness; 0 without */
+static double sheet_stiffness(const pel_sim *sim, const char *body, const char *young, const char *thickness)
+{
+    double modulus = 0, height = 0;
+    bool is_known = read_number(sim, body, young, &modulus) && read_number(sim, body, thickness, &height);
+    return is_known ? 0.3 * modulus * height : 0;
+}
+
+/* N/m of the filling under a patch of the surface, given by its modulus; 0 without */
+static double filling_stiffness(const pel_sim *sim, const char *body, double radius)
+{
+    double modulus = 0, depth = 0;
+    bool is_known = read_number(sim, body, "volumetric.young", &modulus) &&
+                    read_number(sim, body, "volumetric.depth", &depth) && depth > 0;
+    return is_known ? 3.14 * radius * radius * modulus / depth : 0;
+}
+
+double pel_drag_suit_stiffness(const pel_sim *sim)
+{
+    double most = 0;
+    if (sim == NULL)
+        return 0;
+    const pel_body_def *bodies = sim->given->def.bodies;
+    for (int32_t b = 0; b < sim->given->body_count; b++) {
+        const char *name = bodies[b].name;
+        double springs = 0, home = 0, low[3], high[3];
+        pel_mesh_box(bodies[b].mesh, low, high);
+        double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+        double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
+                          sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
+                          filling_stiffness(sim, name, PATCH_SHARE * size);
+        read_number(sim, name, "volumetric.stiffness", &home);
+        read_number(sim, name, "springs.stiffness", &springs);
+        most = fmax(most, fmax(by_young, 4 * (springs + home)));
+    }
+    return most > 0 ? most : 1;
 }
