@@ -6,24 +6,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-static double read_clock(clockid_t clock)
-{
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-double bench_seconds(void)
-{
-    return read_clock(CLOCK_MONOTONIC);
-}
-
-double bench_thread_seconds(void)
-{
-    return read_clock(CLOCK_THREAD_CPUTIME_ID);
-}
 
 void bench_check(pel_status status, const pel_error *error)
 {
@@ -106,10 +88,10 @@ void bench_part(const char *name, int rounds, void (*part)(void *context), void 
 {
     double *times = bench_allocate((size_t)rounds, sizeof *times), least = HUGE_VAL;
     for (int round = 0; round < rounds; round++) {
-        double begin = bench_seconds(), own = bench_thread_seconds();
+        double begin = pel_seconds(), own = pel_thread_seconds();
         part(context);
-        times[round] = 1e3 * (bench_seconds() - begin);
-        least = fmin(least, 1e3 * (bench_thread_seconds() - own));
+        times[round] = 1e3 * (pel_seconds() - begin);
+        least = fmin(least, 1e3 * (pel_thread_seconds() - own));
     }
     bench_spread spread = bench_spread_of(times, rounds);
     printf("  %-28s %8.3f ms, median %8.3f; processor, calling thread %8.3f\n", name, spread.least, spread.median,

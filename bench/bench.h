@@ -1,4 +1,4 @@
-/* What the benchmarks share: clocks, meshes, times in order. A failure prints what is wrong and ends the program. */
+/* What the benchmarks share: meshes, times in order. A failure prints what is wrong and ends the program. */
 #ifndef PEL_BENCH_BENCH_H
 #define PEL_BENCH_BENCH_H
 
@@ -8,12 +8,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* seconds on the wall */
-double bench_seconds(void);
-
-/* processor time of this thread: other jobs on the machine count less */
-double bench_thread_seconds(void);
 
 /* ends the program unless status is PEL_OK */
 void bench_check(pel_status status, const pel_error *error);

@@ -67,9 +67,9 @@ static double run(const scenario *s, const pel_mesh *mesh, double margin, int st
         pel_collision_query query = pel_collision_query_default();
         query.start = start[0];
         query.end = end[0];
-        double begin = bench_thread_seconds();
+        double begin = pel_thread_seconds();
         bench_check(pel_collider_candidates(collider, &query, candidates, &error), &error);
-        double time = bench_thread_seconds() - begin;
+        double time = pel_thread_seconds() - begin;
         sum += time;
         *worst = time > *worst ? time : *worst;
     }
@@ -103,9 +103,9 @@ static void report_certificate(const pel_mesh *mesh)
     int64_t count = 0;
     pel_error error;
     for (int repeat = 0; repeat < REPEATS; repeat++) {
-        double begin = bench_thread_seconds();
+        double begin = pel_thread_seconds();
         bench_check(pel_mesh_self_intersections(mesh, NULL, 0, &count, &error), &error);
-        times[repeat] = 1e3 * (bench_thread_seconds() - begin);
+        times[repeat] = 1e3 * (pel_thread_seconds() - begin);
     }
     const bench_spread time = bench_spread_of(times, REPEATS);
     printf("%7d triangles  certificate: %lld intersections in %.2f ms min %.2f ms median\n", (int)mesh->triangle_count,

@@ -76,11 +76,11 @@ static void time_one_by_one(const query_set *set, const int *queries, int count,
     if (count == 0)
         return;
     for (int repeat = 0; repeat < REPEATS; repeat++) {
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         int found = 0;
         for (int i = 0; i < count; i++)
             found += solve(set, queries[i], plain, &hit);
-        times[repeat] = bench_seconds() - begin;
+        times[repeat] = pel_seconds() - begin;
         hits = found;
     }
     (void)hits;
@@ -102,9 +102,9 @@ static void time_chosen(const query_set *set, const int32_t *chosen, int count, 
                                  .edge_edge = set->edge_edge,
                                  .tolerance = 1e-6};
     for (int repeat = 0; repeat < REPEATS; repeat++) {
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         pel_ccd_solve_batch(&batch, queries, NULL, NULL);
-        times[repeat] = bench_seconds() - begin;
+        times[repeat] = pel_seconds() - begin;
     }
     print_times(set, what, count, times);
     free(points);
@@ -124,12 +124,12 @@ static void time_batch(const query_set *set, pel_ccd_method method, bool filter_
                            .tolerance = 1e-6};
     for (int repeat = 0; repeat < REPEATS; repeat++) {
         memset(&statistics, 0, sizeof statistics);
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         if (filter_only)
             statistics.passed_filter = pel_ccd_filter_batch(&batch, queries);
         else
             pel_ccd_solve_batch(&batch, queries, hits, &statistics);
-        times[repeat] = bench_seconds() - begin;
+        times[repeat] = pel_seconds() - begin;
     }
     print_times(set, what, set->count, times);
     if (filter_only)

@@ -45,10 +45,10 @@ static bench_spread time_forces(pel_shell_forces *forces, const pel_record *posi
 {
     double times[ROUNDS];
     for (int round = 0; round < ROUNDS; round++) {
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         for (int i = 0; i < CALLS; i++)
             pel_shell_forces_add(forces, position, 0, PEL_SHELL_ALL, pool, force);
-        times[round] = (bench_seconds() - begin) / CALLS;
+        times[round] = (pel_seconds() - begin) / CALLS;
     }
     return bench_spread_of(times, ROUNDS);
 }

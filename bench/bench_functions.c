@@ -19,11 +19,11 @@ static double time_calls(unary *one, binary *two, const double *x, const double 
 {
     double times[ROUNDS];
     for (int r = 0; r < ROUNDS; r++) {
-        double start = bench_thread_seconds();
+        double start = pel_thread_seconds();
         for (int n = 0; n < REPEATS; n++)
             for (int i = 0; i < COUNT; i++)
                 sum += one != NULL ? one(x[i]) : two(x[i], y[i]);
-        times[r] = bench_thread_seconds() - start;
+        times[r] = pel_thread_seconds() - start;
     }
     return bench_spread_of(times, ROUNDS).median / (COUNT * REPEATS) * 1e9;
 }

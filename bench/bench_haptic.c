@@ -24,8 +24,8 @@ static double reading_seconds(void)
 {
     double least = 1;
     for (int i = 0; i < 10000; i++) {
-        double begin = bench_thread_seconds();
-        least = fmin(least, bench_thread_seconds() - begin);
+        double begin = pel_thread_seconds();
+        least = fmin(least, pel_thread_seconds() - begin);
     }
     return least;
 }
@@ -63,18 +63,18 @@ static void press(const char *name, const pel_mesh *mesh, const pel_body_def *bo
     const double reading = reading_seconds();
     for (int32_t n = 0; n < steps; n++) {
         double force[3], hand[3] = {top[0], top[1], start.position[2] - depth * (0.5 - 0.5 * cos(0.01 * acos(-1) * n))};
-        double begin = bench_thread_seconds(), clock;
+        double begin = pel_thread_seconds(), clock;
         bench_check(pel_haptic_sync(haptic, &error), &error);
-        syncs[n] = bench_thread_seconds() - begin - reading;
-        begin = bench_thread_seconds();
-        clock = bench_seconds();
+        syncs[n] = pel_thread_seconds() - begin - reading;
+        begin = pel_thread_seconds();
+        clock = pel_seconds();
         bench_check(pel_sim_step(sim, &error), &error);
-        by_clock[n] = bench_seconds() - clock;
-        by_thread[n] = bench_thread_seconds() - begin - reading;
-        begin = bench_thread_seconds();
+        by_clock[n] = pel_seconds() - clock;
+        by_thread[n] = pel_thread_seconds() - begin - reading;
+        begin = pel_thread_seconds();
         for (int i = 0; i < UPDATES; i++)
             bench_check(pel_haptic_update(haptic, hand, NULL, force, &error), &error);
-        updates[n] = (bench_thread_seconds() - begin - reading) / UPDATES;
+        updates[n] = (pel_thread_seconds() - begin - reading) / UPDATES;
     }
     printf("%s: %d triangles, %d at the end, %d steps\n", name, (int)mesh->triangle_count,
            (int)pel_sim_triangle_count(sim, 0), (int)steps);

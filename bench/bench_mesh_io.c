@@ -43,17 +43,17 @@ static pel_mesh *make_sheet(bool floats)
 
 static void time_format(const char *label, const char *path, pel_mesh_format format, const pel_mesh *mesh)
 {
-    double times[ROUNDS], started = bench_seconds();
+    double times[ROUNDS], started = pel_seconds();
     pel_error error;
     struct stat information;
     bench_check(pel_mesh_write(path, format, mesh, NULL, &error), &error);
-    const double write_time = bench_seconds() - started;
+    const double write_time = pel_seconds() - started;
     if (stat(path, &information) != 0)
         exit(1);
     for (int i = 0; i < ROUNDS; i++) {
-        started = bench_seconds();
+        started = pel_seconds();
         pel_mesh *read = bench_read(path);
-        times[i] = bench_seconds() - started;
+        times[i] = pel_seconds() - started;
         pel_mesh_destroy(read);
     }
     const bench_spread time = bench_spread_of(times, ROUNDS);

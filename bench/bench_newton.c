@@ -5,9 +5,9 @@
    usage: bench_newton [frequency, 32 by default] [threads, 2 by default] */
 #include "base/pool.h"
 #include "bench.h"
+#include "newton/newton.h"
 #include "pellicle/shape.h"
 #include "pellicle/sim.h"
-#include "solve/newton.h"
 
 #include <stdio.h>
 #include <stdlib.h>

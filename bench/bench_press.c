@@ -59,9 +59,9 @@ static void press(const pel_mesh *mesh, int32_t levels)
         pel_sim *sim;
         bench_check(pel_sim_create(&def, &sim, &error), &error);
         for (int n = 0; n < STEPS; n++) {
-            double start = bench_thread_seconds(), time;
+            double start = pel_thread_seconds(), time;
             bench_check(pel_sim_step(sim, &error), &error);
-            time = bench_thread_seconds() - start;
+            time = pel_thread_seconds() - start;
             times[n] = round == 0 ? time : fmin(times[n], time);
             int32_t count = pel_sim_triangle_count(sim, 0);
             most = count > most ? count : most;

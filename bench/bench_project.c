@@ -52,10 +52,10 @@ static bench_spread time_sweeps(pel_projector *projector, const pel_model *model
         disturb(model, state, size);
         pel_projector_begin(projector, state, 0);
         pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], projector->substep, 1);
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         for (int i = 0; i < SWEEPS; i++)
             pel_project_sweep(projector, state->position_next);
-        times[round] = bench_seconds() - begin;
+        times[round] = pel_seconds() - begin;
     }
     return bench_spread_of(times, ROUNDS);
 }

@@ -59,10 +59,10 @@ static void refine_as_paper(pel_sim *sim)
 static double run(sphere *made)
 {
     pel_error error;
-    double start = bench_seconds();
+    double start = pel_seconds();
     for (int n = 0; n < STEPS; n++)
         bench_check(pel_sim_step(made->sim, &error), &error);
-    return bench_seconds() - start;
+    return pel_seconds() - start;
 }
 
 static void table(void)
@@ -90,11 +90,11 @@ static void events(int32_t frequency)
     double refine[EVENTS], coarsen[EVENTS];
     int32_t v = made.mesh->vertex_count / 2;
     for (int n = 0; n < EVENTS; n++) {
-        double start = bench_seconds();
+        double start = pel_seconds();
         bench_check(pel_sim_refine(made.sim, 0, v, 1, &error), &error);
-        double middle = bench_seconds();
+        double middle = pel_seconds();
         bench_check(pel_sim_refine(made.sim, 0, v, 0, &error), &error);
-        coarsen[n] = bench_seconds() - middle;
+        coarsen[n] = pel_seconds() - middle;
         refine[n] = middle - start;
     }
     const bench_spread there = bench_spread_of(refine, EVENTS), back = bench_spread_of(coarsen, EVENTS);

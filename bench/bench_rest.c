@@ -26,9 +26,9 @@ static pel_sim *make_sim(const pel_model *model, pel_method method, bool with_co
 static double time_step(pel_sim *sim)
 {
     pel_error error;
-    double start = bench_thread_seconds();
+    double start = pel_thread_seconds();
     bench_check(pel_sim_step(sim, &error), &error);
-    return bench_thread_seconds() - start;
+    return pel_thread_seconds() - start;
 }
 
 static void rest(const char *name, const pel_model *model, pel_method method, int steps)

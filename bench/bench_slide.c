@@ -74,9 +74,9 @@ static void slide(const pel_mesh *mesh, const char *name, const pel_refine_def *
     static double times[STEPS];
     int32_t most = 0;
     for (int n = 0; n < STEPS; n++) {
-        double start = bench_thread_seconds();
+        double start = pel_thread_seconds();
         bench_check(pel_sim_step(sim, &error), &error);
-        times[n] = bench_thread_seconds() - start;
+        times[n] = pel_thread_seconds() - start;
         int32_t count = pel_sim_triangle_count(sim, 0);
         most = count > most ? count : most;
     }

@@ -45,10 +45,10 @@ static double time_steps(pel_sim *sim, const void *start, size_t size, int steps
 {
     pel_error error;
     bench_check(pel_sim_load(sim, start, size, &error), &error);
-    double begin = bench_thread_seconds();
+    double begin = pel_thread_seconds();
     for (int i = 0; i < steps; i++)
         bench_check(pel_sim_step(sim, &error), &error);
-    return bench_thread_seconds() - begin;
+    return pel_thread_seconds() - begin;
 }
 
 static void measure(const char *scene_path, int steps, const char *key, const char *form, int rounds)
@@ -69,12 +69,12 @@ static void measure(const char *scene_path, int steps, const char *key, const ch
     pel_study_kept kept = {0};
     for (int64_t run = 0; run < count; run++) {
         times[0][run] = time_steps(sim, start, size, steps);
-        double begin = bench_thread_seconds();
+        double begin = pel_thread_seconds();
         bench_check(pel_study_run_kept(study, &kept, run, row, &error), &error);
-        double between = bench_thread_seconds();
+        double between = pel_thread_seconds();
         bench_check(pel_study_run(study, run, NULL, NULL, NULL, row, &error), &error);
         times[1][run] = between - begin;
-        times[2][run] = bench_thread_seconds() - between;
+        times[2][run] = pel_thread_seconds() - between;
     }
     bench_spread s[KINDS];
     for (int k = 0; k < KINDS; k++)

@@ -31,13 +31,13 @@ int main(int argc, char **argv)
         pel_topology *topology;
         pel_mesh *fine;
         pel_error error;
-        double begin = bench_seconds();
+        double begin = pel_seconds();
         bench_check(pel_topology_create(mesh, &topology, &error), &error);
-        double middle = bench_seconds();
+        double middle = pel_seconds();
         pel_topology_destroy(topology);
-        double again = bench_seconds();
+        double again = pel_seconds();
         bench_check(pel_mesh_subdivide(mesh, 1, &fine, &error), &error);
-        all_times[round] = bench_seconds() - again;
+        all_times[round] = pel_seconds() - again;
         pel_mesh_destroy(fine);
         topology_times[round] = middle - begin;
         rest_times[round] = all_times[round] - topology_times[round];

@@ -1,9 +1,9 @@
 #include "bench.h"
 #include "commands.h"
 #include "diagnostics.h"
-#include "json.h"
 
-#include <stdlib.h>
+#include "papers/lab/median.h"
+
 #include <string.h>
 
 static const cli_bench_case *const cases[] = {
@@ -29,18 +29,6 @@ void cli_bench_add(cli_bench_result *result, const char *name, const char *unit,
     result->numbers[i].value = value;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
-}
-
-double cli_bench_median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
-}
-
 static pel_status repeat(const cli_bench_case *bench, void *inner, double *times, int count, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -49,9 +37,9 @@ static pel_status repeat(const cli_bench_case *bench, void *inner, double *times
             status = bench->rewind(inner, error);
         if (status != PEL_OK)
             break;
-        double start = cli_clock();
+        double start = pel_seconds();
         status = bench->once(inner, error);
-        times[i] = cli_clock() - start;
+        times[i] = pel_seconds() - start;
     }
     return status;
 }
@@ -65,7 +53,7 @@ static pel_status measure(const cli_bench_case *bench, int repeats, cli_bench_re
     if (status == PEL_OK)
         status = repeat(bench, inner, times, repeats, error);
     if (status == PEL_OK) {
-        result->median_s = cli_bench_median(times, repeats);
+        result->median_s = lab_median(times, repeats);
         result->min_s = times[0];
         if (bench->finish != NULL)
             status = bench->finish(inner, result, error);
@@ -86,20 +74,20 @@ static void print_result(const cli_bench_case *bench, const cli_bench_result *re
     fflush(stdout);
 }
 
-static void write_result(cli_json *json, const cli_bench_case *bench, const cli_bench_result *result)
+static void write_result(pel_json *json, const cli_bench_case *bench, const cli_bench_result *result)
 {
-    cli_json_open(json, bench->name, '{');
-    cli_json_text(json, "doc", bench->doc);
-    cli_json_integer(json, "repeats", result->repeats);
-    cli_json_number(json, "min_s", result->min_s);
-    cli_json_number(json, "median_s", result->median_s);
+    pel_json_open(json, bench->name, '{');
+    pel_json_text(json, "doc", bench->doc);
+    pel_json_integer(json, "repeats", result->repeats);
+    pel_json_number(json, "min_s", result->min_s);
+    pel_json_number(json, "median_s", result->median_s);
     if (bench->compare_s > 0.0) {
-        cli_json_text(json, "compare_to", bench->compare_to);
-        cli_json_number(json, "compare_s", bench->compare_s);
+        pel_json_text(json, "compare_to", bench->compare_to);
+        pel_json_number(json, "compare_s", bench->compare_s);
     }
     for (int i = 0; i < result->number_count; ++i)
-        cli_json_number(json, result->numbers[i].name, result->numbers[i].value);
-    cli_json_close(json, '}');
+        pel_json_number(json, result->numbers[i].name, result->numbers[i].value);
+    pel_json_close(json, '}');
 }
 
 static void print_cases(FILE *file)
@@ -114,7 +102,7 @@ void cli_bench_help(FILE *file)
     print_cases(file);
 }
 
-static int run_cases(const cli_call *call, cli_json *json)
+static int run_cases(const cli_call *call, pel_json *json)
 {
     const char *name = call->arguments[0];
     int asked = cli_count(call, "repeats");
@@ -145,9 +133,9 @@ int cli_bench(const cli_call *call)
         return cli_complain("option '--repeats' is more than %d. give less", REPEATS_MAX);
     if (!cli_has(call, "json"))
         return run_cases(call, NULL);
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
     int status = run_cases(call, &json);
-    cli_json_close(&json, '}');
+    pel_json_close(&json, '}');
     return status;
 }

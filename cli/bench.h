@@ -18,9 +18,6 @@ typedef struct cli_bench_result {
     } numbers[CLI_BENCH_NUMBERS];
 } cli_bench_result;
 
-/* sorts the values */
-double cli_bench_median(double *values, int count);
-
 void cli_bench_add(cli_bench_result *result, const char *name, const char *unit, double value);
 
 typedef struct cli_bench_case {

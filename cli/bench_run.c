@@ -95,9 +95,9 @@ static pel_status run(writing *w, const pel_scene *scene, double *best, pel_erro
     pel_run_def def = pel_run_def_default();
     pel_run_summary summary;
     def.folder = run_folder(w, w->run_count++, path);
-    double start = cli_clock();
+    double start = pel_seconds();
     pel_status status = pel_run(scene, &def, &summary, error);
-    *best = fmin(*best, cli_clock() - start);
+    *best = fmin(*best, pel_seconds() - start);
     w->frame_count = summary.frames > w->frame_count ? (int)summary.frames : w->frame_count;
     return status;
 }

@@ -148,7 +148,7 @@ static double time_triad(double *a, const double *b, const double *c, int thread
     pthread_t threads[TRIAD_THREADS];
     triad_part parts[TRIAD_THREADS];
     size_t share = TRIAD_COUNT / (size_t)thread_count;
-    double start = cli_clock();
+    double start = pel_seconds();
     int started = 1;
     for (int i = 0; i < thread_count; i++) {
         size_t first = share * (size_t)i;
@@ -159,7 +159,7 @@ static double time_triad(double *a, const double *b, const double *c, int thread
     triad(&parts[0]);
     for (int i = 1; i < started; i++)
         pthread_join(threads[i], NULL);
-    return cli_clock() - start;
+    return pel_seconds() - start;
 }
 
 /* best bandwidth of a[i] = b[i] + 3 c[i] over arrays far larger than the caches (STREAM triad, McCalpin: 24 bytes a

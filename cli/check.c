@@ -2,7 +2,6 @@
 #include "cracks.h"
 #include "diagnostics.h"
 #include "intersections.h"
-#include "json.h"
 #include "parts.h"
 
 #include <pellicle/mesh_check.h>
@@ -165,40 +164,40 @@ static void print_findings(const char *path, const pel_mesh *mesh, const finding
 }
 
 /* the two vertices of each edge */
-static void write_edges(cli_json *json, const pel_issue *issue)
+static void write_edges(pel_json *json, const pel_issue *issue)
 {
-    cli_json_open(json, "vertices", '[');
+    pel_json_open(json, "vertices", '[');
     for (int32_t i = 0; i < issue->listed_count; ++i)
-        cli_json_numbers(json, NULL, (double[]){issue->related[i][0], issue->related[i][1]}, 2);
-    cli_json_close(json, ']');
+        pel_json_numbers(json, NULL, (double[]){issue->related[i][0], issue->related[i][1]}, 2);
+    pel_json_close(json, ']');
 }
 
-static void write_issue(cli_json *json, const pel_issue_info *info, const pel_issue *issue)
+static void write_issue(pel_json *json, const pel_issue_info *info, const pel_issue *issue)
 {
     cli_open_issue(json, info, issue->count);
-    cli_json_text(json, "element_kind", info->element_kind);
+    pel_json_text(json, "element_kind", info->element_kind);
     bool by_component = strcmp(info->element_kind, "component") == 0;
-    cli_json_open(json, "elements", '[');
+    pel_json_open(json, "elements", '[');
     for (int32_t i = 0; i < issue->listed_count; ++i)
-        cli_json_integer(json, NULL, by_component ? issue->related[i][0] : issue->elements[i]);
-    cli_json_close(json, ']');
+        pel_json_integer(json, NULL, by_component ? issue->related[i][0] : issue->elements[i]);
+    pel_json_close(json, ']');
     if (strcmp(info->element_kind, "edge") == 0)
         write_edges(json, issue);
-    cli_json_close(json, '}');
+    pel_json_close(json, '}');
 }
 
-static void write_issues(cli_json *json, const findings *found)
+static void write_issues(pel_json *json, const findings *found)
 {
     const pel_mesh_report *report = found->report;
     int64_t warning_count = count_warnings(found);
-    cli_json_bool(json, "ok", report->error_count == 0 && warning_count == 0);
-    cli_json_integer(json, "error_count", report->error_count);
-    cli_json_integer(json, "warning_count", warning_count);
+    pel_json_bool(json, "ok", report->error_count == 0 && warning_count == 0);
+    pel_json_integer(json, "error_count", report->error_count);
+    pel_json_integer(json, "warning_count", warning_count);
     if (found->intersections.looked)
-        cli_json_integer(json, "self_intersections", found->intersections.count);
+        pel_json_integer(json, "self_intersections", found->intersections.count);
     else
-        cli_json_text(json, "self_intersections", NULL);
-    cli_json_open(json, "issues", '[');
+        pel_json_text(json, "self_intersections", NULL);
+    pel_json_open(json, "issues", '[');
     for (int kind = 0; kind < PEL_ISSUE_COUNT; ++kind) {
         if (report->issues[kind].count > 0)
             write_issue(json, pel_issue_info_of((pel_issue_kind)kind), &report->issues[kind]);
@@ -206,7 +205,7 @@ static void write_issues(cli_json *json, const findings *found)
     cli_write_cracks(json, &found->cracks);
     cli_write_parts(json, &found->parts);
     cli_write_intersections(json, &found->intersections);
-    cli_json_close(json, ']');
+    pel_json_close(json, ']');
 }
 
 static void print_verdict(const char *path, const findings *found)
@@ -227,7 +226,7 @@ typedef struct deed {
     int32_t count;
 } deed;
 
-static void tell_repair(cli_json *json, const char *out, const pel_repair_summary *summary)
+static void tell_repair(pel_json *json, const char *out, const pel_repair_summary *summary)
 {
     const deed deeds[] = {
         {"bad_triangles", "triangles with bad indices or coordinates dropped", summary->bad_triangles},
@@ -242,28 +241,28 @@ static void tell_repair(cli_json *json, const char *out, const pel_repair_summar
         {"outward_components", "components turned outward", summary->outward_components},
     };
     if (json != NULL)
-        cli_json_open(json, "repair", '{');
+        pel_json_open(json, "repair", '{');
     for (size_t i = 0; i < sizeof deeds / sizeof *deeds; ++i) {
         if (json != NULL)
-            cli_json_integer(json, deeds[i].key, deeds[i].count);
+            pel_json_integer(json, deeds[i].key, deeds[i].count);
         else if (deeds[i].count > 0)
             printf("%s: %s: %d\n", out, deeds[i].text, (int)deeds[i].count);
     }
     if (json != NULL)
-        cli_json_close(json, '}');
+        pel_json_close(json, '}');
     else if (!summary->changed)
         printf("%s: nothing to repair\n", out);
 }
 
-static void tell_fill(cli_json *json, const char *out, const pel_fill_summary *summary)
+static void tell_fill(pel_json *json, const char *out, const pel_fill_summary *summary)
 {
     if (json != NULL) {
-        cli_json_open(json, "fill", '{');
-        cli_json_integer(json, "filled_holes", summary->filled_holes);
-        cli_json_integer(json, "left_holes", summary->left_holes);
-        cli_json_integer(json, "triangles", summary->triangles);
-        cli_json_number(json, "quality_min", summary->quality_min);
-        cli_json_close(json, '}');
+        pel_json_open(json, "fill", '{');
+        pel_json_integer(json, "filled_holes", summary->filled_holes);
+        pel_json_integer(json, "left_holes", summary->left_holes);
+        pel_json_integer(json, "triangles", summary->triangles);
+        pel_json_number(json, "quality_min", summary->quality_min);
+        pel_json_close(json, '}');
         return;
     }
     if (summary->filled_holes > 0)
@@ -274,7 +273,7 @@ static void tell_fill(cli_json *json, const char *out, const pel_fill_summary *s
 }
 
 /* replaces a repaired mesh by one without holes, turned outward */
-static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, cli_json *json, pel_error *error)
+static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, pel_json *json, pel_error *error)
 {
     pel_mesh *filled = NULL, *turned = NULL;
     pel_fill_summary summary;
@@ -295,7 +294,7 @@ static pel_status fill_holes(const cli_call *call, pel_mesh **mesh, cli_json *js
 
 /* writes the repaired mesh unless it still has errors */
 static int write_repaired(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh,
-                          const pel_repair_summary *summary, cli_json *json)
+                          const pel_repair_summary *summary, pel_json *json)
 {
     const char *out = cli_value(call, "fix");
     pel_error error;
@@ -315,11 +314,11 @@ static int write_repaired(const cli_call *call, pel_mesh_format format, const pe
     pel_mesh_report_destroy(found.report);
     int status = good ? cli_write_mesh(out, format, mesh, &cli_notes, json != NULL) : CLI_BAD_INPUT;
     if (json != NULL)
-        cli_json_text(json, "written", status == CLI_DONE ? out : NULL);
+        pel_json_text(json, "written", status == CLI_DONE ? out : NULL);
     return status;
 }
 
-static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, cli_json *json)
+static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh *mesh, pel_json *json)
 {
     const char *out = cli_value(call, "fix");
     pel_repair_options options = pel_repair_options_default();
@@ -344,7 +343,7 @@ static int fix_mesh(const cli_call *call, pel_mesh_format format, const pel_mesh
     return status;
 }
 
-static int check_mesh(const cli_call *call, const char *path, pel_mesh_format format, cli_json *json)
+static int check_mesh(const cli_call *call, const char *path, pel_mesh_format format, pel_json *json)
 {
     int status;
     pel_mesh *mesh = cli_read_mesh(path, &cli_notes, json, &status);
@@ -374,7 +373,7 @@ static int check_mesh(const cli_call *call, const char *path, pel_mesh_format fo
 }
 
 /* prints the defects of the meshes of the scene's bodies; false if one cannot be simulated */
-static bool check_bodies(const cli_call *call, const pel_scene *scene, cli_json *json)
+static bool check_bodies(const cli_call *call, const pel_scene *scene, pel_json *json)
 {
     bool good = true;
     for (int32_t i = 0; i < scene->model.body_count; ++i) {
@@ -393,7 +392,7 @@ static bool check_bodies(const cli_call *call, const pel_scene *scene, cli_json 
         pel_mesh_report_destroy(found.report);
     }
     if (!good && json != NULL)
-        cli_json_bool(json, "ok", false);
+        pel_json_bool(json, "ok", false);
     return good;
 }
 
@@ -413,7 +412,7 @@ static pel_status try_scene(const pel_scene *scene, pel_error *error)
     return status;
 }
 
-static int check_scene(const cli_call *call, cli_json *json)
+static int check_scene(const cli_call *call, pel_json *json)
 {
     const char *path = call->arguments[0];
     pel_scene *scene = NULL;
@@ -429,7 +428,7 @@ static int check_scene(const cli_call *call, cli_json *json)
             status = CLI_DONE;
             int bodies = (int)scene->model.body_count;
             if (json != NULL)
-                cli_json_bool(json, "ok", true);
+                pel_json_bool(json, "ok", true);
             else
                 printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
         }
@@ -439,7 +438,7 @@ static int check_scene(const cli_call *call, cli_json *json)
 }
 
 /* format: of --fix */
-static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, cli_json *json)
+static int check_file(const cli_call *call, bool is_scene, pel_mesh_format format, pel_json *json)
 {
     const char *path = call->arguments[0];
     return is_scene ? check_scene(call, json) : check_mesh(call, path, format, json);
@@ -465,11 +464,11 @@ int cli_check(const cli_call *call)
         return CLI_BAD_INPUT;
     if (!cli_has(call, "json"))
         return check_file(call, is_scene, format, NULL);
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "file", path);
-    cli_json_text(&json, "kind", is_scene ? "scene" : "mesh");
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "file", path);
+    pel_json_text(&json, "kind", is_scene ? "scene" : "mesh");
     int status = check_file(call, is_scene, format, &json);
-    cli_json_close(&json, '}');
+    pel_json_close(&json, '}');
     return status;
 }

@@ -57,13 +57,13 @@ void cli_print_cracks(const char *path, const cli_cracks *found)
         fprintf(stderr, "%s: warning: %s: %d of them. %s\n", path, doc, (int)found->count, found->remedy);
 }
 
-void cli_write_cracks(cli_json *json, const cli_cracks *found)
+void cli_write_cracks(pel_json *json, const cli_cracks *found)
 {
     if (found->count == 0)
         return;
     const pel_issue_info info = {
         .name = "crack", .severity = PEL_SEVERITY_WARNING, .doc = doc, .remedy = found->remedy, .repairable = true};
     cli_open_issue(json, &info, found->count);
-    cli_json_number(json, "tolerance", found->tolerance);
-    cli_json_close(json, '}');
+    pel_json_number(json, "tolerance", found->tolerance);
+    pel_json_close(json, '}');
 }

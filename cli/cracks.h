@@ -2,8 +2,7 @@
 #ifndef PELLICLE_CLI_CRACKS_H
 #define PELLICLE_CLI_CRACKS_H
 
-#include "json.h"
-
+#include <pellicle/json.h>
 #include <pellicle/mesh_check.h>
 
 typedef struct cli_cracks {
@@ -19,6 +18,6 @@ pel_status cli_find_cracks(const pel_mesh *mesh, const pel_mesh_report *report, 
 void cli_print_cracks(const char *path, const cli_cracks *found);
 
 /* An entry of the list of issues. */
-void cli_write_cracks(cli_json *json, const cli_cracks *found);
+void cli_write_cracks(pel_json *json, const cli_cracks *found);
 
 #endif

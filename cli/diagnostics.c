@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 int cli_report(const pel_error *error)
@@ -18,26 +17,26 @@ int cli_report(const pel_error *error)
     return failed ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
-void cli_write_error(cli_json *json, const pel_error *error)
+void cli_write_error(pel_json *json, const pel_error *error)
 {
-    cli_json_open(json, "error", '{');
-    cli_json_text(json, "status", pel_status_text(error->status));
-    cli_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
+    pel_json_open(json, "error", '{');
+    pel_json_text(json, "status", pel_status_text(error->status));
+    pel_json_text(json, "file", error->file[0] != '\0' ? error->file : NULL);
     if (error->line > 0)
-        cli_json_integer(json, "line", error->line);
+        pel_json_integer(json, "line", error->line);
     if (error->column > 0)
-        cli_json_integer(json, "column", error->column);
+        pel_json_integer(json, "column", error->column);
     if (error->byte_offset >= 0)
-        cli_json_integer(json, "byte_offset", error->byte_offset);
+        pel_json_integer(json, "byte_offset", error->byte_offset);
     if (error->element >= 0) {
-        cli_json_text(json, "element_kind", error->element_kind);
-        cli_json_integer(json, "element", error->element);
+        pel_json_text(json, "element_kind", error->element_kind);
+        pel_json_integer(json, "element", error->element);
     }
     if (error->element_name[0] != '\0')
-        cli_json_text(json, "element_name", error->element_name);
-    cli_json_text(json, "what", error->what);
-    cli_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
-    cli_json_close(json, '}');
+        pel_json_text(json, "element_name", error->element_name);
+    pel_json_text(json, "what", error->what);
+    pel_json_text(json, "remedy", error->remedy[0] != '\0' ? error->remedy : NULL);
+    pel_json_close(json, '}');
 }
 
 const char *cli_severity_name(pel_severity severity)
@@ -45,21 +44,21 @@ const char *cli_severity_name(pel_severity severity)
     return severity == PEL_SEVERITY_ERROR ? "error" : severity == PEL_SEVERITY_WARNING ? "warning" : "note";
 }
 
-void cli_open_issue(cli_json *json, const pel_issue_info *info, int64_t count)
+void cli_open_issue(pel_json *json, const pel_issue_info *info, int64_t count)
 {
-    cli_json_open(json, NULL, '{');
-    cli_json_text(json, "name", info->name);
-    cli_json_text(json, "severity", cli_severity_name(info->severity));
-    cli_json_integer(json, "count", count);
-    cli_json_text(json, "what", info->doc);
-    cli_json_text(json, "remedy", info->remedy);
-    cli_json_bool(json, "repairable", info->repairable);
+    pel_json_open(json, NULL, '{');
+    pel_json_text(json, "name", info->name);
+    pel_json_text(json, "severity", cli_severity_name(info->severity));
+    pel_json_integer(json, "count", count);
+    pel_json_text(json, "what", info->doc);
+    pel_json_text(json, "remedy", info->remedy);
+    pel_json_bool(json, "repairable", info->repairable);
 }
 
-int cli_report_to(const pel_error *error, cli_json *json)
+int cli_report_to(const pel_error *error, pel_json *json)
 {
     if (json != NULL) {
-        cli_json_bool(json, "ok", false);
+        pel_json_bool(json, "ok", false);
         cli_write_error(json, error);
     }
     return cli_report(error);
@@ -69,20 +68,6 @@ void cli_name_file(pel_error *error, const char *path)
 {
     if (error->file[0] == '\0')
         pel_fail_place(error, path, 0, 0);
-}
-
-double cli_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-double cli_processor_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 bool cli_is_scene(const char *path)
@@ -111,7 +96,7 @@ static void write_note(void *user, const char *text)
 
 const pel_log cli_notes = {.write = write_note};
 
-pel_mesh *cli_read_mesh(const char *path, const pel_log *log, cli_json *json, int *status)
+pel_mesh *cli_read_mesh(const char *path, const pel_log *log, pel_json *json, int *status)
 {
     pel_mesh *mesh = NULL;
     pel_error error;

@@ -1,6 +1,5 @@
 #include "commands.h"
 #include "diagnostics.h"
-#include "json.h"
 
 #include <pellicle/mesh_check.h>
 
@@ -64,67 +63,67 @@ static void print_info(const char *path, const pel_mesh *mesh, const pel_mesh_re
                (long long)(r->error_count + r->warning_count), path);
 }
 
-static void write_fields(cli_json *json, const pel_mesh *mesh)
+static void write_fields(pel_json *json, const pel_mesh *mesh)
 {
-    cli_json_open(json, "fields", '[');
+    pel_json_open(json, "fields", '[');
     for (int32_t i = 0; i < mesh->field_count; ++i) {
-        cli_json_open(json, NULL, '{');
-        cli_json_text(json, "name", mesh->fields[i].name);
-        cli_json_integer(json, "component_count", mesh->fields[i].component_count);
-        cli_json_close(json, '}');
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "name", mesh->fields[i].name);
+        pel_json_integer(json, "component_count", mesh->fields[i].component_count);
+        pel_json_close(json, '}');
     }
-    cli_json_close(json, ']');
+    pel_json_close(json, ']');
 }
 
-static void write_topology(cli_json *json, const pel_mesh_report *r)
+static void write_topology(pel_json *json, const pel_mesh_report *r)
 {
-    cli_json_integer(json, "vertices", r->vertex_count);
-    cli_json_integer(json, "triangles", r->triangle_count);
-    cli_json_integer(json, "edges", r->edge_count);
-    cli_json_integer(json, "components", r->component_count);
-    cli_json_bool(json, "closed", r->closed);
-    cli_json_bool(json, "manifold", r->manifold);
-    cli_json_bool(json, "oriented", r->oriented);
+    pel_json_integer(json, "vertices", r->vertex_count);
+    pel_json_integer(json, "triangles", r->triangle_count);
+    pel_json_integer(json, "edges", r->edge_count);
+    pel_json_integer(json, "components", r->component_count);
+    pel_json_bool(json, "closed", r->closed);
+    pel_json_bool(json, "manifold", r->manifold);
+    pel_json_bool(json, "oriented", r->oriented);
     if (r->closed && r->oriented)
-        cli_json_bool(json, "outward", is_outward(r));
+        pel_json_bool(json, "outward", is_outward(r));
     else
-        cli_json_null(json, "outward");
+        pel_json_null(json, "outward");
     if (r->genus >= 0)
-        cli_json_integer(json, "genus", r->genus);
+        pel_json_integer(json, "genus", r->genus);
     else
-        cli_json_null(json, "genus");
-    cli_json_integer(json, "euler_characteristic", r->euler_characteristic);
-    cli_json_integer(json, "boundary_edges", r->issues[PEL_ISSUE_BOUNDARY_EDGE].count);
-    cli_json_integer(json, "boundary_loops", r->boundary_loop_count);
+        pel_json_null(json, "genus");
+    pel_json_integer(json, "euler_characteristic", r->euler_characteristic);
+    pel_json_integer(json, "boundary_edges", r->issues[PEL_ISSUE_BOUNDARY_EDGE].count);
+    pel_json_integer(json, "boundary_loops", r->boundary_loop_count);
 }
 
 static void write_info(const char *path, const pel_mesh *mesh, const pel_mesh_report *r)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "file", path);
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "file", path);
     write_topology(&json, r);
     if (r->closed && r->oriented)
-        cli_json_number(&json, "volume", r->volume);
+        pel_json_number(&json, "volume", r->volume);
     else
-        cli_json_null(&json, "volume");
-    cli_json_number(&json, "area", r->area);
-    cli_json_number(&json, "edge_length_min", r->edge_length_min);
-    cli_json_number(&json, "edge_length_median", r->edge_length_median);
-    cli_json_number(&json, "edge_length_mean", r->edge_length_mean);
-    cli_json_number(&json, "edge_length_max", r->edge_length_max);
-    cli_json_number(&json, "quality_min", r->quality_min);
-    cli_json_number(&json, "quality_mean", r->quality_mean);
-    cli_json_integer(&json, "worst_triangle", r->worst_triangle);
-    cli_json_integer(&json, "valence_min", r->valence_min);
-    cli_json_integer(&json, "valence_max", r->valence_max);
-    cli_json_number(&json, "valence_mean", r->valence_mean);
-    cli_json_numbers(&json, "bounds_low", r->bounds_low, 3);
-    cli_json_numbers(&json, "bounds_high", r->bounds_high, 3);
+        pel_json_null(&json, "volume");
+    pel_json_number(&json, "area", r->area);
+    pel_json_number(&json, "edge_length_min", r->edge_length_min);
+    pel_json_number(&json, "edge_length_median", r->edge_length_median);
+    pel_json_number(&json, "edge_length_mean", r->edge_length_mean);
+    pel_json_number(&json, "edge_length_max", r->edge_length_max);
+    pel_json_number(&json, "quality_min", r->quality_min);
+    pel_json_number(&json, "quality_mean", r->quality_mean);
+    pel_json_integer(&json, "worst_triangle", r->worst_triangle);
+    pel_json_integer(&json, "valence_min", r->valence_min);
+    pel_json_integer(&json, "valence_max", r->valence_max);
+    pel_json_number(&json, "valence_mean", r->valence_mean);
+    pel_json_numbers(&json, "bounds_low", r->bounds_low, 3);
+    pel_json_numbers(&json, "bounds_high", r->bounds_high, 3);
     write_fields(&json, mesh);
-    cli_json_integer(&json, "errors", r->error_count);
-    cli_json_integer(&json, "warnings", r->warning_count);
-    cli_json_close(&json, '}');
+    pel_json_integer(&json, "errors", r->error_count);
+    pel_json_integer(&json, "warnings", r->warning_count);
+    pel_json_close(&json, '}');
 }
 
 int cli_info(const cli_call *call)

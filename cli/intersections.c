@@ -54,7 +54,7 @@ void cli_print_intersections(const char *path, const pel_mesh *mesh, const cli_i
         fprintf(stderr, "%s: warning: and %lld more pairs: %s\n", path, (long long)(found->count - shown), doc);
 }
 
-void cli_write_intersections(cli_json *json, const cli_intersections *found)
+void cli_write_intersections(pel_json *json, const cli_intersections *found)
 {
     if (found->count == 0)
         return;
@@ -64,14 +64,14 @@ void cli_write_intersections(cli_json *json, const cli_intersections *found)
                                  .remedy = remedy,
                                  .repairable = false};
     cli_open_issue(json, &info, found->count);
-    cli_json_text(json, "element_kind", "triangle");
-    cli_json_open(json, "elements", '[');
+    pel_json_text(json, "element_kind", "triangle");
+    pel_json_open(json, "elements", '[');
     for (int32_t i = 0; i < found->listed_count; ++i)
-        cli_json_integer(json, NULL, found->pairs[i].first);
-    cli_json_close(json, ']');
-    cli_json_open(json, "pairs", '[');
+        pel_json_integer(json, NULL, found->pairs[i].first);
+    pel_json_close(json, ']');
+    pel_json_open(json, "pairs", '[');
     for (int32_t i = 0; i < found->listed_count; ++i)
-        cli_json_numbers(json, NULL, (double[]){found->pairs[i].first, found->pairs[i].second}, 2);
-    cli_json_close(json, ']');
-    cli_json_close(json, '}');
+        pel_json_numbers(json, NULL, (double[]){found->pairs[i].first, found->pairs[i].second}, 2);
+    pel_json_close(json, ']');
+    pel_json_close(json, '}');
 }

@@ -2,9 +2,8 @@
 #ifndef PELLICLE_CLI_INTERSECTIONS_H
 #define PELLICLE_CLI_INTERSECTIONS_H
 
-#include "json.h"
-
 #include <pellicle/intersect.h>
+#include <pellicle/json.h>
 #include <pellicle/mesh_check.h>
 
 typedef struct cli_intersections {
@@ -24,6 +23,6 @@ pel_status cli_find_intersections(const pel_mesh *mesh, const pel_mesh_report *r
 void cli_print_intersections(const char *path, const pel_mesh *mesh, const cli_intersections *found, int shown_max);
 
 /* An entry of the list of issues. */
-void cli_write_intersections(cli_json *json, const cli_intersections *found);
+void cli_write_intersections(pel_json *json, const cli_intersections *found);
 
 #endif

@@ -50,14 +50,9 @@ static const double THICKNESS = 0.01;
 static double diagonal_of(const pel_mesh *mesh)
 {
     double low[3], high[3], squared = 0;
-    for (int i = 0; i < 3; i++) {
-        low[i] = high[i] = mesh->positions[0][i];
-        for (int32_t v = 1; v < mesh->vertex_count; v++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    pel_mesh_box(mesh, low, high);
+    for (int i = 0; i < 3; i++)
         squared += (high[i] - low[i]) * (high[i] - low[i]);
-    }
     return sqrt(squared);
 }
 

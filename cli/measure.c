@@ -1,6 +1,5 @@
 #include "commands.h"
 #include "diagnostics.h"
-#include "json.h"
 
 #include <pellicle/measure.h>
 #include <pellicle/mesh_check.h>
@@ -51,28 +50,28 @@ static void print_measures(const char *path, const measured *m)
 }
 
 /* null when all vertices are on a boundary */
-static void write_curvature(cli_json *json, const char *key, const pel_curvature_summary *summary, double value)
+static void write_curvature(pel_json *json, const char *key, const pel_curvature_summary *summary, double value)
 {
     if (summary->inner_vertex_count > 0)
-        cli_json_number(json, key, value);
+        pel_json_number(json, key, value);
     else
-        cli_json_null(json, key);
+        pel_json_null(json, key);
 }
 
 static void write_measures(const char *path, const measured *m)
 {
     const pel_curvature_summary *s = &m->summary;
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "file", path);
-    cli_json_integer(&json, "vertices", m->report->vertex_count);
-    cli_json_integer(&json, "inner_vertices", s->inner_vertex_count);
-    cli_json_integer(&json, "triangles", m->report->triangle_count);
-    cli_json_number(&json, "area", m->report->area);
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "file", path);
+    pel_json_integer(&json, "vertices", m->report->vertex_count);
+    pel_json_integer(&json, "inner_vertices", s->inner_vertex_count);
+    pel_json_integer(&json, "triangles", m->report->triangle_count);
+    pel_json_number(&json, "area", m->report->area);
     if (has_volume(m))
-        cli_json_number(&json, "volume", m->report->volume);
+        pel_json_number(&json, "volume", m->report->volume);
     else
-        cli_json_null(&json, "volume");
+        pel_json_null(&json, "volume");
     write_curvature(&json, "mean_curvature_min", s, s->mean_curvature_min);
     write_curvature(&json, "mean_curvature_mean", s, s->mean_curvature_mean);
     write_curvature(&json, "mean_curvature_max", s, s->mean_curvature_max);
@@ -80,10 +79,10 @@ static void write_measures(const char *path, const measured *m)
     write_curvature(&json, "gaussian_curvature_min", s, s->gaussian_curvature_min);
     write_curvature(&json, "gaussian_curvature_mean", s, s->gaussian_curvature_mean);
     write_curvature(&json, "gaussian_curvature_max", s, s->gaussian_curvature_max);
-    cli_json_number(&json, "total_gaussian_curvature", s->total_curvature);
-    cli_json_integer(&json, "euler_characteristic", m->report->euler_characteristic);
-    cli_json_number(&json, "gauss_bonnet_error", fabs(s->total_curvature - expected_total(m)));
-    cli_json_close(&json, '}');
+    pel_json_number(&json, "total_gaussian_curvature", s->total_curvature);
+    pel_json_integer(&json, "euler_characteristic", m->report->euler_characteristic);
+    pel_json_number(&json, "gauss_bonnet_error", fabs(s->total_curvature - expected_total(m)));
+    pel_json_close(&json, '}');
 }
 
 /* adds the measures as fields; values has room for a vector on each vertex */

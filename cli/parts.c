@@ -47,15 +47,15 @@ void cli_print_parts(const char *path, const pel_mesh *mesh, const cli_parts *fo
             doc, (int)found->count, size, 100 * found->area_share, (int)found->first, x[0], x[1], x[2], found->remedy);
 }
 
-void cli_write_parts(cli_json *json, const cli_parts *found)
+void cli_write_parts(pel_json *json, const cli_parts *found)
 {
     if (found->count == 0)
         return;
     const pel_issue_info info = {
         .name = "part", .severity = PEL_SEVERITY_NOTE, .doc = doc, .remedy = found->remedy, .repairable = true};
     cli_open_issue(json, &info, found->count);
-    cli_json_integer(json, "triangles_least", found->least);
-    cli_json_integer(json, "triangles_most", found->most);
-    cli_json_number(json, "area_share", found->area_share);
-    cli_json_close(json, '}');
+    pel_json_integer(json, "triangles_least", found->least);
+    pel_json_integer(json, "triangles_most", found->most);
+    pel_json_number(json, "area_share", found->area_share);
+    pel_json_close(json, '}');
 }

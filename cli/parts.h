@@ -2,8 +2,7 @@
 #ifndef PELLICLE_CLI_PARTS_H
 #define PELLICLE_CLI_PARTS_H
 
-#include "json.h"
-
+#include <pellicle/json.h>
 #include <pellicle/mesh_check.h>
 
 typedef struct cli_parts {
@@ -21,6 +20,6 @@ void cli_find_parts(const pel_mesh_report *report, cli_parts *found);
 void cli_print_parts(const char *path, const pel_mesh *mesh, const cli_parts *found);
 
 /* An entry of the list of issues. */
-void cli_write_parts(cli_json *json, const cli_parts *found);
+void cli_write_parts(pel_json *json, const cli_parts *found);
 
 #endif

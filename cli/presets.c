@@ -2,31 +2,30 @@
 #include "commands.h"
 #include "diagnostics.h"
 #include "help.h"
-#include "json.h"
 
 #include <pellicle/preset.h>
 
 static void print_json(const pel_material_preset *presets, int32_t count)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_open(&json, "presets", '[');
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_open(&json, "presets", '[');
     for (int32_t i = 0; i < count; ++i) {
         const pel_material_preset *preset = &presets[i];
-        cli_json_open(&json, NULL, '{');
-        cli_json_text(&json, "name", preset->name);
-        cli_json_text(&json, "material", pel_membrane_kind_name(preset->material.kind));
-        cli_json_number(&json, "young", preset->material.young);
-        cli_json_number(&json, "poisson", preset->material.poisson);
-        cli_json_number(&json, "thickness", preset->material.thickness);
-        cli_json_number(&json, "mooney_ratio", preset->material.mooney_ratio);
-        cli_json_number(&json, "density", preset->density);
-        cli_json_text(&json, "doc", preset->doc);
-        cli_json_text(&json, "source", preset->source);
-        cli_json_close(&json, '}');
+        pel_json_open(&json, NULL, '{');
+        pel_json_text(&json, "name", preset->name);
+        pel_json_text(&json, "material", pel_membrane_kind_name(preset->material.kind));
+        pel_json_number(&json, "young", preset->material.young);
+        pel_json_number(&json, "poisson", preset->material.poisson);
+        pel_json_number(&json, "thickness", preset->material.thickness);
+        pel_json_number(&json, "mooney_ratio", preset->material.mooney_ratio);
+        pel_json_number(&json, "density", preset->density);
+        pel_json_text(&json, "doc", preset->doc);
+        pel_json_text(&json, "source", preset->source);
+        pel_json_close(&json, '}');
     }
-    cli_json_close(&json, ']');
-    cli_json_close(&json, '}');
+    pel_json_close(&json, ']');
+    pel_json_close(&json, '}');
 }
 
 int cli_presets(const cli_call *call)

@@ -258,21 +258,21 @@ static bool is_other_file(const char *output)
 
 static void write_summary(const char *output, const pel_render_summary *summary)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "output", output);
-    cli_json_integer(&json, "pictures", summary->picture_count);
-    cli_json_integer(&json, "width", summary->width);
-    cli_json_integer(&json, "height", summary->height);
-    cli_json_text(&json, "field", summary->field[0] != '\0' ? summary->field : NULL);
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "output", output);
+    pel_json_integer(&json, "pictures", summary->picture_count);
+    pel_json_integer(&json, "width", summary->width);
+    pel_json_integer(&json, "height", summary->height);
+    pel_json_text(&json, "field", summary->field[0] != '\0' ? summary->field : NULL);
     if (summary->field[0] != '\0')
-        cli_json_numbers(&json, "range", summary->range, 2);
-    cli_json_number(&json, "read_s", summary->read_s);
-    cli_json_number(&json, "draw_s", summary->draw_s);
-    cli_json_number(&json, "least_s", summary->least_s);
-    cli_json_number(&json, "write_s", summary->write_s);
-    cli_json_text(&json, "renderer", summary->renderer);
-    cli_json_close(&json, '}');
+        pel_json_numbers(&json, "range", summary->range, 2);
+    pel_json_number(&json, "read_s", summary->read_s);
+    pel_json_number(&json, "draw_s", summary->draw_s);
+    pel_json_number(&json, "least_s", summary->least_s);
+    pel_json_number(&json, "write_s", summary->write_s);
+    pel_json_text(&json, "renderer", summary->renderer);
+    pel_json_close(&json, '}');
 }
 
 static void print_summary(const char *output, const pel_render_summary *summary)

@@ -45,7 +45,7 @@ static void print_progress(const display *d, const pel_run_progress *p)
 static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
-    double now = cli_clock();
+    double now = pel_seconds();
     /* nothing is lost if the program ends before this point */
     cli_catch_stop(d->quiet                  ? ""
                    : d->form == PROGRESS_BAR ? "\r\033[Kstopping; the same again ends at once\n"
@@ -178,11 +178,11 @@ static bool copy_summary(const char *folder)
 /* a run that was refused, or that could not even write its summary */
 static void write_refusal(const pel_error *error)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "status", "refused");
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "status", "refused");
     cli_write_error(&json, error);
-    cli_json_close(&json, '}');
+    pel_json_close(&json, '}');
 }
 
 static int run_scene(const cli_call *call, const pel_scene *scene, const char *folder)

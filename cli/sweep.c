@@ -27,7 +27,7 @@ typedef struct display {
 static void show_progress(void *user, const pel_study_progress *p)
 {
     display *d = user;
-    double now = cli_clock();
+    double now = pel_seconds();
     if (now - d->last < 0.1 && p->done < p->total)
         return;
     d->last = now;
@@ -84,17 +84,17 @@ static bool choose_folder(const cli_call *call, char folder[SWEEP_PATH])
 
 static void write_json(const cli_call *call, const pel_study_summary *s, const char *folder)
 {
-    cli_json json = {.file = stdout};
-    cli_json_open(&json, NULL, '{');
-    cli_json_text(&json, "study", call->arguments[0]);
-    cli_json_text(&json, "folder", folder);
-    cli_json_integer(&json, "runs", s->runs);
-    cli_json_integer(&json, "present", s->present);
-    cli_json_integer(&json, "done", s->done);
-    cli_json_integer(&json, "failed", s->failed);
-    cli_json_integer(&json, "missing", s->missing);
-    cli_json_text(&json, "zeros", s->zeros);
-    cli_json_close(&json, '}');
+    pel_json json = {.file = stdout, .style = PEL_JSON_INDENTED};
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "study", call->arguments[0]);
+    pel_json_text(&json, "folder", folder);
+    pel_json_integer(&json, "runs", s->runs);
+    pel_json_integer(&json, "present", s->present);
+    pel_json_integer(&json, "done", s->done);
+    pel_json_integer(&json, "failed", s->failed);
+    pel_json_integer(&json, "missing", s->missing);
+    pel_json_text(&json, "zeros", s->zeros);
+    pel_json_close(&json, '}');
 }
 
 static void print_summary(const pel_study_summary *s, const char *folder)

@@ -23,7 +23,7 @@ endif()
 # clang-format 14 is pinned: other versions format differently
 find_program(CLANG_FORMAT clang-format-14 REQUIRED)
 file(GLOB_RECURSE FORMATTED CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.[ch] ${PROJECT_SOURCE_DIR}/cli/*.[ch]
-     ${PROJECT_SOURCE_DIR}/view/*.[ch]
+     ${PROJECT_SOURCE_DIR}/papers/*.[ch] ${PROJECT_SOURCE_DIR}/view/*.[ch]
      ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tests/*.cpp
      ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch] ${PROJECT_SOURCE_DIR}/python/*.[ch])
 add_test(NAME house/format COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED})

@@ -212,9 +212,8 @@ static pel_status make_program(program *p, const char *head, pel_error *error)
     }
     if (!good) {
         text[strcspn(text, "\n")] = '\0';
-        pel_fail(error, PEL_BAD_ARGUMENT, "this OpenGL refuses the shaders: %s", text);
-        pel_fail_remedy(error, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set LIBGL_ALWAYS_SOFTWARE=1 to draw without the graphics card",
+                          "this OpenGL refuses the shaders: %s", text);
     }
     p->projection = glGetUniformLocation(p->id, "projection");
     p->plain = glGetUniformLocation(p->id, "plain");
@@ -252,9 +251,8 @@ static pel_status make_programs(view_gl_target *canvas, pel_error *error)
 
 static pel_status fail_context(const char *what, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "cannot draw: %s", what);
-    pel_fail_remedy(error, "install the Debian packages libegl1, libegl-mesa0 and libgl1-mesa-dri");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "install the Debian packages libegl1, libegl-mesa0 and libgl1-mesa-dri",
+                      "cannot draw: %s", what);
 }
 
 static pel_status make_context(view_gl_target *canvas, pel_error *error)

@@ -62,51 +62,52 @@ pel_render_def pel_render_def_default(void)
 
 /* ---- the def ---- */
 
-static pel_status refuse(const char *what, const char *remedy, pel_error *error)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static pel_status check_numbers(const pel_render_def *def, pel_error *error)
 {
     const pel_camera_angle *angle = &def->angle;
     if (!isfinite(angle->azimuth) || !(fabs(angle->elevation) <= 90) || !(angle->zoom >= 0.01 && angle->zoom <= 100))
-        return refuse("the camera's angle is out of range", "give an elevation of -90 to 90 and a zoom of 0.01 to 100",
-                      error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give an elevation of -90 to 90 and a zoom of 0.01 to 100",
+                          "the camera's angle is out of range");
     if (def->fixed_range && !(isfinite(def->range[0]) && isfinite(def->range[1]) && def->range[0] < def->range[1]))
-        return refuse("the range of the colors is empty", "give its lower end first", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give its lower end first", "the range of the colors is empty");
     if (def->width < 0 || def->height < 0 || (def->width == 0) != (def->height == 0))
-        return refuse("the size of the picture is out of range", "give width and height from 1", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give width and height from 1",
+                          "the size of the picture is out of range");
     if (def->columns < 0 || def->rows < 0 || def->columns > 1000 || def->rows > 1000 ||
         (def->columns == 0) != (def->rows == 0))
-        return refuse("the sheet's columns and rows are out of range", "give both from 1", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give both from 1", "the sheet's columns and rows are out of range");
     if (!(def->frame_rate >= 0 && def->frame_rate <= 1000))
-        return refuse("the frame rate is out of range", "give up to 1000 pictures a second", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give up to 1000 pictures a second",
+                          "the frame rate is out of range");
     if (!isfinite(def->turn) || (def->turn != 0 && view_output_kind(def->output) != VIEW_FILM))
-        return refuse("the camera turns in films alone", "write a .mp4 or a .gif, or choose a view", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "write a .mp4 or a .gif, or choose a view",
+                          "the camera turns in films alone");
     if (def->component < -1 || def->up < 0 || def->up > 2 || (unsigned)def->color_map > PEL_COLORS_AUTO ||
         (unsigned)def->background > PEL_BACKGROUND_TRANSPARENT)
-        return refuse("a choice is out of range", "begin with pel_render_def_default", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "begin with pel_render_def_default", "a choice is out of range");
     return PEL_OK;
 }
 
 static pel_status check_def(const pel_render_def *def, pel_error *error)
 {
     if (def == NULL || def->cookie != cookie)
-        return refuse("the def was not made by pel_render_def_default", "begin with that function", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "begin with that function",
+                          "the def was not made by pel_render_def_default");
     if (def->inputs == NULL || def->input_count < 1 || def->input_count > MOST_INPUTS)
-        return refuse("the number of runs is out of range, or inputs is null", "draw 1 to 64 at a time", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "draw 1 to 64 at a time",
+                          "the number of runs is out of range, or inputs is null");
     for (int32_t i = 0; i < def->input_count; ++i)
         if (def->inputs[i] == NULL)
-            return refuse("one of the inputs is null", "name each run", error);
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "name each run", "one of the inputs is null");
     if (def->frame_range_count < 0 || (def->frame_range_count > 0 && def->frames == NULL))
-        return refuse("frames is null, or frame_range_count below 0", "give the ranges with their count", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give the ranges with their count",
+                          "frames is null, or frame_range_count below 0");
     if (def->output == NULL || def->output[0] == '\0' || strlen(def->output) > PATH_SIZE - 64)
-        return refuse("the output has no name or a very long one", "name a folder, a .png or an .mp4 file", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "name a folder, a .png or an .mp4 file",
+                          "the output has no name or a very long one");
     if (view_output_kind(def->output) == VIEW_FILM && def->background == PEL_BACKGROUND_TRANSPARENT)
-        return refuse("a film cannot be transparent", "choose a white or dark background, or write pictures", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "choose a white or dark background, or write pictures",
+                          "a film cannot be transparent");
     return check_numbers(def, error);
 }
 
@@ -120,7 +121,7 @@ static const char *frame_path(const job *j, view_shot shot)
 
 static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *error)
 {
-    double start = view_clock();
+    double start = pel_seconds();
     *mesh = NULL;
     if (j->def.progress != NULL && !j->def.progress(j->def.user))
         return pel_fail(error, PEL_STOPPED, "stopped while drawing");
@@ -134,7 +135,7 @@ static pel_status read_shot(job *j, view_shot shot, pel_mesh **mesh, pel_error *
             status = pel_fail_memory(error);
         }
     }
-    j->summary.read_s += view_clock() - start;
+    j->summary.read_s += pel_seconds() - start;
     if (status != PEL_OK) {
         pel_mesh_destroy(*mesh);
         *mesh = NULL;
@@ -159,19 +160,21 @@ static pel_status name_fields(job *j, pel_error *error)
         size_t length = strcspn(at, ",");
         is_last = at[length] == '\0';
         if (j->field_count == PEL_RENDER_FIELD_LIMIT)
-            return refuse("there are more than 8 fields", "name up to 8 with commas between them", error);
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "name up to 8 with commas between them",
+                              "there are more than 8 fields");
         shown_field *shown = &j->fields[j->field_count++];
         *shown = (shown_field){.range = {HUGE_VAL, -HUGE_VAL}};
         if (length == 4 && strncmp(at, "none", 4) == 0)
             continue;
         if (length == 0 || length >= sizeof shown->name)
-            return refuse("the name of a field is empty or too long", "write names such as displacement,force", error);
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "write names such as displacement,force",
+                              "the name of a field is empty or too long");
         snprintf(shown->name, sizeof shown->name, "%.*s", (int)length, at);
         ++j->colored_count;
     }
     if (j->colored_count > 1 && (j->def.fixed_range || j->def.unit != NULL))
-        return refuse("range and unit are those of a single field, but there are several",
-                      "leave them out, or name one field beside none", error);
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave them out, or name one field beside none",
+                          "range and unit are those of a single field, but there are several");
     return PEL_OK;
 }
 
@@ -239,8 +242,7 @@ static double body_size(const job *j)
 static double tool_radius(const pel_tool_def *tool)
 {
     const double *half = tool->half_extents;
-    return tool->shape == PEL_TOOL_BOX ? sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2])
-                                       : tool->radius + (tool->shape == PEL_TOOL_CAPSULE ? tool->half_length : 0);
+    return tool->radius + tool->half_length + sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
 }
 
 static void find_middle(const job *j, double middle[3])
@@ -609,7 +611,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     pel_status status = read_shot(j, shot, &mesh, error);
     if (status != PEL_OK)
         return status;
-    double start = view_clock();
+    double start = pel_seconds();
     parts ends;
     int32_t x, y;
     view_sheet_cell(&j->page, cell, &x, &y);
@@ -621,7 +623,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     }
     if (status == PEL_OK && !j->def.hide_labels)
         draw_label(j, shot, cell);
-    j->summary.draw_s += view_clock() - start;
+    j->summary.draw_s += pel_seconds() - start;
     pel_mesh_destroy(mesh);
     return status;
 }
@@ -642,7 +644,7 @@ static void turn_camera(job *j, int32_t page)
 static pel_status draw_page(job *j, int32_t page, pel_error *error)
 {
     const view_shot *shots = j->shots.shots + (size_t)page * (size_t)j->shots.cell_count;
-    double start = view_clock();
+    double start = pel_seconds();
     double before = j->summary.draw_s;
     if (j->def.turn != 0)
         turn_camera(j, page);
@@ -651,7 +653,7 @@ static pel_status draw_page(job *j, int32_t page, pel_error *error)
         if (j->fields[f].name[0] != '\0')
             view_sheet_bar(&j->page, &j->image, bar++, j->fields[f].color_map, &j->fields[f].scale);
     }
-    j->summary.draw_s += view_clock() - start;
+    j->summary.draw_s += pel_seconds() - start;
     pel_status status = PEL_OK;
     for (int32_t cell = 0; status == PEL_OK && cell < j->shots.cell_count; ++cell) {
         if (shots[cell].run >= 0)
@@ -724,10 +726,10 @@ static pel_status write_film(job *j, pel_error *error)
         return status;
     for (int32_t p = 0; status == PEL_OK && p < j->shots.page_count; ++p) {
         status = draw_page(j, p, error);
-        double start = view_clock();
+        double start = pel_seconds();
         if (status == PEL_OK)
             status = view_film_add(film, &j->image, error);
-        j->summary.write_s += view_clock() - start;
+        j->summary.write_s += pel_seconds() - start;
         j->summary.picture_count += status == PEL_OK;
     }
     pel_status ended = view_film_close(film, status == PEL_OK, status == PEL_OK ? error : NULL);

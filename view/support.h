@@ -9,7 +9,5 @@
 void *view_allocate(size_t count, size_t size);
 
 bool view_ends_with(const char *text, const char *ending);
-/* seconds of a steady clock */
-double view_clock(void);
 
 #endif

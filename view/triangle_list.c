@@ -198,26 +198,6 @@ static pel_status add_capsule(view_triangle_list *soup, const frame *f, double r
     return add_revolved(soup, f, (const double(*)[4])profile, count, BALL_SIDES, error);
 }
 
-static pel_status add_box(view_triangle_list *soup, const frame *f, const double half[3], pel_error *error)
-{
-    static const int signs[6][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}};
-    view_corner *corner = add_corners(soup, 36, error);
-    if (corner == NULL)
-        return PEL_OUT_OF_MEMORY;
-    for (int side = 0; side < 6; ++side) {
-        int axis = side / 2, sign = side % 2 == 0 ? -1 : 1;
-        double normal[3] = {0}, position[3];
-        normal[axis] = sign;
-        for (int i = 0; i < 6; ++i) {
-            position[axis] = sign * half[axis];
-            position[(axis + 1) % 3] = signs[i][0] * sign * half[(axis + 1) % 3];
-            position[(axis + 2) % 3] = signs[i][1] * half[(axis + 2) % 3];
-            set_solid_corner(f, position, normal, corner++);
-        }
-    }
-    return PEL_OK;
-}
-
 /* each triangle flat, so that edges show */
 static pel_status add_mesh(view_triangle_list *soup, const frame *f, const pel_mesh *mesh, pel_error *error)
 {
@@ -252,19 +232,18 @@ pel_status view_triangle_list_add_tool(view_triangle_list *soup, const view_came
                         {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
                         {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}}};
     memcpy(f.origin, position, sizeof f.origin);
-    switch (tool->shape) {
-    case PEL_TOOL_SPHERE:
-        return add_capsule(soup, &f, tool->radius, 0, error);
-    case PEL_TOOL_CAPSULE:
-        return add_capsule(soup, &f, tool->radius, tool->half_length, error);
-    case PEL_TOOL_BOX:
-        return add_box(soup, &f, tool->half_extents, error);
-    case PEL_TOOL_MESH:
-        return add_mesh(soup, &f, tool->mesh, error);
-    case PEL_TOOL_SUPPORT:
+    if (tool->shape == PEL_TOOL_SUPPORT)
         return PEL_OK;
-    }
-    return PEL_OK;
+    if (tool->shape == PEL_TOOL_SPHERE || tool->shape == PEL_TOOL_CAPSULE)
+        return add_capsule(soup, &f, tool->radius, tool->shape == PEL_TOOL_SPHERE ? 0 : tool->half_length, error);
+    if (tool->shape == PEL_TOOL_MESH)
+        return add_mesh(soup, &f, tool->mesh, error);
+    pel_mesh *mesh;
+    pel_status status = pel_tool_def_surface(tool, &mesh, error);
+    if (status == PEL_OK)
+        status = add_mesh(soup, &f, mesh, error);
+    pel_mesh_destroy(mesh);
+    return status;
 }
 
 pel_status view_triangle_list_add_arrow(view_triangle_list *soup, const view_camera *camera, const double tail[3],

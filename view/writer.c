@@ -13,9 +13,9 @@ pel_status view_writer_open(view_writer *writer, int32_t width, int32_t height, 
 static void *write_picture(void *argument)
 {
     view_writer *writer = argument;
-    double start = view_clock();
+    double start = pel_seconds();
     writer->status = view_image_write(&writer->image, writer->path, writer->fast, &writer->error);
-    writer->seconds += view_clock() - start;
+    writer->seconds += pel_seconds() - start;
     return NULL;
 }
 

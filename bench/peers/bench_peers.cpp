@@ -29,14 +29,14 @@ soup soup_of(const pel_mesh *mesh)
 
 double subdivide_pellicle(const soup &coarse, soup *fine)
 {
-    double start = bench_seconds();
+    double start = pel_seconds();
     pel_mesh *mesh, *result;
     pel_error error;
     bench_check(pel_mesh_create(coarse.positions.data(), (int32_t)(coarse.positions.size() / 3),
                                 coarse.triangles.data(), (int32_t)(coarse.triangles.size() / 3), &mesh, &error),
                 &error);
     bench_check(pel_mesh_subdivide(mesh, 1, &result, &error), &error);
-    double time = bench_seconds() - start;
+    double time = pel_seconds() - start;
     if (fine != nullptr)
         *fine = soup_of(result);
     pel_mesh_destroy(mesh);

@@ -14,7 +14,7 @@ typedef OpenMesh::TriMesh_ArrayKernelT<traits> mesh_type;
 
 double subdivide_openmesh(const soup &coarse, soup *fine)
 {
-    double start = bench_seconds();
+    double start = pel_seconds();
     mesh_type mesh;
     size_t vertex_count = coarse.positions.size() / 3, triangle_count = coarse.triangles.size() / 3;
     mesh.reserve(vertex_count, 3 * triangle_count / 2, triangle_count);
@@ -29,7 +29,7 @@ double subdivide_openmesh(const soup &coarse, soup *fine)
     butterfly.attach(mesh);
     butterfly(1);
     butterfly.detach();
-    double time = bench_seconds() - start;
+    double time = pel_seconds() - start;
     if (fine == nullptr)
         return time;
     for (auto v : mesh.vertices())

@@ -8,7 +8,7 @@
 
 double subdivide_vtk(const soup &coarse, soup *fine)
 {
-    double start = bench_seconds();
+    double start = pel_seconds();
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
     points->SetNumberOfPoints((vtkIdType)coarse.positions.size() / 3);
@@ -28,7 +28,7 @@ double subdivide_vtk(const soup &coarse, soup *fine)
     butterfly->SetInputData(mesh);
     butterfly->SetNumberOfSubdivisions(1);
     butterfly->Update();
-    double time = bench_seconds() - start;
+    double time = pel_seconds() - start;
     if (fine == nullptr)
         return time;
     vtkPolyData *out = butterfly->GetOutput();

@@ -232,21 +232,13 @@ static int push_devices(void)
 
 /* a device that repeats the recorded motion in real time and stores the largest force */
 typedef struct player {
-    struct timespec start;
-    double largest;
+    double start, largest;
 } player;
-
-static double seconds_since(const struct timespec *start)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - start->tv_sec) + 1e-9 * (double)(now.tv_nsec - start->tv_nsec);
-}
 
 static bool read_hand(void *user, double position[3], double rotation[4])
 {
     (void)rotation;
-    hand_at(fmod(seconds_since(&((player *)user)->start), 3.8), position);
+    hand_at(fmod(pel_seconds() - ((player *)user)->start, 3.8), position);
     return true;
 }
 
@@ -264,15 +256,14 @@ static int run_thread(double seconds)
     def.sim = s.sim;
     pel_haptic *haptic;
     check(pel_haptic_create(&def, &haptic, &error), &error);
-    player hand = {.largest = 0};
-    clock_gettime(CLOCK_MONOTONIC, &hand.start);
+    player hand = {.start = pel_seconds()};
     const pel_haptic_device device = {read_hand, write_force, &hand};
     check(pel_haptic_start(haptic, &device, &error), &error);
-    for (int64_t step = 0; seconds_since(&hand.start) < seconds; step++) {
+    for (int64_t step = 0; pel_seconds() - hand.start < seconds; step++) {
         check(pel_haptic_sync(haptic, &error), &error);
         check(pel_sim_step(s.sim, &error), &error);
         /* wait for the real time of the next step */
-        double wait = (double)(step + 1) / STEP_RATE - seconds_since(&hand.start);
+        double wait = (double)(step + 1) / STEP_RATE - (pel_seconds() - hand.start);
         if (wait > 0)
             nanosleep(&(struct timespec){(time_t)wait, (long)(1e9 * fmod(wait, 1))}, NULL);
     }

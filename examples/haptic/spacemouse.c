@@ -74,13 +74,6 @@ static void write_device(void *user, const double force[3])
     memcpy(((device *)user)->force, force, sizeof((device *)user)->force);
 }
 
-static double clock_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 int main(int argc, char **argv)
 {
     pel_error error;
@@ -131,11 +124,11 @@ int main(int argc, char **argv)
     const pel_haptic_device functions = {read_device, write_device, &d};
     check(pel_haptic_start(haptic, &functions, &error), &error);
     signal(SIGINT, stop);
-    const double begin = clock_now();
+    const double begin = pel_seconds();
     for (int64_t step = 1; !stopped; step++) {
         check(pel_haptic_sync(haptic, &error), &error);
         check(pel_sim_step(sim, &error), &error);
-        double wait = begin + (double)step / STEP_RATE - clock_now();
+        double wait = begin + (double)step / STEP_RATE - pel_seconds();
         if (wait > 0)
             nanosleep(&(struct timespec){(time_t)wait, (long)(1e9 * fmod(wait, 1))}, NULL);
         if (step % (STEP_RATE / 10) == 0) {

@@ -84,14 +84,12 @@ PEL_API const char *pel_error_text(const pel_error *error, char *text, size_t si
    such as "did you mean ...?". */
 PEL_API const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 
-/* For writers of JSON: writes the first letter of `text` (not empty), escaped for a JSON string and zero-terminated,
-   and returns the start of the next letter. The output is valid UTF-8 (invalid bytes become \ufffd) and escapes '<', so
-   that it is safe inside HTML. */
-PEL_API const char *pel_json_letter(const char *text, char escaped[7]);
+/* Seconds of a monotonic clock, from any origin: only differences mean something. Setting the time of the system does
+   not change it. */
+PEL_API double pel_seconds(void);
 
-/* For writers of JSON: writes the shortest digits that read back to the same bits in any locale; null for NaN and
-   infinity. Returns text. */
-PEL_API const char *pel_json_digits(double number, char text[32]);
+/* Processor time of the calling thread in seconds, likewise: other load on the machine counts less. */
+PEL_API double pel_thread_seconds(void);
 
 /* Receiver of notes and warnings (a quad was triangulated, vertices were welded). Null log or null write: none. */
 typedef struct pel_log {

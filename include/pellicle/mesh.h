@@ -45,6 +45,10 @@ PEL_API pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t 
 /* The field with this name, or null. Lives as long as the mesh. */
 PEL_API const pel_field *pel_mesh_field(const pel_mesh *mesh, const char *name);
 
+/* Corners of the box along the axes around all vertices, in units of the mesh; of no mesh infinity and
+   -infinity. */
+PEL_API void pel_mesh_box(const pel_mesh *mesh, double low[3], double high[3]);
+
 /* The map x -> rotation (scale x) + translation. */
 typedef struct pel_transform {
     double scale[3];       /* factor along each axis, not 0; an odd number of negative ones mirrors */

@@ -13,6 +13,7 @@
 #include "geometry.h"
 #include "haptic.h"
 #include "intersect.h"
+#include "json.h"
 #include "live.h"
 #include "material.h"
 #include "measure.h"

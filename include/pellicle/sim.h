@@ -66,8 +66,8 @@ typedef struct pel_solver_def {
     double drag;             /* 1/s: velocities fall by exp(-drag t); pbd, xpbd, explicit */
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; modes ignore tools and contact */
-    int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     pel_path path;           /* static, without an analysis */
+    int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     double budget; /* s, static and implicit: a step ends after the linear solve in progress at this time, with the best
                       state so far (pel_solver_reading has the residual); results depend on the machine. 0 = none */
 } pel_solver_def;
@@ -108,6 +108,8 @@ typedef enum pel_tool_shape {
     PEL_TOOL_MESH,    /* mesh; needs contact (pel_contact_def) */
     PEL_TOOL_SUPPORT  /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
 } pel_tool_shape;
+
+enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_SUPPORT + 1 }; /* number of shapes */
 
 /* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
 
@@ -152,6 +154,10 @@ typedef struct pel_tool_def {
 } pel_tool_def;
 
 PEL_API pel_tool_def pel_tool_def_default(void);
+/* The surface of a tool in its own frame, wound outward, as results show it; of PEL_TOOL_MESH a copy of its mesh. Free
+   with pel_mesh_destroy. PEL_BAD_ARGUMENT for PEL_TOOL_SUPPORT, no mesh and dimensions that are not finite,
+   PEL_OUT_OF_MEMORY; *mesh is null then. */
+PEL_API pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error);
 /* The pose (position 3, unit quaternion 4) of the keys of a tool at a time [s]; constant before the first key and after
    the last. */
 PEL_API void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
@@ -166,11 +172,11 @@ typedef struct pel_support_def {
     double axes[3][3];      /* rows are orthonormal axes; default: x, y, z */
     bool fix[3];            /* held components along the axes; default: all */
     double displacement[3]; /* m, along the axes, from the rest position; of held components */
-    const pel_key *keys;    /* (key_count) factor on the displacement over time; null = 1 */
+    double foundation;   /* N/m3, Winkler foundation: springs of this stiffness per rest area of the triangles with all
+                            corners among the vertices, a third for each corner; replaces stiffness; 0 = none */
+    const pel_key *keys; /* (key_count) factor on the displacement over time; null = 1 */
     int32_t key_count;
     double stiffness;  /* N/m of each vertex: springs hold the components; 0 = rigid */
-    double foundation; /* N/m3, Winkler foundation: springs of this stiffness per rest area of the triangles with all
-                          corners among the vertices, a third for each corner; replaces stiffness; 0 = none */
     bool fix_rotation; /* edges with both ends among the vertices keep their normals (PEL_BENDING_MIDEDGE): an edge
                           held in space is clamped, one in a plane of symmetry keeps the surface normal to it */
 } pel_support_def;
@@ -542,7 +548,7 @@ PEL_API pel_status pel_sim_adjoint_steps(pel_sim *sim, const pel_adjoint_steps *
 /* Takes a step of sim and, beside it, one of each of `beside` (count): simulations of the same bodies that differ by
    small changes of numbers and have taken the same steps. They are solved by chord iterations with the matrix of sim at
    the end of its step: two or three solutions per step instead of the factorizations of Newton's method
-   (src/solver/solve/newton_beside.c). To get the derivative of a reading with respect to a number along the steps, use
+   (src/solver/newton/beside.c). To get the derivative of a reading with respect to a number along the steps, use
    two simulations, in which the number is slightly smaller and slightly larger, and divide the difference of the
    reading by the difference of the number. For PEL_METHOD_STATIC (including arc length) and PEL_METHOD_IMPLICIT,
    without tools, contact, refinement, analyses and a time budget. The call fails if a step does not converge; the

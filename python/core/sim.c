@@ -3,8 +3,6 @@
 
 #include <pellicle/observe.h>
 
-#include <time.h>
-
 PyTypeObject *core_sim_type;
 
 static void sim_free(core_sim *self)
@@ -62,16 +60,9 @@ int32_t core_sim_body(core_sim *self, PyObject *body)
 /* s between two checks for Ctrl-C */
 #define LOOK_SECONDS 0.05
 
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 bool core_is_wanted(void *user)
 {
-    double *next = user, now = seconds();
+    double *next = user, now = pel_seconds();
     if (now < *next)
         return true;
     *next = now + LOOK_SECONDS;
@@ -94,10 +85,10 @@ static PyObject *sim_step(core_sim *self, PyObject *argument)
     int stopped = 0;
     self->is_busy = 1;
     while (count > 0 && status == PEL_OK && !stopped) {
-        Py_BEGIN_ALLOW_THREADS double until = seconds() + LOOK_SECONDS;
+        Py_BEGIN_ALLOW_THREADS double until = pel_seconds() + LOOK_SECONDS;
         do
             status = pel_sim_step(self->sim, &error);
-        while (--count > 0 && status == PEL_OK && seconds() < until);
+        while (--count > 0 && status == PEL_OK && pel_seconds() < until);
         Py_END_ALLOW_THREADS stopped = status == PEL_STOPPED || PyErr_Occurred() || PyErr_CheckSignals() < 0;
     }
     self->is_busy = 0;

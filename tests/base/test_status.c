@@ -46,6 +46,21 @@ static void test_text_of_each_place(void **unused)
     assert_string_equal(text_of(&error), "b.stl:byte 84: error: vertex 7: 3 is odd. use 4");
 }
 
+/* The remedy is text: a % in it stands for itself. */
+static void test_refuse(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    pel_fail(&error, PEL_BAD_FILE, "first");
+    pel_fail_place(&error, "a.obj", 1, 2);
+    assert_int_equal(pel_refuse(&error, PEL_BAD_MESH, "give 5 %d at most", "%d is odd", 3), PEL_BAD_MESH);
+    assert_int_equal(error.status, PEL_BAD_MESH);
+    assert_string_equal(text_of(&error), "error: 3 is odd. give 5 %d at most");
+    assert_int_equal(pel_refuse_element(&error, PEL_BAD_ARGUMENT, "load", 2, "give %s", "%s is odd", "it"),
+                     PEL_BAD_ARGUMENT);
+    assert_string_equal(text_of(&error), "error: load 2: it is odd. give %s");
+}
+
 static void test_new_failure_forgets_the_old(void **unused)
 {
     (void)unused;
@@ -104,6 +119,8 @@ static void test_null_error(void **unused)
     (void)unused;
     assert_int_equal(pel_fail(NULL, PEL_BAD_SCENE, "nobody reads this"), PEL_BAD_SCENE);
     assert_int_equal(pel_fail_memory(NULL), PEL_OUT_OF_MEMORY);
+    assert_int_equal(pel_refuse(NULL, PEL_BAD_SCENE, "none", "nobody reads this"), PEL_BAD_SCENE);
+    assert_int_equal(pel_refuse_element(NULL, PEL_BAD_FILE, "load", 1, "none", "nobody"), PEL_BAD_FILE);
     pel_fail_remedy(NULL, "none");
     pel_fail_element(NULL, "vertex", 1);
     pel_fail_place(NULL, "a.obj", 1, 1);
@@ -132,6 +149,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_status_has_a_text),
         cmocka_unit_test(test_text_of_each_place),
+        cmocka_unit_test(test_refuse),
         cmocka_unit_test(test_new_failure_forgets_the_old),
         cmocka_unit_test(test_text_is_cut),
         cmocka_unit_test(test_long_values_are_cut),

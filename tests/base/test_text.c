@@ -115,62 +115,13 @@ static void test_utf8(void **unused)
     }
 }
 
-static void test_json_letters(void **unused)
-{
-    (void)unused;
-    char letter[7];
-    const struct {
-        const char *text, *escaped;
-        int length;
-    } letters[] = {{"\"", "\\\"", 1},
-                   {"\\x", "\\\\", 1},
-                   {"\n", "\\n", 1},
-                   {"\t", "\\u0009", 1},
-                   {"<b", "\\u003c", 1},
-                   {"\x7f", "\\u007f", 1},
-                   {"a", "a", 1},
-                   {"\xc3\xa9z", "\xc3\xa9", 2},
-                   {"\xe2\x82\xac", "\xe2\x82\xac", 3},
-                   {"\xc0\x80", "\\ufffd", 1},
-                   {"\xed\xa0\x80", "\\ufffd", 1},
-                   {"\xf0\x9f\x98\x80", "\xf0\x9f\x98\x80", 4},
-                   {"\xf5\x80\x80\x80", "\\ufffd", 1}};
-    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++) {
-        assert_ptr_equal(pel_json_letter(letters[i].text, letter), letters[i].text + letters[i].length);
-        assert_string_equal(letter, letters[i].escaped);
-    }
-    for (int first = 1; first < 256; first++)
-        for (int second = 0; second < 256; second++) {
-            const char text[3] = {(char)first, (char)second, '\0'};
-            int length = (int)(pel_json_letter(text, letter) - text);
-            bool pair = first >= 0xc2 && first < 0xe0 && (second & 0xc0) == 0x80;
-            assert_int_equal(length, pair ? 2 : 1);
-            for (const char *c = letter; !pair && *c != '\0'; c++)
-                assert_in_range(*c, ' ', '~');
-        }
-}
-
-/* as the program and the files of runs write them */
-static void test_json_digits(void **unused)
-{
-    (void)unused;
-    char text[32];
-    assert_string_equal(pel_json_digits(0.1, text), "0.1");
-    assert_string_equal(pel_json_digits(-3, text), "-3");
-    assert_string_equal(pel_json_digits(0.1 + 0.2, text), "0.30000000000000004");
-    assert_string_equal(pel_json_digits(HUGE_VAL, text), "null");
-    assert_string_equal(pel_json_digits((double)NAN, text), "null");
-    const double extremes[] = {-DBL_MAX, -DBL_MIN, -4.9406564584124654e-324};
-    for (int i = 0; i < 3; i++)
-        assert_true(strtod(pel_json_digits(extremes[i], text), NULL) == extremes[i]);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_edit_distance), cmocka_unit_test(test_long_names_are_cut),
-        cmocka_unit_test(test_nearest_name),  cmocka_unit_test(test_json_letters),
-        cmocka_unit_test(test_utf8),          cmocka_unit_test(test_json_digits),
+        cmocka_unit_test(test_edit_distance),
+        cmocka_unit_test(test_long_names_are_cut),
+        cmocka_unit_test(test_nearest_name),
+        cmocka_unit_test(test_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -82,7 +82,7 @@ static void test_pressed_sheet(void **unused)
     static arrays a;
     random_state random = {3};
     int32_t most = 0, skipped = 0, again = 0;
-    const pel_obstacle box = {.solid = {.kind = PEL_SOLID_BOX, .half_extents = {0.1, 0.1, 0.1}},
+    const pel_obstacle box = {.solid = {.shape = PEL_TOOL_BOX, .half_extents = {0.1, 0.1, 0.1}},
                               .presses = true,
                               .body = -1,
                               .before = pose_at(0, 0, 2),

@@ -4,8 +4,6 @@
 #include "failing_malloc.h"
 #include "set_fixture.h"
 
-#include <time.h>
-
 /* ---- pairs ---- */
 
 static void position(const arrays *a, int32_t v, double x[3])
@@ -143,7 +141,7 @@ static void test_box(void **unused)
     static arrays a;
     a = (arrays){0};
     add_sheet(&a, 5, top + THICKNESS + 0.002, 0, &random);
-    pel_obstacle box = {.solid = {.kind = PEL_SOLID_BOX, .half_extents = {2, 2, top}}, .presses = true, .body = -1};
+    pel_obstacle box = {.solid = {.shape = PEL_TOOL_BOX, .half_extents = {2, 2, top}}, .presses = true, .body = -1};
     add_obstacle(&a, &box, 0);
     for (int32_t v = 0; v < 25; v++) {
         a.next[v][2] -= (pel_real)0.01;
@@ -233,14 +231,14 @@ static void test_momentum(void **unused)
 
 /* first time at which a sphere or capsule of radius 0.1 under the sheet z = 0 that starts at a gap and rises comes too
    near; 2 = never */
-static double rise(pel_solid_kind kind, double x, double gap_share, double gap, double way)
+static double rise(pel_tool_shape kind, double x, double gap_share, double gap, double way)
 {
     random_state random = {5};
     static arrays a;
     a = (arrays){0};
     add_sheet(&a, 7, 0, 0, &random);
-    const double half = kind == PEL_SOLID_CAPSULE ? 0.2 : 0;
-    pel_obstacle obstacle = {.solid = {.kind = kind, .radius = 0.1, .half_length = half}, .presses = true, .body = -1};
+    const double half = kind == PEL_TOOL_CAPSULE ? 0.2 : 0;
+    pel_obstacle obstacle = {.solid = {.shape = kind, .radius = 0.1, .half_length = half}, .presses = true, .body = -1};
     add_obstacle(&a, &obstacle, 0);
     pel_contact_set *set = create(&a);
     gap += gap_share * set->guarded;
@@ -261,7 +259,7 @@ static double rise(pel_solid_kind kind, double x, double gap_share, double gap, 
 static void test_round_obstacles(void **unused)
 {
     (void)unused;
-    static const pel_solid_kind kinds[] = {PEL_SOLID_SPHERE, PEL_SOLID_CAPSULE};
+    static const pel_tool_shape kinds[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE};
     for (int i = 0; i < 2; i++) {
         assert_near(rise(kinds[i], 0.55, 0, 0.05, 0.08), 0, 1e-5);
         assert_near(rise(kinds[i], 0.55, 0, 0.05, 0.02), 2, 0);
@@ -276,7 +274,7 @@ static void test_round_obstacles(void **unused)
 /* ---- the guard ---- */
 
 /* Sheets thrown through each other, and through a sphere or box: the guard leaves a way on which nothing meets. */
-static void check_guard(pel_solid_kind kind, uint64_t seed)
+static void check_guard(pel_tool_shape kind, uint64_t seed)
 {
     random_state random = {seed};
     static arrays a;
@@ -284,7 +282,7 @@ static void check_guard(pel_solid_kind kind, uint64_t seed)
     add_sheet(&a, 7, 0, 0.005, &random);
     add_sheet(&a, 6, 0.06, 0.005, &random);
     pel_obstacle obstacle = {
-        .solid = {.kind = kind, .radius = 0.1, .half_extents = {0.1, 0.1, 0.1}}, .presses = true, .body = -1};
+        .solid = {.shape = kind, .radius = 0.1, .half_extents = {0.1, 0.1, 0.1}}, .presses = true, .body = -1};
     add_obstacle(&a, &obstacle, 0);
     for (int32_t v = 0; v < a.vertex_count; v++)
         for (int k = 0; k < 3 && a.mass[v] > 0; k++) {
@@ -323,8 +321,8 @@ static void test_guard(void **unused)
 {
     (void)unused;
     for (uint64_t seed = 1; seed <= ROUNDS(8, 1); seed++) {
-        check_guard(PEL_SOLID_SPHERE, seed);
-        check_guard(PEL_SOLID_BOX, seed);
+        check_guard(PEL_TOOL_SPHERE, seed);
+        check_guard(PEL_TOOL_BOX, seed);
     }
 }
 
@@ -337,7 +335,7 @@ static void test_guard_of_held(void **unused)
     static arrays a;
     make_sheets(&a, 4, 7, 6, 0.06, 0.005);
     pel_obstacle obstacle = {
-        .solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .body = -1, .held = held, .held_count = 4};
+        .solid = {.shape = PEL_TOOL_SPHERE, .radius = 0.1}, .body = -1, .held = held, .held_count = 4};
     add_obstacle(&a, &obstacle, 0);
     const double up = 0.12;
     for (int i = 0; i < 4; i++) {
@@ -375,7 +373,7 @@ static void test_guard_of_two(void **unused)
     for (int32_t blocked = 0; blocked < 2; blocked++) {
         static arrays a;
         make_sheets(&a, 4, 7, 6, 0.06, 0.005);
-        const pel_obstacle ball = {.solid = {.kind = PEL_SOLID_SPHERE, .radius = 0.1}, .presses = true, .body = -1};
+        const pel_obstacle ball = {.solid = {.shape = PEL_TOOL_SPHERE, .radius = 0.1}, .presses = true, .body = -1};
         add_obstacle(&a, &ball, 0);
         add_obstacle(&a, &ball, 0);
         pel_contact_set *set = create(&a);
@@ -623,15 +621,13 @@ static void test_seconds(void **unused)
     static arrays a;
     make_sheets(&a, 3, 9, 9, 0.025, 0.01);
     pel_contact_set *set = create(&a);
-    struct timespec began, ended;
-    timespec_get(&began, TIME_UTC);
+    double began = pel_seconds();
     for (int i = 0; i < 10; i++) {
         pel_collision_result found;
         assert_int_equal(pel_contact_set_find(set, 0, false, NULL), PEL_OK);
         assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
     }
-    timespec_get(&ended, TIME_UTC);
-    double passed = (double)(ended.tv_sec - began.tv_sec) + 1e-9 * (double)(ended.tv_nsec - began.tv_nsec);
+    double passed = pel_seconds() - began;
     assert_true(set->statistics.find_seconds > 0.1 * passed && set->statistics.guard_seconds > 0);
     assert_true(set->statistics.find_seconds + set->statistics.guard_seconds <= passed + 1e-6);
     pel_contact_set_destroy(set);

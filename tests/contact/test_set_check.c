@@ -52,7 +52,7 @@ static void test_damage(void **unused)
     (void)unused;
     static arrays a;
     make_sheets(&a, 3, 7, 6, 0.025, 0.01);
-    const pel_obstacle box = {.solid = {.kind = PEL_SOLID_BOX, .half_extents = {0.2, 0.2, 0.01}},
+    const pel_obstacle box = {.solid = {.shape = PEL_TOOL_BOX, .half_extents = {0.2, 0.2, 0.01}},
                               .presses = true,
                               .body = -1,
                               .before = pose_at(0.5, 0.5, 0.06),

@@ -12,10 +12,10 @@ static double uniform(double low, double high)
 }
 
 static const pel_solid solids[] = {
-    {.kind = PEL_SOLID_SPHERE, .radius = 0.7},
-    {.kind = PEL_SOLID_CAPSULE, .radius = 0.4, .half_length = 0.6},
-    {.kind = PEL_SOLID_CAPSULE, .radius = 0.5, .half_length = 0},
-    {.kind = PEL_SOLID_BOX, .half_extents = {0.3, 0.6, 0.9}},
+    {.shape = PEL_TOOL_SPHERE, .radius = 0.7},
+    {.shape = PEL_TOOL_CAPSULE, .radius = 0.4, .half_length = 0.6},
+    {.shape = PEL_TOOL_CAPSULE, .radius = 0.5, .half_length = 0},
+    {.shape = PEL_TOOL_BOX, .half_extents = {0.3, 0.6, 0.9}},
 };
 
 static void combine(double corner[3][3], const double weights[3], double point[3])
@@ -67,7 +67,7 @@ static void test_depth_against_samples(void **unused)
             /* moved out along the normal, the deepest point is outside, and not far: an axis across edges leans */
             pel_vec3_along(p, depth, normal, p);
             double left = pel_solid_distance(&solids[s], p, out);
-            assert_true(left >= -1e-9 && left <= (solids[s].kind == PEL_SOLID_BOX ? depth : 1e-9));
+            assert_true(left >= -1e-9 && left <= (solids[s].shape == PEL_TOOL_BOX ? depth : 1e-9));
             assert_true(depth >= deepest - 1e-9);
         }
         assert_true(hits > 50);

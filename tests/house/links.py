@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the graph of links: which object file of src/ needs which other one.
+"""Checks the graph of links: which object file of src/ and papers/ needs which other one.
 
 Reads the symbols of the built objects. Files of different rooms form no cycle, files of one room none of more than
 LIMIT files.
@@ -15,13 +15,14 @@ LIMIT = 4
 
 
 def read_symbols(source, build, nm):
-    """file in src/ -> (symbols that it defines, symbols that it needs)"""
+    """file, src/ left out -> (symbols that it defines, symbols that it needs)"""
     paths = {}
-    for path in sorted(build.glob("CMakeFiles/*.dir/src/*/*/*.c.o")):
-        name = re.search(r"\.dir/src/(.*)\.c\.o", path.as_posix()).group(1)
+    objects = [path for tree in ("src", "papers") for path in build.glob(f"CMakeFiles/*.dir/{tree}/**/*.c.o")]
+    for path in sorted(objects):
+        name = re.search(r"\.dir/(.*)\.c\.o", path.as_posix()).group(1)
         # objects of sources that are no more stay in the build folder
-        if (source / "src" / f"{name}.c").is_file():
-            paths[path.as_posix()] = name
+        if (source / f"{name}.c").is_file():
+            paths[path.as_posix()] = name.removeprefix("src/")
     files = {name: (set(), set()) for name in paths.values()}
     listed = subprocess.run([nm, "-A", *paths], capture_output=True, text=True, check=True).stdout if paths else ""
     for line in listed.splitlines():

@@ -18,7 +18,6 @@ ALLOWED = {
     "gradient/step_beside.c": "the same beside a simulation",
     "boundary/edge_load.c": "unknowns of the implicit methods",
     "boundary/hold.c": "unknowns of the implicit methods",
-    "sim/parameter_table.c": "which keys of a def a method reads",
     "sim/sim_create.c": "checks of defs; releases what all methods made",
     "stage/shells.c": "the layout of elements",
     "observe/ledger.c": "an analysis of modes moves nothing",

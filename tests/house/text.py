@@ -7,7 +7,7 @@ import pathlib
 import re
 import sys
 
-LONGEST_FILE, LONGEST_FUNCTION = 1000, 100
+LONGEST_FILE, LONGEST_FUNCTION, LONGEST_TEST = 1000, 60, 100
 SKIPPED = {"build", "results", "dist", ".git", "node_modules"}
 TEXT = {".c", ".h", ".cpp", ".py", ".md", ".txt", ".cmake", ".yaml", ".json", ".in", ""}
 WORDS = {
@@ -39,11 +39,12 @@ def problems(name, text):
         return
     if text.count("\n") > LONGEST_FILE:
         yield f"{name}: {text.count(chr(10))} lines, at most {LONGEST_FILE}"
+    longest = LONGEST_TEST if name.startswith(("tests/", "bench/", "examples/")) else LONGEST_FUNCTION
     # clang-format puts both braces of a function, and only those, alone in column one
     for match in re.finditer(r"^{\n(.*?)^}$", text, re.M | re.S):
-        if match[1].count("\n") > LONGEST_FUNCTION:
+        if match[1].count("\n") > longest:
             line = text[: match.start()].count("\n") + 1
-            yield f"{name}:{line}: function of {match[1].count(chr(10))} lines, at most {LONGEST_FUNCTION}"
+            yield f"{name}:{line}: function of {match[1].count(chr(10))} lines, at most {longest}"
 
 
 root = pathlib.Path(sys.argv[1]).resolve()

@@ -1,6 +1,6 @@
 #include "check.h"
 
-#include "mesh/lens.h"
+#include "primitive/lens.h"
 
 static const int32_t ages[3] = {11, 29, 45};
 

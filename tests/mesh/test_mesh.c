@@ -113,6 +113,26 @@ static void test_transform_refuses(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+static void test_box(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh;
+    double low[3], high[3];
+    assert_int_equal(pel_mesh_create(square, 4, halves, 2, &mesh, NULL), PEL_OK);
+    pel_mesh_box(mesh, low, high);
+    for (int i = 0; i < 3; i++) {
+        bool reached[2] = {false, false};
+        for (int v = 0; v < 4; v++) {
+            double x = mesh->positions[v][i];
+            assert_true(low[i] <= x && x <= high[i]);
+            reached[0] = reached[0] || x == low[i];
+            reached[1] = reached[1] || x == high[i];
+        }
+        assert_true(reached[0] && reached[1]);
+    }
+    pel_mesh_destroy(mesh);
+}
+
 static pel_status make_mesh(const void *unused, pel_error *error)
 {
     (void)unused;
@@ -155,6 +175,7 @@ int main(void)
         cmocka_unit_test(test_transform),
         cmocka_unit_test(test_mirror_turns_triangles),
         cmocka_unit_test(test_transform_refuses),
+        cmocka_unit_test(test_box),
         cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,7 @@
 #include <pellicle/collide.h>
 #include <pellicle/element.h>
 #include <pellicle/intersect.h>
+#include <pellicle/json.h>
 #include <pellicle/measure.h>
 #include <pellicle/mesh_check.h>
 #include <pellicle/mesh_io.h>
@@ -53,7 +54,7 @@ static void finish(void)
 static void test_numbers(void **unused)
 {
     (void)unused;
-    char text[64], letter[7], digits[32];
+    char text[64];
     double out[16], gradient4[4][3], gradient3[3][3], nan43[4][3], nan33[3][3], flat[6] = {0};
     for (int i = 0; i < 12; i++)
         nan43[i / 3][i % 3] = nan33[(i / 3) % 3][i % 3] = nan_value;
@@ -64,8 +65,6 @@ static void test_numbers(void **unused)
     SURVIVES(pel_error_text(&(pel_error){.what = "x"}, text, 1));
     GIVES(pel_nearest_name(NULL, NULL, 3) == NULL);
     GIVES(pel_nearest_name("x", NULL, 3) == NULL);
-    SURVIVES(pel_json_letter("\xff", letter));
-    SURVIVES(pel_json_digits((double)NAN, digits));
     SURVIVES(pel_bending_stiffness(nan_value, 1, -1));
     pel_bending_isometric stencil;
     pel_hinge hinge;
@@ -129,6 +128,9 @@ static void test_errors(void **unused)
     pel_error error;
     GIVES(pel_fail(NULL, PEL_BAD_ARGUMENT, "x") == PEL_BAD_ARGUMENT);
     GIVES(pel_fail_memory(NULL) == PEL_OUT_OF_MEMORY);
+    GIVES(pel_refuse(NULL, PEL_BAD_MESH, "", "%d", 1) == PEL_BAD_MESH);
+    GIVES(pel_refuse_element(NULL, PEL_BAD_MESH, "load", -1, "", "%d", 1) == PEL_BAD_MESH);
+    GIVES(pel_seconds() <= pel_seconds() && pel_thread_seconds() >= 0);
     SURVIVES(pel_fail_remedy(NULL, "x"));
     SURVIVES(pel_fail_element(NULL, "vertex", 1));
     SURVIVES(pel_fail_element(&error, NULL, -1));
@@ -138,6 +140,24 @@ static void test_errors(void **unused)
     SURVIVES(pel_fail_offset(&error, NULL, -1));
     SURVIVES(pel_log_line(NULL, "x"));
     SURVIVES(pel_log_line(&(pel_log){.write = NULL}, "x"));
+    finish();
+}
+
+/* ---- JSON ---- */
+
+static void test_json(void **unused)
+{
+    (void)unused;
+    pel_json json = {.style = (pel_json_style)77};
+    SURVIVES(pel_json_close(&json, '}'));
+    SURVIVES(pel_json_open(&json, "\xff", 'x'));
+    SURVIVES(pel_json_text(&json, NULL, "\xff"));
+    SURVIVES(pel_json_number(&json, NULL, nan_value));
+    SURVIVES(pel_json_integer(&json, NULL, INT64_MIN));
+    SURVIVES(pel_json_bool(&json, "", true));
+    SURVIVES(pel_json_null(&json, NULL));
+    SURVIVES(pel_json_numbers(&json, NULL, NULL, -3));
+    SURVIVES(pel_json_free(NULL));
     finish();
 }
 
@@ -165,6 +185,9 @@ static void test_meshes(void **unused)
     FAILS(pel_mesh_add_field(mesh, "x", INT32_MAX, NULL, &error));
     GIVES(pel_mesh_field(NULL, "x") == NULL);
     GIVES(pel_mesh_field(mesh, NULL) == NULL);
+    double low[3], high[3];
+    SURVIVES(pel_mesh_box(NULL, low, high));
+    GIVES((pel_mesh_box(mesh, low, high), low[0] <= high[0]));
     pel_transform transform = pel_transform_default();
     REFUSED("mesh", pel_mesh_transform(NULL, &transform, &error));
     REFUSED("transform", pel_mesh_transform(mesh, NULL, &error));
@@ -413,9 +436,9 @@ static void test_collider(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_numbers),  cmocka_unit_test(test_errors), cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_files),    cmocka_unit_test(test_shapes), cmocka_unit_test(test_measures),
-        cmocka_unit_test(test_collider),
+        cmocka_unit_test(test_numbers),  cmocka_unit_test(test_errors),   cmocka_unit_test(test_json),
+        cmocka_unit_test(test_meshes),   cmocka_unit_test(test_files),    cmocka_unit_test(test_shapes),
+        cmocka_unit_test(test_measures), cmocka_unit_test(test_collider),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

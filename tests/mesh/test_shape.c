@@ -2,9 +2,9 @@
 #include "failing_malloc.h"
 #include "sample.h"
 
-#include "mesh/lens.h"
 #include "pellicle/mesh_check.h"
 #include "pellicle/shape.h"
+#include "primitive/lens.h"
 
 static const double pi = 3.14159265358979323846;
 

@@ -36,8 +36,8 @@ static void check_refused(const char *text, const char *words)
     "    mass: { density: 2700, thickness: 0.01 }\n"                                                                   \
     "    bending: { model: midedge }\n"
 
-/* omega a^2 sqrt(rho h / D) of a free square plate of poisson 0.3, by Ritz (cli/ritz.c); Leissa 1969, table C1, is up
-   to 1 % above: an upper bound with few terms */
+/* omega a^2 sqrt(rho h / D) of a free square plate of poisson 0.3, by Ritz (papers/own/ritz.c); Leissa 1969, table C1,
+   is up to 1 % above: an upper bound with few terms */
 static void test_free_plate(void **unused)
 {
     (void)unused;

@@ -150,11 +150,44 @@ static void test_other_shapes(void **unused)
     pel_tool_surfaces_destroy(&used);
 }
 
+static pel_status create_surface(const void *context, pel_error *error)
+{
+    pel_mesh *mesh;
+    pel_status status = pel_tool_def_surface(context, &mesh, error);
+    assert_true((mesh == NULL) == (status != PEL_OK));
+    pel_mesh_destroy(mesh);
+    return status;
+}
+
+/* the surface of a def, which a picture shows; a support has none */
+static void test_surface_of_a_def(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene(tools, NULL, 0);
+    for (int32_t i = 0; i < 3; i++) {
+        pel_tool_def def = scene->sim.tools[i];
+        pel_mesh *mesh;
+        assert_int_equal(pel_tool_def_surface(&def, &mesh, NULL), PEL_OK);
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            assert_near(distance_of(&def, mesh->positions[v]), 0, 1e-12);
+        assert_true(for_every_allocation_failure(create_surface, &def) > 3);
+        def.shape = PEL_TOOL_MESH;
+        assert_int_equal(create_surface(&def, NULL), PEL_BAD_ARGUMENT);
+        def.mesh = mesh;
+        assert_int_equal(create_surface(&def, NULL), PEL_OK);
+        def.shape = PEL_TOOL_SUPPORT;
+        assert_int_equal(create_surface(&def, NULL), PEL_BAD_ARGUMENT);
+        pel_mesh_destroy(mesh);
+    }
+    assert_int_equal(create_surface(NULL, NULL), PEL_BAD_ARGUMENT);
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
     thread_count = 2;
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_surfaces), cmocka_unit_test(test_resume),
                                        cmocka_unit_test(test_resume_without_frames),
-                                       cmocka_unit_test(test_other_shapes)};
+                                       cmocka_unit_test(test_other_shapes), cmocka_unit_test(test_surface_of_a_def)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

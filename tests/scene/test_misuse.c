@@ -447,6 +447,12 @@ static void test_loads_and_tools(void **unused)
     SURVIVES(pel_tool_def_pose(&tool, 0, NULL, rotation));
     wrong = tool, wrong.key_count = 0;
     SURVIVES(pel_tool_def_pose(&wrong, 0, position, rotation));
+    pel_mesh *surface;
+    const pel_tool_def shapeless = {.shape = (pel_tool_shape)77}, infinite = {.radius = (double)HUGE_VAL};
+    REFUSED("def", pel_tool_def_surface(NULL, &surface, &error));
+    REFUSED("mesh", pel_tool_def_surface(&tool, NULL, &error));
+    REFUSED("surface", pel_tool_def_surface(&shapeless, &surface, &error));
+    REFUSED("finite", pel_tool_def_surface(&infinite, &surface, &error));
     pel_load_def load = pel_load_def_default(), other;
     load.force[2] = 1;
     other = load, other.body = -1;

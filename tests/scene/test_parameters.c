@@ -1,73 +1,11 @@
-/* Live parameters against the scene: the table of parameters agrees with that of scenes, and a parameter that is set
-   before the first step gives the same bits as a scene with that value, for every parameter and method. */
+/* Live parameters against the scene: a parameter that is set before the first step gives the same bits as a scene with
+   that value, for every parameter and method. */
 #include "check.h"
 #include "pellicle/live.h"
 #include "pellicle/scene.h"
-#include "scene/table.h"
-#include "sim/parameter_table.h"
 #include "stage/surface_view.h"
 
 #include <stdlib.h>
-
-/* ---- the tables ---- */
-
-/* rows of regions stand in a group of their own */
-static void scene_path(const char *path, char text[128])
-{
-    static const char regions[] = "bodies[].anisotropy[]";
-    bool in_region = strncmp(path, regions, strlen(regions)) == 0;
-    snprintf(text, 128, "%s%s", in_region ? "<anisotropy>" : "", in_region ? path + strlen(regions) : path);
-}
-
-static const pel_scene_row *find_row(const pel_scene_table *table, const char *path)
-{
-    for (size_t r = 0; r < table->row_count; r++)
-        if (strcmp(table->rows[r].path, path) == 0)
-            return &table->rows[r];
-    return NULL;
-}
-
-static void check_words(const pel_parameter_row *row, const pel_scene_row *scene)
-{
-    for (int i = 0; row->words[i] != NULL; i++) {
-        bool is_known = (scene->forms & PEL_FORM_BOOLEAN) != 0;
-        for (int k = 0; scene->words != NULL && scene->words[k] != NULL; k++)
-            is_known |= strcmp(scene->words[k], row->words[i]) == 0;
-        if (!is_known)
-            fail_msg("%s: the scene has no word '%s'", row->path, row->words[i]);
-    }
-}
-
-static void test_tables_agree(void **unused)
-{
-    (void)unused;
-    pel_arena arena = {0};
-    const pel_scene_table *table = pel_scene_table_create(&arena);
-    assert_non_null(table);
-    int32_t count = 0;
-    for (const pel_parameter_row *row; (row = pel_parameter_row_at(count)) != NULL; count++) {
-        char path[128];
-        scene_path(row->path, path);
-        const pel_scene_row *scene = find_row(table, path);
-        if (scene == NULL)
-            fail_msg("%s is not in the table of scenes", path);
-        if (strcmp(row->unit != NULL ? row->unit : "", scene->unit != NULL ? scene->unit : "") != 0)
-            fail_msg("%s: the units differ", path);
-        assert_int_equal(row->refusal == NULL, row->remedy == NULL);
-        if (row->words != NULL)
-            check_words(row, scene);
-        if (row->store == PEL_STORE_KEYS || row->words != NULL || row->kind == PEL_PARAMETER_SWITCH)
-            continue;
-        double least = scene->range.given ? scene->range.least : -(double)HUGE_VAL;
-        double most = scene->range.given ? scene->range.most : (double)HUGE_VAL;
-        if (row->least != least || row->most != most || row->is_open != scene->range.open)
-            fail_msg("%s: the ranges differ: %g to %g, %g to %g", path, row->least, row->most, least, most);
-    }
-    assert_true(count > 80);
-    pel_arena_free(&arena);
-}
-
-/* ---- the values ---- */
 
 typedef struct stage {
     pel_scene *scene;
@@ -304,7 +242,6 @@ static void test_same_bits(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables_agree),
         cmocka_unit_test(test_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

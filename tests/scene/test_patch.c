@@ -2,7 +2,7 @@
    written over, in scenes with as many defaults as possible. */
 #include "check.h"
 
-#include "model/fingerprint.h"
+#include "def/fingerprint.h"
 #include "run/plan.h"
 #include "scene/patch.h"
 
@@ -55,24 +55,24 @@ static void write_scene(char text[4000], size_t body, size_t method)
 }
 
 /* Some other values, as text: near the present one and far from it. False when there are no more. */
-static bool choose(const pel_parameter_row *row, double now, int round, char text[100])
+static bool choose(const pel_def_row *row, double now, int round, char text[100])
 {
     static const double factors[] = {0.9, 1e-3, 1e3, 1.1};
-    if (row->kind == PEL_PARAMETER_WORD) {
-        if (row->words[round] == NULL)
+    if (pel_def_row_kind(row) == PEL_PARAMETER_WORD) {
+        if (pel_def_row_words(row)[round] == NULL)
             return false;
-        snprintf(text, 100, "%s", row->words[round]);
+        snprintf(text, 100, "%s", pel_def_row_words(row)[round]);
         return true;
     }
     if (round >= 4)
         return false;
     double x = now != 0 && isfinite(now) ? factors[round] * now : 0.3 * factors[round];
-    if (row->kind == PEL_PARAMETER_INTEGER)
-        x = fmax(row->least, 1) + round;
-    x = fmin(x, row->most);
-    if (row->kind == PEL_PARAMETER_VECTOR)
+    if (pel_def_row_kind(row) == PEL_PARAMETER_INTEGER)
+        x = fmax(row->range.least, 1) + round;
+    x = row->range.given ? fmin(x, row->range.most) : x;
+    if (pel_def_row_kind(row) == PEL_PARAMETER_VECTOR)
         snprintf(text, 100, "[%.17g, %.17g, %.17g]", fabs(x), 0.5 * fabs(x), 0.25 * fabs(x));
-    else if (row->kind == PEL_PARAMETER_SWITCH)
+    else if (pel_def_row_kind(row) == PEL_PARAMETER_SWITCH)
         snprintf(text, 100, "%s", round % 2 == 0 ? "true" : "false");
     else
         snprintf(text, 100, "%.17g", x);
@@ -82,8 +82,8 @@ static bool choose(const pel_parameter_row *row, double now, int round, char tex
 static pel_fingerprint fingerprint_of(const pel_scene *scene)
 {
     pel_fingerprint made = {0};
-    pel_fingerprint_add(&made, pel_model_members, &scene->model);
-    pel_fingerprint_add(&made, pel_sim_members, &scene->sim);
+    pel_fingerprint_add(&made, PEL_DEF_MODEL, &scene->model);
+    pel_fingerprint_add(&made, PEL_DEF_SIM, &scene->sim);
     return made;
 }
 
@@ -163,7 +163,7 @@ static void check_scene(const char *text, tally *count)
         pel_parameter_at(sim, p, &info);
         if (!pel_scene_patch_find(scene, info.path, &place))
             continue;
-        const pel_parameter_row *row = pel_parameter_row_at(place.row);
+        const pel_def_row *row = pel_def_row_at(place.row);
         assert_true(choose(row, info.value[0], 0, value));
         snprintf(first, sizeof first, "%s=%s", info.path, value);
         pel_scene *other = read_scene(text, first, NULL);

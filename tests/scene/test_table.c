@@ -39,7 +39,7 @@ static void test_rows_are_whole(void **unused)
     pel_arena arena = {0};
     const pel_scene_table *table = pel_scene_table_create(&arena);
     for (size_t i = 0; i < table->row_count; i++) {
-        const pel_scene_row *row = &table->rows[i];
+        const pel_def_row *row = &table->rows[i];
         assert_true(row->doc != NULL && strlen(row->doc) > 4 && row->doc[strlen(row->doc) - 1] != '.');
         assert_true(row->forms != 0);
         assert_true(((row->forms & PEL_FORM_WORD) != 0) == (row->words != NULL));
@@ -54,7 +54,7 @@ static void test_rows_are_whole(void **unused)
         if (strrchr(prefix, '.') != NULL)
             *strrchr(prefix, '.') = '\0';
         bool found = row->needs == NULL;
-        for (const pel_scene_row *beside = NULL; (beside = pel_scene_row_next(table, prefix, beside)) != NULL;)
+        for (const pel_def_row *beside = NULL; (beside = pel_scene_row_next(table, prefix, beside)) != NULL;)
             found = found || pel_scene_row_needs(row, pel_scene_row_name(beside, prefix));
         assert_true(found);
         for (size_t j = 0; row->needs == NULL && j < i; j++)
@@ -70,7 +70,7 @@ static void test_documents_have_every_row(void **unused)
     pel_arena arena = {0};
     const pel_scene_table *table = pel_scene_table_create(&arena);
     for (size_t i = 0; i < table->row_count; i++) {
-        const pel_scene_row *row = &table->rows[i];
+        const pel_def_row *row = &table->rows[i];
         if (strchr(row->path, '.') == NULL && row->path[0] == '<')
             continue;
         assert_non_null(strstr(schema, row->doc));
@@ -165,7 +165,7 @@ static void test_presets_are_valid(void **unused)
     (void)unused;
     pel_arena arena = {0};
     const pel_scene_table *table = pel_scene_table_create(&arena);
-    const pel_scene_row *shape = pel_scene_row_find(table, "<mesh>", "shape");
+    const pel_def_row *shape = pel_scene_row_find(table, "<mesh>", "shape");
     for (size_t i = 0; shape->words[i] != NULL; i++) {
         char text[300];
         snprintf(text, sizeof text,

@@ -1,7 +1,7 @@
 /* Tools under a minimisation: equilibrium under the tool, whose force is that of its contacts. */
 #include "failing_malloc.h"
+#include "minimise/constraint.h"
 #include "minimise/minimise.h"
-#include "minimise/minimise_contact.h"
 #include "pellicle/geometry.h"
 #include "pellicle/shape.h"
 #include "random.h"

@@ -4,7 +4,7 @@
 #include "failing_malloc.h"
 #include "model/model.h"
 #include "sim/fixture.h"
-#include "sim/parameter_table.h"
+#include "sim/parameter.h"
 #include "sim/sim.h"
 #include "sim/snapshot.h"
 
@@ -149,28 +149,28 @@ typedef struct counts {
     int tried, done, refused;
 } counts;
 
-static bool is_of_model(const pel_parameter_row *row)
+static bool is_of_model(const pel_def_row *row)
 {
-    return row->owner == PEL_OWNER_BODY || row->owner == PEL_OWNER_MODEL;
+    return row->def == PEL_DEF_BODY || row->def == PEL_DEF_MODEL;
 }
 
-static const char *value_text(const pel_parameter_row *row, int i)
+static const char *value_text(const pel_def_row *row, int i)
 {
     static const char *const numbers[] = {"0.7", "3", "0", "1e9", "0.25"}, *const vectors[] = {"[0, 0, -9.81]",
                                                                                                "[1, 0, 0]"};
     static const char *const switches[] = {"true", "false"};
-    if (row->kind == PEL_PARAMETER_WORD)
-        return row->words[0] != NULL && i > 0 ? row->words[1] : row->words[0];
-    if (row->kind == PEL_PARAMETER_VECTOR)
+    if (pel_def_row_kind(row) == PEL_PARAMETER_WORD)
+        return pel_def_row_words(row)[i > 0];
+    if (pel_def_row_kind(row) == PEL_PARAMETER_VECTOR)
         return vectors[i % 2];
-    return row->kind == PEL_PARAMETER_SWITCH ? switches[i % 2] : numbers[i];
+    return pel_def_row_kind(row) == PEL_PARAMETER_SWITCH ? switches[i % 2] : numbers[i];
 }
 
 /* one more value in the simulation, which is made anew where it cannot be taken over, and the same in the oracle */
 static void try_value(defs *d, const setup *s, pel_sim **sim, pel_model **model, pel_parameter_place at, int i,
                       counts *count)
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     const char *text = value_text(row, i);
     defs before = *d;
     if (!pel_parameter_write(&d->model, &d->sim, at, text))
@@ -211,11 +211,11 @@ static void try_parameters(const setup *s, counts *count)
     pel_model *model = NULL;
     pel_sim *sim = make(d, &model);
     assert_non_null(sim);
-    for (int32_t r = 0; pel_parameter_row_at(r) != NULL; r++) {
-        const pel_parameter_row *row = pel_parameter_row_at(r);
-        bool is_body = row->owner == PEL_OWNER_BODY, is_solver = row->owner == PEL_OWNER_SOLVER;
+    for (int32_t r = -1; (r = pel_def_parameter_after(r)) >= 0;) {
+        const pel_def_row *row = pel_def_row_at(r);
+        bool is_body = row->def == PEL_DEF_BODY, is_solver = row->def == PEL_DEF_SOLVER;
         const void *def = is_body ? (const void *)&d->bodies[1] : (const void *)&d->sim.solver;
-        if ((!is_body && !is_solver && row->owner != PEL_OWNER_MODEL) || row->refusal != NULL ||
+        if ((!is_body && !is_solver && row->def != PEL_DEF_MODEL) || row->refusal != NULL ||
             (row->applies != NULL && !row->applies(def)))
             continue;
         for (int i = 0; i < VALUES; i++)

@@ -57,9 +57,7 @@ static double penetration(const stage *s, const pel_solid *solid, int32_t tool)
 static void check_press(pel_tool_def tool, double half_height, int32_t frequency, pel_method method)
 {
     const pel_pose_key keys[4] = DOWN_UP(1.05 + half_height, 0.7 + half_height);
-    static const pel_solid_kind kinds[] = {PEL_SOLID_SPHERE, PEL_SOLID_CAPSULE, PEL_SOLID_BOX};
-    pel_solid solid = {kinds[tool.shape], tool.radius, tool.half_length, {0}};
-    memcpy(solid.half_extents, tool.half_extents, sizeof solid.half_extents);
+    const pel_solid solid = pel_solid_of(&tool);
     tool.name = "probe";
     tool.keys = keys;
     tool.key_count = 4;

@@ -2,7 +2,7 @@
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
-#include "solve/newton.h"
+#include "newton/newton.h"
 
 #include <stdlib.h>
 

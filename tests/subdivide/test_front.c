@@ -3,8 +3,6 @@
 
 #include "subdivide/front.h"
 
-#include <time.h>
-
 typedef struct scene {
     pel_mesh *mesh;
     pel_lod_forest *forest;
@@ -331,13 +329,6 @@ static void test_out_of_memory(void **unused)
     end_scene(&made);
 }
 
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* prints what the event of paper A's table costs; on a large mesh the same, as it depends on what changes alone */
 static void test_event_time(void **unused)
 {
@@ -348,13 +339,13 @@ static void test_event_time(void **unused)
         int32_t v = made.mesh->vertex_count / 2;
         double refine = HUGE_VAL, coarsen = HUGE_VAL;
         for (int round = 0; round < ROUNDS(2000, 20); round++) {
-            double start = seconds();
+            double start = pel_seconds();
             mark_rings(&made, v, 2, 1, true);
             update(made.front);
-            double middle = seconds();
+            double middle = pel_seconds();
             mark_rings(&made, v, 2, 1, false);
             update(made.front);
-            double end = seconds();
+            double end = pel_seconds();
             refine = fmin(refine, middle - start);
             coarsen = fmin(coarsen, end - middle);
         }

@@ -73,11 +73,9 @@ static pel_status check_mesh(const pel_mesh *mesh, pel_error *error)
             in_range = in_range && v[i] >= 0 && v[i] < mesh->vertex_count && v[i] != v[(i + 1) % 3];
         if (in_range)
             continue;
-        pel_fail(error, PEL_BAD_MESH, "a triangle needs three different vertices of the mesh, not %d, %d, %d",
-                 (int)v[0], (int)v[1], (int)v[2]);
-        pel_fail_remedy(error, "repair the mesh (pel_mesh_repair)");
-        pel_fail_element(error, "triangle", t);
-        return PEL_BAD_MESH;
+        return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh (pel_mesh_repair)",
+                                  "a triangle needs three different vertices of the mesh, not %d, %d, %d", (int)v[0],
+                                  (int)v[1], (int)v[2]);
     }
     return PEL_OK;
 }

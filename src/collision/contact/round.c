@@ -21,22 +21,20 @@ static const int edges[3][2] = {{0, 1}, {1, 2}, {2, 0}};
 
 static bool is_round(const pel_obstacle *obstacle)
 {
-    return obstacle->mesh == NULL && obstacle->solid.kind != PEL_SOLID_BOX;
+    return obstacle->mesh == NULL && pel_solid_is_round(&obstacle->solid);
 }
 
 static void set_round(const pel_contact_set *set, int32_t number, round_obstacle *round)
 {
     const pel_obstacle *o = &set->obstacles[number];
     double grown = o->solid.radius + set->largest;
-    *round =
-        (round_obstacle){.number = number, .is_capsule = o->solid.kind == PEL_SOLID_CAPSULE, .radius = o->solid.radius};
+    *round = (round_obstacle){.number = number, .is_capsule = !pel_solid_is_ball(&o->solid), .radius = o->solid.radius};
     for (int k = 0; k < 3; k++) {
         round->low[k] = HUGE_VAL;
         round->high[k] = -HUGE_VAL;
     }
     for (int i = 0; i < 2; i++) {
-        double half = round->is_capsule ? o->solid.half_length : 0;
-        const double local[3] = {0, 0, i == 0 ? -half : half};
+        const double local[3] = {0, 0, i == 0 ? -o->solid.half_length : o->solid.half_length};
         pel_pose_to_world(&o->before, local, round->start[i]);
         pel_pose_to_world(&o->pose, local, round->end[i]);
         for (int k = 0; k < 3; k++) {

@@ -7,7 +7,6 @@
 #include "contact/sweep.h"
 
 #include <string.h>
-#include <time.h>
 
 enum { VELOCITY_SWEEPS = 4 };
 
@@ -263,13 +262,6 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 
 /* ---- search ---- */
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
     pel_collision_query query = pel_collision_query_default();
@@ -285,12 +277,12 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
 /* what comes within the distance between start and end */
 static pel_status search(pel_contact_set *set, double distance, pel_collision_result *found, pel_error *error)
 {
-    double began = seconds_now();
+    double began = pel_seconds();
     set->way_is_searched = false;
     pel_collision_query query = query_of(set, distance);
     pel_status status = pel_collider_detect(set->collider, &query, found, error);
     pel_contact_count_search(set, found);
-    set->statistics.find_seconds += seconds_now() - began;
+    set->statistics.find_seconds += pel_seconds() - began;
     return status;
 }
 
@@ -365,14 +357,14 @@ static bool measure_way(pel_contact_set *set, const pel_collision_query *query, 
 
 bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest)
 {
-    double began = seconds_now();
+    double began = pel_seconds();
     const pel_collision_query query = query_of(set, set->largest);
     bool may_be = set->list.count == 0 && set->tangles.is_known && set->tangles.count == 0 && !has_round_obstacle(set);
     set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
                                 measure_way(set, &query, position, next));
     if (set->was_clear)
         set->conflict_count = 0;
-    set->statistics.find_seconds += seconds_now() - began;
+    set->statistics.find_seconds += pel_seconds() - began;
     return set->was_clear;
 }
 
@@ -383,10 +375,10 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
         return PEL_OK;
     }
     pel_status status = search(set, set->largest, found, error);
-    double began = seconds_now();
+    double began = pel_seconds();
     if (status == PEL_OK)
         status = pel_contact_find_conflicts(set, found, error);
-    set->statistics.guard_seconds += seconds_now() - began;
+    set->statistics.guard_seconds += pel_seconds() - began;
     set->on_way = *found;
     set->way_is_searched = status == PEL_OK;
     return status;

@@ -38,8 +38,8 @@ typedef struct pel_obstacle {
     bool is_held_back; /* by the last guard */
     /* own: its part of the points, none for spheres and capsules */
     int32_t point_begin, point_end;
-    const double (*local)[3]; /* (points) in its frame */
-    double corners[8][3];     /* of a box */
+    const double (*local)[3];             /* (points) in its frame */
+    double corners[PEL_SOLID_CORNERS][3]; /* of a solid with flat faces */
 } pel_obstacle;
 
 /* a body or an obstacle */

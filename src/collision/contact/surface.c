@@ -8,27 +8,26 @@
 
 #include <string.h>
 
-enum { BOX_CORNERS = 8, BOX_TRIANGLES = 12 };
-
 /* of the mean edge: motion for which the collider keeps pairs */
 #define MARGIN_SHARE 0.2
-
-static const int32_t box_triangles[BOX_TRIANGLES][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                                        {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                                        {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
 /* ---- obstacles ---- */
 
 static bool is_surface(const pel_obstacle *obstacle)
 {
-    return obstacle->presses && (obstacle->mesh != NULL || obstacle->solid.kind == PEL_SOLID_BOX);
+    return obstacle->presses && (obstacle->mesh != NULL || !pel_solid_is_round(&obstacle->solid));
+}
+
+static const pel_solid_row *row_of(const pel_obstacle *obstacle)
+{
+    return &pel_solid_rows[obstacle->solid.shape];
 }
 
 static int32_t triangle_count_of(const pel_obstacle *obstacle)
 {
     if (!is_surface(obstacle))
         return 0;
-    return obstacle->mesh != NULL ? obstacle->mesh->triangle_count : BOX_TRIANGLES;
+    return obstacle->mesh != NULL ? obstacle->mesh->triangle_count : row_of(obstacle)->triangle_count;
 }
 
 /* its points, from `point` on */
@@ -38,11 +37,10 @@ static void set_points(pel_obstacle *obstacle, int32_t point)
     obstacle->point_begin = obstacle->point_end = point;
     if (!is_surface(obstacle))
         return;
-    obstacle->point_end += mesh != NULL ? mesh->vertex_count : BOX_CORNERS;
+    obstacle->point_end += mesh != NULL ? mesh->vertex_count : row_of(obstacle)->corner_count;
     obstacle->local = mesh != NULL ? (const double(*)[3])mesh->positions : (const double(*)[3])obstacle->corners;
-    for (int i = 0; i < BOX_CORNERS; i++)
-        for (int k = 0; k < 3; k++)
-            obstacle->corners[i][k] = (i >> k & 1 ? 1 : -1) * obstacle->solid.half_extents[k];
+    for (int32_t i = 0; mesh == NULL && i < row_of(obstacle)->corner_count; i++)
+        pel_solid_corner(&obstacle->solid, i, obstacle->corners[i]);
 }
 
 int32_t pel_contact_obstacle_of(const pel_contact_set *set, int32_t point)
@@ -147,7 +145,7 @@ static void add_obstacles(pel_contact_set *set)
         const pel_obstacle *obstacle = &set->obstacles[i];
         int32_t count = triangle_count_of(obstacle), first = obstacle->point_begin;
         const int32_t(*triangles)[3] =
-            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : box_triangles;
+            obstacle->mesh != NULL ? (const int32_t(*)[3])obstacle->mesh->triangles : row_of(obstacle)->triangles;
         for (int32_t t = 0; t < count; t++)
             pel_contact_surface_add(
                 set, (const int32_t[3]){first + triangles[t][0], first + triangles[t][1], first + triangles[t][2]});

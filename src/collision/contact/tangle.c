@@ -33,11 +33,9 @@ static pel_status find_pairs(const pel_contact_set *set, pel_tangles *tangles, p
 {
     pel_mesh mesh = pel_contact_mesh(set);
     for (int64_t room = tangles->capacity > 0 ? (int64_t)tangles->capacity : FIRST_PAIRS;; room = tangles->count) {
-        if (room > PAIR_LIMIT) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "more than %d pairs of triangles intersect", (int)PAIR_LIMIT);
-            pel_fail_remedy(error, "pull the surfaces apart first");
-            return PEL_BAD_ARGUMENT;
-        }
+        if (room > PAIR_LIMIT)
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "pull the surfaces apart first",
+                              "more than %d pairs of triangles intersect", (int)PAIR_LIMIT);
         if (!pel_reserve((void **)&tangles->pairs, &tangles->capacity, (size_t)room, sizeof *tangles->pairs))
             return pel_fail_memory(error);
         pel_status status = pel_mesh_self_intersections(&mesh, tangles->pairs, (int32_t)room, &tangles->count, error);

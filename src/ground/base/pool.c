@@ -107,9 +107,8 @@ pel_status pel_pool_create(int thread_count, pel_pool **pool, pel_error *error)
     for (int i = 0; i < helper_count; i++) {
         if (pthread_create(&made->helpers[i], NULL, help, made) != 0) {
             pel_pool_destroy(made);
-            pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start %d threads", thread_count);
-            pel_fail_remedy(error, "ask for fewer threads");
-            return PEL_OUT_OF_MEMORY;
+            return pel_refuse(error, PEL_OUT_OF_MEMORY, "ask for fewer threads", "cannot start %d threads",
+                              thread_count);
         }
         made->helper_count++;
     }

@@ -14,26 +14,52 @@ const char *pel_status_text(pel_status status)
     return (unsigned)status < PEL_STATUS_COUNT ? status_texts[status] : "unknown status";
 }
 
-pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...)
+/* clears the error, which may be null */
+static void fill(pel_error *error, pel_status status, const char *what_format, va_list arguments)
 {
     if (error == NULL)
-        return status;
+        return;
     memset(error, 0, sizeof *error);
     error->status = status;
     error->element = -1;
     error->byte_offset = -1;
+    vsnprintf(error->what, sizeof error->what, what_format, arguments);
+}
+
+pel_status pel_fail(pel_error *error, pel_status status, const char *what_format, ...)
+{
     va_list arguments;
     va_start(arguments, what_format);
-    vsnprintf(error->what, sizeof error->what, what_format, arguments);
+    fill(error, status, what_format, arguments);
     va_end(arguments);
+    return status;
+}
+
+pel_status pel_refuse(pel_error *error, pel_status status, const char *remedy, const char *what_format, ...)
+{
+    va_list arguments;
+    va_start(arguments, what_format);
+    fill(error, status, what_format, arguments);
+    va_end(arguments);
+    pel_fail_remedy(error, "%s", remedy);
+    return status;
+}
+
+pel_status pel_refuse_element(pel_error *error, pel_status status, const char *kind, int64_t element,
+                              const char *remedy, const char *what_format, ...)
+{
+    va_list arguments;
+    va_start(arguments, what_format);
+    fill(error, status, what_format, arguments);
+    va_end(arguments);
+    pel_fail_element(error, kind, element);
+    pel_fail_remedy(error, "%s", remedy);
     return status;
 }
 
 pel_status pel_fail_memory(pel_error *error)
 {
-    pel_fail(error, PEL_OUT_OF_MEMORY, "out of memory");
-    pel_fail_remedy(error, "use a smaller mesh or free some memory");
-    return PEL_OUT_OF_MEMORY;
+    return pel_refuse(error, PEL_OUT_OF_MEMORY, "use a smaller mesh or free some memory", "out of memory");
 }
 
 void pel_fail_remedy(pel_error *error, const char *format, ...)

@@ -82,31 +82,3 @@ size_t pel_utf8_length(const char *text, size_t size)
     bool beyond = (s[0] == 0xed && s[1] > 0x9f) || (s[0] == 0xf4 && s[1] > 0x8f);
     return overlong || beyond ? 0 : length;
 }
-
-const char *pel_json_digits(double number, char text[32])
-{
-    if (isfinite(number))
-        pel_number_print(text, number);
-    else
-        memcpy(text, "null", 5);
-    return text;
-}
-
-const char *pel_json_letter(const char *text, char escaped[7])
-{
-    const unsigned char *s = (const unsigned char *)text;
-    size_t length = pel_utf8_length(text, SIZE_MAX);
-    if (length == 0)
-        memcpy(escaped, "\\ufffd", 7);
-    else if (*s == '"' || *s == '\\')
-        snprintf(escaped, 7, "\\%c", *s);
-    else if (*s == '\n')
-        memcpy(escaped, "\\n", 3);
-    else if (*s < ' ' || *s == '<' || *s == 0x7f)
-        snprintf(escaped, 7, "\\u%04x", (unsigned)*s);
-    else {
-        memcpy(escaped, text, length);
-        escaped[length] = '\0';
-    }
-    return text + (length > 0 ? length : 1);
-}

@@ -59,9 +59,7 @@ pel_status pel_worker_create(int32_t slot_count, pel_worker_function *function, 
     pthread_cond_init(&made->done, NULL);
     if (pthread_create(&made->thread, NULL, work, made) != 0) {
         free_worker(made);
-        pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start a thread");
-        pel_fail_remedy(error, "ask for one thread");
-        return PEL_OUT_OF_MEMORY;
+        return pel_refuse(error, PEL_OUT_OF_MEMORY, "ask for one thread", "cannot start a thread");
     }
     *worker = made;
     return PEL_OK;

@@ -103,3 +103,14 @@ void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t sl
     *spring = sum;
     *volumetric = half * pel_wide_splat(body.volumetric_stiffness) * rest.inverse_mass * pel_wide3_dot(e, e);
 }
+
+double pel_slice_energy_add(const pel_model *model, const pel_state *state, int32_t slice, bool is_volumetric,
+                            double sum)
+{
+    pel_wide spring, volumetric;
+    pel_slice_energy(model, state, slice, &spring, &volumetric);
+    for (int lane = 0; lane < PEL_WIDTH; lane++)
+        if (model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
+            sum += (double)spring[lane] + (is_volumetric ? (double)volumetric[lane] : 0);
+    return sum;
+}

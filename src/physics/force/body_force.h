@@ -211,4 +211,8 @@ pel_record pel_elastic_force_at(const pel_model *model, const pel_state *state, 
 void pel_slice_energy(const pel_model *model, const pel_state *state, int32_t slice, pel_wide *spring,
                       pel_wide *volumetric);
 
+/* sum plus the energies on the vertices of a slice: those of the structural springs, and of the volumetric ones */
+double pel_slice_energy_add(const pel_model *model, const pel_state *state, int32_t slice, bool is_volumetric,
+                            double sum);
+
 #endif

@@ -12,10 +12,7 @@
 
 static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *rule)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "refine: %s is %g", name, value);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", rule);
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, rule, "refine: %s is %g", name, value);
 }
 
 /* a criterion with two thresholds */

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "model/levels.h"
 #include "model/orient.h"
 #include "model/quantity.h"
@@ -22,21 +23,9 @@ enum { BODY_COOKIE = 0x626f6479, MODEL_COOKIE = 0x6d6f6465 };
 
 pel_body_def pel_body_def_default(void)
 {
-    return (pel_body_def){
-        .mass_kind = PEL_MASS_PER_VERTEX,
-        .mass = 1,
-        .spring_stiffness = {.value = 3},
-        .spring_damping = {.value = 0.5},
-        .volumetric_stiffness = {.value = 1.5},
-        .volumetric_damping = {.value = 0.5},
-        .reference_count = 252,
-        .friction = -1,
-        .restitution = -1,
-        .contact_thickness = -1,
-        .refine = {.rings = 2, .dwell = 50, .interval = 10, .memory_limit = (size_t)2 << 30},
-        .shell = pel_shell_def_default(),
-        .cookie = BODY_COOKIE,
-    };
+    pel_body_def def = {.refine = {.memory_limit = (size_t)2 << 30}, .cookie = BODY_COOKIE};
+    pel_def_reset(PEL_DEF_BODY, &def);
+    return def;
 }
 
 pel_model_def pel_model_def_default(void)
@@ -55,11 +44,9 @@ static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *
         return PEL_BAD_ARGUMENT;
     }
     for (int32_t other = 0; other < body; other++)
-        if (strcmp(def->bodies[other].name, name) == 0) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "two bodies are named '%s'", name);
-            pel_fail_remedy(error, "give each body a name of its own");
-            return PEL_BAD_ARGUMENT;
-        }
+        if (strcmp(def->bodies[other].name, name) == 0)
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "give each body a name of its own", "two bodies are named '%s'",
+                              name);
     return PEL_OK;
 }
 
@@ -154,12 +141,9 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *v = mesh->triangles[t];
         double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
-        if (!(area > 0 && isfinite(area))) {
-            pel_fail(error, PEL_BAD_MESH, "triangle has no area");
-            pel_fail_element(error, "triangle", t);
-            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
-            return PEL_BAD_MESH;
-        }
+        if (!(area > 0 && isfinite(area)))
+            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh with `pellicle check --fix`",
+                                      "triangle has no area");
         *total += area;
         for (int i = 0; i < 3; i++)
             areas[v[i]] += area / 3;
@@ -171,20 +155,6 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
 static double rest_volume(const pel_mesh *mesh)
 {
     return pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
-}
-
-static double bounding_diagonal(const pel_mesh *mesh)
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        double low = mesh->positions[0][i], high = low;
-        for (int32_t v = 1; v < mesh->vertex_count; v++) {
-            low = fmin(low, mesh->positions[v][i]);
-            high = fmax(high, mesh->positions[v][i]);
-        }
-        square += (high - low) * (high - low);
-    }
-    return sqrt(square);
 }
 
 /* ---- arrays ---- */
@@ -430,14 +400,11 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     if (status == PEL_OK)
         status = pel_vertex_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
     for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
-        if (scratch->valence[v] == 0) {
-            pel_fail(error, PEL_BAD_MESH, "vertex belongs to no triangle");
-            pel_fail_element(error, "vertex", (int64_t)v);
-            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
-            return PEL_BAD_MESH;
-        }
+        if (scratch->valence[v] == 0)
+            return pel_refuse_element(error, PEL_BAD_MESH, "vertex", (int64_t)v,
+                                      "repair the mesh with `pellicle check --fix`", "vertex belongs to no triangle");
     copy_numbers(def, body);
-    body->diameter = bounding_diagonal(def->mesh);
+    body->diameter = pel_mesh_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
     return status;
 }
@@ -450,10 +417,8 @@ static pel_status check_masses(const pel_model *model, int32_t body, pel_error *
         pel_real mass = model->mass[b->model_index[v]];
         if (mass > 0 && isfinite(mass) && isfinite(1 / mass))
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "mass of the vertex is %g in body '%s'", (double)mass, b->name);
-        pel_fail_element(error, "vertex", v);
-        pel_fail_remedy(error, "give a density and thickness above 0");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", v, "give a density and thickness above 0",
+                                  "mass of the vertex is %g in body '%s'", (double)mass, b->name);
     }
     return PEL_OK;
 }
@@ -534,7 +499,7 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
 static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error *error)
 {
     model->def = *def;
-    pel_status status = pel_def_copy(&model->copies, pel_model_members, &model->def, error);
+    pel_status status = pel_def_copy(&model->copies, PEL_DEF_MODEL, &model->def, error);
     /* the bodies are a copy of this model: it may write to them */
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
@@ -559,7 +524,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
     } else {
         made->body_count = def->body_count;
         memcpy(made->gravity, def->gravity, sizeof made->gravity);
-        pel_fingerprint_add(&made->fingerprint, pel_model_members, def);
+        pel_fingerprint_add(&made->fingerprint, PEL_DEF_MODEL, def);
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);

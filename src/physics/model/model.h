@@ -9,8 +9,8 @@
 
 #include "base/assert.h"
 #include "base/wide.h"
-#include "model/def_copy.h"
-#include "model/fingerprint.h"
+#include "def/copy.h"
+#include "def/fingerprint.h"
 #include "pellicle/model.h"
 #include "subdivide/front.h"
 

@@ -3,8 +3,8 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/bounds.h"
 #include "math/functions.h"
-#include "math/vec3.h"
 #include "mesh/union_find.h"
 
 #include <math.h>
@@ -63,8 +63,7 @@ static void measure_part(const parts *p, const pel_topology *topology, part *own
 {
     const pel_mesh *mesh = p->mesh;
     own->closed = true;
-    pel_vec3_set(own->low, HUGE_VAL, HUGE_VAL, HUGE_VAL);
-    pel_vec3_set(own->high, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL);
+    pel_bounds_clear(own->low, own->high);
     for (int32_t i = own->begin; i < own->end; i++) {
         int32_t t = p->triangles[i];
         const int32_t *v = mesh->triangles[t];
@@ -72,10 +71,7 @@ static void measure_part(const parts *p, const pel_topology *topology, part *own
                                             mesh->positions[v[2]]);
         for (int k = 0; k < 3; k++) {
             own->closed = own->closed && topology->twin[3 * t + k] >= 0;
-            for (int c = 0; c < 3; c++) {
-                own->low[c] = fmin(own->low[c], mesh->positions[v[k]][c]);
-                own->high[c] = fmax(own->high[c], mesh->positions[v[k]][c]);
-            }
+            pel_bounds_add(own->low, own->high, mesh->positions[v[k]]);
         }
     }
 }

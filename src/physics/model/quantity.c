@@ -30,10 +30,7 @@ double pel_curve_largest(const pel_curve *curve)
 
 pel_status pel_body_refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, remedy, "%s is %g", name, value);
 }
 
 static bool is_allowed(double value, bool is_signed)

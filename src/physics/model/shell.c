@@ -16,23 +16,14 @@
 
 pel_shell_def pel_shell_def_default(void)
 {
-    return (pel_shell_def){
-        .membrane =
-            {.kind = PEL_MEMBRANE_STVK, .poisson = 0.3, .mooney_ratio = 0.2, .extension_limit = 50, .stiffening = 10},
-        .bending = {.weight = 0.01, .stiffness = {.value = -1}},
-        .pressure = {.gamma = 1.4, .target = {.value = 1}},
-    };
+    return pel_body_def_default().shell;
 }
 
 pel_anisotropy_def pel_anisotropy_def_default(void)
 {
-    return (pel_anisotropy_def){
-        .stiffness = 1,
-        .max_step = 0.05,
-        .rest_length = {.value = 1},
-        .curvature = -1,
-        .axis = {0, 0, 1},
-    };
+    pel_anisotropy_def def = {.axis = {0, 0, 1}};
+    pel_def_reset(PEL_DEF_FIBRES, &def);
+    return def;
 }
 
 /* whether a def switches anything on */
@@ -66,12 +57,9 @@ static pel_status check_weights(const double *weights, int32_t count, int32_t bo
         status = check_number(weights[v], 0, 1, body, name, error);
         any |= weights[v] > 0;
     }
-    if (status == PEL_OK && !any) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "%s are 0 on every vertex", name);
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "choose a region that holds at least one vertex");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (status == PEL_OK && !any)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "choose a region that holds at least one vertex", "%s are 0 on every vertex", name);
     return status;
 }
 
@@ -92,10 +80,8 @@ static pel_status check_choice(int value, int count, int32_t body, const char *n
 {
     if (!PEL_IS_NO_CHOICE(value, count))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %d, which is no valid choice", name, value);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "give one of the choices of the header");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give one of the choices of the header",
+                              "%s is %d, which is no valid choice", name, value);
 }
 
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
@@ -103,12 +89,9 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
     const pel_membrane_def *membrane = &def->shell.membrane;
     if (!membrane->on)
         return PEL_OK;
-    if (!(membrane->strain_limit >= 0 && membrane->strain_limit < 1)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "strain limit of the membrane is %g", membrane->strain_limit);
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give 0 < strain_limit < 1, or 0 for no limit");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!(membrane->strain_limit >= 0 && membrane->strain_limit < 1))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give 0 < strain_limit < 1, or 0 for no limit",
+                                  "strain limit of the membrane is %g", membrane->strain_limit);
     pel_status status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
     if (status == PEL_OK)
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
@@ -156,12 +139,9 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
-    if (status == PEL_OK && !fibres && !pel_bending_traits_of(body_def->shell.bending.model)->has_rest_angles) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "anisotropy that curls changes rest angles, but the body has no hinges");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending the model hinge");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (status == PEL_OK && !fibres && !pel_bending_traits_of(body_def->shell.bending.model)->has_rest_angles)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give the bending the model hinge",
+                                  "anisotropy that curls changes rest angles, but the body has no hinges");
     if (status == PEL_OK && !isfinite(def->curvature))
         status = check_number(def->curvature, -1e6, 1e6, body, "curvature", error);
     if (status == PEL_OK && fibres && def->direction == PEL_FIBRE_ALONG &&
@@ -189,12 +169,9 @@ static pel_status check_pressure(const pel_body_def *body_def, int32_t body, pel
         return status;
     if (def->kind != PEL_PRESSURE_NONE)
         status = pel_quantity_check_signed(&def->outside, vertex_count, body, "outside pressure", true, error);
-    if (status == PEL_OK && def->outside.field != NULL && has_volume(def->kind)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the outside pressure beside a gas or a target volume varies over the body");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give it as a number or keys");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (status == PEL_OK && def->outside.field != NULL && has_volume(def->kind))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give it as a number or keys",
+                                  "the outside pressure beside a gas or a target volume varies over the body");
     if (status == PEL_OK && def->kind == PEL_PRESSURE_GAS)
         status = check_number(def->value, 0, HUGE_VAL, body, "gas pressure", error);
     if (status == PEL_OK && def->kind == PEL_PRESSURE_GAS)
@@ -253,12 +230,9 @@ static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error 
         double x[3][3];
         pel_rest_triangle rest;
         load_corners(mesh, t, x);
-        if (!pel_rest_triangle_setup((const double(*)[3])x, &rest)) {
-            pel_fail(error, PEL_BAD_MESH, "triangle has no area");
-            pel_fail_element(error, "triangle", t);
-            pel_fail_remedy(error, "repair the mesh with `pellicle check --fix`");
-            return PEL_BAD_MESH;
-        }
+        if (!pel_rest_triangle_setup((const double(*)[3])x, &rest))
+            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, "repair the mesh with `pellicle check --fix`",
+                                      "triangle has no area");
         for (int i = 0; i < 3; i++)
             shell->mean_edge += pel_vec3_distance(x[i], x[(i + 1) % 3]) / (3.0 * mesh->triangle_count);
     }
@@ -355,10 +329,9 @@ static bool find_rest_angle(const pel_mesh *mesh, const int32_t sides[2], double
 
 static pel_status fail_folded(const int32_t sides[2], pel_error *error)
 {
-    pel_fail(error, PEL_BAD_MESH, "triangle is folded onto its neighbour %d at rest", (int)(sides[1] / 3));
-    pel_fail_element(error, "triangle", sides[0] / 3);
-    pel_fail_remedy(error, "unfold or remove one of them, or leave out the bending");
-    return PEL_BAD_MESH;
+    return pel_refuse_element(error, PEL_BAD_MESH, "triangle", sides[0] / 3,
+                              "unfold or remove one of them, or leave out the bending",
+                              "triangle is folded onto its neighbour %d at rest", (int)(sides[1] / 3));
 }
 
 /* a rest angle with all curls applied */
@@ -561,10 +534,9 @@ pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_err
     for (int32_t i = 0; i < shell->hinge_count; i++) {
         if (shell->has_membrane || pel_shell_hinge_stiffness(shell, i) > 0)
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending has no stiffness");
-        pel_fail_element(error, "body", body);
-        pel_fail_remedy(error, "give the bending a stiffness above 0 [N m], or the body a membrane");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "give the bending a stiffness above 0 [N m], or the body a membrane",
+                                  "bending has no stiffness");
     }
     return PEL_OK;
 }

@@ -6,8 +6,8 @@
 #define PEL_MODEL_SHELL_H
 
 #include "base/assert.h"
+#include "law/bending_model.h"
 #include "law/membrane.h"
-#include "model/bending_model.h"
 #include "model/model.h"
 #include "pellicle/element.h"
 

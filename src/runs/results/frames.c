@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "io/xml.h"
+#include "mesh/figures.h"
 #include "pellicle/results.h"
 
 #include <math.h>
@@ -313,15 +314,6 @@ static bool same_triangles(const pel_mesh *a, const pel_mesh *b)
            memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * sizeof *a->triangles) == 0;
 }
 
-static void grow_box(const pel_mesh *mesh, pel_frames_outline *outline)
-{
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            outline->low[i] = fmin(outline->low[i], mesh->positions[v][i]);
-            outline->high[i] = fmax(outline->high[i], mesh->positions[v][i]);
-        }
-}
-
 pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outline, pel_error *error)
 {
     PEL_REFUSE_NULL(frames, error);
@@ -333,16 +325,14 @@ pel_status pel_frames_check(const pel_frames *frames, pel_frames_outline *outlin
         return status;
     outline->vertex_count = first->vertex_count;
     outline->triangle_count = first->triangle_count;
-    memcpy(outline->low, first->positions[0], sizeof outline->low);
-    memcpy(outline->high, first->positions[0], sizeof outline->high);
-    grow_box(first, outline);
+    pel_mesh_box(first, outline->low, outline->high);
     for (int32_t f = 1; status == PEL_OK && f < frames->frame_count; f++) {
         status = pel_frames_read(frames, f, &mesh, error);
         if (status != PEL_OK)
             break;
         if (outline->changed_frame < 0 && !same_triangles(first, mesh))
             outline->changed_frame = f;
-        grow_box(mesh, outline);
+        pel_mesh_add_box(mesh, outline->low, outline->high);
         pel_mesh_destroy(mesh);
     }
     pel_mesh_destroy(first);

@@ -261,9 +261,9 @@ static void put_vertex_accessor(pel_json *json, const part *of, size_t offset, c
                    offset, FLOAT, of->vertex_count);
     if (bounds != NULL) {
         pel_json_print(json, ",\"min\":");
-        pel_json_numbers(json, bounds, 3);
+        pel_json_put_numbers(json, bounds, 3);
         pel_json_print(json, ",\"max\":");
-        pel_json_numbers(json, bounds + 3, 3);
+        pel_json_put_numbers(json, bounds + 3, 3);
     }
     pel_json_print(json, "}");
 }
@@ -289,9 +289,9 @@ static void put_accessors(pel_json *json, const glb *g)
     size_t count = (size_t)g->frame_count;
     pel_json_print(json, ",{\"bufferView\":2,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\",\"min\":[", FLOAT,
                    count);
-    pel_json_number(json, (double)(float)g->frames->times[0]);
+    pel_json_put_number(json, (double)(float)g->frames->times[0]);
     pel_json_print(json, "],\"max\":[");
-    pel_json_number(json, (double)(float)g->frames->times[count - 1]);
+    pel_json_put_number(json, (double)(float)g->frames->times[count - 1]);
     pel_json_print(json,
                    "]},{\"bufferView\":2,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}]",
                    4 * count, FLOAT, count * (count - 1));
@@ -317,7 +317,7 @@ static void put_node(pel_json *json, const glb *g, int32_t p)
     pel_json_print(json, "%s{\"mesh\":%d", p > 0 ? "," : "", (int)p);
     if (g->part_count > 1) {
         pel_json_print(json, ",\"name\":");
-        pel_json_string(json, tool != NULL ? tool : body);
+        pel_json_put_text(json, tool != NULL ? tool : body);
     }
     pel_json_print(json, ",\"rotation\":[-0.70710678,0,0,0.70710678]}");
 }
@@ -418,11 +418,9 @@ static pel_status write_file(const char *path, glb *g, const pel_json *json, pel
 {
     size_t numbers = 4 * g->index_count + frames_size(g) + animation_size(g);
     size_t total = HEAD_SIZE + CHUNK_HEAD_SIZE + json->length + CHUNK_HEAD_SIZE + numbers;
-    if (total > UINT32_MAX) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the file would have %zu bytes; the format allows at most 4 GiB", total);
-        pel_fail_remedy(error, "export a point cache (.pc2), or run the scene with fewer frames");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (total > UINT32_MAX)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "export a point cache (.pc2), or run the scene with fewer frames",
+                          "the file would have %zu bytes; the format allows at most 4 GiB", total);
     pel_file_writer writer;
     pel_status status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)

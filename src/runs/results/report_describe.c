@@ -23,7 +23,7 @@ static void put_note(pel_report_run *run, const pel_log *log, const char *format
     pel_json *json = &run->json;
     if (json->length > 0 && json->text[json->length - 1] != '[')
         pel_json_print(json, ",");
-    pel_json_string(json, text);
+    pel_json_put_text(json, text);
     pel_log_line(log, "%s: %s", run->folder, text);
 }
 
@@ -90,7 +90,7 @@ static pel_status put_text(pel_report_run *run, const char *key, pel_run_file fi
     else if (size > PEL_REPORT_TEXT_LIMIT)
         text[PEL_REPORT_TEXT_LIMIT] = '\0';
     pel_json_print(&run->json, ",\n\"%s\":", key);
-    pel_json_string(&run->json, text != NULL ? text : "");
+    pel_json_put_text(&run->json, text != NULL ? text : "");
     pel_json_print(&run->json, ",\n\"%s_thinned\":%s", key, size > PEL_REPORT_TEXT_LIMIT ? "true" : "false");
     pel_free(text);
     return PEL_OK;
@@ -111,14 +111,14 @@ static void put_frames(pel_report_run *run)
         if (!pel_report_run_keeps(run, f))
             continue;
         pel_json_print(json, "%s[%d,", separator, (int)f);
-        pel_json_number(json, run->frames->times[f]);
+        pel_json_put_number(json, run->frames->times[f]);
         pel_json_print(json, ",%d]", (int)run->frame_topology[f]);
         separator = ",";
     }
     pel_json_print(json, "],\n\"low\":");
-    pel_json_numbers(json, run->low, 3);
+    pel_json_put_numbers(json, run->low, 3);
     pel_json_print(json, ",\"high\":");
-    pel_json_numbers(json, run->high, 3);
+    pel_json_put_numbers(json, run->high, 3);
 }
 
 static void put_fields(pel_report_run *run)
@@ -132,15 +132,15 @@ static void put_fields(pel_report_run *run)
                                  components ? field->high : field->magnitude_high};
         const double magnitudes[2] = {field->magnitude_low, field->magnitude_high};
         pel_json_print(json, "%s\n{\"name\":", f > 0 ? "," : "");
-        pel_json_string(json, field->name);
+        pel_json_put_text(json, field->name);
         int32_t known = pel_field_find(field->name);
         if (known >= 0)
             pel_json_print(json, ",\"unit\":\"%s\"", pel_field_at(known)->unit);
         pel_json_print(json, ",\"components\":%d,\"channels\":%d,\"bits\":%d,\"range\":", (int)field->component_count,
                        components ? (int)field->component_count : 1, (int)run->plan.bits);
-        pel_json_numbers(json, range, 2);
+        pel_json_put_numbers(json, range, 2);
         pel_json_print(json, ",\"magnitudes\":");
-        pel_json_numbers(json, magnitudes, 2);
+        pel_json_put_numbers(json, magnitudes, 2);
         pel_json_print(json, "}");
     }
     pel_json_print(json, "]");
@@ -157,7 +157,7 @@ static void put_name(pel_json *json, const char *path)
     while (start > 0 && path[start - 1] != '/')
         start--;
     snprintf(name, sizeof name, "%.*s", (int)(end - start < sizeof name ? end - start : sizeof name - 1), path + start);
-    pel_json_string(json, name);
+    pel_json_put_text(json, name);
 }
 
 pel_status pel_report_run_describe(pel_report_run *run, const pel_log *log, pel_error *error)

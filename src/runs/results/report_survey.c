@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "mesh/figures.h"
 #include "results/common_mesh.h"
 
 #include <math.h>
@@ -46,15 +47,6 @@ static pel_status note_topology(pel_report_run *run, const pel_mesh *mesh, int32
 }
 
 /* ---- ranges ---- */
-
-static void grow_box(pel_report_run *run, const pel_mesh *mesh)
-{
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            run->low[i] = fmin(run->low[i], mesh->positions[v][i]);
-            run->high[i] = fmax(run->high[i], mesh->positions[v][i]);
-        }
-}
 
 static void grow_range(pel_report_field *known, const pel_field *field, int32_t vertex_count)
 {
@@ -183,7 +175,7 @@ static pel_status survey_frame(pel_report_run *run, const pel_report_def *def, i
     pel_status status = pel_frames_read(run->frames, frame, &mesh, error);
     if (status != PEL_OK)
         return status;
-    grow_box(run, mesh);
+    pel_mesh_add_box(mesh, run->low, run->high);
     if (frame == 0)
         status = check_wanted(run, def, mesh, error);
     if (status == PEL_OK)

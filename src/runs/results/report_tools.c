@@ -76,7 +76,7 @@ static void put_surface(pel_json *json, const char *name, const pel_mesh *mesh)
     double middle[3], x[3];
     middle_of(mesh, middle);
     pel_json_print(json, "{\"name\":");
-    pel_json_string(json, name);
+    pel_json_put_text(json, name);
     pel_json_print(json, ",\"positions\":[");
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         pel_vec3_subtract(mesh->positions[v], middle, x);

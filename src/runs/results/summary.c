@@ -8,61 +8,49 @@
 #include <inttypes.h>
 #include <math.h>
 
-static void begin(pel_json *json, const char *key)
+/* an object or array in one line, inside the lines of the summary */
+static void open_inline(pel_json *json, const char *key, char bracket)
 {
-    pel_json_print(json, ",\n  \"%s\": ", key);
+    pel_json_open(json, key, bracket);
+    json->style = PEL_JSON_SPACED;
+}
+
+static void close_inline(pel_json *json, char bracket)
+{
+    pel_json_close(json, bracket);
+    json->style = PEL_JSON_INDENTED;
 }
 
 static void text_entry(pel_json *json, const char *key, const char *text)
 {
-    begin(json, key);
-    if (text[0] != '\0')
-        pel_json_string(json, text);
-    else
-        pel_json_print(json, "null");
-}
-
-static void number_entry(pel_json *json, const char *key, double value)
-{
-    begin(json, key);
-    pel_json_number(json, value);
-}
-
-static void count_entry(pel_json *json, const char *key, int64_t value)
-{
-    begin(json, key);
-    pel_json_print(json, "%" PRId64, value);
+    pel_json_text(json, key, text[0] != '\0' ? text : NULL);
 }
 
 static void write_event(pel_json *json, const char *count_key, int64_t count, const char *time_key, double time)
 {
-    pel_json_print(json, ", \"%s\": %" PRId64 ", \"%s\": ", count_key, count, time_key);
-    pel_json_number(json, count > 0 ? time : (double)NAN);
+    pel_json_integer(json, count_key, count);
+    pel_json_number(json, time_key, count > 0 ? time : (double)NAN);
 }
 
-static void write_tool_states(pel_json *json, const pel_sim *sim, int32_t tool)
+static void write_tool(pel_json *json, const pel_sim *sim, int32_t tool, double max_force)
 {
     pel_tool_reading reading;
     pel_sim_get_tool(sim, tool, &reading);
-    pel_json_print(json, ", \"held\": %d", (int)reading.held_count);
+    pel_json_open(json, NULL, '{');
+    pel_json_text(json, "name", pel_sim_tool_name(sim, tool));
+    pel_json_number(json, "max_force", max_force);
+    pel_json_integer(json, "held", reading.held_count);
     write_event(json, "lost", reading.lost_count, "lost_time", reading.lost_time);
     write_event(json, "held_back_steps", reading.held_back_count, "held_back_time", reading.held_back_time);
+    pel_json_close(json, '}');
 }
 
 static void write_tools(pel_json *json, const pel_run_ending *ending)
 {
-    const pel_sim *sim = ending->sim;
-    begin(json, "tools");
-    pel_json_print(json, "[");
-    for (int32_t t = 0; t < ending->tool_count; t++) {
-        pel_json_print(json, "%s{\"name\": ", t > 0 ? ", " : "");
-        pel_json_string(json, pel_sim_tool_name(sim, t));
-        pel_json_print(json, ", \"max_force\": ");
-        pel_json_number(json, ending->tool_force[t]);
-        write_tool_states(json, sim, t);
-        pel_json_print(json, "}");
-    }
-    pel_json_print(json, "]");
+    open_inline(json, "tools", '[');
+    for (int32_t t = 0; t < ending->tool_count; t++)
+        write_tool(json, ending->sim, t, ending->tool_force[t]);
+    close_inline(json, ']');
 }
 
 static void write_contact(pel_json *json, const pel_sim *sim)
@@ -77,20 +65,15 @@ static void write_contact(pel_json *json, const pel_sim *sim)
                   {"pairs", s.contacts},          {"dropped", s.dropped},
                   {"rounds", s.rounds},           {"fall_backs", s.fall_backs},
                   {"tools_held", s.tools_held},   {"tangled", s.tangled}};
-    begin(json, "contact");
-    pel_json_print(json, "{\"thickness\": ");
-    pel_json_number(json, pel_sim_contact_thickness(sim));
+    open_inline(json, "contact", '{');
+    pel_json_number(json, "thickness", pel_sim_contact_thickness(sim));
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
-        pel_json_print(json, ", \"%s\": %" PRId64, counts[i].name, counts[i].count);
-    pel_json_print(json, ", \"cubics_saved\": ");
-    pel_json_number(json, s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);
-    pel_json_print(json, ", \"find_s\": ");
-    pel_json_number(json, s.find_seconds);
-    pel_json_print(json, ", \"solve_s\": ");
-    pel_json_number(json, s.solve_seconds);
-    pel_json_print(json, ", \"guard_s\": ");
-    pel_json_number(json, s.guard_seconds);
-    pel_json_print(json, "}");
+        pel_json_integer(json, counts[i].name, counts[i].count);
+    pel_json_number(json, "cubics_saved", s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);
+    pel_json_number(json, "find_s", s.find_seconds);
+    pel_json_number(json, "solve_s", s.solve_seconds);
+    pel_json_number(json, "guard_s", s.guard_seconds);
+    close_inline(json, '}');
 }
 
 static void write_solver(pel_json *json, const pel_run_ending *ending)
@@ -99,22 +82,20 @@ static void write_solver(pel_json *json, const pel_run_ending *ending)
     pel_method method = ending->method;
     text_entry(json, "method", ending->method_name);
     if (s->solver.solves) {
-        count_entry(json, "solver_iterations", s->solver.iterations);
-        number_entry(json, "solver_residual", s->solver.residual);
-        begin(json, "solver_converged");
-        pel_json_print(json, s->solver.converged ? "true" : "false");
-        count_entry(json, "solver_unconverged_steps", s->unconverged_steps);
+        pel_json_integer(json, "solver_iterations", s->solver.iterations);
+        pel_json_number(json, "solver_residual", s->solver.residual);
+        pel_json_bool(json, "solver_converged", s->solver.converged);
+        pel_json_integer(json, "solver_unconverged_steps", s->unconverged_steps);
     }
     if (s->solver.substeps == 0)
         return;
-    count_entry(json, "substeps_min", s->solver.least_substeps);
-    count_entry(json, "substeps_max", s->solver.most_substeps);
+    pel_json_integer(json, "substeps_min", s->solver.least_substeps);
+    pel_json_integer(json, "substeps_max", s->solver.most_substeps);
     if (method != PEL_METHOD_XPBD)
         return;
-    count_entry(json, "substeps_needed", s->solver.needed_substeps);
-    begin(json, "second_order");
-    pel_json_print(json, s->solver.second_order ? "true" : "false");
-    number_entry(json, "softness_max", s->solver.most_softness);
+    pel_json_integer(json, "substeps_needed", s->solver.needed_substeps);
+    pel_json_bool(json, "second_order", s->solver.second_order);
+    pel_json_number(json, "softness_max", s->solver.most_softness);
 }
 
 /* frequencies or load factors of an analysis */
@@ -124,13 +105,7 @@ static void write_modes(pel_json *json, const pel_run_ending *ending)
     pel_analysis analysis = pel_sim_analysis(ending->sim);
     if (analysis == PEL_ANALYSIS_NONE)
         return;
-    begin(json, keys[analysis]);
-    pel_json_print(json, "[");
-    for (int32_t m = 0; m < ending->summary->mode_count; m++) {
-        pel_json_print(json, m > 0 ? ", " : "");
-        pel_json_number(json, ending->summary->modes[m]);
-    }
-    pel_json_print(json, "]");
+    pel_json_numbers(json, keys[analysis], ending->summary->modes, ending->summary->mode_count);
 }
 
 static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
@@ -151,55 +126,51 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
                    {"dissipated_solver", ledger->dissipated_solver},
                    {"energy_error", ledger->energy_error},
                    {"supplied", ledger->supplied}};
-    begin(json, "energy");
-    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
-        pel_json_print(json, "%s\"%s\": ", i == 0 ? "{" : ", ", entries[i].name);
-        pel_json_number(json, entries[i].value);
-    }
-    pel_json_print(json, "}");
+    open_inline(json, "energy", '{');
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++)
+        pel_json_number(json, entries[i].name, entries[i].value);
+    close_inline(json, '}');
 }
 
 static void write_warnings(pel_json *json, const pel_run_summary *summary)
 {
-    begin(json, "warnings");
-    pel_json_print(json, "[");
+    pel_json_open(json, "warnings", '[');
     for (int32_t i = 0; i < summary->warning_count; i++) {
         const pel_run_warning *warning = &summary->warnings[i];
-        pel_json_print(json,
-                       "%s\n    {\"code\": \"%s\", \"first_frame\": %" PRId64 ", \"count\": %" PRId64 ", \"text\": ",
-                       i > 0 ? "," : "", warning->code, warning->first_frame, warning->count);
-        pel_json_string(json, warning->text);
-        pel_json_print(json, "}");
+        open_inline(json, NULL, '{');
+        pel_json_text(json, "code", warning->code);
+        pel_json_integer(json, "first_frame", warning->first_frame);
+        pel_json_integer(json, "count", warning->count);
+        pel_json_text(json, "text", warning->text);
+        close_inline(json, '}');
     }
-    pel_json_print(json, summary->warning_count > 0 ? "\n  ]" : "]");
+    pel_json_close(json, ']');
 }
 
 static void write_entries(pel_json *json, const pel_run_ending *ending)
 {
     const pel_run_summary *s = ending->summary;
-    count_entry(json, "frames", s->frames);
-    count_entry(json, "steps", s->steps);
-    number_entry(json, "time_simulated", s->time_simulated);
-    number_entry(json, "wall_s", s->wall_s);
-    number_entry(json, "steps_per_second", s->steps_per_second);
-    number_entry(json, "volume_ratio_final", s->volume_ratio_final);
-    number_entry(json, "area_ratio_final", s->area_ratio_final);
-    number_entry(json, "max_displacement", s->max_displacement);
-    number_entry(json, "residual_displacement", s->residual_displacement);
-    count_entry(json, "vertices_final", s->vertices_final);
-    count_entry(json, "triangles_final", s->triangles_final);
-    if (s->self_intersections_final >= 0) {
-        count_entry(json, "self_intersections_final", s->self_intersections_final);
-    } else {
-        begin(json, "self_intersections_final");
-        pel_json_print(json, "null");
-    }
-    begin(json, "state_hash");
+    pel_json_integer(json, "frames", s->frames);
+    pel_json_integer(json, "steps", s->steps);
+    pel_json_number(json, "time_simulated", s->time_simulated);
+    pel_json_number(json, "wall_s", s->wall_s);
+    pel_json_number(json, "steps_per_second", s->steps_per_second);
+    pel_json_number(json, "volume_ratio_final", s->volume_ratio_final);
+    pel_json_number(json, "area_ratio_final", s->area_ratio_final);
+    pel_json_number(json, "max_displacement", s->max_displacement);
+    pel_json_number(json, "residual_displacement", s->residual_displacement);
+    pel_json_integer(json, "vertices_final", s->vertices_final);
+    pel_json_integer(json, "triangles_final", s->triangles_final);
+    if (s->self_intersections_final >= 0)
+        pel_json_integer(json, "self_intersections_final", s->self_intersections_final);
+    else
+        pel_json_null(json, "self_intersections_final");
+    pel_json_key(json, "state_hash");
     pel_json_print(json, "\"%016" PRIx64 "\"", s->state_hash);
-    number_entry(json, "alpha", s->alpha);
-    number_entry(json, "alpha_limit", s->alpha_limit);
-    count_entry(json, "threads", s->threads);
-    number_entry(json, "max_tool_force", s->max_tool_force);
+    pel_json_number(json, "alpha", s->alpha);
+    pel_json_number(json, "alpha_limit", s->alpha_limit);
+    pel_json_integer(json, "threads", s->threads);
+    pel_json_number(json, "max_tool_force", s->max_tool_force);
     write_tools(json, ending);
     write_solver(json, ending);
     write_modes(json, ending);
@@ -208,9 +179,9 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     write_ledger(json, &s->ledger);
     write_warnings(json, s);
     text_entry(json, "stop_reason", s->stop_reason);
-    count_entry(json, "volume_rises", s->volume_rises);
-    number_entry(json, "volume_rise_sum", s->volume_rise_sum);
-    number_entry(json, "volume_rise_max", s->volume_rise_max);
+    pel_json_integer(json, "volume_rises", s->volume_rises);
+    pel_json_number(json, "volume_rise_sum", s->volume_rise_sum);
+    pel_json_number(json, "volume_rise_max", s->volume_rise_max);
     text_entry(json, "checkpoint", s->checkpoint);
     text_entry(json, "scene", ending->scene_path);
     text_entry(json, "version", PEL_VERSION);
@@ -218,13 +189,14 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
 
 pel_status pel_results_write_summary(const pel_run_ending *ending, pel_error *error)
 {
-    pel_json json = {0};
+    pel_json json = {.style = PEL_JSON_INDENTED};
     pel_file_writer writer;
     char path[PEL_RUN_FILE_SIZE], text[1200];
-    pel_json_print(&json, "{\n  \"status\": \"%s\"", ending->summary->status);
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "status", ending->summary->status);
     write_entries(&json, ending);
     text_entry(&json, "error", ending->cause != NULL ? pel_error_text(ending->cause, text, sizeof text) : "");
-    pel_json_print(&json, "\n}\n");
+    pel_json_close(&json, '}');
     pel_status status = json.failed ? pel_fail_memory(error) : PEL_OK;
     if (status == PEL_OK)
         status = pel_file_writer_open(&writer, pel_run_path(path, ending->folder, PEL_RUN_SUMMARY), error);

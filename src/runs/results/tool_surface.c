@@ -3,17 +3,13 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
-#include "math/functions.h"
+#include "geom/solid_surface.h"
 #include "results/folder.h"
 #include "tool/tool.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-/* of a ball: rings of vertices between the poles, and vertices of a ring */
-enum { RINGS = 11, SIDES = 24 };
-static const double PI = 3.14159265358979323846;
 
 struct pel_tool_surface {
     char name[PEL_NAME_SIZE];
@@ -46,71 +42,17 @@ static pel_status make_room(pel_tool_surface *surface, int32_t vertex_count, int
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
-static void set_triangle(int32_t *triangle, int32_t a, int32_t b, int32_t c)
-{
-    triangle[0] = a;
-    triangle[1] = b;
-    triangle[2] = c;
-}
-
-/* two half balls apart, from the lower pole to the upper one; of a capsule the ring in the middle stands twice */
-static pel_status make_capsule(pel_tool_surface *surface, pel_error *error)
-{
-    const pel_solid *solid = &surface->solid;
-    double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0;
-    const int circles = half > 0 ? RINGS + 1 : RINGS;
-    pel_status status = make_room(surface, circles * SIDES + 2, 2 * circles * SIDES, error);
-    if (status != PEL_OK)
-        return status;
-    for (int r = 0; r < circles; r++) {
-        int upper = half > 0 && r >= circles / 2;
-        double latitude = PI * ((r - upper + 1.0) / (RINGS + 1.0) - 0.5);
-        for (int s = 0; s < SIDES; s++) {
-            double longitude = 2 * PI * s / SIDES, across = solid->radius * pel_cos(latitude);
-            pel_vec3_set(surface->local[r * SIDES + s], across * pel_cos(longitude), across * pel_sin(longitude),
-                         solid->radius * pel_sin(latitude) + (upper ? half : -half));
-        }
-    }
-    int32_t low = circles * SIDES, high = low + 1, t = 0;
-    pel_vec3_set(surface->local[low], 0, 0, -half - solid->radius);
-    pel_vec3_set(surface->local[high], 0, 0, half + solid->radius);
-    for (int s = 0; s < SIDES; s++) {
-        int next = (s + 1) % SIDES, last = (circles - 1) * SIDES;
-        set_triangle(surface->triangles[t++], low, next, s);
-        set_triangle(surface->triangles[t++], high, last + s, last + next);
-        for (int r = 0; r + 1 < circles; r++) {
-            int a = r * SIDES + s, b = r * SIDES + next;
-            set_triangle(surface->triangles[t++], a, b, b + SIDES);
-            set_triangle(surface->triangles[t++], a, b + SIDES, a + SIDES);
-        }
-    }
-    return PEL_OK;
-}
-
-static pel_status make_box(pel_tool_surface *surface, pel_error *error)
-{
-    /* bit k of a corner: on the upper side of axis k */
-    static const int32_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                                         {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
-    pel_status status = make_room(surface, 8, 12, error);
-    if (status != PEL_OK)
-        return status;
-    memcpy(surface->triangles, faces, sizeof faces);
-    for (int corner = 0; corner < 8; corner++)
-        for (int k = 0; k < 3; k++)
-            surface->local[corner][k] =
-                corner >> k & 1 ? surface->solid.half_extents[k] : -surface->solid.half_extents[k];
-    return PEL_OK;
-}
-
 static pel_status make_shape(pel_tool_surface *surface, const pel_tool *tool, pel_error *error)
 {
     surface->solid = tool->solid;
     surface->mesh = tool->mesh;
-    if (tool->mesh == NULL)
-        return tool->solid.kind == PEL_SOLID_BOX ? make_box(surface, error) : make_capsule(surface, error);
-    pel_status status = make_room(surface, tool->mesh->vertex_count, tool->mesh->triangle_count, error);
-    if (status != PEL_OK)
+    const pel_solid_surface size = tool->mesh != NULL
+                                       ? (pel_solid_surface){tool->mesh->vertex_count, tool->mesh->triangle_count}
+                                       : pel_solid_surface_size(&tool->solid);
+    pel_status status = make_room(surface, size.vertex_count, size.triangle_count, error);
+    if (status == PEL_OK && tool->mesh == NULL)
+        pel_solid_surface_fill(&tool->solid, surface->local, surface->triangles);
+    if (status != PEL_OK || tool->mesh == NULL)
         return status;
     memcpy(surface->local, tool->mesh->positions, (size_t)surface->vertex_count * sizeof *surface->local);
     memcpy(surface->triangles, tool->mesh->triangles, (size_t)surface->triangle_count * sizeof *surface->triangles);
@@ -120,8 +62,28 @@ static pel_status make_shape(pel_tool_surface *surface, const pel_tool *tool, pe
 static bool has_shape_of(const pel_tool_surface *surface, const pel_tool *tool)
 {
     const pel_solid *a = &surface->solid, *b = &tool->solid;
-    return surface->triangles != NULL && surface->mesh == tool->mesh && a->kind == b->kind && a->radius == b->radius &&
-           a->half_length == b->half_length && memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
+    return surface->triangles != NULL && surface->mesh == tool->mesh && a->shape == b->shape &&
+           a->radius == b->radius && a->half_length == b->half_length &&
+           memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
+}
+
+pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error)
+{
+    PEL_REFUSE_NULL(mesh, error);
+    *mesh = NULL;
+    PEL_REFUSE_NULL(def, error);
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT) || def->shape == PEL_TOOL_SUPPORT ||
+        (def->shape == PEL_TOOL_MESH && def->mesh == NULL))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a shape with a surface, and a mesh for the shape mesh",
+                          "the tool has no surface");
+    const pel_tool tool = {.solid = pel_solid_of(def), .mesh = (pel_mesh *)(uintptr_t)def->mesh};
+    pel_tool_surface surface = {.vertex_count = 0};
+    pel_status status = make_shape(&surface, &tool, error);
+    if (status == PEL_OK)
+        status = pel_mesh_create(surface.local[0], surface.vertex_count, surface.triangles[0], surface.triangle_count,
+                                 mesh, error);
+    free_shape(&surface);
+    return status;
 }
 
 /* ---- the list ---- */

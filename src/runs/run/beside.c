@@ -17,11 +17,9 @@ pel_status pel_run_beside_create(pel_run_state *run, pel_error *error)
     const pel_run_beside *beside = run->def->beside;
     if (beside == NULL || beside->count == 0)
         return PEL_OK;
-    if (run->scene->session_count > 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a session has no runs beside it");
-        pel_fail_remedy(error, "take derivatives by differences of whole runs");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (run->scene->session_count > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs",
+                          "a session has no runs beside it");
     pel_status status = make_room(run, error);
     for (int32_t i = 0; status == PEL_OK && i < beside->count; i++) {
         pel_sim_def def = beside->scenes[i]->sim;

@@ -44,7 +44,7 @@ static void fill_buffer(pel_run_state *run)
         .totals = run->totals,
     };
     memcpy(header.magic, magic, sizeof magic);
-    header.totals.wall_seconds += pel_run_clock() - run->start;
+    header.totals.wall_seconds += pel_seconds() - run->start;
     unsigned char *out = run->checkpoint;
     memcpy(out, &header, sizeof header);
     memcpy(out + sizeof header, run->tool_force, tool_bytes(run));
@@ -88,8 +88,7 @@ pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error
 
 static pel_status refuse(const char *path, const char *what, const char *remedy, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
+    pel_refuse(error, PEL_BAD_FORMAT, remedy, "%s", what);
     pel_fail_place(error, path, 0, 0);
     return PEL_BAD_FORMAT;
 }

@@ -2,6 +2,7 @@
 
 #include "base/number.h"
 #include "base/status.h"
+#include "geom/solid.h"
 #include "scene/word_mesh.h"
 
 #include <math.h>
@@ -27,11 +28,6 @@ static const grammar words[] = {
 };
 
 enum { WORD_COUNT = sizeof words / sizeof *words };
-
-static const struct {
-    const char *name;
-    pel_tool_shape shape;
-} shapes[] = {{"sphere", PEL_TOOL_SPHERE}, {"capsule", PEL_TOOL_CAPSULE}, {"box", PEL_TOOL_BOX}};
 
 /* Copies the line with single spaces between its words. Printable ASCII only, without quotes and backslashes: scenes
    quote it. */
@@ -80,9 +76,8 @@ static pel_status find_word(const char *word, pel_command *command, pel_error *e
             command->word = (pel_command_word)i;
             return PEL_OK;
         }
-    pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a command", word);
-    pel_fail_remedy(error, "use set, grab, press, move, release, pin, unpin, inflate or mark");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use set, grab, press, move, release, pin, unpin, inflate or mark",
+                      "'%.40s' is not a command", word);
 }
 
 static pel_status take_numbers(const char **at, const grammar *rule, pel_command *command, pel_error *error)
@@ -103,16 +98,15 @@ static pel_status take_numbers(const char **at, const grammar *rule, pel_command
 
 static pel_status find_shape(pel_command *command, pel_error *error)
 {
-    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
-        if (strcmp(shapes[i].name, command->name) == 0) {
-            command->shape = shapes[i].shape;
-            return PEL_OK;
-        }
     command->shape = PEL_TOOL_MESH;
-    if (pel_word_mesh_is_one(command->name))
+    if (pel_solid_find(command->name, &command->shape) || pel_word_mesh_is_one(command->name))
         return PEL_OK;
+    char solids[128] = "";
+    for (int i = 0; i < PEL_TOOL_SHAPE_COUNT; i++)
+        if (pel_solid_rows[i].distance != NULL)
+            snprintf(solids + strlen(solids), sizeof solids - strlen(solids), "%s, ", pel_solid_rows[i].word);
     pel_fail(error, PEL_BAD_ARGUMENT, "'%.40s' is not a shape to press with", command->name);
-    pel_fail_remedy(error, "use sphere, capsule, box, torus, cylinder, blend or an OBJ, PLY, STL, OFF or VTP file");
+    pel_fail_remedy(error, "use %storus, cylinder, blend or an OBJ, PLY, STL, OFF or VTP file", solids);
     return PEL_BAD_ARGUMENT;
 }
 

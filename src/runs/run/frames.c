@@ -10,20 +10,12 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* rewrite frames.pvd when the number of frames has grown by this share, or after this many seconds: its cost stays
    small compared to the frames */
 #define LIST_GROWTH 0.125
 #define LIST_SECONDS 2.0
-
-double pel_run_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- the files ---- */
 
@@ -45,14 +37,14 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error)
     if (status == PEL_OUT_OF_MEMORY)
         return status;
     frames->listed_count = frames->frame_count;
-    frames->listed_at = pel_run_clock();
+    frames->listed_at = pel_seconds();
     return status;
 }
 
 static bool list_is_due(const pel_run_frames *frames)
 {
     double unlisted = (double)(frames->frame_count - frames->listed_count);
-    return unlisted > LIST_GROWTH * (double)frames->listed_count || pel_run_clock() - frames->listed_at > LIST_SECONDS;
+    return unlisted > LIST_GROWTH * (double)frames->listed_count || pel_seconds() - frames->listed_at > LIST_SECONDS;
 }
 
 void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger)

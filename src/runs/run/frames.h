@@ -39,8 +39,8 @@ typedef struct pel_run_frame {
     double time;           /* s */
     pel_run_totals totals; /* before it; frame_count is its number */
     /* null when one thread does everything */
-    double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */
-    void *snapshot;     /* (snapshot_size) of the simulation */
+    double *tool_force;      /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */
+    unsigned char *snapshot; /* (snapshot_size) of the simulation */
 } pel_run_frame;
 
 /* While a frame is under way everything here belongs to the thread that writes. */
@@ -100,8 +100,5 @@ pel_status pel_run_frames_list(pel_run_frames *frames, pel_error *error);
 
 /* The present state without the skipped parts (kept.h), which are 0. */
 void pel_run_measure(pel_sim *sim, unsigned skips, pel_sim_measures *measures, pel_sim_ledger *ledger);
-
-/* s, from some fixed moment */
-double pel_run_clock(void);
 
 #endif

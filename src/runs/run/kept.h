@@ -3,7 +3,7 @@
 #define PEL_RUN_KEPT_H
 
 #include "pellicle/run.h"
-#include "sim/parameter_table.h"
+#include "sim/parameter.h"
 
 /* Results of a run at its frames and its end. */
 enum {

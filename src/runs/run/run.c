@@ -42,11 +42,9 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
 {
     if (def->cookie != RUN_COOKIE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "run def was not made by pel_run_def_default()");
-    if (def->folder != NULL && (def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the name of the output folder is empty or very long");
-        pel_fail_remedy(error, "name a folder for the results");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->folder != NULL && (def->folder[0] == '\0' || strlen(def->folder) >= PEL_RUN_PATH_SIZE))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "name a folder for the results",
+                          "the name of the output folder is empty or very long");
     if (def->max_frames < 0 || def->thread_count < 0 || !(def->keep_seconds >= 0))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the number of frames, threads or seconds is below 0");
     if (def->folder == NULL && def->resume != NULL)
@@ -175,10 +173,10 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
         any |= pel_model_is_closed(run->model, b);
     if (any)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_SCENE, "stop.volume_ratio_below needs a volume, but no body is closed");
-    pel_fail_remedy(error,
-                    "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time");
-    return PEL_BAD_SCENE;
+    return pel_refuse(
+        error, PEL_BAD_SCENE,
+        "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time",
+        "stop.volume_ratio_below needs a volume, but no body is closed");
 }
 
 /* remedy for a run that xpbd makes too soft */
@@ -221,9 +219,8 @@ static pel_status refuse_resume(const pel_run_state *run, pel_error *error)
 {
     if (run->scene->session_count == 0 || run->def->resume == NULL)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_SCENE, "a run of a scene with a session cannot be resumed");
-    pel_fail_remedy(error, "run it from its start, without --resume");
-    return PEL_BAD_SCENE;
+    return pel_refuse(error, PEL_BAD_SCENE, "run it from its start, without --resume",
+                      "a run of a scene with a session cannot be resumed");
 }
 
 static pel_status prepare(pel_run_state *run, pel_error *error)
@@ -340,7 +337,7 @@ static bool report(const pel_run_state *run)
     if (def->progress == NULL)
         return true;
     int64_t step = pel_sim_step_count(run->sim), end = pel_run_plan_step(&run->plan, run->plan.frame_end);
-    double seconds = pel_run_clock() - run->start, done = (double)(step - run->start_step);
+    double seconds = pel_seconds() - run->start, done = (double)(step - run->start_step);
     const pel_run_progress progress = {
         .step = step,
         .step_total = end,
@@ -448,7 +445,7 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
 {
     if (!(run->def->keep_seconds > 0) || run->def->folder == NULL || run->session != NULL)
         return PEL_OK;
-    double now = pel_run_clock();
+    double now = pel_seconds();
     if (now < run->keep_at)
         return PEL_OK;
     pel_status status = settle_frames(run, error);
@@ -459,7 +456,7 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
     if (pel_run_checkpoint_write(run, false, &failure) != PEL_OK)
         pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
                      pel_error_text(&failure, text, sizeof text));
-    double end = pel_run_clock();
+    double end = pel_seconds();
     run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
     return PEL_OK;
 }
@@ -479,11 +476,11 @@ static pel_status advance(pel_run_state *run, pel_error *error)
 {
     /* the clock takes a thirtieth of the steps of a small body, and no row of a study has times */
     bool is_timed = run->kept == NULL;
-    double before = is_timed ? pel_run_clock() : 0;
+    double before = is_timed ? pel_seconds() : 0;
     pel_status status = step(run, error);
     if (status != PEL_OK)
         return status;
-    double seconds = is_timed ? pel_run_clock() - before : 0;
+    double seconds = is_timed ? pel_seconds() - before : 0;
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
     note_tools(run);
@@ -623,7 +620,7 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
         status = check_inputs(scene, def, cause);
     if (status != PEL_OK)
         return status;
-    pel_run_state run = {.scene = scene, .def = def, .kept = kept, .start = pel_run_clock(), .lock = -1};
+    pel_run_state run = {.scene = scene, .def = def, .kept = kept, .start = pel_seconds(), .lock = -1};
     run.keep_at = run.start + def->keep_seconds;
     run.plan = pel_run_plan_make(scene, def->max_frames);
     if (def->folder == NULL)

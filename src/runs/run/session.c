@@ -7,6 +7,8 @@
 #include "base/number.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/bounds.h"
+#include "mesh/figures.h"
 #include "pellicle/measure.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
@@ -88,16 +90,11 @@ static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
 
 static double diagonal(const pel_model_def *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, sum = 0;
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
     for (int32_t b = 0; b < model->body_count; b++)
-        for (int32_t v = 0; v < model->bodies[b].mesh->vertex_count; v++)
-            for (int i = 0; i < 3; i++) {
-                low[i] = fmin(low[i], model->bodies[b].mesh->positions[v][i]);
-                high[i] = fmax(high[i], model->bodies[b].mesh->positions[v][i]);
-            }
-    for (int i = 0; i < 3; i++)
-        sum += (high[i] - low[i]) * (high[i] - low[i]);
-    return sqrt(sum);
+        pel_mesh_add_box(model->bodies[b].mesh, low, high);
+    return pel_vec3_distance(low, high);
 }
 
 static bool take_bodies(pel_session *session)
@@ -279,12 +276,8 @@ static pel_status grab(pel_session *session, const pel_command *command, bool *d
 /* moves the middle of the mesh's box to 0 and its farthest vertex to the radius */
 static void fit_mesh(pel_mesh *mesh, double radius)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, most = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    double low[3], high[3], most = 0;
+    pel_mesh_box(mesh, low, high);
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         double squared = 0;
         for (int i = 0; i < 3; i++) {

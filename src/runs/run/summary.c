@@ -38,7 +38,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .frames = totals->frame_count,
         .steps = steps,
         .time_simulated = pel_sim_time(sim),
-        .wall_s = totals->wall_seconds + pel_run_clock() - run->start,
+        .wall_s = totals->wall_seconds + pel_seconds() - run->start,
         .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
         .volume_ratio_final = run->measures.volume_ratio,
         .area_ratio_final = run->measures.area_ratio,

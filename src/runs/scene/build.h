@@ -2,6 +2,7 @@
 #ifndef PEL_SCENE_BUILD_H
 #define PEL_SCENE_BUILD_H
 
+#include "def/row.h"
 #include "scene/value.h"
 
 #include "pellicle/scene.h"
@@ -18,36 +19,29 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
 pel_status pel_scene_build_supports(pel_scene_reader *reader, const pel_scene_value *bodies, pel_scene *scene);
 /* the word of a method in scenes */
 const char *pel_scene_method_name(pel_method method);
-/* Contact (build_contact.c); a null value is none. */
-pel_status pel_scene_build_contact(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact);
-
 /* The tree of a scene, as long as that lives (scene.c). */
 const pel_scene_value *pel_scene_root(const pel_scene *scene);
 
-/* input of one body */
-typedef struct pel_scene_body_source {
+/* a part of a scene, such as a body */
+typedef struct pel_scene_part {
     pel_scene_reader *reader;
     const pel_scene_value *value;
-    const pel_mesh *mesh;
-} pel_scene_body_source;
+    const pel_mesh *mesh; /* of the fields of numbers that vary over a body; null = none */
+} pel_scene_part;
 
-/* The quantity at a key of a map (nullable: 0), row_path is that of the map's row. */
-pel_status pel_scene_build_quantity(const pel_scene_body_source *source, const pel_scene_value *map, const char *key,
-                                    const char *row_path, pel_quantity *quantity);
+/* Reads all numbers, words, vectors and keys of a def that are given (members.c). Other members keep their values. */
+pel_status pel_scene_read_members(const pel_scene_part *part, pel_def_kind kind, void *def);
 
 /* The vertices of a region, listed even if it is all of them; a null value means none. */
-pel_status pel_scene_read_vertices(const pel_scene_body_source *source, const pel_scene_value *value,
-                                   const int32_t **vertices, int32_t *count);
+pel_status pel_scene_read_vertices(const pel_scene_part *source, const pel_scene_value *value, const int32_t **vertices,
+                                   int32_t *count);
 
-/* Masses and springs of a body (build_tissue.c). */
-pel_status pel_scene_build_tissue(const pel_scene_body_source *source, pel_body_def *body);
+/* The kind of mass of a body, and automatic thicknesses and depths (build_tissue.c). */
+pel_status pel_scene_build_tissue(const pel_scene_part *source, pel_body_def *body);
 
-/* Membrane, bending, fibres and pressure of a body (build_shell.c). */
-pel_status pel_scene_build_shell(const pel_scene_body_source *source, pel_shell_def *shell);
+/* Fibres of a body, and the kind and region of its pressure (build_shell.c). */
+pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell);
 
-/* [[t, value], ...] with increasing times; a null list gives no keys */
-pel_status pel_scene_build_keys(pel_scene_reader *reader, const pel_scene_value *list, const pel_key **keys,
-                                int32_t *key_count);
 /* every `name` of a list of maps stands once */
 pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value *list);
 

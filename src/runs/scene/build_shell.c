@@ -1,4 +1,4 @@
-/* Membrane, bending, fibres and pressure of a body. */
+/* Fibres and pressure of a body, with their regions. */
 #include "scene/build.h"
 
 #include "scene/region.h"
@@ -7,45 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-static pel_status read_membrane(const pel_scene_body_source *source, pel_membrane_def *membrane)
-{
-    const pel_scene_value *value = pel_scene_value_entry(source->value, "membrane");
-    if (value == NULL)
-        return PEL_OK;
-    membrane->on = true;
-    membrane->kind = (pel_membrane_kind)pel_scene_value_integer(value, "material");
-    membrane->poisson = pel_scene_value_number(value, "poisson");
-    membrane->mooney_ratio = pel_scene_value_number(value, "mooney_ratio");
-    membrane->extension_limit = pel_scene_value_number(value, "extension_limit");
-    membrane->stiffening = pel_scene_value_number(value, "stiffening");
-    const pel_scene_value *limit = pel_scene_value_entry(value, "strain_limit");
-    membrane->strain_limit = limit != NULL ? limit->number : 0;
-    pel_status status = pel_scene_build_quantity(source, value, "young", "bodies[].membrane", &membrane->young);
-    if (status == PEL_OK)
-        status = pel_scene_build_quantity(source, value, "thickness", "bodies[].membrane", &membrane->thickness);
-    return status;
-}
-
-static pel_status read_bending(const pel_scene_body_source *source, pel_bending_def *bending)
-{
-    const pel_scene_value *value = pel_scene_value_entry(source->value, "bending");
-    if (value == NULL)
-        return PEL_OK;
-    const pel_scene_value *weight = pel_scene_value_entry(value, "weight");
-    bending->model = (pel_bending_model)pel_scene_value_integer(value, "model");
-    bending->weight = weight->form == PEL_FORM_NUMBER ? weight->number : -1;
-    if (pel_scene_value_entry(value, "stiffness")->form == PEL_FORM_WORD) {
-        bending->stiffness = (pel_quantity){.value = -1};
-        return PEL_OK;
-    }
-    return pel_scene_build_quantity(source, value, "stiffness", "bodies[].bending", &bending->stiffness);
-}
-
 /* ---- regions ---- */
 
 /* weights on all vertices; null for the whole body */
-static pel_status read_weights(const pel_scene_body_source *source, const pel_scene_value *value,
-                               const double **weights)
+static pel_status read_weights(const pel_scene_part *source, const pel_scene_value *value, const double **weights)
 {
     pel_scene_region region;
     pel_status status = pel_scene_region_find(source->reader, value, source->mesh, &region);
@@ -100,14 +65,12 @@ static double sheet_stiffness(const pel_membrane_def *membrane, const pel_mesh *
     return sum / mesh->vertex_count;
 }
 
-static pel_status read_stiffness(const pel_scene_body_source *source, const pel_scene_value *value,
-                                 const pel_shell_def *shell, pel_anisotropy_def *fibres)
+/* the stiffness of fibres without a number of their own */
+static pel_status find_stiffness(const pel_scene_part *source, const pel_scene_value *value, const pel_shell_def *shell,
+                                 pel_anisotropy_def *fibres)
 {
-    const pel_scene_value *stiffness = pel_scene_value_entry(value, "stiffness");
-    if (stiffness->form == PEL_FORM_NUMBER) {
-        fibres->stiffness = stiffness->number;
+    if (pel_scene_value_entry(value, "stiffness")->form == PEL_FORM_NUMBER)
         return PEL_OK;
-    }
     if (shell->membrane.on) {
         fibres->stiffness = sheet_stiffness(&shell->membrane, source->mesh);
         return PEL_OK;
@@ -119,24 +82,16 @@ static pel_status read_stiffness(const pel_scene_body_source *source, const pel_
     return PEL_BAD_SCENE;
 }
 
-static pel_status read_fibres(const pel_scene_body_source *source, const pel_scene_value *value,
-                              const pel_shell_def *shell, pel_anisotropy_def *fibres)
+static pel_status read_fibres(const pel_scene_part *source, const pel_scene_value *value, const pel_shell_def *shell,
+                              pel_anisotropy_def *fibres)
 {
-    const pel_scene_value *region = pel_scene_value_entry(value, "region"),
-                          *curvature = pel_scene_value_entry(value, "curvature");
+    const pel_scene_value *region = pel_scene_value_entry(value, "region");
     *fibres = pel_anisotropy_def_default();
-    fibres->mode = (pel_fibre_mode)pel_scene_value_integer(value, "mode");
-    fibres->kind = (pel_fibre_kind)pel_scene_value_integer(value, "energy");
-    if (fibres->mode == PEL_FIBRE_CAVE) {
-        fibres->strength = pel_scene_value_number(value, "strength");
-        fibres->max_step = pel_scene_value_number(value, "max_step");
-    }
-    if (curvature != NULL)
-        fibres->curvature = curvature->number;
     read_direction(pel_scene_value_entry(value, "direction"), fibres);
-    pel_status status = read_stiffness(source, value, shell, fibres);
-    if (status == PEL_OK && fibres->mode == PEL_FIBRE_ACTIVE)
-        status = pel_scene_build_quantity(source, value, "rest_length", "<anisotropy>", &fibres->rest_length);
+    const pel_scene_part part = {source->reader, value, source->mesh};
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_FIBRES, fibres);
+    if (status == PEL_OK)
+        status = find_stiffness(source, value, shell, fibres);
     if (status == PEL_OK && fibres->rest_length.field != NULL) {
         pel_scene_fail(source->reader, &value->place, "rest_length cannot vary over the body");
         pel_fail_remedy(source->reader->error,
@@ -150,7 +105,7 @@ static pel_status read_fibres(const pel_scene_body_source *source, const pel_sce
     return status;
 }
 
-static pel_status read_anisotropies(const pel_scene_body_source *source, pel_shell_def *shell)
+static pel_status read_anisotropies(const pel_scene_part *source, pel_shell_def *shell)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "anisotropy");
     if (value == NULL)
@@ -170,90 +125,35 @@ static pel_status read_anisotropies(const pel_scene_body_source *source, pel_she
 
 /* ---- pressure ---- */
 
-/* an inside pressure is a negative outside one; the arrays belong to the arena */
-static pel_status negate(const pel_scene_body_source *source, pel_quantity *quantity)
+/* with a gas or a target volume pressures and volumes are numbers of the whole body */
+static pel_status check_pressure(const pel_scene_part *source, const pel_scene_value *value,
+                                 const pel_pressure_def *pressure)
 {
-    size_t vertex_count = quantity->field != NULL ? (size_t)source->mesh->vertex_count : 0;
-    size_t key_count = (size_t)quantity->key_count;
-    double *field = pel_arena_take(source->reader->arena, vertex_count, sizeof *field);
-    pel_key *keys = pel_arena_take(source->reader->arena, key_count, sizeof *keys);
-    if (field == NULL || keys == NULL)
-        return pel_fail_memory(source->reader->error);
-    for (size_t v = 0; v < vertex_count; v++)
-        field[v] = -quantity->field[v];
-    for (size_t k = 0; k < key_count; k++)
-        keys[k] = (pel_key){quantity->keys[k].time, -quantity->keys[k].value};
-    quantity->value = -quantity->value;
-    if (vertex_count > 0)
-        quantity->field = field;
-    if (key_count > 0)
-        quantity->keys = keys;
-    return PEL_OK;
-}
-
-/* in addition to a gas or a target volume */
-static pel_status read_outside(const pel_scene_body_source *source, const pel_scene_value *value, const char *prefix,
-                               pel_pressure_def *pressure)
-{
-    pel_status status = pel_scene_build_quantity(source, value, "outside", prefix, &pressure->outside);
-    if (status != PEL_OK || pressure->outside.field == NULL)
-        return status;
-    pel_scene_fail(source->reader, &pel_scene_value_entry(value, "outside")->place,
-                   "with a gas or a target volume the outside pressure cannot vary over the body");
+    bool is_outside = pressure->target.field == NULL;
+    if (pressure->kind == PEL_PRESSURE_GIVEN || (is_outside && pressure->outside.field == NULL))
+        return PEL_OK;
+    if (is_outside)
+        pel_scene_fail(source->reader, &pel_scene_value_entry(value, "outside")->place,
+                       "with a gas or a target volume the outside pressure cannot vary over the body");
+    else
+        pel_scene_fail(source->reader, &value->place, "the target volume is one number; it cannot vary over the body");
     pel_fail_remedy(source->reader->error, "give a number or keys");
     return PEL_BAD_SCENE;
 }
 
-static pel_status read_target(const pel_scene_body_source *source, const pel_scene_value *value,
-                              pel_pressure_def *pressure)
-{
-    pressure->kind = PEL_PRESSURE_VOLUME;
-    pressure->bulk = pel_scene_value_number(value, "bulk");
-    pel_status status =
-        pel_scene_build_quantity(source, value, "target", "bodies[].pressure.volume", &pressure->target);
-    if (status != PEL_OK)
-        return status;
-    if (pressure->target.field == NULL)
-        return read_outside(source, value, "bodies[].pressure.volume", pressure);
-    pel_scene_fail(source->reader, &value->place, "the target volume is one number; it cannot vary over the body");
-    pel_fail_remedy(source->reader->error, "give a number or keys");
-    return PEL_BAD_SCENE;
-}
-
-static pel_status read_pressure(const pel_scene_body_source *source, pel_pressure_def *pressure)
+static pel_status finish_pressure(const pel_scene_part *source, pel_pressure_def *pressure)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "pressure");
     if (value == NULL)
         return PEL_OK;
-    const pel_scene_value *gas = pel_scene_value_entry(value, "gas"), *volume = pel_scene_value_entry(value, "volume"),
-                          *inside = pel_scene_value_entry(value, "inside");
-    pressure->form = (pel_pressure_form)pel_scene_value_integer(value, "form");
-    pel_status status = PEL_OK;
-    if (gas != NULL) {
-        pressure->kind = PEL_PRESSURE_GAS;
-        pressure->value = pel_scene_value_number(gas, "pressure");
-        pressure->gamma = pel_scene_value_number(gas, "gamma");
-        status = read_outside(source, gas, "bodies[].pressure.gas", pressure);
-    } else if (volume != NULL) {
-        status = read_target(source, volume, pressure);
-    } else {
-        pressure->kind = PEL_PRESSURE_GIVEN;
-        status = pel_scene_build_quantity(source, value, inside != NULL ? "inside" : "outside", "bodies[].pressure",
-                                          &pressure->outside);
-        if (status == PEL_OK && inside != NULL)
-            status = negate(source, &pressure->outside);
-    }
-    if (status == PEL_OK)
-        status = read_weights(source, pel_scene_value_entry(value, "region"), &pressure->weights);
-    return status;
+    const pel_scene_value *gas = pel_scene_value_entry(value, "gas"), *volume = pel_scene_value_entry(value, "volume");
+    pressure->kind = gas != NULL ? PEL_PRESSURE_GAS : volume != NULL ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_GIVEN;
+    pel_status status = check_pressure(source, gas != NULL ? gas : volume, pressure);
+    return status == PEL_OK ? read_weights(source, pel_scene_value_entry(value, "region"), &pressure->weights) : status;
 }
 
-pel_status pel_scene_build_shell(const pel_scene_body_source *source, pel_shell_def *shell)
+pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell)
 {
-    pel_status status = read_membrane(source, &shell->membrane);
-    if (status == PEL_OK)
-        status = read_bending(source, &shell->bending);
-    if (status == PEL_OK)
-        status = read_anisotropies(source, shell);
-    return status == PEL_OK ? read_pressure(source, &shell->pressure) : status;
+    pel_status status = read_anisotropies(source, shell);
+    return status == PEL_OK ? finish_pressure(source, &shell->pressure) : status;
 }

@@ -1,5 +1,6 @@
 #include "scene/build.h"
 
+#include "base/number.h"
 #include "observe/field.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
@@ -48,15 +49,13 @@ static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, con
     return PEL_OK;
 }
 
-/* from and until of a load or a grasp; `end` is infinity */
-static pel_status read_times(pel_scene_reader *reader, const pel_scene_value *value, double *from, double *until)
+/* from and until of a load or a grasp */
+static pel_status check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until)
 {
-    const pel_scene_value *until_value = pel_scene_value_entry(value, "until");
-    *from = pel_scene_value_number(value, "from");
-    *until = until_value->form == PEL_FORM_WORD ? (double)HUGE_VAL : until_value->number;
-    if (*until > *from)
+    if (until > from)
         return PEL_OK;
-    pel_scene_fail(reader, &until_value->place, "`until` %g is not after `from` %g", *until, *from);
+    pel_scene_fail(reader, &pel_scene_value_entry(value, "until")->place, "`until` %g is not after `from` %g", until,
+                   from);
     pel_fail_remedy(reader->error, "use a later time, or omit it (default: the end of the run)");
     return PEL_BAD_SCENE;
 }
@@ -65,17 +64,14 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
                             pel_load_def *load)
 {
     *load = pel_load_def_default();
-    load->name = pel_scene_value_entry(value, "name")->text;
-    load->kind = (pel_load_kind)pel_scene_value_integer(value, "per"); /* in the order of the words in the table */
-    pel_scene_value_numbers(pel_scene_value_entry(value, "force"), load->force);
-    load->follower = pel_scene_value_entry(value, "follower") != NULL && pel_scene_value_boolean(value, "follower");
+    const pel_scene_part part = {reader, value, NULL};
     pel_status status = fill_body(reader, value, model);
     if (status == PEL_OK)
         status = find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);
     if (status == PEL_OK)
-        status = read_times(reader, value, &load->from, &load->until);
+        status = pel_scene_read_members(&part, PEL_DEF_LOAD, load);
     if (status == PEL_OK)
-        status = pel_scene_build_keys(reader, pel_scene_value_entry(value, "keys"), &load->keys, &load->key_count);
+        status = check_times(reader, value, load->from, load->until);
     if (status != PEL_OK)
         return status;
     pel_scene_region region;
@@ -131,22 +127,6 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
     return PEL_OK;
 }
 
-static void read_shape(const pel_scene_value *value, pel_tool_def *tool)
-{
-    /* in the order of the words in the table */
-    static const pel_tool_shape shapes[] = {PEL_TOOL_SPHERE, PEL_TOOL_CAPSULE, PEL_TOOL_BOX};
-    tool->shape = shapes[pel_scene_value_integer(value, "shape")];
-    if (tool->shape == PEL_TOOL_BOX) {
-        pel_scene_value_numbers(pel_scene_value_entry(value, "size"), tool->half_extents);
-        for (int i = 0; i < 3; i++)
-            tool->half_extents[i] /= 2;
-        return;
-    }
-    tool->radius = pel_scene_value_number(value, "radius");
-    if (tool->shape == PEL_TOOL_CAPSULE)
-        tool->half_length = pel_scene_value_number(value, "length") / 2;
-}
-
 /* where meshes are made and who owns them */
 typedef struct mesh_store {
     const char *folder;
@@ -171,27 +151,16 @@ static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *val
                             const mesh_store *store, pel_tool_def *tool)
 {
     const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
+    const pel_scene_part part = {reader, value, NULL};
     *tool = pel_tool_def_default();
-    tool->name = pel_scene_value_entry(value, "name")->text;
-    tool->press = pel_scene_value_boolean(value, "press");
-    tool->grasp = grasp != NULL;
-    pel_scene_value_read(value, "friction", &tool->friction);
-    pel_scene_value_read(value, "restitution", &tool->restitution);
-    pel_scene_value_read(value, "thickness", &tool->thickness);
-    pel_status status = PEL_OK;
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_TOOL, tool);
     pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
-    if (mesh != NULL)
+    if (status == PEL_OK && mesh != NULL)
         status = read_mesh(reader, mesh, store, tool);
-    else
-        read_shape(value, tool);
     if (status == PEL_OK && body != NULL)
         status = find_body(reader, body, model, &tool->body);
-    if (status == PEL_OK && grasp != NULL) {
-        tool->reach = pel_scene_value_number(grasp, "reach");
-        tool->grasp_max_force =
-            pel_scene_value_entry(grasp, "max_force") != NULL ? pel_scene_value_number(grasp, "max_force") : 0;
-        status = read_times(reader, grasp, &tool->grasp_from, &tool->grasp_until);
-    }
+    if (status == PEL_OK && grasp != NULL)
+        status = check_times(reader, grasp, tool->grasp_from, tool->grasp_until);
     static const double origin[3] = {0};
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), origin, tool) : status;
 }
@@ -212,7 +181,7 @@ static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *
     tool->body = number;
     tool->press = false;
     pel_scene_value_numbers(pel_scene_value_entry(support, "center"), tool->center);
-    const pel_scene_body_source source = {reader, value, body->mesh};
+    const pel_scene_part source = {reader, value, body->mesh};
     pel_status status =
         pel_scene_read_vertices(&source, pel_scene_value_entry(value, "pinned"), &tool->vertices, &tool->vertex_count);
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(support, "motion"), tool->center, tool)
@@ -250,48 +219,9 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *ro
     return status;
 }
 
-/* 0 for auto */
-static int32_t count_or_auto(const pel_scene_value *map, const char *key)
-{
-    const pel_scene_value *value = pel_scene_value_entry(map, key);
-    return value->form == PEL_FORM_INTEGER ? (int32_t)value->number : 0;
-}
-
-static pel_choice choice(const pel_scene_value *value)
-{
-    if (value->form != PEL_FORM_BOOLEAN)
-        return PEL_AUTO;
-    return value->number > 0 ? PEL_YES : PEL_NO;
-}
-
-/* in the order of pel_method and of the words in the table */
-static const char *const method_names[] = {"quasi-static", "explicit", "pbd",    "pbd-distance",
-                                           "xpbd",         "descent",  "static", "implicit"};
-
 const char *pel_scene_method_name(pel_method method)
 {
-    return method_names[method];
-}
-
-static void read_solver(const pel_scene_value *value, pel_sim_def *sim)
-{
-    const pel_scene_value *alpha = pel_scene_value_entry(value, "alpha");
-    sim->solver.method = (pel_method)pel_scene_value_integer(value, "method");
-    sim->solver.dt = pel_scene_value_number(value, "dt");
-    sim->solver.alpha = alpha->form == PEL_FORM_NUMBER ? alpha->number : 0;
-    sim->solver.keep_velocity = pel_scene_value_integer(value, "velocity") == 1;
-    sim->solver.symplectic = pel_scene_value_integer(value, "integrator") == 0;
-    sim->solver.iterations = count_or_auto(value, "iterations");
-    sim->solver.substeps = count_or_auto(value, "substeps");
-    sim->solver.second_order = choice(pel_scene_value_entry(value, "second_order"));
-    sim->solver.max_substeps = pel_scene_value_integer(value, "max_substeps");
-    sim->solver.drag = pel_scene_value_number(value, "drag");
-    sim->solver.gradient_only = pel_scene_value_integer(value, "descent") == 1;
-    sim->solver.analysis = (pel_analysis)pel_scene_value_integer(value, "analysis");
-    sim->solver.mode_count = sim->solver.analysis != PEL_ANALYSIS_NONE ? pel_scene_value_integer(value, "modes") : 0;
-    sim->solver.path = (pel_path)pel_scene_value_integer(value, "path");
-    sim->solver.budget = 1e-3 * pel_scene_value_number(value, "budget");
-    sim->thread_count = pel_scene_value_integer(value, "threads");
+    return pel_def_row_words(pel_def_row_of(PEL_DEF_SOLVER, offsetof(pel_solver_def, method)))[method];
 }
 
 /* pbd-distance uses only the edges and masses of a body; other properties affect only reported energies */
@@ -335,13 +265,10 @@ static pel_status check_field(pel_scene_reader *reader, const pel_scene_value *f
 static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *value, pel_scene *scene)
 {
     pel_output_def *output = &scene->output;
-    const pel_scene_value *every = pel_scene_value_entry(value, "every");
     const pel_scene_value *list = pel_scene_value_entry(value, "fields");
-    output->every = every != NULL ? every->number : 0;
-    output->every_frame = every != NULL ? 1 : pel_scene_value_integer(value, "every_frame");
-    output->checkpoint = pel_scene_value_number(value, "checkpoint");
-    output->compress = pel_scene_value_boolean(value, "compress");
-    output->float64 = pel_scene_value_integer(value, "precision") == 1;
+    const pel_scene_part part = {reader, value, NULL};
+    output->every_frame = 1;
+    pel_scene_read_members(&part, PEL_DEF_OUTPUT, output);
     const char **fields = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *fields);
     if (fields == NULL)
         return pel_fail_memory(reader->error);
@@ -355,20 +282,31 @@ static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *v
     return PEL_OK;
 }
 
-/* a number of a map that may be missing */
-static double number_or(const pel_scene_value *map, const char *key, double otherwise)
+/* "relative 1e-4" */
+static pel_status read_relative(pel_scene_reader *reader, const pel_scene_value *value, double *relative)
 {
-    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
-    return value != NULL ? value->number : otherwise;
+    static const char word[] = "relative ";
+    const char *text = value->text, *end = text + strlen(text), *number = text + strlen(word);
+    bool fine = strncmp(text, word, strlen(word)) == 0;
+    if (fine && pel_number_parse(number, end, relative) == end && *relative > 0 && isfinite(*relative))
+        return PEL_OK;
+    pel_scene_fail(reader, &value->place, "`thickness` '%.80s' is not a thickness", text);
+    pel_fail_remedy(reader->error, "give a number of metres, or `relative` and a number, such as relative 1e-4");
+    return PEL_BAD_SCENE;
 }
 
-static void read_stop(const pel_scene_value *value, pel_scene *scene)
+/* a null value is no contact */
+static pel_status read_contact(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact)
 {
-    scene->rest_speed = number_or(value, "at_rest", 0);
-    scene->least_volume_ratio = number_or(value, "volume_ratio_below", 0);
-    scene->stop_at_contact = number_or(value, "self_contact", 0) > 0;
-    scene->frame_limit = (int64_t)number_or(value, "frames", 0);
-    scene->time_limit = number_or(value, "time", 0);
+    contact->enabled = value != NULL;
+    if (value == NULL)
+        return PEL_OK;
+    const pel_scene_part part = {reader, value, NULL};
+    const pel_scene_value *thickness = pel_scene_value_entry(value, "thickness");
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_CONTACT, contact);
+    if (status == PEL_OK && thickness->form == PEL_FORM_TEXT)
+        status = read_relative(reader, thickness, &contact->relative_thickness);
+    return status;
 }
 
 /* "STEP COMMAND"; the command itself is read by who repeats it */
@@ -411,23 +349,26 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
                                pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
 {
     const mesh_store store = {folder, meshes, mesh_count};
-    const pel_scene_value *title = pel_scene_value_entry(root, "title");
-    scene->title = title != NULL ? title->text : "";
-    scene->duration = pel_scene_value_number(root, "duration");
+    const pel_scene_part whole = {reader, root, NULL}, solver = {reader, pel_scene_value_entry(root, "solver"), NULL};
+    pel_solver_def *numbers = &scene->sim.solver;
+    scene->title = "";
     scene->sim = pel_sim_def_default();
-    read_solver(pel_scene_value_entry(root, "solver"), &scene->sim);
+    pel_scene_read_members(&whole, PEL_DEF_SCENE, scene);
+    pel_scene_read_members(&whole, PEL_DEF_SIM, &scene->sim);
+    pel_scene_read_members(&solver, PEL_DEF_SOLVER, numbers);
+    if (numbers->analysis == PEL_ANALYSIS_NONE)
+        numbers->mode_count = 0;
     const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
     for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
-        if (scene->sim.solver.method == PEL_METHOD_PBD_DISTANCE)
+        if (numbers->method == PEL_METHOD_PBD_DISTANCE)
             note_ignored(reader, body);
-    read_stop(pel_scene_value_entry(root, "stop"), scene);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
         status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)
         status = pel_scene_build_supports(reader, bodies, scene);
     if (status == PEL_OK)
-        status = pel_scene_build_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
+        status = read_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     if (status == PEL_OK)
         status = read_session(reader, pel_scene_value_entry(root, "session"), scene);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;

@@ -66,15 +66,9 @@ static pel_status read_components(pel_scene_reader *reader, const pel_scene_valu
     }
     for (const pel_scene_value *word = pel_scene_value_entry(value, "fix")->first; word != NULL; word = word->next)
         support->fix[(int)word->number] = true;
-    support->fix_rotation = pel_scene_value_integer(value, "rotation") == 1;
-    pel_scene_value_numbers(pel_scene_value_entry(value, "displacement"), support->displacement);
-    pel_scene_value_read(value, "stiffness", &support->stiffness);
-    pel_scene_value_read(value, "foundation", &support->foundation);
-    pel_status status =
-        pel_scene_build_keys(reader, pel_scene_value_entry(value, "keys"), &support->keys, &support->key_count);
-    if (status == PEL_OK && frame != NULL)
-        status = read_axes(reader, pel_scene_value_entry(frame, "x"), pel_scene_value_entry(frame, "y"), support->axes);
-    return status;
+    if (frame == NULL)
+        return PEL_OK;
+    return read_axes(reader, pel_scene_value_entry(frame, "x"), pel_scene_value_entry(frame, "y"), support->axes);
 }
 
 /* refuse supports that hold nothing or ignore a key */
@@ -111,11 +105,13 @@ static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *
         return pel_fail_memory(reader->error);
     snprintf(name, size, "%s_%s", body->name, own);
     *support = pel_support_def_default();
+    const pel_scene_part source = {reader, value, body->mesh};
+    pel_status status = pel_scene_read_members(&source, PEL_DEF_SUPPORT, support);
     support->name = name;
     support->body = number;
-    const pel_scene_body_source source = {reader, value, body->mesh};
-    pel_status status = pel_scene_read_vertices(&source, pel_scene_value_entry(value, "at"), &support->vertices,
-                                                &support->vertex_count);
+    if (status == PEL_OK)
+        status = pel_scene_read_vertices(&source, pel_scene_value_entry(value, "at"), &support->vertices,
+                                         &support->vertex_count);
     if (status == PEL_OK)
         status = read_components(reader, value, support);
     return status == PEL_OK ? check_support(reader, value, support) : status;

@@ -28,7 +28,7 @@ static pel_status is_closed(const pel_mesh *mesh, bool *closed, pel_error *error
     return status == PEL_OUT_OF_MEMORY ? status : PEL_OK;
 }
 
-static pel_status measure(const pel_scene_body_source *source, body_size *size)
+static pel_status measure(const pel_scene_part *source, body_size *size)
 {
     const pel_mesh *mesh = source->mesh;
     bool closed;
@@ -49,58 +49,28 @@ static bool is_auto(const pel_scene_value *map, const char *key)
     return value != NULL && value->form == PEL_FORM_WORD;
 }
 
-static pel_status build_mass(const pel_scene_body_source *source, const body_size *size, pel_body_def *body)
+static pel_mass_kind mass_kind(const pel_scene_value *mass)
 {
-    static const struct {
-        const char *key;
-        pel_mass_kind kind;
-    } kinds[] = {{"per_vertex", PEL_MASS_PER_VERTEX}, {"total", PEL_MASS_TOTAL}, {"density", PEL_MASS_DENSITY}};
-    const pel_scene_value *mass = pel_scene_value_entry(source->value, "mass");
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        const pel_scene_value *value = pel_scene_value_entry(mass, kinds[i].key);
-        if (value == NULL)
-            continue;
-        body->mass_kind = kinds[i].kind;
-        body->mass = value->number;
-    }
-    if (!is_auto(mass, "thickness"))
-        return pel_scene_build_quantity(source, mass, "thickness", "bodies[].mass", &body->thickness);
-    body->thickness = (pel_quantity){.value = size->filled};
-    return PEL_OK;
+    if (pel_scene_value_entry(mass, "per_vertex") != NULL)
+        return PEL_MASS_PER_VERTEX;
+    return pel_scene_value_entry(mass, "total") != NULL ? PEL_MASS_TOTAL : PEL_MASS_DENSITY;
 }
 
-/* `length` is the thickness of springs and the depth of volumetric ones: 0 if numbers are per edge and vertex */
-static pel_status build_springs(const pel_scene_body_source *source, const char *group, const char *length_key,
-                                double automatic, pel_quantity *stiffness, pel_quantity *damping, double *length)
-{
-    const pel_scene_value *map = pel_scene_value_entry(source->value, group);
-    char row_path[32];
-    snprintf(row_path, sizeof row_path, "bodies[].%s", group);
-    bool by_young = map != NULL && pel_scene_value_entry(map, "young") != NULL;
-    *length = by_young ? automatic : 0;
-    if (by_young && !is_auto(map, length_key))
-        *length = pel_scene_value_number(map, length_key);
-    pel_status status = pel_scene_build_quantity(source, map, by_young ? "young" : "stiffness", row_path, stiffness);
-    return status == PEL_OK ? pel_scene_build_quantity(source, map, by_young ? "drag" : "damping", row_path, damping)
-                            : status;
-}
-
-pel_status pel_scene_build_tissue(const pel_scene_body_source *source, pel_body_def *body)
+pel_status pel_scene_build_tissue(const pel_scene_part *source, pel_body_def *body)
 {
     const pel_scene_value *mass = pel_scene_value_entry(source->value, "mass"),
                           *springs = pel_scene_value_entry(source->value, "springs"),
                           *filling = pel_scene_value_entry(source->value, "volumetric");
     body_size size = {0};
     pel_status status = PEL_OK;
+    body->mass_kind = mass_kind(mass);
     if (is_auto(mass, "thickness") || is_auto(springs, "thickness") || is_auto(filling, "depth"))
         status = measure(source, &size);
-    if (status == PEL_OK)
-        status = build_mass(source, &size, body);
-    if (status == PEL_OK)
-        status = build_springs(source, "springs", "thickness", SKIN_SHARE * size.radius, &body->spring_stiffness,
-                               &body->spring_damping, &body->spring_thickness);
-    if (status == PEL_OK)
-        status = build_springs(source, "volumetric", "depth", size.radius, &body->volumetric_stiffness,
-                               &body->volumetric_damping, &body->volumetric_depth);
+    if (is_auto(mass, "thickness"))
+        body->thickness = (pel_quantity){.value = size.filled};
+    if (is_auto(springs, "thickness"))
+        body->spring_thickness = SKIN_SHARE * size.radius;
+    if (is_auto(filling, "depth"))
+        body->volumetric_depth = size.radius;
     return status;
 }

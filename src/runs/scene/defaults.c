@@ -8,12 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-/* density of presets without one, and of membranes without a preset [kg/m3] */
-#define TISSUE_DENSITY "1000"
-/* dt of the table */
-#define DEFAULT_DT 0.01
+enum { MOST_PRESETS = 64, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
-enum { MOST_PRESETS = 64, DEFAULT_MODES = 6, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
+/* the default of the table */
+static const char *preset_of(const pel_scene_reader *reader, const char *prefix, const char *key)
+{
+    return pel_scene_row_find(reader->table, prefix, key)->preset;
+}
 
 /* the entry of a map; one without value counts as missing */
 static pel_scene_value *find(pel_scene_value *map, const char *key)
@@ -90,6 +91,15 @@ static double positive(pel_scene_value *map, const char *key)
     return is_number && number > 0 ? number : 0;
 }
 
+/* the same of a key of the solver, or its default */
+static double positive_or_preset(const pel_scene_reader *reader, pel_scene_value *solver, const char *key)
+{
+    double number = positive(solver, key);
+    if (!(number > 0))
+        pel_scene_parse_number(preset_of(reader, "solver", key), &number);
+    return number;
+}
+
 /* preset of a membrane, null for none; report a wrong name before missing keys */
 static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset **preset)
 {
@@ -144,8 +154,9 @@ static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pe
         return PEL_OUT_OF_MEMORY;
     if (find(mass, "per_vertex") != NULL || find(mass, "total") != NULL)
         return PEL_OK;
-    pel_status status = preset != NULL ? set_number(reader, mass, "density", preset->density)
-                                       : set_text(reader, mass, "density", TISSUE_DENSITY);
+    pel_status status = preset != NULL
+                            ? set_number(reader, mass, "density", preset->density)
+                            : set_text(reader, mass, "density", preset_of(reader, "bodies[].mass", "density"));
     if (status == PEL_OK && find(mass, "thickness") == NULL)
         status = set_copy(reader, mass, "thickness", thickness);
     return status;
@@ -313,7 +324,7 @@ static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *
 {
     pel_scene_value *solver = find_map(root, "solver"), *output = find(root, "output");
     const char *const parts[] = {"bodies", "loads", "tools"};
-    double modes = positive(solver, "modes"), steps = positive(solver, "steps"), dt = positive(solver, "dt");
+    double steps = positive(solver, "steps"), dt = positive(solver, "dt");
     key_times times = {0};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (find(root, parts[i]) != NULL)
@@ -322,7 +333,7 @@ static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *
     double last = times.last > 0 ? times.last : 1, step = times.last > 0 ? times.step : 1;
     step = steps > 0 ? last / steps : fmax(step, last / MOST_STATIC_STEPS);
     if (has_modes)
-        last = (modes > 0 ? modes : DEFAULT_MODES) * (step = dt > 0 ? dt : 1);
+        last = positive_or_preset(reader, solver, "modes") * (step = dt > 0 ? dt : 1);
     else if (is_word(solver, "path", "arc-length"))
         last = (steps > 0 ? steps : DEFAULT_PATH_STEPS) * (step = dt > 0 ? dt : 1);
     if (output == NULL && (output = add(reader, root, "output", PEL_SCENE_MAP)) == NULL)
@@ -339,8 +350,8 @@ static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root
     pel_scene_value *stop = find_map(root, "stop");
     if (find(root, "duration") != NULL)
         return PEL_OK;
-    double dt = positive(find_map(root, "solver"), "dt");
-    double time = positive(stop, "time"), frames = positive(stop, "frames") * (dt > 0 ? dt : DEFAULT_DT);
+    double dt = positive_or_preset(reader, find_map(root, "solver"), "dt");
+    double time = positive(stop, "time"), frames = positive(stop, "frames") * dt;
     if (time > 0 || frames > 0)
         return set_number(reader, root, "duration", time > 0 && (!(frames > 0) || time < frames) ? time : frames);
     if (is_word(find_map(root, "solver"), "method", "static"))

@@ -16,8 +16,8 @@ typedef struct override_walk {
     pel_scene_place place; /* "--set a.b=c" */
     const char *rest;      /* of the path, up to `end` */
     const char *end;
-    pel_scene_value *value;   /* where we are */
-    const pel_scene_row *row; /* its row; null at the root and for parts of vectors */
+    pel_scene_value *value; /* where we are */
+    const pel_def_row *row; /* its row; null at the root and for parts of vectors */
 } override_walk;
 
 /* takes the next segment of the path; false when it is empty or too long */
@@ -77,7 +77,7 @@ static pel_status fail_element(override_walk *walk, const char *segment)
 static pel_status enter_element(override_walk *walk, const char *segment)
 {
     int64_t index = segment_index(segment);
-    const pel_scene_row *element_row =
+    const pel_def_row *element_row =
         walk->row != NULL ? pel_scene_row_find(walk->reader->table, walk->row->path, "[]") : NULL;
     pel_scene_value *element =
         index >= 0 ? pel_scene_value_element(walk->value, index) : element_of_name(walk->value, segment);
@@ -97,7 +97,7 @@ static pel_status enter_element(override_walk *walk, const char *segment)
 /* removes the other alternatives, and keys that need them, from a map */
 static void remove_alternatives(pel_scene_reader *reader, const char *prefix, pel_scene_value *map, const char *kept)
 {
-    const pel_scene_row *row = NULL;
+    const pel_def_row *row = NULL;
     while ((row = pel_scene_row_next(reader->table, prefix, row)) != NULL) {
         const char *name = pel_scene_row_name(row, prefix);
         bool other = row->alternative && strcmp(name, kept) != 0;
@@ -112,7 +112,7 @@ static pel_status fail_key(override_walk *walk, const char *prefix, const char *
 {
     const char *names[MOST_NAMES];
     size_t count = 0;
-    const pel_scene_row *row = NULL;
+    const pel_def_row *row = NULL;
     while ((row = pel_scene_row_next(walk->reader->table, prefix, row)) != NULL)
         if (count < MOST_NAMES && pel_scene_row_applies(row, walk->value))
             names[count++] = pel_scene_row_name(row, prefix);
@@ -124,7 +124,7 @@ static pel_status enter_entry(override_walk *walk, const char *segment)
 {
     pel_scene_reader *reader = walk->reader;
     const char *prefix = pel_scene_row_prefix(walk->row);
-    const pel_scene_row *row = pel_scene_row_find(reader->table, prefix, segment);
+    const pel_def_row *row = pel_scene_row_find(reader->table, prefix, segment);
     if (row == NULL || strcmp(segment, "[]") == 0)
         return fail_key(walk, prefix, segment);
     if (row->alternative)

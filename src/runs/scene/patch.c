@@ -3,20 +3,20 @@
 #include "scene/build.h"
 
 /* numbers of loads and tools take no part in the choice of a method */
-static bool is_chosen_by(pel_parameter_owner owner)
+static bool is_chosen_by(pel_def_kind kind)
 {
-    return owner != PEL_OWNER_LOAD && owner != PEL_OWNER_TOOL;
+    return kind != PEL_DEF_LOAD && kind != PEL_DEF_TOOL;
 }
 
 bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_parameter_place *place)
 {
     if (pel_parameter_find_place(&scene->model, &scene->sim, path, place, NULL) != PEL_OK)
         return false;
-    const pel_parameter_row *row = pel_parameter_row_at(place->row);
+    const pel_def_row *row = pel_def_row_at(place->row);
     bool leaves_method = pel_scene_value_at(pel_scene_root(scene), "solver.method")->is_implied;
     /* supports and fibres are checked by the scene */
-    bool is_checked = row->owner == PEL_OWNER_SUPPORT || row->owner == PEL_OWNER_REGION;
-    return row->refusal == NULL && !row->is_implying && !is_checked && !(leaves_method && is_chosen_by(row->owner));
+    bool is_checked = row->def == PEL_DEF_SUPPORT || row->def == PEL_DEF_FIBRES;
+    return row->refusal == NULL && !row->is_implying && !is_checked && !(leaves_method && is_chosen_by(row->def));
 }
 
 bool pel_scene_patch(pel_scene *scene, pel_parameter_place place, const char *text)

@@ -3,7 +3,7 @@
 #define PEL_SCENE_PATCH_H
 
 #include "pellicle/scene.h"
-#include "sim/parameter_table.h"
+#include "sim/parameter.h"
 
 /* The place of a number in the scene or an override that may be overwritten. False if the scene has to be read again
    for another value: it is not a number of the model or the simulation, or defaults of the scene may depend on it. */

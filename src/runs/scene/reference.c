@@ -20,10 +20,10 @@ static void write_words(FILE *file, const char *const *words)
 }
 
 /* "number or `auto`", "list of text", "number or [quantity](#quantity)" */
-static void write_type(FILE *file, const pel_scene_table *table, const pel_scene_row *row)
+static void write_type(FILE *file, const pel_scene_table *table, const pel_def_row *row)
 {
     char text[200];
-    pel_scene_row plain = *row;
+    pel_def_row plain = *row;
     bool one_or_more = row->like != NULL && (row->forms & PEL_FORM_LIST) != 0;
     plain.forms &= ~(unsigned)PEL_FORM_WORD;
     if (row->like != NULL)
@@ -45,16 +45,16 @@ static void write_type(FILE *file, const pel_scene_table *table, const pel_scene
 }
 
 /* whether a map has another alternative than this one */
-static bool has_other_alternative(const pel_scene_table *table, const char *prefix, const pel_scene_row *row)
+static bool has_other_alternative(const pel_scene_table *table, const char *prefix, const pel_def_row *row)
 {
-    const pel_scene_row *other = NULL;
+    const pel_def_row *other = NULL;
     while ((other = pel_scene_row_next(table, prefix, other)) != NULL)
         if (other->alternative && other != row)
             return true;
     return false;
 }
 
-static void write_default(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
+static void write_default(FILE *file, const pel_scene_table *table, const pel_def_row *row, const char *prefix)
 {
     if (row->varies)
         fputs("by the scene", file);
@@ -68,13 +68,12 @@ static void write_default(FILE *file, const pel_scene_table *table, const pel_sc
         fprintf(file, "%swith %s", row->preset != NULL || row->required ? ", " : "", row->needs);
 }
 
-static void write_row(FILE *file, const pel_scene_table *table, const pel_scene_row *row, const char *prefix)
+static void write_row(FILE *file, const pel_scene_table *table, const pel_def_row *row, const char *prefix)
 {
     char range[80];
     fprintf(file, "| `%s` | ", pel_scene_row_name(row, prefix));
     write_type(file, table, row);
-    fprintf(file, " | %s | %s | ", row->unit != NULL ? row->unit : "",
-            pel_scene_range_text(row->range, range, sizeof range));
+    fprintf(file, " | %s | %s | ", row->unit != NULL ? row->unit : "", pel_range_text(row->range, range, sizeof range));
     write_default(file, table, row, prefix);
     fprintf(file, " | %s |\n", row->doc);
 }
@@ -83,7 +82,7 @@ static void write_row(FILE *file, const pel_scene_table *table, const pel_scene_
 static void write_rows(FILE *file, const pel_scene_table *table, const char *prefix, const char *word)
 {
     bool started = false;
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(table, prefix, row)) != NULL;) {
         bool fits =
             word == NULL ? row->needs_word == NULL : row->needs_word != NULL && strcmp(word, row->needs_word) == 0;
         if (!fits)
@@ -97,7 +96,7 @@ static void write_rows(FILE *file, const pel_scene_table *table, const char *pre
     }
 }
 
-static void write_section(FILE *file, const pel_scene_table *table, const pel_scene_row *row)
+static void write_section(FILE *file, const pel_scene_table *table, const pel_def_row *row)
 {
     const char *prefix = pel_scene_row_prefix(row);
     if (row != NULL) {
@@ -108,7 +107,7 @@ static void write_section(FILE *file, const pel_scene_table *table, const pel_sc
     write_rows(file, table, prefix, NULL);
     /* then the keys that go with one word of an alternative */
     const char *word = NULL;
-    for (const pel_scene_row *child = NULL; (child = pel_scene_row_next(table, prefix, child)) != NULL;) {
+    for (const pel_def_row *child = NULL; (child = pel_scene_row_next(table, prefix, child)) != NULL;) {
         if (child->needs_word == NULL || (word != NULL && strcmp(word, child->needs_word) == 0))
             continue;
         word = child->needs_word;
@@ -145,7 +144,7 @@ void pel_scene_put_reference(FILE *file, const pel_scene_table *table)
 /* path: of the parent as in --set, with the number 0 for list elements */
 static void write_paths(FILE *file, const pel_scene_table *table, const char *prefix, const char *path)
 {
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(table, prefix, row)) != NULL;) {
         char child_path[200];
         const char *name = pel_scene_row_name(row, prefix);
         if (pel_scene_row_find(table, prefix, name) != row)

@@ -14,12 +14,12 @@ typedef struct schema_writer {
 
 /* one of the objects that a map can be */
 typedef struct schema_variant {
-    const pel_scene_row *chosen; /* alternative, null if there is none */
-    const char *word;            /* its value, null when any */
-    bool implied;                /* optional: the default */
+    const pel_def_row *chosen; /* alternative, null if there is none */
+    const char *word;          /* its value, null when any */
+    bool implied;              /* optional: the default */
 } schema_variant;
 
-static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word);
+static void write_value(schema_writer *out, const pel_def_row *row, const pel_def_row *limits, const char *word);
 
 static void write(const schema_writer *out, const char *text)
 {
@@ -28,7 +28,7 @@ static void write(const schema_writer *out, const char *text)
 
 static void write_text(const schema_writer *out, const char *text)
 {
-    pel_json_string(out->json, text);
+    pel_json_put_text(out->json, text);
 }
 
 static void write_limit(schema_writer *out, const char *key, double limit)
@@ -36,10 +36,10 @@ static void write_limit(schema_writer *out, const char *key, double limit)
     if (!isfinite(limit))
         return;
     pel_json_print(out->json, ",\"%s\":", key);
-    pel_json_number(out->json, limit);
+    pel_json_put_number(out->json, limit);
 }
 
-static void write_number(schema_writer *out, pel_scene_form form, pel_scene_range range)
+static void write_number(schema_writer *out, pel_form form, pel_range range)
 {
     pel_json_print(out->json, "{\"type\":\"%s\"", form == PEL_FORM_INTEGER ? "integer" : "number");
     if (range.given) {
@@ -65,7 +65,7 @@ static void write_words(schema_writer *out, const char *const *words, const char
     write(out, "]}");
 }
 
-static void write_tuple(schema_writer *out, int count, pel_scene_range first, pel_scene_range others)
+static void write_tuple(schema_writer *out, int count, pel_range first, pel_range others)
 {
     pel_json_print(out->json, "{\"type\":\"array\",\"minItems\":%d,\"maxItems\":%d,\"items\":[", count, count);
     for (int i = 0; i < count; i++) {
@@ -75,9 +75,9 @@ static void write_tuple(schema_writer *out, int count, pel_scene_range first, pe
     write(out, "]}");
 }
 
-static void write_list(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits)
+static void write_list(schema_writer *out, const pel_def_row *row, const pel_def_row *limits)
 {
-    const pel_scene_row *element = pel_scene_row_find(out->table, row->path, "[]");
+    const pel_def_row *element = pel_scene_row_find(out->table, row->path, "[]");
     write(out, "{\"type\":\"array\",");
     if (row->range.given)
         pel_json_print(out->json, "\"minItems\":%d,", (int)row->range.least);
@@ -87,17 +87,16 @@ static void write_list(schema_writer *out, const pel_scene_row *row, const pel_s
 }
 
 /* whether one of the keys that a row needs is an alternative: then the object that has it has the row too */
-static bool needs_alternative(const schema_writer *out, const char *prefix, const pel_scene_row *row)
+static bool needs_alternative(const schema_writer *out, const char *prefix, const pel_def_row *row)
 {
-    const pel_scene_row *other = NULL;
+    const pel_def_row *other = NULL;
     while (row->needs != NULL && (other = pel_scene_row_next(out->table, prefix, other)) != NULL)
         if (other->alternative && pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
             return true;
     return false;
 }
 
-static bool belongs(const schema_writer *out, const pel_scene_row *row, const char *prefix,
-                    const schema_variant *variant)
+static bool belongs(const schema_writer *out, const pel_def_row *row, const char *prefix, const schema_variant *variant)
 {
     if (row->alternative)
         return row == variant->chosen;
@@ -109,12 +108,12 @@ static bool belongs(const schema_writer *out, const pel_scene_row *row, const ch
 }
 
 /* "key": requires one of the keys that it depends on */
-static void write_dependency(schema_writer *out, const char *prefix, const pel_scene_row *row)
+static void write_dependency(schema_writer *out, const char *prefix, const pel_def_row *row)
 {
     const char *comma = "";
     write_text(out, pel_scene_row_name(row, prefix));
     write(out, ":{\"anyOf\":[");
-    for (const pel_scene_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
+    for (const pel_def_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
         if (!pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
             continue;
         pel_json_print(out->json, "%s{\"required\":[", comma);
@@ -128,7 +127,7 @@ static void write_dependency(schema_writer *out, const char *prefix, const pel_s
 static void write_dependencies(schema_writer *out, const char *prefix)
 {
     const char *before = ",\"dependencies\":{", *after = "";
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (row->needs == NULL || needs_alternative(out, prefix, row))
             continue;
         write(out, before);
@@ -143,7 +142,7 @@ static void write_dependencies(schema_writer *out, const char *prefix)
 static void write_supplied(schema_writer *out, const char *prefix, const schema_variant *variant)
 {
     const char *before = ",\"allOf\":[", *after = "";
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (row->supplied == NULL || row->supplied[0] == '\0' || !belongs(out, row, prefix, variant))
             continue;
         pel_json_print(out->json, "%s{\"anyOf\":[{\"required\":[", before);
@@ -157,12 +156,12 @@ static void write_supplied(schema_writer *out, const char *prefix, const schema_
     write(out, after);
 }
 
-static void write_object(schema_writer *out, const char *prefix, const pel_scene_row *limits,
+static void write_object(schema_writer *out, const char *prefix, const pel_def_row *limits,
                          const schema_variant *variant)
 {
     const char *comma = "";
     write(out, "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{");
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!belongs(out, row, prefix, variant))
             continue;
         write(out, comma);
@@ -173,7 +172,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
     }
     comma = "";
     write(out, "},\"required\":[");
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         bool is_needed = (row->required && row->supplied == NULL) || (row->alternative && !variant->implied);
         if (!belongs(out, row, prefix, variant) || !is_needed)
             continue;
@@ -190,7 +189,7 @@ static void write_object(schema_writer *out, const char *prefix, const pel_scene
 /* whether some key is allowed only with this word */
 static bool brings_keys(schema_writer *out, const char *prefix, const char *word)
 {
-    const pel_scene_row *row = NULL;
+    const pel_def_row *row = NULL;
     while ((row = pel_scene_row_next(out->table, prefix, row)) != NULL)
         if (row->needs_word != NULL && strcmp(row->needs_word, word) == 0)
             return true;
@@ -198,8 +197,7 @@ static bool brings_keys(schema_writer *out, const char *prefix, const char *word
 }
 
 /* the objects of one alternative */
-static void write_alternative(schema_writer *out, const char *prefix, const pel_scene_row *limits,
-                              const pel_scene_row *row)
+static void write_alternative(schema_writer *out, const char *prefix, const pel_def_row *limits, const pel_def_row *row)
 {
     if ((row->forms & PEL_FORM_WORD) == 0 || !brings_keys(out, prefix, row->words[0])) {
         write_object(out, prefix, limits, &(schema_variant){row, NULL, false});
@@ -211,13 +209,13 @@ static void write_alternative(schema_writer *out, const char *prefix, const pel_
     }
 }
 
-static void write_map(schema_writer *out, const char *prefix, const pel_scene_row *limits)
+static void write_map(schema_writer *out, const char *prefix, const pel_def_row *limits)
 {
     bool may_lack = true;
     const char *comma = "";
     schema_variant implied = {NULL, NULL, true};
     write(out, "{\"anyOf\":[");
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
         /* without any alternative given, the one with a default is taken */
@@ -236,7 +234,7 @@ static void write_map(schema_writer *out, const char *prefix, const pel_scene_ro
 }
 
 /* a default as JSON: numbers, booleans and lists as they are, words in quotes */
-static void write_preset(schema_writer *out, const pel_scene_row *row)
+static void write_preset(schema_writer *out, const pel_def_row *row)
 {
     double number;
     if (row->preset == NULL || row->varies || strchr(row->preset, '#') != NULL || row->preset[0] == '{')
@@ -249,10 +247,10 @@ static void write_preset(schema_writer *out, const pel_scene_row *row)
     write(out, ",");
 }
 
-static void write_form(schema_writer *out, pel_scene_form form, const pel_scene_row *row, const pel_scene_row *limits,
+static void write_form(schema_writer *out, pel_form form, const pel_def_row *row, const pel_def_row *limits,
                        const char *word)
 {
-    static const pel_scene_range time = {true, false, 0, (double)HUGE_VAL};
+    static const pel_range time = {true, false, 0, (double)HUGE_VAL};
     if (form == PEL_FORM_NUMBER || form == PEL_FORM_INTEGER)
         write_number(out, form, limits->range);
     else if (form == PEL_FORM_BOOLEAN)
@@ -285,7 +283,7 @@ static void write_description(const schema_writer *out, const char *doc, const c
     pel_json_free(&text);
 }
 
-static void write_value(schema_writer *out, const pel_scene_row *row, const pel_scene_row *limits, const char *word)
+static void write_value(schema_writer *out, const pel_def_row *row, const pel_def_row *limits, const char *word)
 {
     const char *comma = "";
     write(out, "{\"description\":");
@@ -297,7 +295,7 @@ static void write_value(schema_writer *out, const pel_scene_row *row, const pel_
         if ((row->forms & form) == 0)
             continue;
         write(out, comma);
-        write_form(out, (pel_scene_form)form, row, limits, word);
+        write_form(out, (pel_form)form, row, limits, word);
         comma = ",";
     }
     write(out, "]}");

@@ -8,9 +8,7 @@ static pel_status finish_document(FILE *file, pel_error *error)
 {
     if (fflush(file) == 0 && !ferror(file))
         return PEL_OK;
-    pel_fail(error, PEL_BAD_FILE, "cannot write the text");
-    pel_fail_remedy(error, "look for a full disk or a closed pipe");
-    return PEL_BAD_FILE;
+    return pel_refuse(error, PEL_BAD_FILE, "look for a full disk or a closed pipe", "cannot write the text");
 }
 
 static pel_status write_document(FILE *file, put_document *put, pel_error *error)

@@ -53,7 +53,7 @@ static const char *row_path(pel_arena *arena, const char *prefix, const char *na
 }
 
 static bool make_row(pel_arena *arena, const char *prefix, const pel_shape_info *info,
-                     const pel_shape_parameter *parameter, pel_scene_row *row)
+                     const pel_shape_parameter *parameter, pel_def_row *row)
 {
     static const unsigned forms[] = {
         [PEL_SHAPE_NUMBER] = PEL_FORM_NUMBER,
@@ -61,7 +61,7 @@ static bool make_row(pel_arena *arena, const char *prefix, const pel_shape_info 
         [PEL_SHAPE_BOOLEAN] = PEL_FORM_BOOLEAN,
         [PEL_SHAPE_CHOICE] = PEL_FORM_WORD,
     };
-    *row = (pel_scene_row){
+    *row = (pel_def_row){
         .path = row_path(arena, prefix, parameter->name),
         .forms = forms[parameter->type],
         .unit = parameter->unit[0] != '\0' ? parameter->unit : NULL,
@@ -73,11 +73,11 @@ static bool make_row(pel_arena *arena, const char *prefix, const pel_shape_info 
     if (parameter->type == PEL_SHAPE_CHOICE)
         row->words = copy_choices(arena, parameter);
     if (parameter->type == PEL_SHAPE_NUMBER || parameter->type == PEL_SHAPE_INTEGER)
-        row->range = (pel_scene_range){true, parameter->exclusive_minimum, parameter->minimum, parameter->maximum};
+        row->range = (pel_range){true, parameter->exclusive_minimum, parameter->minimum, parameter->maximum};
     return row->path != NULL && row->preset != NULL && (parameter->type != PEL_SHAPE_CHOICE || row->words != NULL);
 }
 
-bool pel_scene_shape_rows(pel_arena *arena, const char *prefix, pel_scene_row *rows)
+bool pel_scene_shape_rows(pel_arena *arena, const char *prefix, pel_def_row *rows)
 {
     for (int kind = 0; kind < PEL_SHAPE_COUNT; kind++) {
         const pel_shape_info *info = shape_info(kind);

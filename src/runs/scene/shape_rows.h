@@ -9,6 +9,6 @@ const char *const *pel_scene_shape_words(pel_arena *arena);
 /* number of parameters of all shapes together */
 size_t pel_scene_shape_row_count(void);
 /* Writes pel_scene_shape_row_count() rows `prefix.parameter` that require `shape: NAME`. False if out of memory. */
-bool pel_scene_shape_rows(pel_arena *arena, const char *prefix, pel_scene_row *rows);
+bool pel_scene_shape_rows(pel_arena *arena, const char *prefix, pel_def_row *rows);
 
 #endif

@@ -10,7 +10,7 @@
 
 enum { PATH_SIZE = 160, MOST_NAMES = 64 };
 
-static pel_status check_value(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_value(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                               pel_scene_value *value);
 
 static bool is_one_of(const char *text, const char *const *words)
@@ -61,17 +61,17 @@ static bool has_unit(const char *text)
 }
 
 /* the key of a map that has a scalar as its word; null if there is none */
-static const char *key_of_word(const pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
+static const char *key_of_word(const pel_scene_reader *reader, const pel_def_row *row, const pel_scene_value *value)
 {
     const char *prefix = pel_scene_row_prefix(row);
-    for (const pel_scene_row *child = NULL; (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;)
+    for (const pel_def_row *child = NULL; (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;)
         if (value->kind == PEL_SCENE_SCALAR && child->words != NULL && is_one_of(value->text, child->words))
             return pel_scene_row_name(child, prefix);
     return NULL;
 }
 
 /* the expected form, for a value of the wrong form */
-static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
+static void advise_form(pel_scene_reader *reader, const pel_def_row *row, const pel_scene_value *value)
 {
     const char *prefix = pel_scene_row_prefix(row);
     if (value->kind == PEL_SCENE_SCALAR && has_unit(value->text) && row->unit != NULL) {
@@ -81,7 +81,7 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
     char names[200] = "";
     bool takes_file = false;
     const char *key = row->forms == PEL_FORM_MAP ? key_of_word(reader, row, value) : NULL;
-    for (const pel_scene_row *child = NULL;
+    for (const pel_def_row *child = NULL;
          row->forms == PEL_FORM_MAP && (child = pel_scene_row_next(reader->table, prefix, child)) != NULL;) {
         const char *name = pel_scene_row_name(child, prefix);
         add_name(names, sizeof names, name);
@@ -97,7 +97,7 @@ static void advise_form(pel_scene_reader *reader, const pel_scene_row *row, cons
         pel_fail_remedy(reader->error, "it means: %s", row->doc);
 }
 
-static pel_status fail_form(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *value)
+static pel_status fail_form(pel_scene_reader *reader, const pel_def_row *row, const pel_scene_value *value)
 {
     static const char *const not_finite[] = {".inf",  ".Inf",  ".INF", "+.inf", "-.inf", "+.Inf", "-.Inf",
                                              "+.INF", "-.INF", ".nan", ".NaN",  ".NAN",  NULL};
@@ -112,7 +112,7 @@ static pel_status fail_form(pel_scene_reader *reader, const pel_scene_row *row, 
     return PEL_BAD_SCENE;
 }
 
-static pel_status fail_range(pel_scene_reader *reader, const pel_scene_row *limits, const pel_scene_value *value)
+static pel_status fail_range(pel_scene_reader *reader, const pel_def_row *limits, const pel_scene_value *value)
 {
     char path[PATH_SIZE], range[80];
     const char *unit = limits->unit != NULL ? limits->unit : "";
@@ -120,8 +120,7 @@ static pel_status fail_range(pel_scene_reader *reader, const pel_scene_row *limi
     pel_scene_fail(reader, &value->place, "%s is out of range: %.80s%s%s",
                    pel_scene_value_path(value, path, sizeof path), value->text, space, unit);
     pel_fail_remedy(reader->error, "it must be %s%s%s",
-                    limits->range.given ? pel_scene_range_text(limits->range, range, sizeof range) : "finite", space,
-                    unit);
+                    limits->range.given ? pel_range_text(limits->range, range, sizeof range) : "finite", space, unit);
     return PEL_BAD_SCENE;
 }
 
@@ -152,10 +151,10 @@ pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *
 }
 
 /* the row of another key of this name that has the word; null if there is none */
-static const pel_scene_row *row_of_word(const pel_scene_table *table, const char *key, const char *word)
+static const pel_def_row *row_of_word(const pel_scene_table *table, const char *key, const char *word)
 {
     for (size_t i = 0; i < table->row_count; i++) {
-        const pel_scene_row *row = &table->rows[i];
+        const pel_def_row *row = &table->rows[i];
         const char *last = strrchr(row->path, '.');
         if (row->words != NULL && last != NULL && strcmp(last + 1, key) == 0 && is_one_of(word, row->words))
             return row;
@@ -167,7 +166,7 @@ pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *
                                size_t known_count)
 {
     const char *key = value->key != NULL ? value->key : "word";
-    const pel_scene_row *row = row_of_word(reader->table, key, value->text);
+    const pel_def_row *row = row_of_word(reader->table, key, value->text);
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
     if (row != NULL)
         pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
@@ -179,7 +178,7 @@ static size_t applying_names(pel_scene_reader *reader, const char *prefix, const
                              const char *names[MOST_NAMES])
 {
     size_t count = 0;
-    const pel_scene_row *row = NULL;
+    const pel_def_row *row = NULL;
     while ((row = pel_scene_row_next(reader->table, prefix, row)) != NULL)
         if (count < MOST_NAMES && pel_scene_row_applies(row, map))
             names[count++] = pel_scene_row_name(row, prefix);
@@ -188,7 +187,7 @@ static size_t applying_names(pel_scene_reader *reader, const char *prefix, const
 
 static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
 {
-    const pel_scene_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
+    const pel_def_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
     if (row != NULL && pel_scene_value_entry(entry->parent, row->needs) == NULL) {
         pel_scene_fail(reader, &entry->key_place, "key '%s' is allowed only with: %s", entry->key, row->needs);
         pel_fail_remedy(reader->error, "add that key, or remove this one");
@@ -223,7 +222,7 @@ static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_val
 
 /* ---- scalars ---- */
 
-static pel_status accept(pel_scene_value *value, pel_scene_form form, double number)
+static pel_status accept(pel_scene_value *value, pel_form form, double number)
 {
     value->form = form;
     value->number = number;
@@ -237,10 +236,10 @@ static bool parse_boolean(const char *text, double *number)
     return *number > 0 || is_one_of(text, no);
 }
 
-static pel_status check_number(pel_scene_reader *reader, const pel_scene_row *limits, pel_scene_value *value,
-                               pel_scene_form form, double number)
+static pel_status check_number(pel_scene_reader *reader, const pel_def_row *limits, pel_scene_value *value,
+                               pel_form form, double number)
 {
-    if (!pel_scene_range_has(limits->range, number))
+    if (!pel_range_has(limits->range, number))
         return fail_range(reader, limits, value);
     if (!isfinite(number)) {
         fail_range(reader, limits, value);
@@ -251,7 +250,7 @@ static pel_status check_number(pel_scene_reader *reader, const pel_scene_row *li
 }
 
 /* a word of the row */
-static pel_status check_word(pel_scene_reader *reader, const pel_scene_row *row, pel_scene_value *value)
+static pel_status check_word(pel_scene_reader *reader, const pel_def_row *row, pel_scene_value *value)
 {
     size_t count = 0;
     for (; row->words[count] != NULL; count++)
@@ -262,7 +261,7 @@ static pel_status check_word(pel_scene_reader *reader, const pel_scene_row *row,
     return pel_scene_fail_word(reader, value, row->words, count);
 }
 
-static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_scalar(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                                pel_scene_value *value)
 {
     double number;
@@ -277,7 +276,7 @@ static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *ro
     if ((row->forms & PEL_FORM_WORD) != 0)
         return check_word(reader, row, value);
     /* the range of a text applies to its length */
-    if (value->text[0] == '\0' || !pel_scene_range_has(row->range, (double)strlen(value->text)))
+    if (value->text[0] == '\0' || !pel_range_has(row->range, (double)strlen(value->text)))
         return fail_range(reader, row, value);
     return accept(value, PEL_FORM_TEXT, 0);
 }
@@ -285,12 +284,12 @@ static pel_status check_scalar(pel_scene_reader *reader, const pel_scene_row *ro
 /* ---- lists ---- */
 
 /* [x, y], [time, value] or [x, y, z] */
-static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
-                              pel_scene_value *value, pel_scene_form form, int32_t needed)
+static pel_status check_tuple(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
+                              pel_scene_value *value, pel_form form, int32_t needed)
 {
-    static const pel_scene_row time = {
+    static const pel_def_row time = {
         .forms = PEL_FORM_NUMBER, .unit = "s", .range = {true, false, 0, (double)HUGE_VAL}, .doc = "a time"};
-    pel_scene_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
+    pel_def_row part = {.forms = PEL_FORM_NUMBER, .unit = limits->unit, .range = limits->range, .doc = row->doc};
     if (pel_scene_value_count(value) != needed)
         return fail_count(reader, value, pel_scene_value_count(value),
                           form == PEL_FORM_VECTOR ? "give three numbers [x, y, z]"
@@ -298,7 +297,7 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
                                                   : "give two numbers [a, b]");
     for (pel_scene_value *child = value->first; child != NULL; child = child->next) {
         bool is_time = form == PEL_FORM_KEY && child == value->first;
-        const pel_scene_row *child_row = is_time ? &time : &part;
+        const pel_def_row *child_row = is_time ? &time : &part;
         pel_status status = check_value(reader, child_row, child_row, child);
         if (status != PEL_OK)
             return status;
@@ -306,15 +305,14 @@ static pel_status check_tuple(pel_scene_reader *reader, const pel_scene_row *row
     return accept(value, form, 0);
 }
 
-static pel_status check_elements(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_elements(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                                  pel_scene_value *value)
 {
-    const pel_scene_row *element = pel_scene_row_find(reader->table, row->path, "[]");
+    const pel_def_row *element = pel_scene_row_find(reader->table, row->path, "[]");
     int32_t count = pel_scene_value_count(value);
     char range[80], remedy[100];
-    if (!pel_scene_range_has(row->range, count)) {
-        snprintf(remedy, sizeof remedy, "it must have %s elements",
-                 pel_scene_range_text(row->range, range, sizeof range));
+    if (!pel_range_has(row->range, count)) {
+        snprintf(remedy, sizeof remedy, "it must have %s elements", pel_range_text(row->range, range, sizeof range));
         return fail_count(reader, value, count, remedy);
     }
     for (pel_scene_value *child = value->first; child != NULL; child = child->next) {
@@ -325,7 +323,7 @@ static pel_status check_elements(pel_scene_reader *reader, const pel_scene_row *
     return accept(value, PEL_FORM_LIST, 0);
 }
 
-static pel_status check_list(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_list(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                              pel_scene_value *value)
 {
     if ((row->forms & PEL_FORM_PAIR) != 0)
@@ -341,7 +339,7 @@ static pel_status check_list(pel_scene_reader *reader, const pel_scene_row *row,
 
 /* ---- maps ---- */
 
-bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map)
+bool pel_scene_row_applies(const pel_def_row *row, const pel_scene_value *map)
 {
     if (row->needs == NULL)
         return true;
@@ -352,9 +350,9 @@ bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map)
 }
 
 /* the row of an entry, null when the map has no such key */
-static const pel_scene_row *row_of_entry(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
+static const pel_def_row *row_of_entry(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
 {
-    const pel_scene_row *row = NULL;
+    const pel_def_row *row = NULL;
     while ((row = pel_scene_row_next(reader->table, prefix, row)) != NULL)
         if (strcmp(pel_scene_row_name(row, prefix), entry->key) == 0 && pel_scene_row_applies(row, entry->parent))
             return row;
@@ -395,7 +393,7 @@ static pel_status refuse_alternatives(pel_scene_reader *reader, const char *pref
     /* one of them may contain the other */
     for (int i = 0; i < 2; i++) {
         const pel_scene_value *outer = i == 0 ? first : second, *inner = i == 0 ? second : first;
-        const pel_scene_row *row = row_of_entry(reader, prefix, outer);
+        const pel_def_row *row = row_of_entry(reader, prefix, outer);
         if (pel_scene_row_find(reader->table, pel_scene_row_prefix(row), inner->key) != NULL)
             pel_fail_remedy(reader->error, "remove one of them, or move '%s' into '%s'", inner->key, outer->key);
     }
@@ -403,12 +401,12 @@ static pel_status refuse_alternatives(pel_scene_reader *reader, const char *pref
 }
 
 /* Checks that at most one alternative is given, and its value. It comes first because other keys may depend on it. */
-static pel_status check_alternatives(pel_scene_reader *reader, const char *prefix, const pel_scene_row *limits,
+static pel_status check_alternatives(pel_scene_reader *reader, const char *prefix, const pel_def_row *limits,
                                      pel_scene_value *map)
 {
     const pel_scene_value *found = NULL;
     for (pel_scene_value *entry = map->first; entry != NULL; entry = entry->next) {
-        const pel_scene_row *row = row_of_entry(reader, prefix, entry);
+        const pel_def_row *row = row_of_entry(reader, prefix, entry);
         if (row == NULL || !row->alternative)
             continue;
         if (found != NULL)
@@ -445,7 +443,7 @@ static const char *numbered(pel_scene_reader *reader, const char *preset, const 
 }
 
 /* the default of a row as a value in a map; null when out of memory */
-static pel_scene_value *create_preset(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_value *map)
+static pel_scene_value *create_preset(pel_scene_reader *reader, const pel_def_row *row, const pel_scene_value *map)
 {
     pel_scene_value *value;
     if (row->preset[0] == '[' || row->preset[0] == '{') {
@@ -462,7 +460,7 @@ static pel_scene_value *create_preset(pel_scene_reader *reader, const pel_scene_
     return value;
 }
 
-static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row, const char *name, pel_scene_value *map)
+static pel_status add_preset(pel_scene_reader *reader, const pel_def_row *row, const char *name, pel_scene_value *map)
 {
     pel_scene_value *value = create_preset(reader, row, map);
     if (value == NULL)
@@ -475,9 +473,9 @@ static pel_status add_preset(pel_scene_reader *reader, const pel_scene_row *row,
 /* if no alternative is given: fills in the default one, or fails if one is required and has no default */
 static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix, bool needed, pel_scene_value *map)
 {
-    const pel_scene_row *last = NULL, *chosen = NULL;
+    const pel_def_row *last = NULL, *chosen = NULL;
     char names[200] = "";
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
         const char *name = pel_scene_row_name(row, prefix);
@@ -502,7 +500,7 @@ static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix,
 /* sort the entries into the order of the table and add missing ones */
 static pel_status fill_entries(pel_scene_reader *reader, const char *prefix, pel_scene_value *map)
 {
-    for (const pel_scene_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
+    for (const pel_def_row *row = NULL; (row = pel_scene_row_next(reader->table, prefix, row)) != NULL;) {
         const char *name = pel_scene_row_name(row, prefix);
         if (!pel_scene_row_applies(row, map))
             continue;
@@ -521,7 +519,7 @@ static pel_status fill_entries(pel_scene_reader *reader, const char *prefix, pel
     return PEL_OK;
 }
 
-static pel_status check_map(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_map(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                             pel_scene_value *map)
 {
     if (row != NULL && (row->forms & PEL_FORM_MAP) == 0)
@@ -542,14 +540,14 @@ static pel_status check_map(pel_scene_reader *reader, const pel_scene_row *row, 
     if (status == PEL_OK)
         status = fill_entries(reader, prefix, map);
     for (pel_scene_value *entry = map->first; status == PEL_OK && entry != NULL; entry = entry->next) {
-        const pel_scene_row *entry_row = row_of_entry(reader, prefix, entry);
+        const pel_def_row *entry_row = row_of_entry(reader, prefix, entry);
         status = check_value(reader, entry_row, entry_row->scoped ? limits : entry_row, entry);
     }
     return status == PEL_OK ? accept(map, PEL_FORM_MAP, 0) : status;
 }
 
 /* limits: the row whose unit and range hold for numbers */
-static pel_status check_value(pel_scene_reader *reader, const pel_scene_row *row, const pel_scene_row *limits,
+static pel_status check_value(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                               pel_scene_value *value)
 {
     if (value->kind == PEL_SCENE_MAP)
@@ -561,12 +559,12 @@ static pel_status check_value(pel_scene_reader *reader, const pel_scene_row *row
 
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root)
 {
-    static const pel_scene_row scene = {.path = "", .forms = PEL_FORM_MAP, .doc = "the scene"};
+    static const pel_def_row scene = {.path = "", .forms = PEL_FORM_MAP, .doc = "the scene"};
     if (root->kind != PEL_SCENE_MAP)
         return fail_form(reader, &scene, root);
     /* report the version first */
     pel_scene_value *version = pel_scene_value_entry(root, "version");
-    const pel_scene_row *row = pel_scene_row_find(reader->table, "", "version");
+    const pel_def_row *row = pel_scene_row_find(reader->table, "", "version");
     if (version != NULL && check_value(reader, row, row, version) != PEL_OK)
         return PEL_BAD_SCENE;
     return check_map(reader, NULL, NULL, root);

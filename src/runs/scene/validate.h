@@ -14,7 +14,7 @@ pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
 bool pel_scene_value_is_null(const pel_scene_value *value);
 
 /* Whether a row's condition (needs, needs_word) is fulfilled in a map. */
-bool pel_scene_row_applies(const pel_scene_row *row, const pel_scene_value *map);
+bool pel_scene_row_applies(const pel_def_row *row, const pel_scene_value *map);
 
 /* "unknown WHAT 'name'" at a place; the remedy tells the nearest of the known names, or all of them. */
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,

@@ -87,21 +87,9 @@ double pel_scene_value_number(const pel_scene_value *value, const char *path)
     return pel_scene_value_at(value, path)->number;
 }
 
-void pel_scene_value_read(const pel_scene_value *map, const char *key, double *number)
-{
-    const pel_scene_value *value = map != NULL ? pel_scene_value_entry(map, key) : NULL;
-    if (value != NULL)
-        *number = value->number;
-}
-
 int32_t pel_scene_value_integer(const pel_scene_value *value, const char *path)
 {
     return (int32_t)pel_scene_value_number(value, path);
-}
-
-bool pel_scene_value_boolean(const pel_scene_value *value, const char *path)
-{
-    return pel_scene_value_number(value, path) > 0;
 }
 
 void pel_scene_value_numbers(const pel_scene_value *list, double *numbers)

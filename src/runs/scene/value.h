@@ -18,7 +18,7 @@ typedef struct pel_scene_value {
     pel_scene_value_kind kind;
     bool quoted;      /* a scalar in quotes is text, never a number */
     bool is_implied;  /* left out, filled in by its preset or by another key (defaults.c) */
-    unsigned form;    /* the pel_scene_form that the checker found it to have */
+    unsigned form;    /* the pel_form that the checker found it to have */
     double number;    /* of numbers; the index of a word; 0 or 1 of a boolean */
     const char *text; /* of scalars */
     const char *key;  /* of the entries of a map */
@@ -49,10 +49,7 @@ pel_scene_value *pel_scene_value_entry(const pel_scene_value *value, const char 
 pel_scene_value *pel_scene_value_at(const pel_scene_value *value, const char *path);
 /* content of a checked value below a path; it must exist: see the table for defaults and required keys */
 double pel_scene_value_number(const pel_scene_value *value, const char *path);
-/* the same of a key that may be missing, and the map with it: then the number stays */
-void pel_scene_value_read(const pel_scene_value *map, const char *key, double *number);
 int32_t pel_scene_value_integer(const pel_scene_value *value, const char *path);
-bool pel_scene_value_boolean(const pel_scene_value *value, const char *path);
 /* the numbers of a list of them */
 void pel_scene_value_numbers(const pel_scene_value *list, double *numbers);
 /* the element of a list, null if there is none */

@@ -42,7 +42,7 @@ static pel_status fail_at(pel_scene_reader *reader, const pel_scene_value *value
 static void put_as_written(pel_json *json, const pel_scene_value *scalar)
 {
     if (scalar->quoted)
-        pel_json_string(json, scalar->text);
+        pel_json_put_text(json, scalar->text);
     else
         pel_json_print(json, "%s", scalar->text);
 }

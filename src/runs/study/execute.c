@@ -52,13 +52,6 @@ typedef struct execution {
     bool stopped;
 } execution;
 
-static double clock_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool goes_on(execution *e)
 {
     if (!e->stopped && e->def->wanted != NULL && !e->def->wanted(e->def->user))
@@ -70,7 +63,7 @@ static void tell(const execution *e)
 {
     if (e->def->progress == NULL)
         return;
-    double left = (double)(e->run_count - e->done), seconds = clock_now() - e->start;
+    double left = (double)(e->run_count - e->done), seconds = pel_seconds() - e->start;
     const pel_study_progress progress = {.done = e->done,
                                          .total = e->run_count,
                                          .failed = e->failed,
@@ -112,7 +105,7 @@ static pel_status keep_rows(execution *e, pel_study_worker *worker, pel_error *e
                                 : keep_lost(e, worker->queue[0], "failed", "out of memory",
                                             "use a coarser mesh, or do fewer runs at a time", error);
         if (status == PEL_OK)
-            pel_study_worker_answered(worker, clock_now());
+            pel_study_worker_answered(worker, pel_seconds());
     }
     return status == PEL_OK ? pel_study_store_flush(e->store, error) : status;
 }
@@ -134,7 +127,7 @@ static void fill_queue(execution *e, pel_study_worker *worker)
     int32_t room = queue_length(worker) - worker->queued, count = room < left ? room : (int32_t)left;
     if (worker->process == 0 || count <= 0)
         return;
-    pel_study_worker_give(worker, e->runs + e->given, count, clock_now());
+    pel_study_worker_give(worker, e->runs + e->given, count, pel_seconds());
     e->given += count;
 }
 
@@ -149,7 +142,7 @@ static pel_status start_worker(execution *e, pel_study_worker *worker, pel_error
     memcpy(runs, worker->queue, (size_t)count * sizeof *runs);
     worker->queued = 0;
     if (count > 0)
-        pel_study_worker_give(worker, runs, count, clock_now());
+        pel_study_worker_give(worker, runs, count, pel_seconds());
     fill_queue(e, worker);
     return PEL_OK;
 }
@@ -206,7 +199,7 @@ static pel_status look_at(execution *e, pel_study_worker *worker, bool is_readab
         return status;
     if (has_ended)
         return replace_worker(e, worker, error);
-    if (limit > 0 && worker->queued > 0 && clock_now() - worker->since > limit)
+    if (limit > 0 && worker->queued > 0 && pel_seconds() - worker->since > limit)
         return stop_late_run(e, worker, error);
     fill_queue(e, worker);
     return PEL_OK;
@@ -337,7 +330,7 @@ pel_status pel_study_execute(const pel_study *study, const pel_study_def *def, p
     if (summary == NULL)
         summary = &own;
     *summary = (pel_study_summary){0};
-    execution e = {.study = study, .def = def, .start = clock_now()};
+    execution e = {.study = study, .def = def, .start = pel_seconds()};
     status = pel_study_store_open(study, def->folder, def->chunk, def->chunk_count, &e.store, error);
     if (status == PEL_OK)
         status = execute(&e, summary, error);

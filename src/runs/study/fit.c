@@ -19,9 +19,9 @@ static void put_as_json(pel_json *json, const pel_scene_value *scalar)
 {
     double number;
     if (!scalar->quoted && pel_scene_parse_number(scalar->text, &number))
-        pel_json_number(json, number);
+        pel_json_put_number(json, number);
     else
-        pel_json_string(json, scalar->text);
+        pel_json_put_text(json, scalar->text);
 }
 
 /* ---- checks ---- */

@@ -39,17 +39,17 @@ static const char *value_of(const pel_study *study, const pel_study_axis *axis, 
     return axis->values[pel_study_index(study, run, axis->group)];
 }
 
-static bool is_of_model(pel_parameter_owner owner)
+static bool is_of_model(pel_def_kind kind)
 {
-    return owner == PEL_OWNER_BODY || owner == PEL_OWNER_REGION || owner == PEL_OWNER_MODEL;
+    return kind == PEL_DEF_BODY || kind == PEL_DEF_FIBRES || kind == PEL_DEF_MODEL;
 }
 
 /* the simulation has to be made anew; methods that seek rest refuse loads without a state of rest when they are made */
-static bool needs_sim(const pel_study_kept *kept, const pel_parameter_row *row)
+static bool needs_sim(const pel_study_kept *kept, const pel_def_row *row)
 {
     pel_method method = kept->scene->sim.solver.method;
     bool seeks_rest = method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT;
-    return !row->is_direct || (seeks_rest && row->owner == PEL_OWNER_LOAD);
+    return !row->is_direct || (seeks_rest && row->def == PEL_DEF_LOAD);
 }
 
 /* Writes the values of a run over those that are there. */
@@ -60,12 +60,12 @@ static bool patch(const pel_study *study, pel_study_kept *kept, int64_t run)
     for (int32_t a = 0; a < study->axis_count; a++) {
         const pel_study_axis *axis = &study->axes[a];
         const char *value = value_of(study, axis, run);
-        const pel_parameter_row *row = pel_parameter_row_at(kept->places[a].row);
+        const pel_def_row *row = pel_def_row_at(kept->places[a].row);
         if (strcmp(value, value_of(study, axis, kept->run)) == 0)
             continue;
         if (!pel_scene_patch(kept->scene, kept->places[a], value))
             return false;
-        changes_model |= is_of_model(row->owner);
+        changes_model |= is_of_model(row->def);
         changes_sim |= needs_sim(kept, row);
         kept->numbers[count++] = (pel_run_number){kept->places[a], value};
     }
@@ -81,7 +81,7 @@ static bool copy_direct(const pel_study *study, pel_study_kept *kept)
         return true;
     bool done = pel_run_kept_rewind(&kept->parts, NULL) == PEL_OK;
     for (int32_t a = 0; done && a < study->axis_count; a++)
-        if (varies(&study->axes[a]) && pel_parameter_row_at(kept->places[a].row)->is_direct)
+        if (varies(&study->axes[a]) && pel_def_row_at(kept->places[a].row)->is_direct)
             done = pel_parameter_copy(kept->parts.sim, &kept->scene->sim, kept->places[a], NULL) == PEL_OK;
     return done;
 }

@@ -144,7 +144,7 @@ void pel_study_put_value(pel_json *json, const pel_scene_value *value,
     for (const pel_scene_value *child = value->first; child != NULL; child = child->next) {
         pel_json_print(json, "%s", child != value->first ? ", " : "");
         if (!is_list) {
-            pel_json_string(json, child->key);
+            pel_json_put_text(json, child->key);
             pel_json_print(json, ": ");
         }
         pel_study_put_value(json, child, put_scalar);

@@ -210,7 +210,7 @@ static void put_lines(pel_file_writer *writer, const char *const *lines, size_t 
 static void put_string(pel_file_writer *writer, pel_json *json, const char *text)
 {
     json->length = 0;
-    pel_json_string(json, text);
+    pel_json_put_text(json, text);
     if (!json->failed)
         pel_file_writer_write(writer, json->text, json->length);
 }

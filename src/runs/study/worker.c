@@ -96,9 +96,8 @@ static _Noreturn void work(const pel_study *study, const char *folder, int chann
 
 static pel_status fail_start(int number, pel_error *error)
 {
-    pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start a process: %s", strerror(number));
-    pel_fail_remedy(error, "execute fewer runs at a time (--jobs); the same command continues");
-    return PEL_OUT_OF_MEMORY;
+    return pel_refuse(error, PEL_OUT_OF_MEMORY, "execute fewer runs at a time (--jobs); the same command continues",
+                      "cannot start a process: %s", strerror(number));
 }
 
 pel_status pel_study_worker_start(pel_study_worker *worker, const pel_study *study, const char *folder,

@@ -74,9 +74,7 @@ double pel_haptic_passive_stiffness(double device_damping, double coupling_dampi
 
 static pel_status fail_number(pel_error *error, const char *name, double value, const char *remedy)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s is %g", name, value);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, remedy, "%s is %g", name, value);
 }
 
 static pel_status check_numbers(const pel_haptic_def *def, pel_error *error)
@@ -113,9 +111,8 @@ static pel_status check_tool(const pel_haptic_def *def, pel_error *error)
     const pel_tool *tool = &def->sim->tools->items[def->tool];
     if (tool->support == NULL)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' is a support and has no surface", tool->name);
-    pel_fail_remedy(error, "use a sphere, capsule, box or mesh");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use a sphere, capsule, box or mesh",
+                      "tool '%s' is a support and has no surface", tool->name);
 }
 
 /* fills in the numbers that are automatic */
@@ -221,11 +218,9 @@ pel_status pel_haptic_sync(pel_haptic *haptic, pel_error *error)
 {
     PEL_REFUSE_NULL(haptic, error);
     pel_sim *sim = haptic->sim;
-    if (haptic->tool >= sim->tools->count || strcmp(sim->tools->items[haptic->tool].name, haptic->tool_name) != 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' was removed", haptic->tool_name);
-        pel_fail_remedy(error, "create a new haptic loop when tools change");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (haptic->tool >= sim->tools->count || strcmp(sim->tools->items[haptic->tool].name, haptic->tool_name) != 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "create a new haptic loop when tools change",
+                          "tool '%s' was removed", haptic->tool_name);
     if (haptic->model_step != pel_sim_step_count(sim))
         send_model(haptic);
     const loop_record *record = newest_record(haptic);
@@ -304,20 +299,15 @@ pel_status pel_haptic_update(pel_haptic *haptic, const double position[3], const
     pel_vec3_set(force, 0, 0, 0);
     PEL_REFUSE_NULL(haptic, error);
     PEL_REFUSE_NULL(position, error);
-    if (haptic->loop != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the haptic loop runs in its own thread");
-        pel_fail_remedy(error, "stop it with pel_haptic_stop before pel_haptic_update");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (haptic->loop != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "stop it with pel_haptic_stop before pel_haptic_update",
+                          "the haptic loop runs in its own thread");
     double turned[4];
     memcpy(turned, rotation != NULL ? rotation : haptic->rotation, sizeof turned);
-    if (!update(haptic, position, turned, NULL)) {
-        pel_fail(error, PEL_BAD_ARGUMENT,
-                 "the position of the device is not finite or its rotation is not a unit "
-                 "quaternion");
-        pel_fail_remedy(error, "set the force to 0 until the pose of the device is valid");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!update(haptic, position, turned, NULL))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set the force to 0 until the pose of the device is valid",
+                          "the position of the device is not finite or its rotation is not a unit "
+                          "quaternion");
     pel_vec3_copy(haptic->proxy.force, force);
     return PEL_OK;
 }

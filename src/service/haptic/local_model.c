@@ -154,7 +154,7 @@ static bool is_behind(const pel_tool *tool, const pel_solid *press, double corne
                       const candidates *found)
 {
     double way[3], width = 0;
-    if (press->kind != PEL_SOLID_SPHERE)
+    if (!pel_solid_is_ball(press))
         return false;
     for (int k = 0; k < 3; k++)
         way[k] = (corners[0][k] + corners[1][k] + corners[2][k]) / 3 - tool->pose.position[k];

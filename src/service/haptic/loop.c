@@ -23,9 +23,7 @@ struct pel_loop {
 
 static int64_t clock_now(void)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * SECOND + now.tv_nsec;
+    return (int64_t)(SECOND * pel_seconds());
 }
 
 static void sleep_until(int64_t time)
@@ -82,9 +80,8 @@ pel_status pel_loop_create(double rate, pel_loop_function *function, void *conte
     atomic_init(&made->stop, false);
     if (pthread_create(&made->thread, NULL, run, made) != 0) {
         pel_free(made);
-        pel_fail(error, PEL_OUT_OF_MEMORY, "cannot start a thread");
-        pel_fail_remedy(error, "call pel_haptic_update at the rate of the loop instead");
-        return PEL_OUT_OF_MEMORY;
+        return pel_refuse(error, PEL_OUT_OF_MEMORY, "call pel_haptic_update at the rate of the loop instead",
+                          "cannot start a thread");
     }
     *loop = made;
     return PEL_OK;

@@ -44,16 +44,8 @@ void pel_mailbox_post(pel_mailbox *box, pel_post_kind kind, unsigned char *bytes
 
 static struct timespec later(double seconds)
 {
-    struct timespec at;
-    clock_gettime(CLOCK_MONOTONIC, &at);
-    double whole = floor(seconds);
-    at.tv_sec += (time_t)whole;
-    at.tv_nsec += (long)(1e9 * (seconds - whole));
-    if (at.tv_nsec >= 1000000000) {
-        at.tv_sec++;
-        at.tv_nsec -= 1000000000;
-    }
-    return at;
+    double at = pel_seconds() + seconds, whole = floor(at);
+    return (struct timespec){.tv_sec = (time_t)whole, .tv_nsec = (long)(1e9 * (at - whole))};
 }
 
 bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *count)

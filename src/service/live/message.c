@@ -1,7 +1,10 @@
 #include "live/message.h"
 
 #include "base/memory.h"
+#include "geom/solid.h"
 #include "io/json.h"
+#include "math/bounds.h"
+#include "mesh/figures.h"
 #include "pellicle/observe.h"
 #include "scene/word_mesh.h"
 
@@ -12,44 +15,6 @@
 
 /* radius of the patch of surface that a hand holds, relative to the longest side of the body */
 #define PATCH_SHARE 0.1
-
-/* ---- small pieces of JSON ---- */
-
-static void put_key(pel_json *json, const char *key)
-{
-    char last = json->length > 0 ? json->text[json->length - 1] : '{';
-    pel_json_print(json, "%s\"%s\":", last == '{' || last == '[' ? "" : ",", key);
-}
-
-static void put_number(pel_json *json, const char *key, double value)
-{
-    put_key(json, key);
-    pel_json_number(json, value);
-}
-
-static void put_string(pel_json *json, const char *key, const char *text)
-{
-    put_key(json, key);
-    pel_json_string(json, text);
-}
-
-static void put_flag(pel_json *json, const char *key, bool value)
-{
-    put_key(json, key);
-    pel_json_print(json, value ? "true" : "false");
-}
-
-static void put_numbers(pel_json *json, const char *key, const double *numbers, int32_t count)
-{
-    put_key(json, key);
-    pel_json_numbers(json, numbers, count);
-}
-
-/* begins an element of a list, with a comma unless it is the first */
-static void next_element(pel_json *json, bool first)
-{
-    pel_json_print(json, first ? "{" : ",{");
-}
 
 static unsigned char *text_message(pel_json *json, size_t *size)
 {
@@ -63,93 +28,71 @@ static unsigned char *text_message(pel_json *json, size_t *size)
 
 /* ---- hello ---- */
 
-static const char *shape_name(pel_tool_shape shape)
-{
-    static const char *const names[] = {"sphere", "capsule", "box", "mesh", "support"};
-    return names[shape];
-}
-
 static void put_mesh(pel_json *json, const pel_mesh *mesh)
 {
-    put_key(json, "positions");
-    pel_json_numbers(json, &mesh->positions[0][0], 3 * mesh->vertex_count);
-    put_key(json, "triangles");
-    for (int32_t t = 0; t < mesh->triangle_count; t++)
-        pel_json_print(json, "%s%d,%d,%d", t == 0 ? "[" : ",", (int)mesh->triangles[t][0], (int)mesh->triangles[t][1],
-                       (int)mesh->triangles[t][2]);
-    pel_json_print(json, "]");
+    pel_json_numbers(json, "positions", &mesh->positions[0][0], 3 * mesh->vertex_count);
+    pel_json_open(json, "triangles", '[');
+    for (int32_t c = 0; c < 3 * mesh->triangle_count; c++)
+        pel_json_integer(json, NULL, mesh->triangles[c / 3][c % 3]);
+    pel_json_close(json, ']');
 }
 
 static void put_tools(pel_json *json, const pel_scene *scene)
 {
-    put_key(json, "tools");
-    pel_json_print(json, "[");
+    pel_json_open(json, "tools", '[');
     for (int32_t t = 0; t < scene->sim.tool_count; t++) {
         const pel_tool_def *tool = &scene->sim.tools[t];
-        next_element(json, t == 0);
-        put_string(json, "name", tool->name);
-        put_string(json, "shape", shape_name(tool->shape));
-        put_number(json, "radius", tool->radius);
-        put_number(json, "half_length", tool->half_length);
-        put_numbers(json, "half_extents", tool->half_extents, 3);
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "name", tool->name);
+        pel_json_text(json, "shape", pel_solid_rows[tool->shape].word);
+        pel_json_number(json, "radius", tool->radius);
+        pel_json_number(json, "half_length", tool->half_length);
+        pel_json_numbers(json, "half_extents", tool->half_extents, 3);
         if (tool->shape == PEL_TOOL_MESH && tool->mesh != NULL)
             put_mesh(json, tool->mesh);
-        pel_json_print(json, "}");
+        pel_json_close(json, '}');
     }
-    pel_json_print(json, "]");
+    pel_json_close(json, ']');
 }
 
 static void put_word(void *json, const char *word)
 {
-    const pel_json *before = json;
-    pel_json_print(json, before->text[before->length - 1] == '[' ? "" : ",");
-    pel_json_string(json, word);
+    pel_json_text(json, NULL, word);
 }
 
 /* additional shapes of a pressing hand if there is contact */
 static void put_presses(pel_json *json, const pel_scene *scene)
 {
-    put_flag(json, "contact", scene->sim.contact.enabled);
-    put_key(json, "presses");
-    pel_json_print(json, "[");
-    if (!json->failed)
-        pel_word_mesh_list(scene, put_word, json);
-    pel_json_print(json, "]");
+    pel_json_bool(json, "contact", scene->sim.contact.enabled);
+    pel_json_open(json, "presses", '[');
+    pel_word_mesh_list(scene, put_word, json);
+    pel_json_close(json, ']');
 }
 
 static void put_fields(pel_json *json)
 {
-    put_key(json, "fields");
-    pel_json_print(json, "[");
+    pel_json_open(json, "fields", '[');
     for (int32_t f = 0; f < pel_field_count(); f++) {
         const pel_field_info *field = pel_field_at(f);
-        next_element(json, f == 0);
-        put_string(json, "name", field->name);
-        put_string(json, "unit", field->unit);
-        put_number(json, "components", field->component_count);
-        put_string(json, "doc", field->doc);
-        pel_json_print(json, "}");
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "name", field->name);
+        pel_json_text(json, "unit", field->unit);
+        pel_json_number(json, "components", field->component_count);
+        pel_json_text(json, "doc", field->doc);
+        pel_json_close(json, '}');
     }
-    pel_json_print(json, "]");
-}
-
-static void enclose(const pel_mesh *mesh, double low[3], double high[3])
-{
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        for (int i = 0; i < 3; i++) {
-            low[i] = fmin(low[i], mesh->positions[v][i]);
-            high[i] = fmax(high[i], mesh->positions[v][i]);
-        }
+    pel_json_close(json, ']');
 }
 
 /* the box about all bodies at rest */
 static void put_box(pel_json *json, const pel_model_def *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
     for (int32_t b = 0; b < model->body_count; b++)
-        enclose(model->bodies[b].mesh, low, high);
-    put_numbers(json, "low", low, 3);
-    put_numbers(json, "high", high, 3);
+        pel_mesh_add_box(model->bodies[b].mesh, low, high);
+    pel_json_numbers(json, "low", low, 3);
+    pel_json_numbers(json, "high", high, 3);
 }
 
 static bool read_number(const pel_sim *sim, const char *body, const char *key, double *value)
@@ -187,9 +130,8 @@ static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
     double most = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const char *name = scene->model.bodies[b].name;
-        double springs = 0, home = 0, low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
-               high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-        enclose(scene->model.bodies[b].mesh, low, high);
+        double springs = 0, home = 0, low[3], high[3];
+        pel_mesh_box(scene->model.bodies[b].mesh, low, high);
         double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
         double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
                           sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
@@ -204,26 +146,25 @@ static double suit_stiffness(const pel_sim *sim, const pel_scene *scene)
 unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_sim *sim, size_t *size)
 {
     pel_json json = {0};
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "hello");
-    put_string(&json, "title", scene->title);
-    put_string(&json, "path", path);
-    put_number(&json, "dt", scene->sim.solver.dt);
-    put_number(&json, "stiffness", suit_stiffness(sim, scene));
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "hello");
+    pel_json_text(&json, "title", scene->title);
+    pel_json_text(&json, "path", path);
+    pel_json_number(&json, "dt", scene->sim.solver.dt);
+    pel_json_number(&json, "stiffness", suit_stiffness(sim, scene));
     put_box(&json, &scene->model);
-    put_key(&json, "bodies");
-    pel_json_print(&json, "[");
+    pel_json_open(&json, "bodies", '[');
     for (int32_t b = 0; b < scene->model.body_count; b++) {
-        next_element(&json, b == 0);
-        put_string(&json, "name", scene->model.bodies[b].name);
-        put_flag(&json, "closed", pel_model_is_closed(pel_sim_model(sim), b));
-        pel_json_print(&json, "}");
+        pel_json_open(&json, NULL, '{');
+        pel_json_text(&json, "name", scene->model.bodies[b].name);
+        pel_json_bool(&json, "closed", pel_model_is_closed(pel_sim_model(sim), b));
+        pel_json_close(&json, '}');
     }
-    pel_json_print(&json, "]");
+    pel_json_close(&json, ']');
     put_tools(&json, scene);
     put_presses(&json, scene);
     put_fields(&json);
-    pel_json_print(&json, "}");
+    pel_json_close(&json, '}');
     return text_message(&json, size);
 }
 
@@ -240,53 +181,49 @@ static void put_parameter(pel_json *json, const pel_parameter_info *info)
 {
     bool is_shown_only = info->is_live && is_curve(info);
     static const char *const kinds[] = {"number", "integer", "switch", "word", "vector"};
-    put_string(json, "path", info->path);
-    put_string(json, "row", info->row);
-    put_string(json, "kind", kinds[info->kind]);
-    put_string(json, "unit", info->unit);
-    put_number(json, "least", info->least);
-    put_number(json, "most", info->most);
-    put_flag(json, "open", info->is_open);
-    put_flag(json, "auto", info->may_be_auto);
-    put_flag(json, "keyed", info->is_keyed);
-    put_flag(json, "field", info->is_field);
-    put_flag(json, "live", info->is_live && !is_shown_only);
-    put_string(json, "refusal", is_shown_only ? "it is a factor over time" : info->refusal);
-    put_string(json, "remedy", is_shown_only ? "change the keys in the scene" : info->remedy);
-    put_numbers(json, "preset", info->preset, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
-    put_numbers(json, "value", info->value, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
+    pel_json_text(json, "path", info->path);
+    pel_json_text(json, "row", info->row);
+    pel_json_text(json, "kind", kinds[info->kind]);
+    pel_json_text(json, "unit", info->unit);
+    pel_json_number(json, "least", info->least);
+    pel_json_number(json, "most", info->most);
+    pel_json_bool(json, "open", info->is_open);
+    pel_json_bool(json, "auto", info->may_be_auto);
+    pel_json_bool(json, "keyed", info->is_keyed);
+    pel_json_bool(json, "field", info->is_field);
+    pel_json_bool(json, "live", info->is_live && !is_shown_only);
+    pel_json_text(json, "refusal", is_shown_only ? "it is a factor over time" : info->refusal);
+    pel_json_text(json, "remedy", is_shown_only ? "change the keys in the scene" : info->remedy);
+    pel_json_numbers(json, "preset", info->preset, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
+    pel_json_numbers(json, "value", info->value, info->kind == PEL_PARAMETER_VECTOR ? 3 : 1);
     if (info->words == NULL)
         return;
-    put_key(json, "words");
-    pel_json_print(json, "[");
-    for (int w = 0; info->words[w] != NULL; w++) {
-        pel_json_print(json, w > 0 ? "," : "");
-        pel_json_string(json, info->words[w]);
-    }
-    pel_json_print(json, "]");
+    pel_json_open(json, "words", '[');
+    for (int w = 0; info->words[w] != NULL; w++)
+        pel_json_text(json, NULL, info->words[w]);
+    pel_json_close(json, ']');
 }
 
 unsigned char *pel_message_parameters(const pel_sim *sim, const pel_session *session, const pel_scene *scene,
                                       size_t *size)
 {
     pel_json json = {0};
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "parameters");
-    put_key(&json, "list");
-    pel_json_print(&json, "[");
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "parameters");
+    pel_json_open(&json, "list", '[');
     for (int32_t p = 0; p < pel_parameter_count(sim); p++) {
         pel_parameter_info info;
         pel_parameter_at(sim, p, &info);
-        next_element(&json, p == 0);
+        pel_json_open(&json, NULL, '{');
         put_parameter(&json, &info);
-        pel_json_print(&json, "}");
+        pel_json_close(&json, '}');
     }
-    pel_json_print(&json, "]");
-    put_key(&json, "inflate");
-    pel_json_print(&json, "{");
+    pel_json_close(&json, ']');
+    pel_json_open(&json, "inflate", '{');
     for (int32_t b = 0; b < scene->model.body_count; b++)
-        put_number(&json, scene->model.bodies[b].name, pel_session_pressure(session, b));
-    pel_json_print(&json, "}}");
+        pel_json_number(&json, scene->model.bodies[b].name, pel_session_pressure(session, b));
+    pel_json_close(&json, '}');
+    pel_json_close(&json, '}');
     return text_message(&json, size);
 }
 
@@ -295,7 +232,7 @@ unsigned char *pel_message_parameters(const pel_sim *sim, const pel_session *ses
 /* closes the head; arrays of `tail` bytes follow at *arrays */
 static unsigned char *binary_message(pel_json *json, size_t tail, unsigned char **arrays, size_t *size)
 {
-    pel_json_print(json, "}");
+    pel_json_close(json, '}');
     size_t head = (json->length + 3) / 4 * 4;
     unsigned char *bytes = json->failed ? NULL : pel_allocate(4 + head + tail, 1);
     if (bytes != NULL) {
@@ -316,33 +253,31 @@ static void put_hand(pel_json *json, const pel_session *session)
     static const char *const kinds[] = {"free", "grab", "press"};
     pel_hand_reading hand;
     pel_session_get_hand(session, &hand);
-    put_key(json, "hand");
-    pel_json_print(json, "{");
-    put_string(json, "kind", kinds[hand.kind]);
-    put_string(json, "shape", shape_name(hand.shape));
-    put_number(json, "radius", hand.radius);
-    put_numbers(json, "point", hand.point, 3);
-    put_numbers(json, "rotation", hand.rotation, 4);
-    put_numbers(json, "target", hand.target, 3);
-    put_numbers(json, "force", hand.force, 3);
-    pel_json_print(json, "}");
+    pel_json_open(json, "hand", '{');
+    pel_json_text(json, "kind", kinds[hand.kind]);
+    pel_json_text(json, "shape", pel_solid_rows[hand.shape].word);
+    pel_json_number(json, "radius", hand.radius);
+    pel_json_numbers(json, "point", hand.point, 3);
+    pel_json_numbers(json, "rotation", hand.rotation, 4);
+    pel_json_numbers(json, "target", hand.target, 3);
+    pel_json_numbers(json, "force", hand.force, 3);
+    pel_json_close(json, '}');
 }
 
 static void put_poses(pel_json *json, const pel_sim *sim)
 {
-    put_key(json, "tools");
-    pel_json_print(json, "[");
+    pel_json_open(json, "tools", '[');
     for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
         pel_tool_reading tool;
         pel_sim_get_tool(sim, t, &tool);
-        next_element(json, t == 0);
-        put_string(json, "name", pel_sim_tool_name(sim, t));
-        put_numbers(json, "position", tool.position, 3);
-        put_numbers(json, "rotation", tool.rotation, 4);
-        put_numbers(json, "force", tool.force, 3);
-        pel_json_print(json, "}");
+        pel_json_open(json, NULL, '{');
+        pel_json_text(json, "name", pel_sim_tool_name(sim, t));
+        pel_json_numbers(json, "position", tool.position, 3);
+        pel_json_numbers(json, "rotation", tool.rotation, 4);
+        pel_json_numbers(json, "force", tool.force, 3);
+        pel_json_close(json, '}');
     }
-    pel_json_print(json, "]");
+    pel_json_close(json, ']');
 }
 
 static void put_measures(pel_json *json, pel_sim *sim)
@@ -351,18 +286,17 @@ static void put_measures(pel_json *json, pel_sim *sim)
     pel_sim_ledger ledger;
     pel_sim_measure(sim, &m);
     pel_sim_get_ledger(sim, &ledger);
-    put_key(json, "measures");
-    pel_json_print(json, "{");
-    put_number(json, "volume_ratio", m.volume_ratio);
-    put_number(json, "area_ratio", m.area_ratio);
-    put_number(json, "elastic_energy", m.elastic_energy);
-    put_number(json, "kinetic_energy", m.kinetic_energy);
-    put_number(json, "max_displacement", m.max_displacement);
-    put_number(json, "contacts", (double)m.contact_count);
-    put_number(json, "work_hand", ledger.work_tools);
-    put_number(json, "dissipated", ledger.dissipated_drag + ledger.dissipated_solver);
-    put_number(json, "energy_error", ledger.energy_error);
-    pel_json_print(json, "}");
+    pel_json_open(json, "measures", '{');
+    pel_json_number(json, "volume_ratio", m.volume_ratio);
+    pel_json_number(json, "area_ratio", m.area_ratio);
+    pel_json_number(json, "elastic_energy", m.elastic_energy);
+    pel_json_number(json, "kinetic_energy", m.kinetic_energy);
+    pel_json_number(json, "max_displacement", m.max_displacement);
+    pel_json_number(json, "contacts", (double)m.contact_count);
+    pel_json_number(json, "work_hand", ledger.work_tools);
+    pel_json_number(json, "dissipated", ledger.dissipated_drag + ledger.dissipated_solver);
+    pel_json_number(json, "energy_error", ledger.energy_error);
+    pel_json_close(json, '}');
 }
 
 /* one number for each value of the field: its own, its first one, or its length */
@@ -423,16 +357,15 @@ static void put_hash(pel_json *json, const pel_sim *sim)
 {
     char hash[17];
     snprintf(hash, sizeof hash, "%016" PRIx64, pel_sim_hash(sim));
-    put_string(json, "hash", hash);
+    pel_json_text(json, "hash", hash);
 }
 
 static void put_counts(pel_json *json, const pel_sim *sim)
 {
-    put_key(json, "bodies");
-    pel_json_print(json, "[");
+    pel_json_open(json, "bodies", '[');
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
-        pel_json_print(json, "%s%d", b > 0 ? "," : "", (int)pel_sim_vertex_count(sim, b));
-    pel_json_print(json, "]");
+        pel_json_integer(json, NULL, pel_sim_vertex_count(sim, b));
+    pel_json_close(json, ']');
 }
 
 unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32_t field, const pel_pace *pace,
@@ -444,17 +377,17 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
         size_t count = (size_t)pel_sim_vertex_count(sim, b);
         tail += count * (field >= 0 ? 4 : 3) * sizeof(float) + (count + 3) / 4 * 4;
     }
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "frame");
-    put_number(&json, "time", pel_sim_time(sim));
-    put_number(&json, "step", (double)pel_sim_step_count(sim));
-    put_flag(&json, "playing", pace->playing);
-    put_number(&json, "pace", pace->pace);
-    put_number(&json, "step_ms", pace->step_ms);
-    put_number(&json, "serving", pace->serving);
-    put_number(&json, "echo", pace->echo);
-    put_number(&json, "undo", pel_session_undo_count(session));
-    put_string(&json, "field", field >= 0 ? pel_field_at(field)->name : "");
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "frame");
+    pel_json_number(&json, "time", pel_sim_time(sim));
+    pel_json_number(&json, "step", (double)pel_sim_step_count(sim));
+    pel_json_bool(&json, "playing", pace->playing);
+    pel_json_number(&json, "pace", pace->pace);
+    pel_json_number(&json, "step_ms", pace->step_ms);
+    pel_json_number(&json, "serving", pace->serving);
+    pel_json_number(&json, "echo", pace->echo);
+    pel_json_number(&json, "undo", pel_session_undo_count(session));
+    pel_json_text(&json, "field", field >= 0 ? pel_field_at(field)->name : "");
     if (!pace->playing)
         put_hash(&json, sim);
     put_hand(&json, session);
@@ -473,14 +406,14 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
 unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, size_t *size)
 {
     pel_json json = {0};
-    pel_json_print(&json, "{");
-    put_number(&json, "time", pel_sim_time(sim));
-    put_number(&json, "step", (double)pel_sim_step_count(sim));
+    pel_json_open(&json, NULL, '{');
+    pel_json_number(&json, "time", pel_sim_time(sim));
+    pel_json_number(&json, "step", (double)pel_sim_step_count(sim));
     put_hash(&json, sim);
     put_hand(&json, session);
     put_poses(&json, sim);
     put_measures(&json, sim);
-    pel_json_print(&json, "}");
+    pel_json_close(&json, '}');
     return text_message(&json, size);
 }
 
@@ -503,27 +436,25 @@ unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *sessio
     pel_json json = {0};
     const pel_mesh *tool = pel_session_tool_mesh(session);
     size_t tail = 0;
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "surface");
-    put_key(&json, "bodies");
-    pel_json_print(&json, "[");
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "surface");
+    pel_json_open(&json, "bodies", '[');
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++) {
         int32_t triangles = pel_sim_triangle_count(sim, b), pins = 0;
         pel_session_pins(session, b, &pins);
-        next_element(&json, b == 0);
-        put_number(&json, "vertices", pel_sim_vertex_count(sim, b));
-        put_number(&json, "triangles", triangles);
-        put_number(&json, "pins", pins);
-        pel_json_print(&json, "}");
+        pel_json_open(&json, NULL, '{');
+        pel_json_number(&json, "vertices", pel_sim_vertex_count(sim, b));
+        pel_json_number(&json, "triangles", triangles);
+        pel_json_number(&json, "pins", pins);
+        pel_json_close(&json, '}');
         tail += 3 * sizeof(int32_t) * (size_t)triangles + ((size_t)pins + 3) / 4 * 4;
     }
-    pel_json_print(&json, "]");
+    pel_json_close(&json, ']');
     if (tool != NULL) {
-        put_key(&json, "tool");
-        pel_json_print(&json, "{");
-        put_number(&json, "vertices", tool->vertex_count);
-        put_number(&json, "triangles", tool->triangle_count);
-        pel_json_print(&json, "}");
+        pel_json_open(&json, "tool", '{');
+        pel_json_number(&json, "vertices", tool->vertex_count);
+        pel_json_number(&json, "triangles", tool->triangle_count);
+        pel_json_close(&json, '}');
         tail += (size_t)tool->vertex_count * 3 * sizeof(float) + (size_t)tool->triangle_count * sizeof *tool->triangles;
     }
     unsigned char *at = NULL, *bytes = binary_message(&json, tail, &at, size);
@@ -551,20 +482,20 @@ unsigned char *pel_message_surface(const pel_sim *sim, const pel_session *sessio
 unsigned char *pel_message_scene(const char *text, size_t *size)
 {
     pel_json json = {0};
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "scene");
-    put_string(&json, "text", text);
-    pel_json_print(&json, "}");
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "scene");
+    pel_json_text(&json, "text", text);
+    pel_json_close(&json, '}');
     return text_message(&json, size);
 }
 
 unsigned char *pel_message_notice(const char *kind, const char *text, size_t *size)
 {
     pel_json json = {0};
-    pel_json_print(&json, "{");
-    put_string(&json, "type", "notice");
-    put_string(&json, "kind", kind);
-    put_string(&json, "text", text);
-    pel_json_print(&json, "}");
+    pel_json_open(&json, NULL, '{');
+    pel_json_text(&json, "type", "notice");
+    pel_json_text(&json, "kind", kind);
+    pel_json_text(&json, "text", text);
+    pel_json_close(&json, '}');
     return text_message(&json, size);
 }

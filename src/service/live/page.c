@@ -167,16 +167,16 @@ static pel_status describe(const page *p, bool paused, pel_json *json, pel_error
     char *text = pel_scene_portable_text(p->scene, p->name_list);
     if (text == NULL)
         return pel_fail_memory(error);
-    pel_json_print(json, "{\"scene\":");
-    pel_json_string(json, text);
+    pel_json_open(json, NULL, '{');
+    pel_json_text(json, "scene", text);
     pel_free(text);
-    pel_json_print(json, ",\"files\":[");
-    for (int32_t m = 0, written = 0; m < p->count; m++)
-        if (first_use(p->scene, m) == m) {
-            pel_json_print(json, written++ > 0 ? "," : "");
-            pel_json_string(json, p->names[m]);
-        }
-    pel_json_print(json, "],\"paused\":%s}", paused ? "true" : "false");
+    pel_json_open(json, "files", '[');
+    for (int32_t m = 0; m < p->count; m++)
+        if (first_use(p->scene, m) == m)
+            pel_json_text(json, NULL, p->names[m]);
+    pel_json_close(json, ']');
+    pel_json_bool(json, "paused", paused);
+    pel_json_close(json, '}');
     return json->failed ? pel_fail_memory(error) : PEL_OK;
 }
 

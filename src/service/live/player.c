@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* s between pictures, between one and the next that answers a command, and between measures */
 #define PICTURE_SECONDS (1.0 / 60)
@@ -65,13 +64,6 @@ struct pel_player {
     bool has_told_slow;
     struct pel_player *self; /* where it stays: a scene is opened in a copy */
 };
-
-static double clock_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- posts ---- */
 
@@ -179,7 +171,7 @@ static double picture_due(const pel_player *player)
 /* posts pending messages to pages; a picture only if a page waits for it */
 static void post_all(pel_player *player)
 {
-    double start = clock_now();
+    double start = pel_seconds();
     if (player->has_new_parameters)
         post_parameters(player);
     if (player->changed && start >= picture_due(player) && atomic_exchange(&player->box->wanted, false)) {
@@ -188,7 +180,7 @@ static void post_all(pel_player *player)
             post_surface(player);
         post_frame(player, start);
     }
-    player->interval_serving += clock_now() - start;
+    player->interval_serving += pel_seconds() - start;
 }
 
 /* ---- scenes ---- */
@@ -207,7 +199,7 @@ static void close_scene(pel_player *player)
 
 static bool is_too_long(const pel_player *player)
 {
-    return player->step_end > 0 && clock_now() > player->step_end;
+    return player->step_end > 0 && pel_seconds() > player->step_end;
 }
 
 /* asked within long steps */
@@ -249,7 +241,7 @@ static void post_scene(pel_player *player)
 {
     post_hello(player);
     post_surface(player);
-    post_frame(player, clock_now());
+    post_frame(player, pel_seconds());
 }
 
 /* replaces the scene; a text that cannot be simulated leaves the present one; setting is nullable */
@@ -304,7 +296,7 @@ static void begin_interval(pel_player *player, double now)
 static void play(pel_player *player, bool playing)
 {
     player->playing = playing;
-    player->due = clock_now();
+    player->due = pel_seconds();
     player->changed = true;
     begin_interval(player, player->due);
 }
@@ -389,12 +381,12 @@ static void end_at_mark(pel_player *player, pel_status failed, double seconds, p
 static bool do_step(pel_player *player)
 {
     pel_error error;
-    double start = clock_now(), limit = fmax(STEP_SECONDS, STEP_RATIO * player->longest_step);
+    double start = pel_seconds(), limit = fmax(STEP_SECONDS, STEP_RATIO * player->longest_step);
     player->step_end = pel_session_undo_count(player->session) > 0 ? start + limit : 0;
     pel_status repeated = pel_session_repeat(player->session, &error), status = repeated;
     if (status == PEL_OK)
         status = pel_session_step(player->session, &error);
-    double seconds = clock_now() - start;
+    double seconds = pel_seconds() - start;
     player->step_end = 0;
     player->interval_stepping += seconds;
     player->interval_steps++;
@@ -423,12 +415,12 @@ static bool is_due(const pel_player *player, double now)
 /* steps that are due, at most for as long as a picture lasts */
 static void do_steps(pel_player *player)
 {
-    double start = clock_now(), now = start;
+    double start = pel_seconds(), now = start;
     while (player->playing && is_due(player, now) && now - start < PICTURE_SECONDS) {
         if (!do_step(player))
             return;
         player->due += player->step_seconds;
-        now = clock_now();
+        now = pel_seconds();
     }
     if (now - player->due > LAG_SECONDS)
         player->due = now;
@@ -507,7 +499,7 @@ static void do_line(pel_player *player, const char *line)
 
 double pel_player_rest(const pel_player *player)
 {
-    double now = clock_now(), rest = player->playing ? player->due - now : 0.1;
+    double now = pel_seconds(), rest = player->playing ? player->due - now : 0.1;
     if (player->changed && atomic_load(&player->box->wanted))
         return fmin(rest, picture_due(player) - now);
     return player->changed ? fmin(rest, 0.004) : fmin(rest, 0.1);

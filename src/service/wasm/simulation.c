@@ -40,10 +40,7 @@ struct pel_wasm_sim {
 
 static void note(void *user, const char *text)
 {
-    pel_json *notes = user;
-    if (notes->length > 0)
-        pel_json_print(notes, ",");
-    pel_json_string(notes, text);
+    pel_json_text(user, NULL, text);
 }
 
 static pel_status start(pel_wasm_sim *sim)

@@ -20,44 +20,14 @@ static double clamp(double value, double low, double high)
     return value < low ? low : value > high ? high : value;
 }
 
-/* distance to a sphere (half_length 0) or capsule */
-static double round_distance(double radius, double half_length, const double p[3], double normal[3])
+/* ---- round solids ---- */
+
+static double round_distance(const pel_solid *solid, const double p[3], double normal[3])
 {
     const double sideways[3] = {1, 0, 0};
-    double d[3] = {p[0], p[1], p[2] - clamp(p[2], -half_length, half_length)};
+    double d[3] = {p[0], p[1], p[2] - clamp(p[2], -solid->half_length, solid->half_length)};
     unit_or(d, sideways, normal);
-    return pel_vec3_length(d) - radius;
-}
-
-/* axis of the face of the box that p is nearest to from inside */
-static int nearest_face(const double half[3], const double p[3])
-{
-    int axis = 0;
-    for (int i = 1; i < 3; i++)
-        if (fabs(p[i]) - half[i] > fabs(p[axis]) - half[axis])
-            axis = i;
-    return axis;
-}
-
-static double box_distance(const double half[3], const double p[3], double normal[3])
-{
-    double out[3], outside = 0;
-    for (int i = 0; i < 3; i++) {
-        out[i] = p[i] - clamp(p[i], -half[i], half[i]);
-        outside += out[i] * out[i];
-    }
-    int axis = nearest_face(half, p);
-    const double face[3] = {axis == 0 ? copysign(1, p[0]) : 0, axis == 1 ? copysign(1, p[1]) : 0,
-                            axis == 2 ? copysign(1, p[2]) : 0};
-    unit_or(out, face, normal);
-    return outside > 0 ? sqrt(outside) : fabs(p[axis]) - half[axis];
-}
-
-double pel_solid_distance(const pel_solid *solid, const double p[3], double normal[3])
-{
-    if (solid->kind == PEL_SOLID_BOX)
-        return box_distance(solid->half_extents, p, normal);
-    return round_distance(solid->radius, solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0, p, normal);
+    return pel_vec3_length(d) - solid->radius;
 }
 
 /* direction to push a triangle that the axis itself pierces: sideways, as its own normal points */
@@ -73,10 +43,10 @@ static void way_past_axis(const double a[3], const double b[3], const double c[3
     unit_or(n, sideways, direction);
 }
 
-/* whether a plane across the direction of the middle of a triangle keeps it out of a sphere or capsule; surely so */
-static bool is_beyond_plane(const pel_solid *solid, double half, const double a[3], const double b[3],
-                            const double c[3])
+/* whether a plane across the direction of the middle of a triangle keeps it out of the solid; surely so */
+static bool is_beyond_plane(const pel_solid *solid, const double a[3], const double b[3], const double c[3])
 {
+    const double half = solid->half_length;
     double way[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
     way[2] -= clamp(way[2], -3 * half, 3 * half);
     double along[3] = {pel_vec3_dot(way, a), pel_vec3_dot(way, b), pel_vec3_dot(way, c)};
@@ -89,8 +59,8 @@ static bool is_beyond_plane(const pel_solid *solid, double half, const double a[
 static double round_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                           double weights[3], double normal[3])
 {
-    double half = solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0;
-    if (is_beyond_plane(solid, half, a, b, c))
+    const double half = solid->half_length;
+    if (is_beyond_plane(solid, a, b, c))
         return 0;
     const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
     double both[5] = {1, 0, 0, 0, 0};
@@ -111,8 +81,39 @@ static double round_depth(const pel_solid *solid, const double a[3], const doubl
     return depth;
 }
 
-/* ---- box: the deepest point of a triangle ----
-   Depth at a point p of the triangle is min over the six faces of (half - side p), a concave function; its maximum over
+static void round_half_box(const pel_solid *solid, double half[3])
+{
+    pel_vec3_set(half, solid->radius, solid->radius, solid->radius + solid->half_length);
+}
+
+/* ---- box ---- */
+
+/* axis of the face of the box that p is nearest to from inside */
+static int nearest_face(const double half[3], const double p[3])
+{
+    int axis = 0;
+    for (int i = 1; i < 3; i++)
+        if (fabs(p[i]) - half[i] > fabs(p[axis]) - half[axis])
+            axis = i;
+    return axis;
+}
+
+static double box_distance(const pel_solid *solid, const double p[3], double normal[3])
+{
+    const double *half = solid->half_extents;
+    double out[3], outside = 0;
+    for (int i = 0; i < 3; i++) {
+        out[i] = p[i] - clamp(p[i], -half[i], half[i]);
+        outside += out[i] * out[i];
+    }
+    int axis = nearest_face(half, p);
+    const double face[3] = {axis == 0 ? copysign(1, p[0]) : 0, axis == 1 ? copysign(1, p[1]) : 0,
+                            axis == 2 ? copysign(1, p[2]) : 0};
+    unit_or(out, face, normal);
+    return outside > 0 ? sqrt(outside) : fabs(p[axis]) - half[axis];
+}
+
+/* Depth at a point p of the triangle is min over the six faces of (half - side p), a concave function; its maximum over
    the triangle is the linear program
        max s  subject to  s <= half_i - side p_i(u, v)  (6 faces),  u >= 0, v >= 0, u + v <= 1
    in three unknowns. The optimum is a corner where three of the nine constraints hold with equality; all 84 triples are
@@ -191,10 +192,10 @@ static void try_axis(separation *best, const double direction[3])
     pel_vec3_scale(axis, low > -high ? 1 : -1, best->axis);
 }
 
-double pel_box_separation(const double half[3], const double triangle[3][3], double result[3])
+static double box_separation(const pel_solid *solid, const double triangle[3][3], double result[3])
 {
     static const double faces[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    separation best = {.half = half, .triangle = triangle, .gap = -HUGE_VAL};
+    separation best = {.half = solid->half_extents, .triangle = triangle, .gap = -HUGE_VAL};
     double side[3][3], axis[3];
     for (int i = 0; i < 3; i++) {
         pel_vec3_subtract(triangle[(i + 1) % 3], triangle[i], side[i]);
@@ -211,9 +212,10 @@ double pel_box_separation(const double half[3], const double triangle[3][3], dou
     return best.support;
 }
 
-static double box_depth(const double half[3], const double a[3], const double b[3], const double c[3],
+static double box_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                         double weights[3], double normal[3])
 {
+    const double *half = solid->half_extents;
     for (int i = 0; i < 3; i++) {
         double low = fmin(a[i], fmin(b[i], c[i])), high = fmax(a[i], fmax(b[i], c[i]));
         if (low >= half[i] || high <= -half[i])
@@ -237,25 +239,108 @@ static double box_depth(const double half[3], const double a[3], const double b[
     for (int i = 0; i < 3; i++)
         point[i] = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i];
     const double triangle[3][3] = {{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {c[0], c[1], c[2]}};
-    double support = pel_box_separation(half, triangle, normal);
+    double support = box_separation(solid, triangle, normal);
     return support - pel_vec3_dot(normal, point);
+}
+
+/* Depth below a face is linear: where the deepest corner is limited by that face alone, no other point of the triangle
+   is deeper. */
+static bool is_deepest_at_corner(const pel_solid *solid, const double corner[3][3])
+{
+    const double *half = solid->half_extents;
+    for (int i = 0; i < 3; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            int deepest = 0;
+            for (int c = 1; c < 3; c++)
+                if (side * corner[c][i] < side * corner[deepest][i])
+                    deepest = c;
+            double depth = half[i] - side * corner[deepest][i], least = HUGE_VAL;
+            for (int k = 0; k < 3; k++)
+                least = fmin(least, half[k] - fabs(corner[deepest][k]));
+            if (least >= depth)
+                return true;
+        }
+    return false;
+}
+
+static void box_half_box(const pel_solid *solid, double half[3])
+{
+    pel_vec3_copy(solid->half_extents, half);
+}
+
+static const double box_corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                                         {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+static const int32_t box_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                             {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* ---- the rows ---- */
+
+#define ROUND                                                                                                          \
+    .is_round = true, .has_radius = true, .distance = round_distance, .depth = round_depth, .half_box = round_half_box
+
+const pel_solid_row pel_solid_rows[PEL_TOOL_SHAPE_COUNT] = {
+    [PEL_TOOL_SPHERE] = {.word = "sphere", ROUND},
+    [PEL_TOOL_CAPSULE] = {.word = "capsule", ROUND, .has_length = true},
+    [PEL_TOOL_BOX] = {.word = "box",
+                      .has_size = true,
+                      .distance = box_distance,
+                      .depth = box_depth,
+                      .half_box = box_half_box,
+                      .separation = box_separation,
+                      .is_deepest_at_corner = is_deepest_at_corner,
+                      .corner_count = 8,
+                      .triangle_count = 12,
+                      .corners = box_corners,
+                      .triangles = box_triangles},
+    [PEL_TOOL_MESH] = {.word = "mesh"},
+    [PEL_TOOL_SUPPORT] = {.word = "support"},
+};
+
+bool pel_solid_find(const char *word, pel_tool_shape *shape)
+{
+    for (int i = 0; i < PEL_TOOL_SHAPE_COUNT; i++)
+        if (pel_solid_rows[i].distance != NULL && strcmp(pel_solid_rows[i].word, word) == 0) {
+            *shape = (pel_tool_shape)i;
+            return true;
+        }
+    return false;
+}
+
+pel_solid pel_solid_of(const pel_tool_def *def)
+{
+    const pel_solid_row *row = &pel_solid_rows[def->shape];
+    pel_solid solid = {.shape = row->distance != NULL ? def->shape : PEL_TOOL_SPHERE,
+                       .radius = def->radius,
+                       .half_length = row->has_length ? def->half_length : 0};
+    pel_vec3_copy(def->half_extents, solid.half_extents);
+    return solid;
+}
+
+double pel_solid_distance(const pel_solid *solid, const double p[3], double normal[3])
+{
+    return pel_solid_rows[solid->shape].distance(solid, p, normal);
 }
 
 double pel_solid_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                        double weights[3], double normal[3])
 {
-    if (solid->kind == PEL_SOLID_BOX)
-        return box_depth(solid->half_extents, a, b, c, weights, normal);
-    return round_depth(solid, a, b, c, weights, normal);
+    return pel_solid_rows[solid->shape].depth(solid, a, b, c, weights, normal);
+}
+
+double pel_solid_separation(const pel_solid *solid, const double triangle[3][3], double axis[3])
+{
+    return pel_solid_rows[solid->shape].separation(solid, triangle, axis);
+}
+
+bool pel_solid_is_deepest_at_corner(const pel_solid *solid, const double triangle[3][3])
+{
+    const pel_solid_row *row = &pel_solid_rows[solid->shape];
+    return row->is_deepest_at_corner != NULL && row->is_deepest_at_corner(solid, triangle);
 }
 
 void pel_solid_half_box(const pel_solid *solid, double half[3])
 {
-    if (solid->kind == PEL_SOLID_BOX)
-        pel_vec3_copy(solid->half_extents, half);
-    else
-        pel_vec3_set(half, solid->radius, solid->radius,
-                     solid->radius + (solid->kind == PEL_SOLID_CAPSULE ? solid->half_length : 0));
+    pel_solid_rows[solid->shape].half_box(solid, half);
 }
 
 double pel_solid_size(const pel_solid *solid)
@@ -263,4 +348,10 @@ double pel_solid_size(const pel_solid *solid)
     double half[3];
     pel_solid_half_box(solid, half);
     return half[0] + half[1] + half[2];
+}
+
+void pel_solid_corner(const pel_solid *solid, int32_t i, double corner[3])
+{
+    for (int k = 0; k < 3; k++)
+        corner[k] = pel_solid_rows[solid->shape].corners[i][k] * solid->half_extents[k];
 }

@@ -1,27 +1,22 @@
-/* JSON text in a growing buffer. A failed allocation is remembered, so the calls need no checks:
-       pel_json json = {0};
-       pel_json_print(&json, "{\"times\":[");
-       ...
-       if (json.failed) ... */
+/* The calls of pellicle/json.h put items; these put raw text, and the values of items without their commas, where the
+   text is written as a whole. */
 #ifndef PEL_IO_JSON_H
 #define PEL_IO_JSON_H
 
 #include "base/status.h"
+#include "pellicle/json.h"
 
-typedef struct pel_json {
-    char *text;
-    size_t length, capacity;
-    bool failed; /* out of memory */
-} pel_json;
-
-/* as printf; floating-point numbers follow the locale here: see pel_json_number for those */
+/* as printf; floating-point numbers follow the locale here: see pel_json_put_number for those */
 void pel_json_print(pel_json *json, const char *format, ...) PEL_PRINTF(2, 3);
-/* In quotes, always as valid UTF-8; '<' is escaped, so that the text is safe inside HTML. */
-void pel_json_string(pel_json *json, const char *text);
-/* shortest digits that read back to the same bits; null for NaN and infinity */
-void pel_json_number(pel_json *json, double number);
-/* the same as an array */
-void pel_json_numbers(pel_json *json, const double *numbers, int32_t count);
-void pel_json_free(pel_json *json);
+/* begins an item whose value follows as raw text */
+void pel_json_key(pel_json *json, const char *key);
+/* in quotes */
+void pel_json_put_text(pel_json *json, const char *text);
+void pel_json_put_number(pel_json *json, double number);
+/* an array */
+void pel_json_put_numbers(pel_json *json, const double *numbers, int32_t count);
+
+/* The first letter of text (not empty) as it stands in a string, zero-terminated; returns the start of the next one. */
+const char *pel_json_letter(const char *text, char escaped[7]);
 
 #endif

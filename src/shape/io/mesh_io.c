@@ -162,10 +162,8 @@ static pel_status check_values(const double *values, int32_t vertex_count, int32
     for (size_t i = 0; i < (size_t)vertex_count * width; i++) {
         if (isfinite(values[i]))
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "a value of '%s' is %g, which no mesh file can hold", name, values[i]);
-        pel_fail_remedy(error, "write finite values only");
-        pel_fail_element(error, "vertex", (int64_t)(i / width));
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", (int64_t)(i / width), "write finite values only",
+                                  "a value of '%s' is %g, which no mesh file can hold", name, values[i]);
     }
     return PEL_OK;
 }

@@ -229,10 +229,9 @@ pel_status pel_stl_write(pel_file_writer *writer, pel_encoding encoding, const p
         for (int i = 0; i < 3; i++) {
             if (fabs(mesh->positions[v][i]) <= (double)FLT_MAX)
                 continue;
-            pel_fail(error, PEL_BAD_ARGUMENT, "coordinate %g is too large for binary STL", mesh->positions[v][i]);
-            pel_fail_remedy(error, "scale the mesh or write PLY, OBJ or ASCII STL");
-            pel_fail_element(error, "vertex", v);
-            return PEL_BAD_ARGUMENT;
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", v,
+                                      "scale the mesh or write PLY, OBJ or ASCII STL",
+                                      "coordinate %g is too large for binary STL", mesh->positions[v][i]);
         }
     }
     write_binary(writer, mesh);

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/room.h"
-#include "math/vec3.h"
+#include "math/bounds.h"
 
 #include <math.h>
 #include <string.h>
@@ -154,16 +154,17 @@ pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, con
     return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
+void pel_mesh_add_box(const pel_mesh *mesh, double low[3], double high[3])
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        pel_bounds_add(low, high, mesh->positions[v]);
+}
+
 void pel_mesh_box(const pel_mesh *mesh, double low[3], double high[3])
 {
-    for (int c = 0; c < 3; c++) {
-        low[c] = HUGE_VAL;
-        high[c] = -HUGE_VAL;
-        for (int32_t v = 0; v < mesh->vertex_count; v++) {
-            low[c] = fmin(low[c], mesh->positions[v][c]);
-            high[c] = fmax(high[c], mesh->positions[v][c]);
-        }
-    }
+    pel_bounds_clear(low, high);
+    if (mesh != NULL)
+        pel_mesh_add_box(mesh, low, high);
 }
 
 double pel_mesh_diagonal(const pel_mesh *mesh)

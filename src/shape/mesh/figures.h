@@ -10,10 +10,10 @@
 pel_status pel_figures_fill(const pel_mesh *mesh, const uint8_t *not_finite, const int32_t *component_of_triangle,
                             const pel_edge_table *edges, pel_mesh_report *report);
 
-/* corners of the bounding box; of a mesh without vertices +-infinity */
-void pel_mesh_box(const pel_mesh *mesh, double low[3], double high[3]);
+/* widens a box by that of the mesh */
+void pel_mesh_add_box(const pel_mesh *mesh, double low[3], double high[3]);
 
-/* its diagonal [units of the mesh] */
+/* diagonal of the bounding box [units of the mesh] */
 double pel_mesh_diagonal(const pel_mesh *mesh);
 
 /* diagonal above which a body is probably given in millimetres [m] */

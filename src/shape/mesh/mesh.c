@@ -173,11 +173,9 @@ pel_status pel_mesh_transform(pel_mesh *mesh, const pel_transform *transform, pe
     PEL_REFUSE_NULL(mesh, error);
     PEL_REFUSE_NULL(transform, error);
     double matrix[3][3], moved[3];
-    if (!linear_part(transform, matrix)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "transform has a number that is not finite, or a zero scale or rotation");
-        pel_fail_remedy(error, "give finite numbers, scales other than 0 and a unit quaternion");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!linear_part(transform, matrix))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give finite numbers, scales other than 0 and a unit quaternion",
+                          "transform has a number that is not finite, or a zero scale or rotation");
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
         transform_point(matrix, transform->translation, mesh->positions[v], moved);
         if (!isfinite(moved[0]) || !isfinite(moved[1]) || !isfinite(moved[2])) {

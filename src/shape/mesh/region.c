@@ -28,21 +28,16 @@ static bool finite_point(const double point[3])
     return isfinite(point[0]) && isfinite(point[1]) && isfinite(point[2]);
 }
 
-static pel_status refuse(pel_error *error, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static pel_status check_falloff(const pel_region *region, pel_error *error)
 {
     bool has_distance =
         region->kind == PEL_REGION_NEAREST || region->kind == PEL_REGION_SPHERE || region->kind == PEL_REGION_BOX;
     if (!isfinite(region->falloff) || region->falloff < 0)
-        return refuse(error, "falloff of the region is not a number from 0 on", "give a width in metres, 0 for none");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a width in metres, 0 for none",
+                          "falloff of the region is not a number from 0 on");
     if (region->falloff > 0 && !has_distance)
-        return refuse(error, "this kind of region has no falloff", "set falloff to 0, or use a sphere, box or nearest");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set falloff to 0, or use a sphere, box or nearest",
+                          "this kind of region has no falloff");
     return PEL_OK;
 }
 
@@ -52,8 +47,8 @@ static pel_status check_box(const pel_region *region, pel_error *error)
     for (int i = 0; i < 3; i++)
         right = right && region->low[i] <= region->high[i];
     return right ? PEL_OK
-                 : refuse(error, "box of the region has a corner that is not finite or is upside down",
-                          "give the lowest and the highest corner");
+                 : pel_refuse(error, PEL_BAD_ARGUMENT, "give the lowest and the highest corner",
+                              "box of the region has a corner that is not finite or is upside down");
 }
 
 static pel_status check_vertices(const pel_region *region, const pel_mesh *mesh, pel_error *error)
@@ -98,15 +93,14 @@ static pel_status fail_unknown_field(const pel_mesh *mesh, const char *name, pel
 static pel_status check_field(const pel_region *region, const pel_mesh *mesh, pel_error *error)
 {
     if (region->field == NULL || isnan(region->above))
-        return refuse(error, "region has no field name or no number", "set field and above");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set field and above", "region has no field name or no number");
     const pel_field *field = pel_mesh_field(mesh, region->field);
     if (field == NULL)
         return fail_unknown_field(mesh, region->field, error);
     if (field->component_count == 1)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "field '%s' has %d numbers per vertex", field->name, (int)field->component_count);
-    pel_fail_remedy(error, "use a field with one number per vertex");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use a field with one number per vertex",
+                      "field '%s' has %d numbers per vertex", field->name, (int)field->component_count);
 }
 
 static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
@@ -127,8 +121,8 @@ static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
 static pel_status check_region(const pel_region *region, const pel_mesh *mesh, pel_error *error)
 {
     if (region->cookie != COOKIE)
-        return refuse(error, "the region was not filled by pel_region_default",
-                      "begin with pel_region_default() and change its members");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "begin with pel_region_default() and change its members",
+                          "the region was not filled by pel_region_default");
     pel_status status = check_falloff(region, error);
     if (status != PEL_OK)
         return status;
@@ -136,13 +130,14 @@ static pel_status check_region(const pel_region *region, const pel_mesh *mesh, p
     case PEL_REGION_ALL:
         return PEL_OK;
     case PEL_REGION_NEAREST:
-        return finite_point(region->point) ? PEL_OK
-                                           : refuse(error, "point of the region is not finite", "give three numbers");
+        return finite_point(region->point)
+                   ? PEL_OK
+                   : pel_refuse(error, PEL_BAD_ARGUMENT, "give three numbers", "point of the region is not finite");
     case PEL_REGION_SPHERE:
         if (finite_point(region->center) && isfinite(region->radius) && region->radius >= 0)
             return PEL_OK;
-        return refuse(error, "sphere of the region has a centre or radius that is not finite, or a negative radius",
-                      "give three numbers and a radius from 0 on");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give three numbers and a radius from 0 on",
+                          "sphere of the region has a centre or radius that is not finite, or a negative radius");
     case PEL_REGION_BOX:
         return check_box(region, error);
     case PEL_REGION_VERTICES:
@@ -152,7 +147,7 @@ static pel_status check_region(const pel_region *region, const pel_mesh *mesh, p
     case PEL_REGION_BOUNDARY:
         return check_triangles(mesh, error);
     default:
-        return refuse(error, "there is no such kind of region", "use one of pel_region_kind");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use one of pel_region_kind", "there is no such kind of region");
     }
 }
 
@@ -267,10 +262,10 @@ static pel_status weigh(const pel_mesh *mesh, const pel_region *region, double *
 static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, double *scratch, pel_error *error)
 {
     if (region->kind == PEL_REGION_VERTICES)
-        return refuse(error, "the region lists no vertex", "give at least one number");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give at least one number", "the region lists no vertex");
     if (region->kind == PEL_REGION_BOUNDARY)
-        return refuse(error, "the region is empty: the mesh is closed, it has no boundary",
-                      "select vertices by a sphere, a box or a field");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "select vertices by a sphere, a box or a field",
+                          "the region is empty: the mesh is closed, it has no boundary");
     if (region->kind == PEL_REGION_FIELD) {
         double greatest = -(double)HUGE_VAL;
         const double *values = pel_mesh_field(mesh, region->field)->values;

@@ -502,12 +502,11 @@ static pel_status repair(work *w, pel_mesh **repaired, pel_error *error)
                           PEL_ROOM(w->first_of, vertex_count)) ||
         mark(w) != PEL_OK)
         return pel_fail_memory(error);
-    if (w->triangle_count == 0) {
-        pel_fail(error, PEL_BAD_MESH, "no triangle is left after repair (%d bad, %d degenerate)",
-                 (int)w->summary.bad_triangles, (int)w->summary.degenerate_triangles);
-        pel_fail_remedy(error, "check the file and its unit: every triangle has a bad vertex or no area");
-        return PEL_BAD_MESH;
-    }
+    if (w->triangle_count == 0)
+        return pel_refuse(error, PEL_BAD_MESH,
+                          "check the file and its unit: every triangle has a bad vertex or no area",
+                          "no triangle is left after repair (%d bad, %d degenerate)", (int)w->summary.bad_triangles,
+                          (int)w->summary.degenerate_triangles);
     return write_mesh(w, repaired, error);
 }
 
@@ -530,17 +529,14 @@ pel_status pel_mesh_repair(const pel_mesh *mesh, const pel_repair_options *optio
         return pel_fail(error, PEL_BAD_ARGUMENT, "mesh has %d vertices and %d triangles; nothing can be repaired",
                         (int)mesh->vertex_count, (int)mesh->triangle_count);
     double tolerance = w.options.weld_tolerance;
-    if (!pel_weld_tolerance_allowed((const double(*)[3])mesh->positions, mesh->vertex_count, tolerance)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "weld tolerance is %g", tolerance);
-        pel_fail_remedy(error,
-                        "give 0 for exactly equal positions, or a length well below the shortest edge to be kept");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (w.options.drop_parts < 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "drop_parts is %d", (int)w.options.drop_parts);
-        pel_fail_remedy(error, "give the number of triangles of the largest part to be dropped, or 0");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!pel_weld_tolerance_allowed((const double(*)[3])mesh->positions, mesh->vertex_count, tolerance))
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "give 0 for exactly equal positions, or a length well below the shortest edge to be kept",
+                          "weld tolerance is %g", tolerance);
+    if (w.options.drop_parts < 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "give the number of triangles of the largest part to be dropped, or 0", "drop_parts is %d",
+                          (int)w.options.drop_parts);
     pel_status status = repair(&w, repaired, error);
     if (status == PEL_OK && w.options.vertex_map != NULL)
         memcpy(w.options.vertex_map, w.new_number, (size_t)mesh->vertex_count * sizeof(int32_t));

@@ -14,13 +14,6 @@ static const char remedy[] =
     "run `pellicle check FILE` for a list of all such places and `pellicle check FILE --fix OUT` "
     "to repair; split the places that remain in a mesh editor";
 
-static pel_status refuse(pel_error *error, const char *kind, int64_t element)
-{
-    pel_fail_remedy(error, "%s", remedy);
-    pel_fail_element(error, kind, element);
-    return PEL_BAD_MESH;
-}
-
 static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
 {
     if (mesh->vertex_count < 1 || mesh->triangle_count < 1 || mesh->triangle_count > INT32_MAX / 3)
@@ -31,17 +24,15 @@ static pel_status check_triangles(const pel_mesh *mesh, pel_error *error)
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const int32_t *triangle = mesh->triangles[t];
         for (int i = 0; i < 3; i++) {
-            if (triangle[i] < 0 || triangle[i] >= mesh->vertex_count) {
-                pel_fail(error, PEL_BAD_MESH, "vertex index %d is outside 0..%d", (int)triangle[i],
-                         (int)mesh->vertex_count - 1);
-                return refuse(error, "triangle", t);
-            }
+            if (triangle[i] < 0 || triangle[i] >= mesh->vertex_count)
+                return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, remedy,
+                                          "vertex index %d is outside 0..%d", (int)triangle[i],
+                                          (int)mesh->vertex_count - 1);
         }
-        if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) {
-            pel_fail(error, PEL_BAD_MESH, "triangle has a vertex twice (%d, %d, %d)", (int)triangle[0],
-                     (int)triangle[1], (int)triangle[2]);
-            return refuse(error, "triangle", t);
-        }
+        if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0])
+            return pel_refuse_element(error, PEL_BAD_MESH, "triangle", t, remedy,
+                                      "triangle has a vertex twice (%d, %d, %d)", (int)triangle[0], (int)triangle[1],
+                                      (int)triangle[2]);
     }
     return PEL_OK;
 }
@@ -80,17 +71,15 @@ static pel_status pair_twins(pel_topology *topology, pel_error *error)
             continue;
         }
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
-        if (topology->twin[other] >= 0) {
-            pel_fail(error, PEL_BAD_MESH,
-                     "more than two triangles (%d, %d, %d, ...) share the edge between vertices %d and %d", (int)h / 3,
-                     (int)other / 3, (int)topology->twin[other] / 3, (int)a, (int)b);
-            return refuse(error, "edge", e);
-        }
+        if (topology->twin[other] >= 0)
+            return pel_refuse_element(
+                error, PEL_BAD_MESH, "edge", e, remedy,
+                "more than two triangles (%d, %d, %d, ...) share the edge between vertices %d and %d", (int)h / 3,
+                (int)other / 3, (int)topology->twin[other] / 3, (int)a, (int)b);
         if (pel_half_edge_origin(topology, other) == a) {
-            pel_fail(error, PEL_BAD_MESH,
-                     "triangles %d and %d have opposite winding at the edge between vertices %d and %d", (int)h / 3,
-                     (int)other / 3, (int)a, (int)b);
-            refuse(error, "edge", e);
+            pel_refuse_element(error, PEL_BAD_MESH, "edge", e, remedy,
+                               "triangles %d and %d have opposite winding at the edge between vertices %d and %d",
+                               (int)h / 3, (int)other / 3, (int)a, (int)b);
             return is_one_sided(topology, h / 3) ? refuse_one_sided(error) : PEL_BAD_MESH;
         }
         topology->twin[other] = h;
@@ -107,10 +96,9 @@ static pel_status find_corners(pel_topology *topology, int32_t *corner_count, pe
         int32_t v = pel_half_edge_origin(topology, h);
         int32_t corner = topology->corner_of_vertex[v];
         corner_count[v]++;
-        if (topology->twin[h] < 0 && corner >= 0 && topology->twin[corner] < 0) {
-            pel_fail(error, PEL_BAD_MESH, "triangles %d and %d touch in this vertex only", (int)corner / 3, (int)h / 3);
-            return refuse(error, "vertex", v);
-        }
+        if (topology->twin[h] < 0 && corner >= 0 && topology->twin[corner] < 0)
+            return pel_refuse_element(error, PEL_BAD_MESH, "vertex", v, remedy,
+                                      "triangles %d and %d touch in this vertex only", (int)corner / 3, (int)h / 3);
         if (corner < 0 || topology->twin[h] < 0)
             topology->corner_of_vertex[v] = h;
     }
@@ -128,10 +116,9 @@ static pel_status check_fans(const pel_topology *topology, const int32_t *corner
             if (h == begin)
                 break;
         }
-        if (visited != corner_count[v]) {
-            pel_fail(error, PEL_BAD_MESH, "the %d triangles of this vertex do not form one fan", (int)corner_count[v]);
-            return refuse(error, "vertex", v);
-        }
+        if (visited != corner_count[v])
+            return pel_refuse_element(error, PEL_BAD_MESH, "vertex", v, remedy,
+                                      "the %d triangles of this vertex do not form one fan", (int)corner_count[v]);
     }
     return PEL_OK;
 }

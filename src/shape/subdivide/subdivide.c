@@ -18,16 +18,12 @@ pel_subdivide_def pel_subdivide_def_default(void)
 
 static pel_status check_def(const pel_subdivide_def *def, pel_error *error)
 {
-    if (def->cookie != def_cookie) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "subdivision def was not made by pel_subdivide_def_default");
-        pel_fail_remedy(error, "start from pel_subdivide_def_default()");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (def->levels < 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "cannot subdivide %d times", (int)def->levels);
-        pel_fail_remedy(error, "give a number of levels from 0");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->cookie != def_cookie)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "start from pel_subdivide_def_default()",
+                          "subdivision def was not made by pel_subdivide_def_default");
+    if (def->levels < 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number of levels from 0", "cannot subdivide %d times",
+                          (int)def->levels);
     return PEL_OK;
 }
 

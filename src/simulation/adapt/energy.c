@@ -187,12 +187,8 @@ static void approach(keeper *k, double target, double *energy)
 static double spring_energy(const pel_sim *sim, int32_t begin, int32_t end, double enough)
 {
     double sum = 0;
-    for (int32_t slice = begin; slice < end && sum <= enough; slice++) {
-        pel_wide spring, volumetric;
-        pel_slice_energy(sim->model, sim->state, slice, &spring, &volumetric);
-        for (int lane = 0; lane < PEL_WIDTH; lane++)
-            sum += (double)spring[lane];
-    }
+    for (int32_t slice = begin; slice < end && sum <= enough; slice++)
+        sum = pel_slice_energy_add(sim->model, sim->state, slice, false, sum);
     return sum;
 }
 

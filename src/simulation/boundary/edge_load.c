@@ -4,18 +4,10 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
-#include "solve/newton.h"
-#include "solve/newton_run.h"
+#include "newton/newton.h"
+#include "newton/run.h"
 
 #include <string.h>
-
-static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "load", load);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
 
 /* the edges of one load that `marks` (vertex_count) has both ends of */
 static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_error *error)
@@ -38,8 +30,9 @@ static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_
     }
     if (sim->loads->edge_load_count > before)
         return PEL_OK;
-    return refuse(error, l, "moment acts on no boundary edge of a body with bending model midedge",
-                  "choose a region with both ends of boundary edges of such a body");
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l,
+                              "choose a region with both ends of boundary edges of such a body",
+                              "moment acts on no boundary edge of a body with bending model midedge");
 }
 
 pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -51,11 +44,12 @@ pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error
         return PEL_OK;
     for (int32_t l = 0; !sim->stepper->turns_edges && l < def->load_count; l++)
         if (def->loads[l].kind == PEL_LOAD_MOMENT)
-            return refuse(error, l, "this method does not support moments on edges",
-                          "use the method static or implicit");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l, "use the method static or implicit",
+                                      "this method does not support moments on edges");
     for (int32_t l = 0; l < def->load_count; l++)
         if (def->loads[l].kind == PEL_LOAD_MOMENT && sim->model->bodies[def->loads[l].body].detail != NULL)
-            return refuse(error, l, "moments act on edges of a body that refines", "leave out refine of the body");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l, "leave out refine of the body",
+                                      "moments act on edges of a body that refines");
     size_t edges = (size_t)pel_newton_pattern(sim->newton)->edge_count;
     uint8_t *marks = pel_allocate((size_t)sim->model->vertex_count, sizeof *marks);
     sim->loads->edge_loads = pel_allocate((size_t)count * edges, sizeof *sim->loads->edge_loads);

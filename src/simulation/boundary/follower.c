@@ -4,7 +4,7 @@
 
    A displacement turns the frame by w = t x (u_b - u_a) / l + t n . (u_c - (1 - s) u_a - s u_b) / h, with the length l
    of the edge a b, the height h of the tip c over it and the foot a + s (b - a) of that height. So dF = w x F. The
-   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (solve/newton_skew.c).
+   slope is not symmetric: the matrix of Newton's method has its symmetric part, GMRES the rest (newton/skew.c).
  */
 #include "boundary/follower.h"
 
@@ -34,14 +34,6 @@ static edge_frame find_frame(const double a[3], const double b[3], const double 
     pel_vec3_cross(f.axes[0], f.axes[2], f.axes[1]);
     f.foot = pel_vec3_dot(f.axes[0], side) / f.length;
     return f;
-}
-
-static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "load", load);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
 }
 
 /* of the vertices of the mesh: -1 = not of the load */
@@ -102,12 +94,14 @@ pel_status pel_followers_create(pel_sim *sim, const pel_sim_def *def, pel_error 
         if (!load->follower)
             continue;
         if (load->kind != PEL_LOAD_PER_LENGTH)
-            return refuse(error, l, "a follower load must be a force per length",
-                          "give it per length of boundary edges (`per: length`), or leave out `follower`");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l,
+                                      "give it per length of boundary edges (`per: length`), or leave out `follower`",
+                                      "a follower load must be a force per length");
         const pel_body *body = &sim->model->bodies[load->body];
         if (body->shell == NULL && body->plain_spring == 0)
-            return refuse(error, l, "a follower load acts on a body without elements",
-                          "give the body a membrane, bending or springs");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", l,
+                                      "give the body a membrane, bending or springs",
+                                      "a follower load acts on a body without elements");
         most += 3 * (size_t)sim->model->bodies[load->body].mesh->triangle_count;
     }
     if (most == 0)

@@ -5,7 +5,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "model/quantity.h"
-#include "solve/newton_run.h"
+#include "newton/run.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -18,14 +18,6 @@
 pel_support_def pel_support_def_default(void)
 {
     return (pel_support_def){.fix = {true, true, true}, .axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-}
-
-static pel_status refuse(pel_error *error, int32_t support, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "support", support);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
 }
 
 static bool are_orthonormal(const double axes[3][3])
@@ -46,39 +38,50 @@ static bool folds_at_clamps(const pel_body *body)
 static pel_status check_def(const pel_sim *sim, const pel_support_def *def, int32_t support, pel_error *error)
 {
     if (def->body < 0 || def->body >= sim->model->body_count)
-        return refuse(error, support, "support names a body that does not exist", "give the number of a body");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give the number of a body",
+                                  "support names a body that does not exist");
     const pel_body *body = &sim->model->bodies[def->body];
     if (body->detail != NULL)
-        return refuse(error, support, "support of a body that refines", "remove `refine`, or use pinned vertices");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                                  "remove `refine`, or use pinned vertices", "support of a body that refines");
     if (def->vertices == NULL || def->vertex_count < 1)
-        return refuse(error, support, "support holds no vertex: vertices is null or empty",
-                      "choose a region with at least one vertex");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                                  "choose a region with at least one vertex",
+                                  "support holds no vertex: vertices is null or empty");
     for (int32_t i = 0; i < def->vertex_count; i++)
         if (def->vertices[i] < 0 || def->vertices[i] >= body->mesh->vertex_count)
-            return refuse(error, support, "support names a vertex that does not exist", "give vertices of the mesh");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give vertices of the mesh",
+                                      "support names a vertex that does not exist");
     if (def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
-        return refuse(error, support, "keys of the support is null, or key_count below 0",
-                      "give the keys with their count");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give the keys with their count",
+                                  "keys of the support is null, or key_count below 0");
     if (!are_orthonormal(def->axes))
-        return refuse(error, support, "axes of the support are not orthonormal", "give three unit vectors, orthogonal");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give three unit vectors, orthogonal",
+                                  "axes of the support are not orthonormal");
     for (int k = 0; k < 3; k++)
         if (!isfinite(def->displacement[k]))
-            return refuse(error, support, "displacement of the support is not finite", "give three finite numbers");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give three finite numbers",
+                                      "displacement of the support is not finite");
     if (!(def->stiffness >= 0 && isfinite(def->stiffness)))
-        return refuse(error, support, "stiffness of the support is below 0 or not finite",
-                      "give a positive stiffness in N/m, or 0 for a rigid support");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                                  "give a positive stiffness in N/m, or 0 for a rigid support",
+                                  "stiffness of the support is below 0 or not finite");
     if (!(def->foundation >= 0 && isfinite(def->foundation)) || (def->stiffness > 0 && def->foundation > 0))
-        return refuse(error, support, "foundation of the support is below 0, not finite, or beside a stiffness",
-                      "give a positive stiffness in N/m3 and leave out that of vertices, or 0 for none");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                                  "give a positive stiffness in N/m3 and leave out that of vertices, or 0 for none",
+                                  "foundation of the support is below 0, not finite, or beside a stiffness");
     if (!def->fix[0] && !def->fix[1] && !def->fix[2] && !def->fix_rotation)
-        return refuse(error, support, "support fixes nothing", "fix a component, or the rotation");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "fix a component, or the rotation",
+                                  "support fixes nothing");
     if (def->fix_rotation && folds_at_clamps(body))
-        return refuse(error, support, "support clamps edges, which only bending of model midedge has rotations for",
-                      "give the body bending of model midedge, or fix displacements only");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                                  "give the body bending of model midedge, or fix displacements only",
+                                  "support clamps edges, which only bending of model midedge has rotations for");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return refuse(error, support, "keys are not finite or not in order", "give keys with increasing times");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support, "give keys with increasing times",
+                                      "keys are not finite or not in order");
     return PEL_OK;
 }
 
@@ -229,8 +232,9 @@ static pel_status find_areas(const pel_sim *sim, const pel_support_def *def, int
     }
     if (sum > 0)
         return PEL_OK;
-    return refuse(error, support, "foundation of the support is under no triangle",
-                  "choose a region with all three corners of triangles, or give the stiffness of vertices");
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", support,
+                              "choose a region with all three corners of triangles, or give the stiffness of vertices",
+                              "foundation of the support is under no triangle");
 }
 
 /* edges with both ends in the region */
@@ -319,15 +323,17 @@ pel_status pel_holds_create(pel_sim *sim, const pel_sim_def *def, pel_error *err
     if (def->support_count == 0)
         return PEL_OK;
     if (!sim->stepper->turns_edges)
-        return refuse(error, 0, "this method has no supports of single components",
-                      "use the method static or implicit, or pin the vertices");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", 0,
+                                  "use the method static or implicit, or pin the vertices",
+                                  "this method has no supports of single components");
     for (int32_t s = 0; s < def->support_count; s++) {
         pel_status status = check_def(sim, &def->supports[s], s, error);
         if (status != PEL_OK)
             return status;
         if (sim->model->bodies[def->supports[s].body].detail != NULL)
-            return refuse(error, s, "a support holds vertices of a body that refines",
-                          "leave out refine of the body, or pin the vertices");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "support", s,
+                                      "leave out refine of the body, or pin the vertices",
+                                      "a support holds vertices of a body that refines");
     }
     pel_holds *holds = sim->holds = pel_allocate(1, sizeof *holds);
     if (holds == NULL)

@@ -3,7 +3,7 @@
 #ifndef PEL_SIM_HOLD_H
 #define PEL_SIM_HOLD_H
 
-#include "solve/newton.h"
+#include "newton/newton.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 

@@ -14,15 +14,9 @@
 
 pel_load_def pel_load_def_default(void)
 {
-    return (pel_load_def){.kind = PEL_LOAD_TOTAL, .from = 0, .until = (double)HUGE_VAL};
-}
-
-static pel_status refuse(pel_error *error, int32_t load, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "load", load);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
+    pel_load_def def = {0};
+    pel_def_reset(PEL_DEF_LOAD, &def);
+    return def;
 }
 
 static bool is_finite3(const double a[3])
@@ -34,32 +28,40 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
 {
     PEL_ASSERT_INDEX(load, sim->loads->count);
     if (def->body < 0 || def->body >= sim->model->body_count)
-        return refuse(error, load, "load names a body that does not exist", "give the number of a body of the model");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the number of a body of the model",
+                                  "load names a body that does not exist");
     if (PEL_IS_NO_CHOICE(def->kind, PEL_LOAD_MOMENT + 1))
-        return refuse(error, load, "kind of the load is unknown", "give one of pel_load_kind");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give one of pel_load_kind",
+                                  "kind of the load is unknown");
     if (def->vertex_count < 0 || def->key_count < 0 || (def->key_count > 0 && def->keys == NULL))
-        return refuse(error, load, "keys is null, or vertex_count or key_count is below 0",
-                      "give counts of the arrays");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give counts of the arrays",
+                                  "keys is null, or vertex_count or key_count is below 0");
     if (!is_finite3(def->force))
-        return refuse(error, load, "force is not finite", "give three finite numbers");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give three finite numbers",
+                                  "force is not finite");
     if (!(def->until > def->from))
-        return refuse(error, load, "load ends before it begins: from is not less than until",
-                      "give `from` less than `until`");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give `from` less than `until`",
+                                  "load ends before it begins: from is not less than until");
     const pel_body *body = &sim->model->bodies[def->body];
     if (def->vertices != NULL && def->vertex_count < 1)
-        return refuse(error, load, "load acts on no vertex", "choose a region that holds at least one vertex");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load,
+                                  "choose a region that holds at least one vertex", "load acts on no vertex");
     for (int32_t i = 0; def->vertices != NULL && i < def->vertex_count; i++) {
         if (def->vertices[i] < 0 || def->vertices[i] >= body->mesh->vertex_count)
-            return refuse(error, load, "load names a vertex that does not exist", "give vertex numbers of the mesh");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give vertex numbers of the mesh",
+                                      "load names a vertex that does not exist");
         if (def->weights != NULL && !isfinite(def->weights[i]))
-            return refuse(error, load, "weight is not finite", "give finite weights");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give finite weights",
+                                      "weight is not finite");
     }
     if (def->kind >= PEL_LOAD_PER_LENGTH && body->detail != NULL)
-        return refuse(error, load, "load on edges of a body that refines", "give the load per vertex or in total");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give the load per vertex or in total",
+                                  "load on edges of a body that refines");
     for (int32_t k = 0; k < def->key_count; k++)
         if (!isfinite(def->keys[k].time) || !isfinite(def->keys[k].value) ||
             (k > 0 && !(def->keys[k].time > def->keys[k - 1].time)))
-            return refuse(error, load, "keys are not finite or not in order", "give keys with increasing times");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", load, "give keys with increasing times",
+                                      "keys are not finite or not in order");
     return PEL_OK;
 }
 
@@ -103,8 +105,9 @@ static pel_status weigh_by_length(const pel_mesh *mesh, const pel_load_def *def,
     }
     pel_free(lengths);
     if (status == PEL_OK && !(sum > 0))
-        return refuse(error, index, "load per length acts on no boundary edge",
-                      "choose a region with both ends of boundary edges, or give the load per vertex");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", index,
+                                  "choose a region with both ends of boundary edges, or give the load per vertex",
+                                  "load per length acts on no boundary edge");
     return status;
 }
 

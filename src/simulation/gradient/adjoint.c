@@ -1,4 +1,4 @@
-/* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (solve/newton.h).
+/* Derivatives of a function of the positions by the numbers of the model, from one adjoint solution (newton/newton.h).
 
    With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by -m
    . dg/dp. Vertices held at their rest positions move with them. In a step of the method implicit x_1 = e y + (1 - e)
@@ -18,13 +18,6 @@
 
 #include <string.h>
 
-static pel_status refuse(pel_error *error, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static pel_status check_rest(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -34,10 +27,11 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
         bool has_hinges = body->shell != NULL && body->shell->bending->has_hinges;
         if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
             (body->shell != NULL && body->shell->region_count > 0))
-            return refuse(
-                error, "derivatives with respect to rest positions exist only for membranes and mid-edge bending",
+            return pel_refuse(
+                error, PEL_BAD_ARGUMENT,
                 "remove springs, fibres, enclosed gas and target volume, use bending model midedge, or do not "
-                "ask for rest_positions");
+                "ask for rest_positions",
+                "derivatives with respect to rest positions exist only for membranes and mid-edge bending");
     }
     return PEL_OK;
 }
@@ -55,14 +49,15 @@ pel_status pel_adjoint_check_step(const pel_sim *sim, pel_error *error)
 pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     if (!sim->stepper->turns_edges || sim->modes != NULL)
-        return refuse(error, "derivatives exist only for the methods static and implicit",
-                      "use one of them, without an analysis");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use one of them, without an analysis",
+                          "derivatives exist only for the methods static and implicit");
     if (sim->tools->count > 0 || sim->contacts != NULL)
-        return refuse(error, "derivatives exist only without tools and contact", "remove tools and contact");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "remove tools and contact",
+                          "derivatives exist only without tools and contact");
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
-            return refuse(error, "pressure on a part of a surface, or in the form vertex-normal, has no potential",
-                          "use the consistent form on a closed body");
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "use the consistent form on a closed body",
+                              "pressure on a part of a surface, or in the form vertex-normal, has no potential");
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;
@@ -269,12 +264,13 @@ static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_er
 {
     pel_status status = pel_adjoint_check(sim, def, error);
     if (status == PEL_OK && def->positions == NULL)
-        return refuse(error, "the derivative of the function with respect to the positions is missing",
-                      "fill positions");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "fill positions",
+                          "the derivative of the function with respect to the positions is missing");
     const pel_sim_newton *newton = sim->minimise != NULL ? sim->minimise->newton : NULL;
     bool has_no_step = newton != NULL && newton->point_stiffness != NULL && !newton->has_stepped;
     if (status == PEL_OK && (sim->state->step == 0 || has_no_step))
-        return refuse(error, "there is no state yet whose derivatives could be computed", "step first");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "step first",
+                          "there is no state yet whose derivatives could be computed");
     return status;
 }
 

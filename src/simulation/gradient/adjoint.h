@@ -2,7 +2,7 @@
 #ifndef PEL_SIM_ADJOINT_H
 #define PEL_SIM_ADJOINT_H
 
-#include "solve/newton.h"
+#include "newton/newton.h"
 #include "stage/stage.h"
 
 typedef struct pel_adjoint_work {

@@ -37,13 +37,6 @@ typedef struct path {
     double *older_position, *older_velocity; /* (3 vertex_count) and for the state before it, if known */
 } path;
 
-static pel_status refuse(pel_error *error, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
-
 static bool follows_principal(const pel_sim *sim)
 {
     bool any = false;
@@ -66,28 +59,31 @@ static bool has_moments(const pel_sim *sim)
 static pel_status check(const pel_sim *sim, const pel_adjoint_steps *def, pel_error *error)
 {
     if (sim->solver.method != PEL_METHOD_IMPLICIT)
-        return refuse(error, "derivatives of several steps exist only for the method implicit",
-                      "use it, or pel_sim_adjoint after an equilibrium of the method static");
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "use it, or pel_sim_adjoint after an equilibrium of the method static",
+                          "derivatives of several steps exist only for the method implicit");
     pel_status status = pel_adjoint_check(sim, &def->results, error);
     if (status != PEL_OK)
         return status;
     if (def->step_count < 1 || def->gradient == NULL)
-        return refuse(error, "derivatives of steps need the number of steps and the gradient of the function",
-                      "give step_count of at least 1, and gradient");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give step_count of at least 1, and gradient",
+                          "derivatives of steps need the number of steps and the gradient of the function");
     if (sim->active != NULL)
-        return refuse(error, "steps of a body that refines have no derivatives", "leave refine out");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave refine out",
+                          "steps of a body that refines have no derivatives");
     if (sim->minimise->newton->radial != NULL)
-        return refuse(error, "damping of volumetric springs has no derivatives along a path",
-                      "set volumetric.damping to 0, or damp with springs.damping");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set volumetric.damping to 0, or damp with springs.damping",
+                          "damping of volumetric springs has no derivatives along a path");
     if (follows_principal(sim))
-        return refuse(error, "fibres along principal directions have no derivatives along a path",
-                      "give the fibres a direction");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give the fibres a direction",
+                          "fibres along principal directions have no derivatives along a path");
     if (has_moments(sim))
-        return refuse(error, "moments on edges have no derivatives along a path", "use forces");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use forces", "moments on edges have no derivatives along a path");
     if (sim->solver.budget > 0)
-        return refuse(error, "steps that end by a budget of time have no derivatives", "leave budget out");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave budget out",
+                          "steps that end by a budget of time have no derivatives");
     if (pel_house_of(sim)->parts.now.size != PEL_PART_LIMIT)
-        return refuse(error, "the last step was divided into parts", "make dt smaller");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "make dt smaller", "the last step was divided into parts");
     return PEL_OK;
 }
 

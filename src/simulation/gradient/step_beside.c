@@ -1,4 +1,4 @@
-/* A step of a simulation, and of others beside it with the matrix at its end (solve/newton_beside.c). */
+/* A step of a simulation, and of others beside it with the matrix at its end (newton/beside.c). */
 #include "gradient/step_beside.h"
 
 #include "base/status.h"
@@ -9,13 +9,6 @@
 #include "tool/tool.h"
 
 #include <string.h>
-
-static pel_status refuse(pel_error *error, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
 
 static pel_status check_method(const pel_sim *sim, pel_error *error)
 {
@@ -56,8 +49,9 @@ pel_status pel_sim_check_beside(const pel_sim *sim, pel_sim *const *beside, int3
         PEL_REFUSE_NULL(beside[i], error);
         status = check_method(beside[i], error);
         if (status == PEL_OK && (beside[i] == sim || !match(sim, beside[i])))
-            return refuse(error, "simulations beside each other have other bodies, methods, dt or numbers of steps",
-                          "make them of scenes that differ by numbers alone, and step them together from the start");
+            return pel_refuse(error, PEL_BAD_ARGUMENT,
+                              "make them of scenes that differ by numbers alone, and step them together from the start",
+                              "simulations beside each other have other bodies, methods, dt or numbers of steps");
     }
     return status;
 }

@@ -17,8 +17,8 @@
 #define PEL_SIM_DESCENT_H
 
 #include "force/tangent_body.h"
+#include "newton/newton.h"
 #include "solve/descent.h"
-#include "solve/newton.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 
@@ -111,34 +111,5 @@ typedef struct pel_contact_stiffness {
     int row_count;
     double rows[2][4][3]; /* root of N/m */
 } pel_contact_stiffness;
-
-/* Allocates the data of all methods that minimise. PEL_OUT_OF_MEMORY. */
-pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *minimise, pel_error *error);
-/* Where a step begins: sim->minimise->position and position_next from the state. */
-void pel_minimise_begin_at_state(pel_sim *sim);
-/* One step. */
-pel_status pel_minimise_step(pel_sim *sim, pel_step_result *result, pel_error *error);
-
-/* Tolerances of a minimisation without constraints: N, by the loads at a time (N, and the share of holding forces), or
-   m. Clears sim->force and the external forces. */
-double pel_minimise_tolerance(pel_sim *sim, double time);
-double pel_minimise_held_share(void);
-double pel_minimise_short_move(const pel_sim *sim);
-
-/* Forces on tools: loads of constraints, and holding forces of grasped vertices. */
-void pel_minimise_read_tools(pel_sim *sim);
-/* After an accepted step or part of one: readings of a step are sums over the parts, and the worst of residuals. */
-void pel_minimise_accept(pel_sim *sim);
-/* Updates the stiffness of constraints after the surface has changed: constraints are as stiff as the finest vertices.
-   With the bound of the base, which is 4 times lower per level, rounds close gaps slowly. Only shells in motion keep
-   the bound of the base: there stiffer constraints take 1.3 to 1.7 times the time. */
-void pel_minimise_follow_surface(pel_sim *sim);
-/* a pel_transfer_part: what snapshots contain */
-void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
-/* Before a snapshot is loaded; also where nothing is minimised. */
-void pel_minimise_forget(pel_sim *sim);
-/* the get_solver of the steppers that minimise */
-void pel_minimise_get_solver(const pel_sim *sim, pel_solver_reading *reading);
-void pel_minimise_destroy(pel_sim *sim);
 
 #endif

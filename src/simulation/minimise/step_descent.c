@@ -3,8 +3,9 @@
 #include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
-#include "minimise/minimise_contact.h"
-#include "minimise/minimise_free.h"
+#include "minimise/constraint.h"
+#include "minimise/free_body.h"
+#include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 
 static pel_status run_minimiser(pel_minimise_context *context, const pel_descent_problem *problem,

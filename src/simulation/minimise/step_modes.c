@@ -6,7 +6,7 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "stage/accessors.h"
 #include "tool/tool.h"

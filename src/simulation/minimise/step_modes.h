@@ -2,7 +2,7 @@
 #ifndef PEL_SIM_STEP_MODES_H
 #define PEL_SIM_STEP_MODES_H
 
-#include "solve/modes.h"
+#include "newton/modes.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 

@@ -1,5 +1,6 @@
 #include "minimise/step_newton.h"
 #include "base/assert.h"
+#include "minimise/rounds.h"
 #include "minimise/step_turn.h"
 
 #include "base/memory.h"
@@ -10,7 +11,7 @@
 #include "boundary/hold.h"
 #include "boundary/loads.h"
 #include "math/functions.h"
-#include "minimise/minimise_contact.h"
+#include "minimise/constraint.h"
 
 #include <string.h>
 
@@ -507,27 +508,19 @@ bool pel_sim_newton_has_terms(const pel_sim *sim)
 
 /* ---- a run ---- */
 
-pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
-                                   pel_descent_result *result, pel_error *error)
+/* what Newton's method is asked for, from what the frame asks for; steps that are exact end at rounding */
+static pel_newton_problem problem_of(const pel_minimise_context *context, const pel_descent_problem *problem,
+                                     const pel_newton_terms *terms)
 {
-    pel_sim *sim = context->sim;
-    pel_sim_newton *newton = sim->minimise->newton;
-    bool is_dynamic = newton->point_stiffness != NULL;
-    bool has_terms = context->is_constrained || pel_sim_newton_has_terms(sim);
-    bool is_exact = newton->is_exact;
-    const pel_newton_terms terms = pel_sim_newton_terms(context);
-    if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, (size_t)sim->minimise->count,
-                     sizeof *newton->couplings) ||
-        !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, (size_t)sim->minimise->count,
-                     sizeof *newton->kinks))
-        return pel_fail_memory(error);
-    const pel_newton_frames frames = pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
+    const pel_sim *sim = context->sim;
+    const pel_sim_newton *newton = sim->minimise->newton;
+    bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
     double tolerance = pel_hypot(problem->tolerance, pel_minimise_held_share() * moments);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;
-    const pel_newton_problem own = {
+    return (pel_newton_problem){
         .time = context->time,
         .state = sim->state,
         .force = newton->loads,
@@ -535,8 +528,8 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         .points = (const double(*)[3])newton->points,
         .fixed = newton->fixed,
         .target = newton->target,
-        .frames = frames,
-        .terms = has_terms ? &terms : NULL,
+        .frames = newton->frames,
+        .terms = context->is_constrained || pel_sim_newton_has_terms(sim) ? terms : NULL,
         .tolerance = is_exact ? EXACT_REDUCTION * tolerance : tolerance,
         .held_share = is_exact ? 0 : problem->held_share,
         .inertia_share = is_exact ? 0 : problem->inertia_share,
@@ -550,6 +543,38 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         .moves = is_dynamic && !problem->goes_on,
         .is_dynamic = is_dynamic,
     };
+}
+
+static pel_descent_result result_of(const pel_newton_result *run)
+{
+    return (pel_descent_result){
+        .iterations = run->iterations,
+        .evaluations = run->iterations + 1,
+        .energy = run->energy,
+        .residual = run->residual,
+        .first_residual = run->first_residual,
+        .held_force = run->held_force,
+        .inertia_force = run->inertia_force,
+        .converged = run->converged,
+        .is_near = run->is_near,
+        .stuck = run->stuck,
+        .unstable = run->unstable,
+    };
+}
+
+pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
+                                   pel_descent_result *result, pel_error *error)
+{
+    pel_sim *sim = context->sim;
+    pel_sim_newton *newton = sim->minimise->newton;
+    bool is_dynamic = newton->point_stiffness != NULL;
+    size_t count = (size_t)sim->minimise->count;
+    const pel_newton_terms terms = pel_sim_newton_terms(context);
+    if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, count, sizeof *newton->couplings) ||
+        !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, count, sizeof *newton->kinks))
+        return pel_fail_memory(error);
+    pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
+    const pel_newton_problem own = problem_of(context, problem, &terms);
     pel_newton_result run;
     pel_status status = newton->lead != NULL ? pel_newton_run_beside(sim->newton, &own, newton->lead, newton->unknowns,
                                                                      NULL, &run, error)
@@ -559,19 +584,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->minimise->position[3 * v + k] = newton->unknowns[3 * v + k];
-    *result = (pel_descent_result){
-        .iterations = run.iterations,
-        .evaluations = run.iterations + 1,
-        .energy = run.energy,
-        .residual = run.residual,
-        .first_residual = run.first_residual,
-        .held_force = run.held_force,
-        .inertia_force = run.inertia_force,
-        .converged = run.converged,
-        .is_near = run.is_near,
-        .stuck = run.stuck,
-        .unstable = run.unstable,
-    };
+    *result = result_of(&run);
     pel_edge_loads_add_work(sim, context->time, pel_newton_turns(sim->newton));
     return status;
 }

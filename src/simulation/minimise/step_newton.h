@@ -3,8 +3,8 @@
 #define PEL_SIM_STEP_NEWTON_H
 
 #include "minimise/minimise.h"
-#include "solve/newton.h"
-#include "solve/newton_run.h"
+#include "newton/newton.h"
+#include "newton/run.h"
 
 /* of a state of rest, at most */
 enum { PEL_STATIC_ITERATIONS = 200 };

@@ -1,9 +1,9 @@
 /* The path of balances of a static simulation whose loads, gravity and given pressure grow in proportion: a step goes a
-   length along it, through limit points (solve/newton.h). */
+   length along it, through limit points (newton/newton.h). */
 #ifndef PEL_SIM_STEP_PATH_H
 #define PEL_SIM_STEP_PATH_H
 
-#include "solve/newton.h"
+#include "newton/newton.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 

@@ -1,9 +1,9 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
 #include "boundary/hold.h"
-#include "minimise/minimise.h"
-#include "minimise/minimise_contact.h"
-#include "minimise/minimise_free.h"
+#include "minimise/constraint.h"
+#include "minimise/free_body.h"
+#include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"

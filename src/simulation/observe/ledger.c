@@ -270,13 +270,8 @@ static double spring_energy(const pel_sim *sim, int32_t b)
 {
     const pel_body *body = &sim->model->bodies[b];
     double sum = 0;
-    for (int32_t slice = body->slice_begin; slice < body->slice_end; slice++) {
-        pel_wide spring, volumetric;
-        pel_slice_energy(sim->model, sim->state, slice, &spring, &volumetric);
-        for (int lane = 0; lane < PEL_WIDTH; lane++)
-            if (sim->model->mesh_vertex[slice * PEL_WIDTH + lane] >= 0)
-                sum += (double)spring[lane] + (double)volumetric[lane];
-    }
+    for (int32_t slice = body->slice_begin; slice < body->slice_end; slice++)
+        sum = pel_slice_energy_add(sim->model, sim->state, slice, true, sum);
     return sum;
 }
 

@@ -15,7 +15,7 @@
 pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error)
 {
     *change = (pel_change){.model = sim->given->def, .sim = sim->def};
-    pel_status status = pel_def_copy(&change->copies, pel_model_members, &change->model, error);
+    pel_status status = pel_def_copy(&change->copies, PEL_DEF_MODEL, &change->model, error);
     return status == PEL_OK ? pel_sim_def_copy(&change->copies, &change->sim, error) : status;
 }
 

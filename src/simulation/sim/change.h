@@ -3,7 +3,7 @@
 #ifndef PEL_SIM_CHANGE_H
 #define PEL_SIM_CHANGE_H
 
-#include "model/def_copy.h"
+#include "def/copy.h"
 #include "pellicle/sim.h"
 #include "stage/stage.h"
 

@@ -17,12 +17,12 @@ void pel_sim_take_fingerprint(pel_sim *sim)
         if (def->loads[l].weights != NULL)
             pel_fingerprint_add_bytes(&pel_house_of(sim)->fingerprint, PEL_PART_LOADS, def->loads[l].weights,
                                       (size_t)weight_count(def, &def->loads[l]) * sizeof(double));
-    pel_fingerprint_add(&pel_house_of(sim)->fingerprint, pel_sim_members, def);
+    pel_fingerprint_add(&pel_house_of(sim)->fingerprint, PEL_DEF_SIM, def);
 }
 
 pel_status pel_sim_def_copy(pel_copies *copies, pel_sim_def *def, pel_error *error)
 {
-    pel_status status = pel_def_copy(copies, pel_sim_members, def, error);
+    pel_status status = pel_def_copy(copies, PEL_DEF_SIM, def, error);
     pel_load_def *loads = (pel_load_def *)(uintptr_t)def->loads;
     for (int32_t l = 0; status == PEL_OK && l < def->load_count; l++) {
         if (loads[l].weights == NULL)

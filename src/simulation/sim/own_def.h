@@ -2,7 +2,7 @@
 #ifndef PEL_SIM_OWN_DEF_H
 #define PEL_SIM_OWN_DEF_H
 
-#include "model/def_copy.h"
+#include "def/copy.h"
 #include "stage/stage.h"
 
 /* Copies the arrays of a def, except meshes. PEL_OUT_OF_MEMORY. */

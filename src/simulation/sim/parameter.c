@@ -1,11 +1,12 @@
 /* Parameters by path: list, read, change. A path is made from the row of the table and the names of its owners; a
    search builds one path after the other, which takes some 10 us. */
+#include "sim/parameter.h"
+
 #include "base/number.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "sim/change.h"
 #include "sim/own_def.h"
-#include "sim/parameter_table.h"
 #include "tool/create.h"
 
 #include <math.h>
@@ -20,21 +21,21 @@ typedef struct defs {
 
 /* ---- defs ---- */
 
-static int32_t element_count(defs all, pel_parameter_owner owner)
+static int32_t element_count(defs all, pel_def_kind kind)
 {
     int32_t count = 0;
-    switch (owner) {
-    case PEL_OWNER_BODY:
+    switch (kind) {
+    case PEL_DEF_BODY:
         return all.model->body_count;
-    case PEL_OWNER_REGION:
+    case PEL_DEF_FIBRES:
         for (int32_t b = 0; b < all.model->body_count; b++)
             count += all.model->bodies[b].shell.anisotropy_count;
         return count;
-    case PEL_OWNER_SUPPORT:
+    case PEL_DEF_SUPPORT:
         return all.sim->support_count;
-    case PEL_OWNER_LOAD:
+    case PEL_DEF_LOAD:
         return all.sim->load_count;
-    case PEL_OWNER_TOOL:
+    case PEL_DEF_TOOL:
         return all.sim->tool_count;
     default:
         return 1;
@@ -50,22 +51,22 @@ static int32_t region_body(defs all, int32_t *region)
     return b;
 }
 
-static const void *def_of(defs all, pel_parameter_owner owner, int32_t element)
+static const void *def_of(defs all, pel_def_kind kind, int32_t element)
 {
-    switch (owner) {
-    case PEL_OWNER_BODY:
+    switch (kind) {
+    case PEL_DEF_BODY:
         return &all.model->bodies[element];
-    case PEL_OWNER_REGION:
+    case PEL_DEF_FIBRES:
         return &all.model->bodies[region_body(all, &element)].shell.anisotropies[element];
-    case PEL_OWNER_SUPPORT:
+    case PEL_DEF_SUPPORT:
         return &all.sim->supports[element];
-    case PEL_OWNER_MODEL:
+    case PEL_DEF_MODEL:
         return all.model;
-    case PEL_OWNER_LOAD:
+    case PEL_DEF_LOAD:
         return &all.sim->loads[element];
-    case PEL_OWNER_TOOL:
+    case PEL_DEF_TOOL:
         return &all.sim->tools[element];
-    case PEL_OWNER_CONTACT:
+    case PEL_DEF_CONTACT:
         return &all.sim->contact;
     default:
         return &all.sim->solver;
@@ -79,17 +80,24 @@ static defs defs_of(const pel_sim *sim)
 
 static bool next_place(defs all, pel_parameter_place *at)
 {
-    for (at->element++;; at->row++, at->element = 0) {
-        const pel_parameter_row *row = pel_parameter_row_at(at->row);
-        if (row == NULL)
-            return false;
-        for (; at->element < element_count(all, row->owner); at->element++)
-            if (row->applies == NULL || row->applies(def_of(all, row->owner, at->element)))
+    for (; at->row >= 0; at->row = pel_def_parameter_after(at->row), at->element = -1) {
+        const pel_def_row *row = pel_def_row_at(at->row);
+        while (++at->element < element_count(all, row->def))
+            if (row->applies == NULL || row->applies(def_of(all, row->def, at->element)))
                 return true;
     }
+    return false;
 }
 
-static const pel_parameter_place before_first = {0, -1};
+static pel_parameter_place before_first(void)
+{
+    return (pel_parameter_place){pel_def_parameter_after(-1), -1};
+}
+
+static const char *path_of(const pel_def_row *row)
+{
+    return row->parameter_path != NULL ? row->parameter_path : row->path;
+}
 
 /* ---- paths ---- */
 
@@ -99,30 +107,30 @@ typedef struct path_names {
     int32_t numbers[2];
 } path_names;
 
-static path_names names_of(defs all, const pel_parameter_row *row, int32_t element)
+static path_names names_of(defs all, const pel_def_row *row, int32_t element)
 {
     path_names made = {{NULL, NULL}, {element, 0}};
     int32_t region = element;
-    switch (row->owner) {
-    case PEL_OWNER_BODY:
+    switch (row->def) {
+    case PEL_DEF_BODY:
         made.names[0] = all.model->bodies[element].name;
         break;
-    case PEL_OWNER_REGION:
+    case PEL_DEF_FIBRES:
         made.numbers[0] = region_body(all, &region);
         made.names[0] = all.model->bodies[made.numbers[0]].name;
         made.numbers[1] = region;
         break;
-    case PEL_OWNER_SUPPORT:
+    case PEL_DEF_SUPPORT:
         made.numbers[0] = all.sim->supports[element].body;
         made.names[0] = all.model->bodies[made.numbers[0]].name;
         made.names[1] = all.sim->supports[element].name;
         for (int32_t s = 0; s < element; s++)
             made.numbers[1] += all.sim->supports[s].body == made.numbers[0];
         break;
-    case PEL_OWNER_LOAD:
+    case PEL_DEF_LOAD:
         made.names[0] = all.sim->loads[element].name;
         break;
-    case PEL_OWNER_TOOL:
+    case PEL_DEF_TOOL:
         made.names[0] = all.sim->tools[element].name;
         break;
     default:
@@ -133,11 +141,11 @@ static path_names names_of(defs all, const pel_parameter_row *row, int32_t eleme
 
 static void write_path(defs all, pel_parameter_place at, bool by_number, char path[PEL_PARAMETER_PATH_SIZE])
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     path_names names = names_of(all, row, at.element);
     size_t length = 0;
     int list = 0;
-    for (const char *c = row->path; *c != '\0' && length + 1 < PEL_PARAMETER_PATH_SIZE; c++) {
+    for (const char *c = path_of(row); *c != '\0' && length + 1 < PEL_PARAMETER_PATH_SIZE; c++) {
         size_t room = PEL_PARAMETER_PATH_SIZE - length;
         if (*c != '[') {
             path[length++] = *c;
@@ -158,7 +166,7 @@ static pel_status find_place(defs all, const char *path, pel_parameter_place *fo
 {
     char candidate[PEL_PARAMETER_PATH_SIZE], nearest[PEL_PARAMETER_PATH_SIZE] = "";
     for (int by_number = 0; by_number < 2; by_number++)
-        for (pel_parameter_place at = before_first; next_place(all, &at);) {
+        for (pel_parameter_place at = before_first(); next_place(all, &at);) {
             write_path(all, at, by_number, candidate);
             *found = at;
             if (strcmp(candidate, path) == 0)
@@ -178,31 +186,10 @@ static pel_status find_place(defs all, const char *path, pel_parameter_place *fo
 
 /* ---- values in defs ---- */
 
-static double factor_of(const pel_parameter_row *row)
-{
-    return row->factor != 0 ? row->factor : 1;
-}
-
 /* the value of a parameter from the value in a def */
-static double value_of(const pel_parameter_row *row, double raw)
+static double value_of(const pel_def_row *row, double raw)
 {
-    return row->may_be_auto && raw == row->automatic ? (double)NAN : factor_of(row) * raw;
-}
-
-static const pel_key *keys_of(const pel_parameter_row *row, const char *def, int32_t *count)
-{
-    const pel_key *keys;
-    *count = 0;
-    if (row->store == PEL_STORE_QUANTITY) {
-        const pel_quantity *quantity = (const void *)(def + row->offset);
-        *count = quantity->key_count;
-        return quantity->keys;
-    }
-    if (row->store != PEL_STORE_KEYS)
-        return NULL;
-    memcpy(count, def + row->count_offset, sizeof *count);
-    memcpy(&keys, def + row->offset, sizeof keys);
-    return keys;
+    return row->may_be_auto && raw == row->automatic ? (double)NAN : pel_def_row_factor(row) * raw;
 }
 
 static double read_quantity(const pel_quantity *quantity)
@@ -211,14 +198,14 @@ static double read_quantity(const pel_quantity *quantity)
 }
 
 /* three values for a vector, else one */
-static void read_values(const pel_parameter_row *row, const void *def, double time, double values[3])
+static void read_values(const pel_def_row *row, const void *def, double time, double values[3])
 {
     const char *at = (const char *)def + row->offset;
     int32_t count, number;
-    const pel_key *keys = keys_of(row, def, &count);
+    const pel_key *keys = pel_member_keys(row, def, &count);
     values[0] = values[1] = values[2] = 0;
     if (count > 0 || row->store == PEL_STORE_KEYS)
-        values[0] = factor_of(row) * pel_curve_value(keys, count, time);
+        values[0] = pel_def_row_factor(row) * pel_curve_value(keys, count, time);
     else if (row->store == PEL_STORE_QUANTITY)
         values[0] = value_of(row, read_quantity((const pel_quantity *)(const void *)at));
     else if (row->store == PEL_STORE_BOOL)
@@ -226,82 +213,68 @@ static void read_values(const pel_parameter_row *row, const void *def, double ti
     else if (row->store == PEL_STORE_INT)
         memcpy(&number, at, sizeof number), values[0] = value_of(row, number);
     else
-        for (int i = 0; i < (row->kind == PEL_PARAMETER_VECTOR ? 3 : 1); i++) {
+        for (int i = 0; i < (pel_def_row_kind(row) == PEL_PARAMETER_VECTOR ? 3 : 1); i++) {
             double raw;
             memcpy(&raw, at + (size_t)i * sizeof raw, sizeof raw);
             values[i] = value_of(row, raw);
         }
 }
 
-/* NAN is auto */
-static double raw_of(const pel_parameter_row *row, double value)
-{
-    return isnan(value) ? row->automatic : value / factor_of(row);
-}
-
-static void write_values(const pel_parameter_row *row, void *def, const double *values)
-{
-    char *at = (char *)def + row->offset;
-    int32_t number;
-    bool flag;
-    if (row->store == PEL_STORE_QUANTITY) {
-        *(pel_quantity *)(void *)at = (pel_quantity){.value = raw_of(row, values[0])};
-    } else if (row->store == PEL_STORE_BOOL) {
-        flag = values[0] != 0;
-        memcpy(at, &flag, sizeof flag);
-    } else if (row->store == PEL_STORE_INT) {
-        number = (int32_t)raw_of(row, values[0]);
-        memcpy(at, &number, sizeof number);
-    } else {
-        for (int i = 0; i < (row->kind == PEL_PARAMETER_VECTOR ? 3 : 1); i++) {
-            double raw = raw_of(row, values[i]);
-            memcpy(at + (size_t)i * sizeof raw, &raw, sizeof raw);
-        }
-    }
-}
-
 /* ---- questions ---- */
 
-/* the value in a default def of the owner */
-static void read_preset(const pel_parameter_row *row, double values[3])
+/* the value in a new def */
+static void read_preset(const pel_def_row *row, double values[3])
 {
-    const pel_body_def body = pel_body_def_default();
-    const pel_anisotropy_def region = pel_anisotropy_def_default();
-    const pel_support_def support = pel_support_def_default();
-    const pel_model_def model = pel_model_def_default();
-    const pel_load_def load = pel_load_def_default();
-    const pel_tool_def tool = pel_tool_def_default();
-    const pel_sim_def sim = pel_sim_def_default();
-    const void *const presets[PEL_OWNER_COUNT] = {
-        [PEL_OWNER_BODY] = &body,           [PEL_OWNER_REGION] = &region,     [PEL_OWNER_SUPPORT] = &support,
-        [PEL_OWNER_MODEL] = &model,         [PEL_OWNER_LOAD] = &load,         [PEL_OWNER_TOOL] = &tool,
-        [PEL_OWNER_CONTACT] = &sim.contact, [PEL_OWNER_SOLVER] = &sim.solver,
-    };
-    read_values(row, presets[row->owner], 0, values);
+    union {
+        pel_body_def body;
+        pel_anisotropy_def fibres;
+        pel_support_def support;
+        pel_model_def model;
+        pel_load_def load;
+        pel_tool_def tool;
+        pel_contact_def contact;
+        pel_solver_def solver;
+    } def;
+    memset(&def, 0, sizeof def);
+    pel_def_reset(row->def, &def);
+    read_values(row, &def, 0, values);
+}
+
+/* of the numbers of a parameter; that of a list of keys is for their count */
+static pel_range range_of(const pel_def_row *row)
+{
+    if (row->range.given && row->store != PEL_STORE_KEYS)
+        return row->range;
+    if (pel_def_row_kind(row) == PEL_PARAMETER_WORD)
+        return (pel_range){0};
+    if (pel_def_row_kind(row) == PEL_PARAMETER_SWITCH)
+        return (pel_range){true, false, 0, 1};
+    return (pel_range){false, false, -(double)HUGE_VAL, (double)HUGE_VAL};
 }
 
 static void fill_info(const pel_sim *sim, pel_parameter_place at, pel_parameter_info *info)
 {
     defs all = defs_of(sim);
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
-    const void *def = def_of(all, row->owner, at.element);
+    const pel_def_row *row = pel_def_row_at(at.row);
+    const void *def = def_of(all, row->def, at.element);
     int32_t key_count;
-    keys_of(row, def, &key_count);
+    pel_member_keys(row, def, &key_count);
     *info = (pel_parameter_info){
-        .row = row->path,
-        .kind = row->kind,
+        .row = path_of(row),
+        .kind = pel_def_row_kind(row),
         .unit = row->unit != NULL ? row->unit : "",
-        .least = row->least,
-        .most = row->most,
-        .is_open = row->is_open,
         .may_be_auto = row->may_be_auto,
-        .may_be_keyed = row->may_be_keyed,
+        .may_be_keyed = pel_def_row_may_be_keyed(row),
         .is_keyed = key_count > 0,
-        .words = row->words,
+        .words = pel_def_row_words(row),
         .is_live = row->refusal == NULL,
         .refusal = row->refusal != NULL ? row->refusal : "",
         .remedy = row->remedy != NULL ? row->remedy : "",
     };
+    const pel_range range = range_of(row);
+    info->least = range.least;
+    info->most = range.most;
+    info->is_open = range.open;
     if (row->store == PEL_STORE_QUANTITY)
         info->is_field = ((const pel_quantity *)(const void *)((const char *)def + row->offset))->field != NULL;
     write_path(all, at, false, info->path);
@@ -314,7 +287,7 @@ int32_t pel_parameter_count(const pel_sim *sim)
     if (sim == NULL)
         return 0;
     int32_t count = 0;
-    for (pel_parameter_place at = before_first; next_place(defs_of(sim), &at);)
+    for (pel_parameter_place at = before_first(); next_place(defs_of(sim), &at);)
         count++;
     return count;
 }
@@ -323,7 +296,7 @@ void pel_parameter_at(const pel_sim *sim, int32_t index, pel_parameter_info *inf
 {
     if (info == NULL)
         return;
-    pel_parameter_place at = before_first;
+    pel_parameter_place at = before_first();
     bool is_there = sim != NULL && next_place(defs_of(sim), &at);
     for (int32_t i = 0; is_there && i < index; i++)
         is_there = next_place(defs_of(sim), &at);
@@ -355,58 +328,61 @@ typedef struct setting {
     int32_t key_count;
 } setting;
 
-static pel_status refuse_value(const char *path, const pel_parameter_row *row, double value, pel_error *error)
+static pel_status refuse_value(const char *path, const pel_def_row *row, double value, pel_error *error)
 {
-    char range[80];
-    if (isinf(row->most) && isinf(row->least))
-        snprintf(range, sizeof range, "finite%s", row->unit != NULL ? ", in" : "");
-    else if (isinf(row->most) || row->most >= INT32_MAX)
-        snprintf(range, sizeof range, "%s %g", row->is_open ? ">" : ">=", row->least);
+    char text[80];
+    const pel_range range = range_of(row);
+    const pel_parameter_kind kind = pel_def_row_kind(row);
+    const char *unit = row->unit != NULL ? row->unit : "";
+    if (range.given)
+        pel_range_text(range, text, sizeof text);
     else
-        snprintf(range, sizeof range, "%s%g to %g", row->is_open ? "above " : "", row->least, row->most);
+        snprintf(text, sizeof text, "finite%s", row->unit != NULL ? ", in" : "");
     pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot be %g", path, value);
     pel_fail_remedy(error, "give %s: %s%s%s",
-                    row->kind == PEL_PARAMETER_VECTOR   ? "three numbers"
-                    : row->kind == PEL_PARAMETER_NUMBER ? "a number"
-                                                        : "an integer",
-                    range, row->unit != NULL ? " " : "", row->unit != NULL ? row->unit : "");
+                    kind == PEL_PARAMETER_VECTOR   ? "three numbers"
+                    : kind == PEL_PARAMETER_NUMBER ? "a number"
+                                                   : "an integer",
+                    text, row->unit != NULL ? " " : "", unit);
     return PEL_BAD_ARGUMENT;
 }
 
-static bool is_in_range(const pel_parameter_row *row, double value)
+static bool is_in_range(const pel_def_row *row, double value)
 {
-    bool is_whole = row->kind == PEL_PARAMETER_NUMBER || row->kind == PEL_PARAMETER_VECTOR || value == floor(value);
-    return isfinite(value) && is_whole && (row->is_open ? value > row->least : value >= row->least) &&
-           value <= row->most;
+    const pel_parameter_kind kind = pel_def_row_kind(row);
+    bool is_whole = kind == PEL_PARAMETER_NUMBER || kind == PEL_PARAMETER_VECTOR || value == floor(value);
+    return isfinite(value) && is_whole && pel_range_has(range_of(row), value);
 }
 
-static pel_status refuse_word(const char *path, const pel_parameter_row *row, pel_error *error)
+static pel_status refuse_word(const char *path, const pel_def_row *row, pel_error *error)
 {
+    const char *const *known = pel_def_row_words(row);
     char words[160] = "";
     size_t length = 0;
-    for (int i = 0; row->words[i] != NULL && length < sizeof words; i++)
-        length += (size_t)snprintf(words + length, sizeof words - length, "%s%s", i > 0 ? ", " : "", row->words[i]);
+    for (int i = 0; known[i] != NULL && length < sizeof words; i++)
+        length += (size_t)snprintf(words + length, sizeof words - length, "%s%s", i > 0 ? ", " : "", known[i]);
     pel_fail(error, PEL_BAD_ARGUMENT, "%s has no such word", path);
     pel_fail_remedy(error, "give one of: %s", words);
     return PEL_BAD_ARGUMENT;
 }
 
-static pel_status check_number(const char *path, const pel_parameter_row *row, double value, pel_error *error)
+static pel_status check_number(const char *path, const pel_def_row *row, double value, pel_error *error)
 {
+    const char *const *words = pel_def_row_words(row);
     int32_t word_count = 0;
     if (isnan(value) && row->may_be_auto)
         return PEL_OK;
-    if (row->kind != PEL_PARAMETER_WORD)
+    if (words == NULL)
         return is_in_range(row, value) ? PEL_OK : refuse_value(path, row, value, error);
-    while (row->words[word_count] != NULL)
+    while (words[word_count] != NULL)
         word_count++;
     return value >= 0 && value < word_count && value == floor(value) ? PEL_OK : refuse_word(path, row, error);
 }
 
-static pel_status check_keys(const char *path, const pel_parameter_row *row, const setting *set, pel_error *error)
+static pel_status check_keys(const char *path, const pel_def_row *row, const setting *set, pel_error *error)
 {
     pel_status status = PEL_OK;
-    if (!row->may_be_keyed) {
+    if (!pel_def_row_may_be_keyed(row)) {
         pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot vary over time", path);
         pel_fail_remedy(error, "set a number between steps");
         return PEL_BAD_ARGUMENT;
@@ -428,10 +404,10 @@ static pel_status check_keys(const char *path, const pel_parameter_row *row, con
     return status;
 }
 
-static pel_status check_setting(const char *path, const pel_parameter_row *row, const setting *set, pel_error *error)
+static pel_status check_setting(const char *path, const pel_def_row *row, const setting *set, pel_error *error)
 {
     static const char *const forms[] = {"one number", "one number", "0 or 1", "the index of a word", "three numbers"};
-    bool is_vector = row->kind == PEL_PARAMETER_VECTOR;
+    const pel_parameter_kind kind = pel_def_row_kind(row);
     if (row->refusal != NULL) {
         pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot change while the simulation runs: %s", path, row->refusal);
         pel_fail_remedy(error, "%s", row->remedy);
@@ -439,9 +415,9 @@ static pel_status check_setting(const char *path, const pel_parameter_row *row, 
     }
     if (set->keys != NULL)
         return check_keys(path, row, set, error);
-    if (row->store == PEL_STORE_KEYS || set->value_count != (is_vector ? 3 : 1)) {
+    if (row->store == PEL_STORE_KEYS || set->value_count != (kind == PEL_PARAMETER_VECTOR ? 3 : 1)) {
         pel_fail(error, PEL_BAD_ARGUMENT, "%s does not take that kind of value", path);
-        pel_fail_remedy(error, "give %s", row->store == PEL_STORE_KEYS ? "keys" : forms[row->kind]);
+        pel_fail_remedy(error, "give %s", row->store == PEL_STORE_KEYS ? "keys" : forms[kind]);
         return PEL_BAD_ARGUMENT;
     }
     pel_status status = PEL_OK;
@@ -450,11 +426,11 @@ static pel_status check_setting(const char *path, const pel_parameter_row *row, 
     return status;
 }
 
-static bool is_same(const pel_parameter_row *row, const void *def, const setting *set)
+static bool is_same(const pel_def_row *row, const void *def, const setting *set)
 {
     double values[3];
     int32_t key_count;
-    keys_of(row, def, &key_count);
+    pel_member_keys(row, def, &key_count);
     bool is_field = row->store == PEL_STORE_QUANTITY &&
                     ((const pel_quantity *)(const void *)((const char *)def + row->offset))->field != NULL;
     if (set->keys != NULL || key_count > 0 || is_field)
@@ -466,37 +442,30 @@ static bool is_same(const pel_parameter_row *row, const void *def, const setting
     return true;
 }
 
-static pel_status put(pel_change *change, const pel_parameter_row *row, void *def, const setting *set, pel_error *error)
+static pel_status put(pel_change *change, const pel_def_row *row, void *def, const setting *set, pel_error *error)
 {
     if (set->keys == NULL) {
-        write_values(row, def, set->values);
+        pel_member_set(row, def, set->values);
         return PEL_OK;
     }
     pel_key *keys = pel_copies_take(&change->copies, set->keys, (size_t)set->key_count * sizeof *keys);
     if (keys == NULL)
         return pel_fail_memory(error);
     for (int32_t k = 0; k < set->key_count; k++)
-        keys[k].value /= factor_of(row);
-    char *at = (char *)def + row->offset;
-    if (row->store == PEL_STORE_QUANTITY) {
-        *(pel_quantity *)(void *)at = (pel_quantity){.keys = keys, .key_count = set->key_count};
-    } else {
-        memcpy(at, &keys, sizeof keys);
-        memcpy((char *)def + row->count_offset, &set->key_count, sizeof set->key_count);
-    }
+        keys[k].value /= pel_def_row_factor(row);
+    pel_member_set_keys(row, def, keys, set->key_count);
     return PEL_OK;
 }
 
 static pel_status change_by_def(pel_sim *sim, pel_parameter_place at, const setting *set, pel_error *error)
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     pel_change change;
     pel_status status = pel_change_begin(sim, &change, error);
-    change.changes_model =
-        row->owner == PEL_OWNER_BODY || row->owner == PEL_OWNER_REGION || row->owner == PEL_OWNER_MODEL;
+    change.changes_model = row->def == PEL_DEF_BODY || row->def == PEL_DEF_FIBRES || row->def == PEL_DEF_MODEL;
     if (status == PEL_OK) {
         /* the defs of a change may be written to */
-        void *def = (void *)(uintptr_t)def_of((defs){&change.model, &change.sim}, row->owner, at.element);
+        void *def = (void *)(uintptr_t)def_of((defs){&change.model, &change.sim}, row->def, at.element);
         status = put(&change, row, def, set, error);
     }
     if (status == PEL_OK)
@@ -508,19 +477,19 @@ static pel_status change_by_def(pel_sim *sim, pel_parameter_place at, const sett
 /* numbers that the next step reads from the copies in loads and tools */
 static pel_status change_directly(pel_sim *sim, pel_parameter_place at, const double *values, pel_error *error)
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     union {
         pel_load_def load;
         pel_tool_def tool;
     } def;
     pel_status status;
-    if (row->owner == PEL_OWNER_LOAD) {
+    if (row->def == PEL_DEF_LOAD) {
         def.load = sim->def.loads[at.element];
-        write_values(row, &def.load, values);
+        pel_member_set(row, &def.load, values);
         status = pel_load_retime(sim, at.element, &def.load, error);
     } else {
         def.tool = sim->def.tools[at.element];
-        write_values(row, &def.tool, values);
+        pel_member_set(row, &def.tool, values);
         status = pel_tool_regrasp(sim, at.element, &def.tool, error);
     }
     if (status == PEL_OK)
@@ -534,9 +503,9 @@ static pel_status change(pel_sim *sim, const char *path, const setting *set, pel
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status != PEL_OK)
         return status;
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     status = check_setting(path, row, set, error);
-    if (status != PEL_OK || is_same(row, def_of(defs_of(sim), row->owner, at.element), set))
+    if (status != PEL_OK || is_same(row, def_of(defs_of(sim), row->def, at.element), set))
         return status;
     return row->is_direct ? change_directly(sim, at, set->values, error) : change_by_def(sim, at, set, error);
 }
@@ -601,16 +570,16 @@ static bool parse_word(const char *const *words, const char *text, double *value
     return false;
 }
 
-static bool parse_value(const pel_parameter_row *row, const char *text, double *value)
+static bool parse_value(const pel_def_row *row, const char *text, double *value)
 {
     static const char *const flags[] = {"false", "true", NULL};
     if (row->may_be_auto && (strcmp(text, "auto") == 0 || strcmp(text, "end") == 0)) {
         *value = (double)NAN;
         return true;
     }
-    if (row->kind == PEL_PARAMETER_WORD)
-        return parse_word(row->words, text, value);
-    if (row->kind == PEL_PARAMETER_SWITCH)
+    if (pel_def_row_words(row) != NULL)
+        return parse_word(pel_def_row_words(row), text, value);
+    if (pel_def_row_kind(row) == PEL_PARAMETER_SWITCH)
         return parse_word(flags, text, value);
     const char *end = pel_number_parse(skip_blanks(text), text + strlen(text), value);
     return end != NULL && skip_blanks(end)[0] == '\0' && isfinite(*value);
@@ -626,17 +595,18 @@ pel_status pel_set_parameter_text(pel_sim *sim, const char *path, const char *te
     pel_status status = find_place(defs_of(sim), path, &at, error);
     if (status != PEL_OK)
         return status;
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
-    bool is_vector = row->kind == PEL_PARAMETER_VECTOR;
+    const pel_def_row *row = pel_def_row_at(at.row);
+    const pel_parameter_kind kind = pel_def_row_kind(row);
+    bool is_vector = kind == PEL_PARAMETER_VECTOR;
     if (is_vector ? parse_vector(text, values) : parse_value(row, text, values))
         return change(sim, path, &(setting){.values = values, .value_count = is_vector ? 3 : 1}, error);
-    if (row->kind == PEL_PARAMETER_WORD)
+    if (kind == PEL_PARAMETER_WORD)
         return refuse_word(path, row, error);
     pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot be '%.100s'", path, text);
     pel_fail_remedy(error, "give %s",
-                    is_vector                           ? "[x, y, z]"
-                    : row->kind == PEL_PARAMETER_SWITCH ? "true or false"
-                                                        : "a number");
+                    is_vector                      ? "[x, y, z]"
+                    : kind == PEL_PARAMETER_SWITCH ? "true or false"
+                                                   : "a number");
     return PEL_BAD_ARGUMENT;
 }
 
@@ -650,25 +620,25 @@ pel_status pel_parameter_find_place(const pel_model_def *model, const pel_sim_de
 
 bool pel_parameter_write(const pel_model_def *model, const pel_sim_def *sim, pel_parameter_place at, const char *text)
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     const defs all = {model, sim};
     double values[3];
-    bool is_vector = row->kind == PEL_PARAMETER_VECTOR;
+    bool is_vector = pel_def_row_kind(row) == PEL_PARAMETER_VECTOR;
     if (row->store == PEL_STORE_KEYS || !(is_vector ? parse_vector(text, values) : parse_value(row, text, values)))
         return false;
     for (int i = 0; i < (is_vector ? 3 : 1); i++)
-        if (isnan(values[i]) || check_number(row->path, row, values[i], NULL) != PEL_OK)
+        if (isnan(values[i]) || check_number(path_of(row), row, values[i], NULL) != PEL_OK)
             return false;
     /* the caller owns the defs */
-    write_values(row, (void *)(uintptr_t)def_of(all, row->owner, at.element), values);
+    pel_member_set(row, (void *)(uintptr_t)def_of(all, row->def, at.element), values);
     return true;
 }
 
 pel_status pel_parameter_copy(pel_sim *sim, const pel_sim_def *def, pel_parameter_place at, pel_error *error)
 {
-    const pel_parameter_row *row = pel_parameter_row_at(at.row);
+    const pel_def_row *row = pel_def_row_at(at.row);
     const defs all = {&sim->given->def, def};
     double values[3];
-    read_values(row, def_of(all, row->owner, at.element), 0, values);
+    read_values(row, def_of(all, row->def, at.element), 0, values);
     return change_directly(sim, at, values, error);
 }

@@ -56,7 +56,7 @@ pel_status pel_snapshot_create(const pel_sim *sim, pel_snapshot **snapshot, pel_
     made->bytes = pel_allocate(made->size, 1);
     pel_status status = made->bytes != NULL ? PEL_OK : pel_fail_memory(error);
     if (status == PEL_OK)
-        status = pel_def_copy(&made->copies, pel_model_members, &made->model, error);
+        status = pel_def_copy(&made->copies, PEL_DEF_MODEL, &made->model, error);
     if (status == PEL_OK)
         status = pel_sim_def_copy(&made->copies, &made->def, error);
     if (status == PEL_OK)

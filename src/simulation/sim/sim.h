@@ -3,8 +3,8 @@
 #define PEL_SIM_SIM_H
 
 #include "boundary/loads.h"
+#include "def/copy.h"
 #include "method/softness.h"
-#include "model/def_copy.h"
 #include "observe/ledger.h"
 #include "sim/parts.h"
 #include "tool/tool.h"

@@ -6,7 +6,7 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "method/bending_weight.h"
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_path.h"
 #include "observe/observe_field.h"
@@ -25,8 +25,6 @@
 #include "tool/support.h"
 #include "touch/restitution.h"
 
-#include <time.h>
-
 enum { SIM_COOKIE = 0x73696d21 };
 
 /* below this many chunks (of 512 vertices) threads cost more than they give */
@@ -37,11 +35,10 @@ enum { CHUNKS_WORTH_THREADS = 4 };
 
 pel_sim_def pel_sim_def_default(void)
 {
-    return (pel_sim_def){
-        .solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01, .symplectic = true, .second_order = PEL_AUTO},
-        .contact = {.self = true, .between = true, .relative_thickness = 1e-4, .restitution = -1},
-        .cookie = SIM_COOKIE,
-    };
+    pel_sim_def def = {.cookie = SIM_COOKIE};
+    pel_def_reset(PEL_DEF_SOLVER, &def.solver);
+    pel_def_reset(PEL_DEF_CONTACT, &def.contact);
+    return def;
 }
 
 /* ---- creation ---- */
@@ -153,14 +150,6 @@ static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error 
     return status;
 }
 
-/* s */
-static double read_clock(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* a copy of the def, for changes; meshes of tools belong to the sim */
 static pel_status keep_def(pel_house *house, const pel_sim_def *def, pel_error *error)
 {
@@ -197,26 +186,22 @@ void pel_house_link(pel_house *house)
     sim->substeps = &house->substeps;
 }
 
-pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *error)
+/* the stage but for its elements; the method may give numbers to the solver */
+static pel_status build_stage(pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
-    pel_sim *sim = &house->sim;
-    pel_house_link(house);
-    pel_status status = check_def(def, error);
-    if (status != PEL_OK)
-        return status;
     sim->model = sim->given = def->model;
     sim->solver = def->solver;
-    sim->clock = read_clock;
+    sim->clock = pel_seconds;
     sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
-    status = check_start(sim, error);
+    pel_status status = check_start(sim, error);
     if (status != PEL_OK)
         return status;
     pel_substeps_configure(sim, def);
     if (pel_model_refines(def->model)) {
-        pel_status refines = pel_refined_create(def->model, &sim->active, error);
-        if (refines != PEL_OK)
-            return refines;
+        status = pel_refined_create(def->model, &sim->active, error);
+        if (status != PEL_OK)
+            return status;
         sim->model = &sim->active->model;
     }
     sim->step = (pel_step){
@@ -231,24 +216,31 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
     status = start_threads(sim, def, error);
     if (status == PEL_OK)
         status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
-    if (status == PEL_OK)
-        status = pel_surface_rows_create(sim, error);
-    if (status == PEL_OK)
-        status = pel_refine_create(sim, error);
+    return status == PEL_OK ? pel_surface_rows_create(sim, error) : status;
+}
+
+/* elements, refinement and the data of the method; the surface has its first level then */
+static pel_status build_method(pel_sim *sim, pel_error *error)
+{
+    pel_status status = pel_refine_create(sim, error);
     if (status == PEL_OK)
         status = pel_shells_create(sim, error);
-    if (status == PEL_OK)
-        pel_bending_weights_start(sim);
-    if (status == PEL_OK)
-        status = sim->stepper->create(sim, error);
+    if (status != PEL_OK)
+        return status;
+    pel_bending_weights_start(sim);
+    status = sim->stepper->create(sim, error);
     if (status == PEL_OK && sim->active != NULL)
         status = pel_refine_start(sim, error);
     if (status == PEL_OK && pel_sim_has_velocity(sim))
         pel_state_start(sim->model, sim->state);
     if (status == PEL_OK && !sim->goes_on)
         pel_substeps_follow(sim);
-    if (status == PEL_OK)
-        status = pel_loads_create(sim, def->loads, def->load_count, error);
+    return status;
+}
+
+static pel_status build_boundary(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    pel_status status = pel_loads_create(sim, def->loads, def->load_count, error);
     if (status == PEL_OK)
         status = pel_edge_loads_create(sim, def, error);
     if (status == PEL_OK)
@@ -259,9 +251,13 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
         status = pel_holds_create(sim, def, error);
     if (status == PEL_OK)
         status = pel_supports_create(sim, error);
-    if (status == PEL_OK)
-        status = pel_solids_create(sim, error);
-    if (status == PEL_OK && (sim->tools->count > 0 || def->contact.enabled))
+    return status == PEL_OK ? pel_solids_create(sim, error) : status;
+}
+
+static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    if (sim->tools->count > 0 || def->contact.enabled)
         status = pel_contact_forces_create(sim->model->vertex_count, sim->model->body_count, sim->tools->count,
                                            sim->model->body_of_slice, &sim->contact_forces, error);
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
@@ -270,9 +266,25 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
+    if (status != PEL_OK)
+        return status;
     pel_parts_create(sim);
+    return pel_contacts_create_event(sim, error);
+}
+
+pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *error)
+{
+    pel_sim *sim = &house->sim;
+    pel_house_link(house);
+    pel_status status = check_def(def, error);
     if (status == PEL_OK)
-        status = pel_contacts_create_event(sim, error);
+        status = build_stage(sim, def, error);
+    if (status == PEL_OK)
+        status = build_method(sim, error);
+    if (status == PEL_OK)
+        status = build_boundary(sim, def, error);
+    if (status == PEL_OK)
+        status = build_contact(sim, def, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
         status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)

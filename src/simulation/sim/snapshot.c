@@ -13,7 +13,7 @@
 #include "boundary/hold.h"
 #include "boundary/loads.h"
 #include "method/softness.h"
-#include "minimise/minimise.h"
+#include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
@@ -29,7 +29,6 @@
 #include "touch/contact.h"
 #include "touch/transfer.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -174,44 +173,30 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
 
 static const char damage_remedy[] = "load another one before the next step";
 
-static pel_status refuse(pel_error *error, const char *remedy, const char *format, ...) PEL_PRINTF(3, 4);
-
-static pel_status refuse(pel_error *error, const char *remedy, const char *format, ...)
-{
-    char what[sizeof error->what];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(what, sizeof what, format, arguments);
-    va_end(arguments);
-    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_FORMAT;
-}
-
 static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
 {
     char parts[sizeof error->what];
     if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
-        return refuse(error, "give what save has filled", "not a snapshot");
+        return pel_refuse(error, PEL_BAD_FORMAT, "give what save has filled", "not a snapshot");
     memset(head, 0, sizeof *head);
     memcpy(head, bytes, size < sizeof *head ? size : sizeof *head);
     if (head->version != SNAPSHOT_VERSION)
-        return refuse(error, "load it with the version of the program that saved it",
-                      "the snapshot has version %u of the format, not %d", head->version, (int)SNAPSHOT_VERSION);
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it with the version of the program that saved it",
+                          "the snapshot has version %u of the format, not %d", head->version, (int)SNAPSHOT_VERSION);
     if (size < sizeof *head || size < head->size)
-        return refuse(error, "give all of its bytes", "the snapshot is cut short");
+        return pel_refuse(error, PEL_BAD_FORMAT, "give all of its bytes", "the snapshot is cut short");
     if (head->real_size != sizeof(pel_real))
-        return refuse(error, "load it with a program of that precision", "the snapshot is of %s precision",
-                      head->real_size == sizeof(float) ? "single" : "double");
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it with a program of that precision",
+                          "the snapshot is of %s precision", head->real_size == sizeof(float) ? "single" : "double");
     if (head->size != size || head->checksum != checksum_of(bytes, size))
-        return refuse(error, "use another one", "the snapshot is damaged");
+        return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
     pel_fingerprint_compare(&head->fingerprint, &pel_house_of(sim)->fingerprint, parts, sizeof parts);
     if (parts[0] != '\0')
-        return refuse(error, "load it into a sim that was made from the same defs",
-                      "the snapshot was made with other: %s", parts);
+        return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
+                          "the snapshot was made with other: %s", parts);
     pel_status status = pel_sim_make_forces(sim, head->has_forces != 0, error);
     if (status == PEL_OK && size != pel_sim_save_size(sim))
-        return refuse(error, "use another one", "the snapshot is damaged");
+        return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
     return status;
 }
 
@@ -238,7 +223,8 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !pel_refine_restore(sim, b))
-            return refuse(error, damage_remedy, "the snapshot is damaged: its surface does not match its positions");
+            return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                              "the snapshot is damaged: its surface does not match its positions");
     sim->contact_forces.is_short = false;
     transfer_sim(&place, sim);
     sim->tools->held_is_listed = false;
@@ -257,12 +243,14 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     bool has_tools = pel_tools_restore(sim);
     pel_ledger_follow(sim);
     if (!has_tools)
-        return refuse(error, damage_remedy,
-                      "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
     if (!pel_parts_restore(sim))
-        return refuse(error, damage_remedy, "the snapshot is damaged: its parts of a step are out of range");
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
-        return refuse(error, damage_remedy, "the snapshot is damaged: its number of substeps is out of range");
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its number of substeps is out of range");
     return sim->contact_forces.is_short ? pel_fail_memory(error) : PEL_OK;
 }
 

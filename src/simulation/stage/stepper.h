@@ -21,7 +21,7 @@ typedef struct pel_stepper {
     bool moves_tools;   /* tools and held vertices move inside the step, else after it */
     bool bounds_motion; /* the step finds the longest edge itself */
     bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
-    bool turns_edges;   /* rotations of edges are unknowns (model/bending_model.h) */
+    bool turns_edges;   /* rotations of edges are unknowns (law/bending_model.h) */
     bool minimises;     /* a step is a minimisation, which may take long */
     bool can_refill;    /* create only checks and chooses numbers where no body refines: it may be repeated */
 

@@ -14,24 +14,12 @@
 
 pel_tool_def pel_tool_def_default(void)
 {
-    return (pel_tool_def){.shape = PEL_TOOL_SPHERE,
-                          .body = -1,
-                          .press = true,
-                          .friction = -1,
-                          .restitution = -1,
-                          .thickness = -1,
-                          .grasp_until = (double)HUGE_VAL};
+    pel_tool_def def = {0};
+    pel_def_reset(PEL_DEF_TOOL, &def);
+    return def;
 }
 
 /* ---- checks ---- */
-
-static pel_status refuse(pel_error *error, int32_t tool, const char *what, const char *remedy)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "%s", what);
-    pel_fail_element(error, "tool", tool);
-    pel_fail_remedy(error, "%s", remedy);
-    return PEL_BAD_ARGUMENT;
-}
 
 static bool is_positive(double value)
 {
@@ -40,18 +28,20 @@ static bool is_positive(double value)
 
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
 {
+    const pel_solid_row *row = &pel_solid_rows[def->shape];
     const double *half = def->half_extents;
-    if (def->shape == PEL_TOOL_MESH) {
-        if (def->mesh == NULL)
-            return refuse(error, tool, "tool of shape mesh has no mesh", "give a mesh");
-    } else if (def->shape == PEL_TOOL_BOX) {
-        if (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2]))
-            return refuse(error, tool, "box has no size", "give three half extents above 0");
-    } else if (!is_positive(def->radius)) {
-        return refuse(error, tool, "radius is not above 0", "give a radius above 0");
-    }
-    if (def->shape == PEL_TOOL_CAPSULE && !(def->half_length >= 0 && isfinite(def->half_length)))
-        return refuse(error, tool, "capsule length is below 0", "give a half length of at least 0");
+    if (def->shape == PEL_TOOL_MESH && def->mesh == NULL)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a mesh",
+                                  "tool of shape mesh has no mesh");
+    if (row->has_size && (!is_positive(half[0]) || !is_positive(half[1]) || !is_positive(half[2])))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give three half extents above 0",
+                                  "%s has no size", row->word);
+    if (row->has_radius && !is_positive(def->radius))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a radius above 0",
+                                  "radius is not above 0");
+    if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length)))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a half length of at least 0",
+                                  "%s length is below 0", row->word);
     return PEL_OK;
 }
 
@@ -59,16 +49,20 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
 {
     PEL_ASSERT_INDEX(tool, sim->tools->count);
     if (def->body < 0 || def->vertices == NULL || def->vertex_count < 1)
-        return refuse(error, tool, "support has no body or no vertices", "give a body and vertices of its mesh");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body and vertices of its mesh",
+                                  "support has no body or no vertices");
     if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
-        return refuse(error, tool, "center of the support is not finite", "give a point in metres");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a point in metres",
+                                  "center of the support is not finite");
     for (int32_t i = 0; i < def->vertex_count; i++) {
         int32_t v = def->vertices[i];
         if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
-            return refuse(error, tool, "support names a vertex that does not exist", "give vertices of the mesh");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give vertices of the mesh",
+                                      "support names a vertex that does not exist");
         if (!(sim->model->inverse_mass[sim->model->bodies[def->body].model_index[v]] > 0))
-            return refuse(error, tool, "support holds a vertex that is pinned",
-                          "remove it from the pins or from the support");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                      "remove it from the pins or from the support",
+                                      "support holds a vertex that is pinned");
     }
     return PEL_OK;
 }
@@ -78,38 +72,49 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
     PEL_ASSERT_INDEX(tool, sim->tools->count);
     const pel_tool_def *def = &defs[tool];
     if (def->name == NULL || def->name[0] == '\0' || strlen(def->name) >= PEL_NAME_SIZE)
-        return refuse(error, tool, "tool has no name or a very long one", "give a short name");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a short name",
+                                  "tool has no name or a very long one");
     for (int32_t other = 0; other < tool; other++)
         if (strcmp(defs[other].name, def->name) == 0)
-            return refuse(error, tool, "two tools have the same name", "give each tool a name of its own");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give each tool a name of its own",
+                                      "two tools have the same name");
     if (def->body < -1 || def->body >= sim->model->body_count)
-        return refuse(error, tool, "tool names a body that does not exist", "give a body of the model, or -1 for all");
-    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SUPPORT + 1))
-        return refuse(error, tool, "shape of the tool is unknown", "give one of pel_tool_shape");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a body of the model, or -1 for all",
+                                  "tool names a body that does not exist");
+    if (PEL_IS_NO_CHOICE(def->shape, PEL_TOOL_SHAPE_COUNT))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give one of pel_tool_shape",
+                                  "shape of the tool is unknown");
     if (def->key_count < 1 || def->keys == NULL)
-        return refuse(error, tool, "tool has no pose: no keys", "give at least one key");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give at least one key",
+                                  "tool has no pose: no keys");
     for (int32_t k = 0; k < def->key_count; k++) {
         const pel_pose_key *key = &def->keys[k];
         if (!pel_tool_is_key(key))
-            return refuse(
-                error, tool,
-                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion",
-                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns");
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "tool", tool,
+                "give finite positions, unit quaternions x, y, z, w and at most 1e6 turns",
+                "a key has a position that is not finite, turns too often, or its rotation is not a unit quaternion");
         if (k > 0 && !(key->time > key[-1].time))
-            return refuse(error, tool, "keys are not in order", "give keys with increasing times");
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give keys with increasing times",
+                                      "keys are not in order");
     }
     if (!isfinite(def->friction))
-        return refuse(error, tool, "the friction of a tool is not finite", "give a coefficient of at least 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a coefficient of at least 0",
+                                  "the friction of a tool is not finite");
     if (!isfinite(def->restitution))
-        return refuse(error, tool, "the restitution of a tool is not finite", "give a number from 0 to 1");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a number from 0 to 1",
+                                  "the restitution of a tool is not finite");
     if (!isfinite(def->thickness))
-        return refuse(error, tool, "the thickness of a tool is not finite", "give a number of metres above 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a number of metres above 0",
+                                  "the thickness of a tool is not finite");
     if (def->grasp && (!(def->grasp_until > def->grasp_from) || !(def->reach >= 0 && isfinite(def->reach))))
-        return refuse(error, tool, "grasp ends before it begins, or its reach is below 0",
-                      "give grasp_from < grasp_until and a reach of at least 0");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give grasp_from < grasp_until and a reach of at least 0",
+                                  "grasp ends before it begins, or its reach is below 0");
     if (def->grasp && !(def->grasp_max_force >= 0))
-        return refuse(error, tool, "the largest force of a grasp is below 0 or not a number",
-                      "give grasp_max_force > 0 in newtons, or 0 for no limit");
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give grasp_max_force > 0 in newtons, or 0 for no limit",
+                                  "the largest force of a grasp is below 0 or not a number");
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
 
@@ -121,7 +126,7 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
     double radius = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
-    tool->solid = (pel_solid){.kind = PEL_SOLID_SPHERE, .radius = radius};
+    tool->solid = (pel_solid){.shape = PEL_TOOL_SPHERE, .radius = radius};
     return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
                            mesh->triangle_count, &tool->mesh, error);
 }
@@ -160,13 +165,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     size_t vertex_count = (size_t)sim->model->vertex_count;
     size_t triangle_count = (size_t)sim->model->triangle_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
-    static const pel_solid_kind kinds[] = {[PEL_TOOL_SPHERE] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_CAPSULE] = PEL_SOLID_CAPSULE,
-                                           [PEL_TOOL_BOX] = PEL_SOLID_BOX,
-                                           [PEL_TOOL_MESH] = PEL_SOLID_SPHERE,
-                                           [PEL_TOOL_SUPPORT] = PEL_SOLID_SPHERE};
-    tool->solid = (pel_solid){.kind = kinds[def->shape], .radius = def->radius, .half_length = def->half_length};
-    memcpy(tool->solid.half_extents, def->half_extents, sizeof tool->solid.half_extents);
+    tool->solid = pel_solid_of(def);
     if (def->shape == PEL_TOOL_MESH) {
         pel_status status = create_mesh(tool, def->mesh, error);
         if (status == PEL_OK && def->grasp)

@@ -244,7 +244,7 @@ static press_bounds bounds_of(const pel_tool *tool, double longest)
     radius += 16 * (double)PEL_REAL_EPSILON * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + radius + longest);
     press_bounds bounds = {.center = {(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], 0},
                            .square = (pel_real)(radius * radius),
-                           .is_sphere = tool->solid.kind == PEL_SOLID_SPHERE};
+                           .is_sphere = pel_solid_is_ball(&tool->solid)};
     const pel_real half = (pel_real)radius;
     if (bounds.is_sphere)
         bounds.box = (pel_search_box){bounds.center - half, bounds.center + half};

@@ -148,8 +148,9 @@ static void start_in_tool(const pel_tool *tool, const pel_record *start, int32_t
 
 static double least_half_width(const pel_solid *solid)
 {
-    const double *half = solid->half_extents;
-    return solid->kind == PEL_SOLID_BOX ? fmin(half[0], fmin(half[1], half[2])) : solid->radius;
+    double half[3];
+    pel_solid_half_box(solid, half);
+    return fmin(half[0], fmin(half[1], half[2]));
 }
 
 /* the half space beyond the surface point that was closest at the start of the substep, for points that pass through
@@ -179,25 +180,6 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, const pe
     double distance_before = pel_solid_distance(&solid, before, normal_before);
     if (distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
-}
-
-/* Depth in a box below a face is linear: where the deepest corner is limited by that face alone, no other point of the
-   triangle is deeper. */
-static bool is_deepest_at_corner(const double half[3], double corner[3][3])
-{
-    for (int i = 0; i < 3; i++)
-        for (int side = -1; side <= 1; side += 2) {
-            int deepest = 0;
-            for (int c = 1; c < 3; c++)
-                if (side * corner[c][i] < side * corner[deepest][i])
-                    deepest = c;
-            double depth = half[i] - side * corner[deepest][i], least = HUGE_VAL;
-            for (int k = 0; k < 3; k++)
-                least = fmin(least, half[k] - fabs(corner[deepest][k]));
-            if (least >= depth)
-                return true;
-        }
-    return false;
 }
 
 /* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
@@ -239,16 +221,15 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, const 
     const pel_tool *tool = &sim->tools->items[pair->tool];
     const pel_solid *solid = &pair->solid;
     int32_t t = pair->triangle;
-    bool is_box = tool->solid.kind == PEL_SOLID_BOX;
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
     contact->separation = (pel_real)-HUGE_VAL;
-    if (is_box && is_deepest_at_corner(solid->half_extents, local))
+    if (pel_solid_is_deepest_at_corner(solid, (const double(*)[3])local))
         return;
     double depth = pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
-    if (!is_box && is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
+    if (pel_solid_is_round(solid) && is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
     if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
         return;

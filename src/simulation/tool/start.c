@@ -5,6 +5,7 @@
 
 #include "base/assert.h"
 #include "base/status.h"
+#include "math/bounds.h"
 #include "math/functions.h"
 #include "pellicle/geometry.h"
 
@@ -70,10 +71,9 @@ static double depth_at(const overlap *o, const pel_pose *pose, double corner[3][
 
 static void low_and_high(double corner[3][3], double low[3], double high[3])
 {
-    for (int k = 0; k < 3; k++) {
-        low[k] = fmin(corner[0][k], fmin(corner[1][k], corner[2][k]));
-        high[k] = fmax(corner[0][k], fmax(corner[1][k], corner[2][k]));
-    }
+    pel_bounds_clear(low, high);
+    for (int c = 0; c < 3; c++)
+        pel_bounds_add(low, high, corner[c]);
 }
 
 /* whether a triangle of the tool's mesh at a pose cuts one of the body */

@@ -142,7 +142,7 @@ static inline pel_solid pel_solid_grown(const pel_solid *solid, double margin)
 
 static inline bool pel_tool_is_round(const pel_tool *tool)
 {
-    return tool->mesh == NULL && tool->solid.kind != PEL_SOLID_BOX;
+    return tool->mesh == NULL && pel_solid_is_round(&tool->solid);
 }
 
 static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)

@@ -99,7 +99,7 @@ void pel_tools_return(pel_sim *sim)
 
 static bool presses(const pel_tool *tool, bool only_round)
 {
-    return tool->press && tool->mesh == NULL && !(only_round && tool->solid.kind == PEL_SOLID_BOX);
+    return tool->press && tool->mesh == NULL && (!only_round || pel_solid_is_round(&tool->solid));
 }
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)

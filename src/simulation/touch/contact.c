@@ -7,6 +7,7 @@
 #include "boundary/loads.h"
 #include "contact/sweep.h"
 #include "geom/wide4.h"
+#include "math/bounds.h"
 #include "observe/ledger.h"
 #include "observe/observe.h"
 #include "stage/accessors.h"
@@ -18,7 +19,6 @@
 #include "touch/tangle.h"
 
 #include <string.h>
-#include <time.h>
 
 enum {
     SWEEP_PRESET = 10,
@@ -63,11 +63,12 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
 
 static double diagonal(const pel_model *model)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3], x[3];
+    pel_bounds_clear(low, high);
     for (int32_t v = 0; v < model->vertex_count; v++)
-        for (int k = 0; k < 3 && model->mesh_vertex[v] >= 0; k++) {
-            low[k] = fmin(low[k], (double)model->rest[v][k]);
-            high[k] = fmax(high[k], (double)model->rest[v][k]);
+        if (model->mesh_vertex[v] >= 0) {
+            pel_vertex_position(model->rest, v, x);
+            pel_bounds_add(low, high, x);
         }
     return pel_vec3_distance(low, high);
 }
@@ -342,13 +343,6 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 
 /* ---- search ---- */
 
-static double seconds_now(void)
-{
-    struct timespec now;
-    timespec_get(&now, TIME_UTC);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* tools where they are and where they will want to be; the substeps have moved them already */
 static void expect_tools(pel_sim *sim)
 {
@@ -466,7 +460,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
             return PEL_OK;
         if (round == 0 && pel_parts_can_halve(sim))
             sim->touch->solved_energy = pel_sim_next_energy(sim);
-        double began = seconds_now();
+        double began = pel_seconds();
         status = pel_contact_set_add_way(contacts, &found, error);
         if (status != PEL_OK)
             return status;
@@ -477,7 +471,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contacts_place(sim);
-        contacts->statistics.solve_seconds += seconds_now() - began;
+        contacts->statistics.solve_seconds += pel_seconds() - began;
     }
 }
 
@@ -535,14 +529,14 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
     sim->part.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
     if (sim->part.is_refused)
         return PEL_OK;
-    double began = seconds_now();
+    double began = pel_seconds();
     release_tools(sim);
     /* the cubic may have missed some */
     if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
         status = pel_contact_look(contacts, error);
     if (status == PEL_OK && contacts->conflict_count > 0)
         status = guard(sim, error);
-    contacts->statistics.guard_seconds += seconds_now() - began;
+    contacts->statistics.guard_seconds += pel_seconds() - began;
     contacts->statistics.contacts += contacts->list.count;
     if (status == PEL_OK && contacts->tangles.count > 0) {
         contacts->way_is_searched = false;

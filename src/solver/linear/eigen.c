@@ -38,10 +38,9 @@ pel_status pel_eigen_create(int32_t unknown_count, int32_t wanted, pel_eigen **e
         fits &= (*arrays[i] = pel_allocate(sizes[i], sizeof(double))) != NULL;
     if (!fits) {
         pel_eigen_destroy(made);
-        pel_fail(error, PEL_OUT_OF_MEMORY, "%d modes need %.3g GB, and this memory is not available", (int)wanted,
-                 2e-9 * (double)(room * count * sizeof(double)));
-        pel_fail_remedy(error, "ask for fewer modes or use a coarser mesh");
-        return PEL_OUT_OF_MEMORY;
+        return pel_refuse(error, PEL_OUT_OF_MEMORY, "ask for fewer modes or use a coarser mesh",
+                          "%d modes need %.3g GB, and this memory is not available", (int)wanted,
+                          2e-9 * (double)(room * count * sizeof(double)));
     }
     *eigen = made;
     return PEL_OK;

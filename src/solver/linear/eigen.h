@@ -1,7 +1,7 @@
 /* Largest eigenvalues of an operator A that is symmetric in a metric N: x . N A y = y . N A x. A block Lanczos method
    with full reorthogonalization and thick restarts (Wu and Simon 2000): the basis grows by the residuals of Ritz
    vectors, and shrinks to these when it is full. Frequencies and buckling factors are the inverse of such eigenvalues
-   (solve/modes.h). Deterministic. */
+   (newton/modes.h). Deterministic. */
 #ifndef PEL_LINEAR_EIGEN_H
 #define PEL_LINEAR_EIGEN_H
 

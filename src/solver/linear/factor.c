@@ -27,10 +27,10 @@ static pel_status check_memory(const pel_factor_plan *plan, pel_factor_precision
     double limit = pel_memory_limit();
     if (needed <= limit)
         return PEL_OK;
-    pel_fail(error, PEL_OUT_OF_MEMORY, "the factor of a matrix of %d unknowns needs %.3g GB; %.3g GB are available",
-             (int)plan->unknown_count, 1e-9 * needed, 1e-9 * limit);
-    pel_fail_remedy(error, "use a coarser mesh, or the method xpbd or explicit, which need no matrix");
-    return PEL_OUT_OF_MEMORY;
+    return pel_refuse(error, PEL_OUT_OF_MEMORY,
+                      "use a coarser mesh, or the method xpbd or explicit, which need no matrix",
+                      "the factor of a matrix of %d unknowns needs %.3g GB; %.3g GB are available",
+                      (int)plan->unknown_count, 1e-9 * needed, 1e-9 * limit);
 }
 
 pel_status pel_factor_create(const pel_factor_plan *plan, pel_factor_precision precision, pel_factor **factor,

@@ -1,0 +1,66 @@
+/* Shared by the experiments of paper B: a closed shell that shrinks under an outside pressure, with self-contact. */
+#ifndef PAPERS_B_SHRINK_H
+#define PAPERS_B_SHRINK_H
+
+#include "papers/b/body.h"
+#include "papers/b/cases.h"
+
+#define B_PAPER "paper B"
+
+/* Runs the scene of the file for a body into "BODY-WHAT"; settings is a null-terminated list of overrides, nullable. */
+pel_status b_shrink(lab_experiment *experiment, int body, const char *what, const char *const *settings,
+                    pel_run_summary *summary);
+/* "BODY-WHAT"; returns name (64 bytes) */
+const char *b_run_name(const lab_experiment *experiment, int body, const char *what, char *name);
+
+/* Numbers of a body: lab_expect, lab_at_most, lab_at_least and lab_tell with the name "BODY: TEXT". */
+void b_expect(lab_experiment *experiment, int body, const char *text, double value, double expected, double tolerance,
+              const char *source);
+void b_at_most(lab_experiment *experiment, int body, const char *text, double value, double limit, const char *source);
+void b_at_least(lab_experiment *experiment, int body, const char *text, double value, double limit, const char *source);
+void b_tell(lab_experiment *experiment, int body, const char *text, double value, double expected, const char *source);
+
+/* Begins the claim that step 4 leaves no self-intersection; the number of them that a body has in the end. */
+void b_begin_contact_claim(lab_experiment *experiment);
+void b_no_intersections(lab_experiment *experiment, int body, const char *text, double count);
+
+/* bodies of a picture with a row for each: the first ones */
+enum { B_SHOWN = 3 };
+int b_shown(const lab_experiment *experiment);
+
+/* volume over that at rest in a frame of a run, or its last one; rises of it up to there */
+pel_status b_volume(const lab_experiment *experiment, const char *run, int frame, double *ratio, int *rises);
+/* volume of a run over that of another one in a frame, or in the last one that both have */
+pel_status b_volume_ratio(const lab_experiment *experiment, const char *run, const char *other, int frame,
+                          double *ratio);
+/* number in the last row of a column */
+pel_status b_last(const lab_experiment *experiment, const char *run, const char *column, double *number);
+
+/* Writes a plot of the volumes of runs (count) with these labels. */
+pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const char *const *runs,
+                          const char *const *labels, int count);
+
+/* A setting for fibres (E_A), before that of their region (cap of a body); returns text (64 bytes). */
+const char *b_fibres(const char *energy, char *text);
+
+/* a frame of a run, or its last one */
+pel_status b_read_frame(const lab_experiment *experiment, const char *run, int frame, pel_mesh **mesh);
+
+/* The surface of a frame relative to frame 0. */
+typedef struct b_shrunk {
+    double cap_way, body_way; /* root mean square of the displacement of the vertices of the cap, and of all [m] */
+    double cap_depth;         /* mean way inward, along the normals at rest, of the cap [m] */
+    double roughness;         /* of the mean curvature: its difference from the mean of the neighbours, over itself */
+    double cap_curvature;     /* mean of the mean curvature in the cap [1/m] */
+    double energy;            /* mean membrane energy per area at rest over mu */
+    double energy_spread;     /* standard deviation over mean of the membrane energy per area, by area */
+    double most_stretch;      /* longest edge over its length at rest */
+} b_shrunk;
+
+pel_status b_measure(const lab_experiment *experiment, int body, const char *run, int frame, b_shrunk *shape);
+/* membrane energy per area at rest over mu at the vertices (vertex_count): St. Venant and Kirchhoff, nu = 0.3 */
+void b_energy_density(const pel_mesh *rest, const pel_mesh *mesh, double *density);
+/* the same of two meshes with equal triangles */
+pel_status b_compare(const b_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error);
+
+#endif

@@ -1,0 +1,9 @@
+/* Our own checks: refinement, shells, and shells against mechanics. */
+#ifndef PAPERS_OWN_CASES_H
+#define PAPERS_OWN_CASES_H
+
+#include "papers/lab/experiment.h"
+
+extern const lab_case own_accuracy, own_shells, own_refinement, own_validation;
+
+#endif

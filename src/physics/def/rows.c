@@ -1,0 +1,539 @@
+#include "def/row_words.h"
+#include "geom/solid.h"
+#include "law/bending_model.h"
+#include "law/membrane.h"
+
+/* parts of the fingerprint: of bodies by group, of other defs one for all members */
+#define BODY(member, PART) OF(BODY, pel_body_def, member, PART)
+#define BODY_LIST(member, count, PART) LIST_OF(BODY, pel_body_def, member, count, PART)
+#define MEMBRANE(member) BODY(shell.membrane.member, MEMBRANE)
+#define BENDING(member) BODY(shell.bending.member, BENDING)
+#define PRESSURE(member) BODY(shell.pressure.member, PRESSURE)
+#define REFINE(member) BODY(refine.member, REFINEMENT)
+#define FIBRES(member) OF(FIBRES, pel_anisotropy_def, member, ANISOTROPY)
+#define SUPPORT(member) OF(SUPPORT, pel_support_def, member, SUPPORTS)
+#define SUPPORT_LIST(member, count) LIST_OF(SUPPORT, pel_support_def, member, count, SUPPORTS)
+#define MODEL(member, PART) OF(MODEL, pel_model_def, member, PART)
+#define LOAD(member) OF(LOAD, pel_load_def, member, LOADS)
+#define LOAD_LIST(member, count) LIST_OF(LOAD, pel_load_def, member, count, LOADS)
+#define TOOL(member) OF(TOOL, pel_tool_def, member, TOOLS)
+#define TOOL_LIST(member, count) LIST_OF(TOOL, pel_tool_def, member, count, TOOLS)
+#define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
+#define SOLVER(member) OF(SOLVER, pel_solver_def, member, SOLVER)
+
+/* regions of fibres are a group of scenes */
+#define FIBRES_PATH(name) "<anisotropy>." name, .parameter_path = "bodies[].anisotropy[]." name
+#define STRUCTURE(why) REFUSED(why, "make a simulation with the new value, and set positions and velocities in it")
+#define WHEN(condition) .applies = condition
+
+/* ---- conditions: which defs read a member ---- */
+
+#define CONDITION(name, type, expression)                                                                              \
+    static bool name(const void *pointer)                                                                              \
+    {                                                                                                                  \
+        const type *def = pointer;                                                                                     \
+        return expression;                                                                                             \
+    }
+
+static bool law_reads(const pel_body_def *def, pel_law_trait number)
+{
+    return def->shell.membrane.on && (pel_membrane_law_traits(def->shell.membrane.kind) & (int)number) != 0;
+}
+
+CONDITION(is_per_vertex, pel_body_def, def->mass_kind == PEL_MASS_PER_VERTEX)
+CONDITION(is_total, pel_body_def, def->mass_kind == PEL_MASS_TOTAL)
+CONDITION(is_density, pel_body_def, def->mass_kind == PEL_MASS_DENSITY)
+CONDITION(has_spring_young, pel_body_def, def->spring_thickness > 0)
+CONDITION(has_spring_stiffness, pel_body_def, !(def->spring_thickness > 0))
+CONDITION(has_filling_young, pel_body_def, def->volumetric_depth > 0)
+CONDITION(has_filling_stiffness, pel_body_def, !(def->volumetric_depth > 0))
+CONDITION(has_membrane, pel_body_def, def->shell.membrane.on)
+CONDITION(reads_poisson, pel_body_def, law_reads(def, PEL_LAW_READS_POISSON))
+CONDITION(reads_mooney_ratio, pel_body_def, law_reads(def, PEL_LAW_READS_MOONEY_RATIO))
+CONDITION(reads_extension_limit, pel_body_def, law_reads(def, PEL_LAW_READS_EXTENSION_LIMIT))
+CONDITION(reads_stiffening, pel_body_def, law_reads(def, PEL_LAW_READS_STIFFENING))
+CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
+CONDITION(is_pressed, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GIVEN)
+CONDITION(is_gas, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GAS)
+CONDITION(has_target, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_VOLUME)
+CONDITION(has_pressure, pel_body_def, def->shell.pressure.kind != PEL_PRESSURE_NONE)
+CONDITION(refines, pel_body_def, def->refine.levels > 0)
+CONDITION(looks_at_force, pel_body_def, refines(def) && def->refine.above > 0)
+CONDITION(looks_at_curvature, pel_body_def, refines(def) && def->refine.curvature_above > 0)
+CONDITION(caves, pel_anisotropy_def, def->mode == PEL_FIBRE_CAVE)
+CONDITION(is_active, pel_anisotropy_def, def->mode == PEL_FIBRE_ACTIVE)
+CONDITION(curls, pel_anisotropy_def, def->mode == PEL_FIBRE_CURL)
+CONDITION(has_fibres, pel_anisotropy_def, def->mode != PEL_FIBRE_CURL)
+CONDITION(has_foundation, pel_support_def, def->foundation > 0)
+CONDITION(has_radius, pel_tool_def, pel_solid_rows[def->shape].has_radius)
+CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
+CONDITION(has_size, pel_tool_def, pel_solid_rows[def->shape].has_size)
+CONDITION(is_instrument, pel_tool_def, def->shape != PEL_TOOL_SUPPORT)
+CONDITION(grasps, pel_tool_def, def->grasp)
+CONDITION(is_enabled, pel_contact_def, def->enabled)
+CONDITION(is_quasi_static, pel_solver_def, def->method == PEL_METHOD_QUASI_STATIC)
+CONDITION(is_explicit, pel_solver_def, def->method == PEL_METHOD_EXPLICIT)
+CONDITION(is_xpbd, pel_solver_def, def->method == PEL_METHOD_XPBD)
+CONDITION(is_descent, pel_solver_def, def->method == PEL_METHOD_DESCENT)
+CONDITION(has_substeps, pel_solver_def,
+          def->method == PEL_METHOD_PBD || def->method == PEL_METHOD_PBD_DISTANCE || is_xpbd(def))
+CONDITION(has_drag, pel_solver_def, has_substeps(def) || is_explicit(def))
+CONDITION(iterates, pel_solver_def, has_substeps(def) || is_descent(def))
+
+/* ---- the table ---- */
+
+static const pel_def_row rows[] = {
+    {"bodies", DEFS_OF(MODEL, pel_model_def, bodies, body_count, BODY, MESH), LIST, COUNT_FROM(1), REQUIRED,
+     .doc = "deformable surfaces"},
+    {"bodies[]", MAP, .doc = "one body"},
+    {"bodies[].name", BODY(name, NONE), NAME, .preset = "body#", .doc = "name in outputs, loads and tools"},
+    {"bodies[].mesh", BODY(mesh, MESH), MAP, REQUIRED, .like = "<mesh>", .doc = "the surface at rest"},
+    {"bodies[].preset", WORD("tissue", "paper-a"), .preset = "tissue",
+     .doc = "defaults of `mass`, `springs` and `volumetric`. tissue: density and Young's modulus, for meshes of any "
+            "size and fineness; paper-a: the numbers of paper A, a mass of 1 kg per vertex, stiffnesses k = 3 and k' = "
+            "1.5 N/m, dampings d = d' = 0.5 N s/m. A body with a membrane has no springs unless `springs` is given"},
+    {"bodies[].mass", BODY(mass_kind, MASS), MAP, .preset = "{}", .doc = "mass of the vertices, by one of three keys"},
+    {"bodies[].mass.per_vertex", BODY(mass, MASS), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, .initial = 1,
+     WHEN(is_per_vertex), .doc = "mass of each vertex (paper A: 1)"},
+    {"bodies[].mass.total", BODY(mass, MASS), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, WHEN(is_total),
+     .doc = "mass of the body, distributed evenly over its vertices"},
+    {"bodies[].mass.density", BODY(mass, MASS), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, .preset = "1000",
+     WHEN(is_density), .doc = "density of the material"},
+    {"bodies[].mass.thickness", BODY(thickness, MASS), .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP,
+     WORDS("auto"), .like = "<field>", .unit = "m", POSITIVE, .needs = "density", .preset = "auto", WHEN(is_density),
+     IMPLYING,
+     .doc = "thickness of the shell. auto: that of the membrane; without a membrane the enclosed volume over the area, "
+            "so that the body is filled; for an open surface a tenth of the radius of a ball with the same area"},
+    {"bodies[].springs", MAP, .preset = "{}", .doc = "structural springs on the edges (paper A, eq. A-3)"},
+    {"bodies[].springs.young", BODY(spring_stiffness, SPRINGS), QUANTITY, .unit = "Pa", AT_LEAST(0), ALTERNATIVE,
+     .preset = "5000", WHEN(has_spring_young), IMPLYING,
+     .doc = "Young's modulus E of the skin. An edge of length L between triangles of area A has the stiffness E "
+            "`thickness` A / L^2, so that the response does not depend on the fineness of the mesh"},
+    {"bodies[].springs.thickness", BODY(spring_thickness, SPRINGS), NUMBER_OR("auto"), .unit = "m", POSITIVE,
+     .needs = "young", .preset = "auto", WHEN(has_spring_young),
+     .doc = "thickness of the skin. auto: a tenth of the body's radius, which is 3 times its volume over its area, or "
+            "for an open surface the radius of a ball with the same area"},
+    {"bodies[].springs.drag", BODY(spring_damping, SPRINGS), QUANTITY, .unit = "1/s", AT_LEAST(0), .needs = "young",
+     .preset = "0.5", WHEN(has_spring_young), .doc = "damping of each vertex per unit of its mass"},
+    {"bodies[].springs.stiffness", BODY(spring_stiffness, SPRINGS), QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
+     .initial = 3, WHEN(has_spring_stiffness),
+     .doc = "stiffness k of each edge, independent of its length (paper A: 3), so that a finer mesh is stiffer"},
+    {"bodies[].springs.damping", BODY(spring_damping, SPRINGS), QUANTITY, .unit = "N s/m", AT_LEAST(0),
+     .needs = "stiffness", DEFAULT(0.5), WHEN(has_spring_stiffness), .doc = "damping d of each vertex (eq. A-2)"},
+    {"bodies[].contact", MAP, .doc = "contact parameters of this body; default: those of `contact`"},
+    {"bodies[].contact.friction", BODY(friction, SURFACE), NUMBER, AT_LEAST(0), AUTO(-1),
+     .doc = "Coulomb's coefficient of the body"},
+    {"bodies[].contact.thickness", BODY(contact_thickness, SURFACE), NUMBER, .unit = "m", POSITIVE, AUTO(-1),
+     .doc = "contact thickness of the body; two surfaces keep a distance of half the thickness of each"},
+    {"bodies[].contact.restitution", BODY(restitution, SURFACE), NUMBER, BETWEEN(0, 1), AUTO(-1),
+     .doc = "coefficient of restitution of the body"},
+    {"bodies[].volumetric", MAP,
+     .doc = "volumetric springs that model the filling: each vertex is pulled back to its rest position (paper A, eq. "
+            "A-4); optional"},
+    {"bodies[].volumetric.young", BODY(volumetric_stiffness, VOLUMETRIC), QUANTITY, .unit = "Pa", AT_LEAST(0),
+     ALTERNATIVE, .preset = "5000", WHEN(has_filling_young),
+     .doc = "Young's modulus E of the filling. A vertex with area A has the stiffness E A / `depth`; default: that of "
+            "`springs`"},
+    {"bodies[].volumetric.depth", BODY(volumetric_depth, VOLUMETRIC), NUMBER_OR("auto"), .unit = "m", POSITIVE,
+     .needs = "young", .preset = "auto", WHEN(has_filling_young),
+     .doc = "depth of the filling under the surface. auto: the body's radius, see springs.thickness"},
+    {"bodies[].volumetric.drag", BODY(volumetric_damping, VOLUMETRIC), QUANTITY, .unit = "1/s", AT_LEAST(0),
+     .needs = "young", .preset = "20", WHEN(has_filling_young),
+     .doc = "damping of each vertex along its displacement, per unit of its mass"},
+    {"bodies[].volumetric.stiffness", BODY(volumetric_stiffness, VOLUMETRIC), QUANTITY, .unit = "N/m", AT_LEAST(0),
+     ALTERNATIVE, .initial = 1.5, WHEN(has_filling_stiffness), .doc = "stiffness k' of each vertex (paper A: 1.5)"},
+    {"bodies[].volumetric.damping", BODY(volumetric_damping, VOLUMETRIC), QUANTITY, .unit = "N s/m", AT_LEAST(0),
+     .needs = "stiffness", DEFAULT(0.5), WHEN(has_filling_stiffness), .doc = "damping d' of each vertex"},
+    {"bodies[].scale_with_area", BODY(volumetric_by_area, VOLUMETRIC), BOOLEAN, .preset = "false",
+     .doc = "true: the volumetric stiffness k' and the dampings d and d' are proportional to the area of a vertex"},
+    {"bodies[].reference_count", BODY(reference_count, VOLUMETRIC), INTEGER, COUNT_FROM(1), DEFAULT(252),
+     .doc = "with scale_with_area: the stiffness and dampings are those of a vertex with the area of the body over "
+            "this count (paper A: 252)"},
+    {"bodies[].pinned", BODY_LIST(pinned, pinned_count, PINS), REGION,
+     .doc = "vertices that never move, or move with `support`; optional"},
+    {"bodies[].velocity", BODY(velocity, START), FIXED, VECTOR, .unit = "m/s", .preset = "[0, 0, 0]",
+     .doc = "velocity of the body at the start; for methods with velocities"},
+    {"bodies[].angular_velocity", BODY(angular_velocity, START), FIXED, VECTOR, .unit = "rad/s", .preset = "[0, 0, 0]",
+     .doc = "angular velocity at the start, about the center of mass; added to `velocity`"},
+    {"bodies[].support", MAP, .needs = "pinned",
+     .doc = "rigid motion of the pinned vertices; default: they do not move"},
+    {"bodies[].support.center", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "center of rotation at rest"},
+    {"bodies[].support.motion", LIST, COUNT_FROM(1), REQUIRED,
+     .doc = "poses over time; position and angle are linear between keys and constant before the first and after the "
+            "last"},
+    {"bodies[].support.motion[]", MAP, .doc = "one pose"},
+    {"bodies[].support.motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
+    {"bodies[].support.motion[].position", VECTOR, .unit = "m", .preset = "[0, 0, 0]",
+     .doc = "displacement of the center from its rest position"},
+    {"bodies[].support.motion[].rotation", MAP, .doc = "rotation of the support about its center; optional"},
+    {"bodies[].support.motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"bodies[].support.motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
+     .doc = "angle, counter-clockwise; from 0 to 720 is two turns"},
+
+    {"bodies[].supports", DEFS_OF(SIM, pel_sim_def, supports, support_count, SUPPORT, SUPPORTS), LIST, .preset = "[]",
+     .doc = "supports of single displacement components, for the methods static and implicit; each reports its "
+            "reaction force"},
+    {"bodies[].supports[]", MAP, .doc = "one support"},
+    {"bodies[].supports[].name", OF(SUPPORT, pel_support_def, name, NONE), NAME, .preset = "support#",
+     .doc = "name in outputs, after the name of the body"},
+    {"bodies[].supports[].at", SUPPORT_LIST(vertices, vertex_count), REGION, REQUIRED, .doc = "supported vertices"},
+    {"bodies[].supports[].fix", SUPPORT(fix), LIST, COUNT_FROM(0), ALTERNATIVE, .preset = "[\"x\", \"y\", \"z\"]",
+     .doc = "fixed displacement components, along the axes of `frame`; [] fixes rotation only"},
+    {"bodies[].supports[].fix[]", WORD("x", "y", "z"), .doc = "one component"},
+    {"bodies[].supports[].symmetry", .forms = PEL_FORM_WORD | PEL_FORM_VECTOR, WORDS("x", "y", "z"), ALTERNATIVE,
+     .doc = "plane of symmetry with this normal: fixes the displacement along the normal and the rotation of edges in "
+            "the plane"},
+    {"bodies[].supports[].frame", SUPPORT(axes), MAP, .needs = "fix",
+     .doc = "axes of the components; default: x, y, z"},
+    {"bodies[].supports[].frame.x", VECTOR, REQUIRED, .doc = "direction of x, of any length but 0"},
+    {"bodies[].supports[].frame.y", VECTOR,
+     .doc = "direction of y, made orthogonal to x; default: any direction orthogonal to x"},
+    {"bodies[].supports[].displacement", SUPPORT(displacement), VECTOR, .unit = "m", .needs = "fix",
+     .preset = "[0, 0, 0]", .doc = "prescribed displacement of the fixed components, along the axes of `frame`"},
+    {"bodies[].supports[].keys", SUPPORT_LIST(keys, key_count), LIST, COUNT_FROM(1), .needs = "displacement",
+     .doc = "factor on the displacement over time, linear between the keys"},
+    {"bodies[].supports[].keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
+    {"bodies[].supports[].rotation", SUPPORT(fix_rotation), FIXED, WORD("free", "fixed"), .needs = "fix",
+     .preset = "free",
+     .doc = "fixed: clamps edges with both ends in the region, whose normals then keep their direction (bending model "
+            "midedge)"},
+    {"bodies[].supports[].stiffness", SUPPORT(stiffness), NUMBER, .unit = "N/m", POSITIVE, .needs = "fix", AUTO(0),
+     .doc = "spring stiffness of the support at each vertex; default: rigid"},
+    {"bodies[].supports[].foundation", SUPPORT(foundation), NUMBER, .unit = "N/m3", POSITIVE, .needs = "fix",
+     WHEN(has_foundation),
+     .doc = "elastic (Winkler) foundation under the triangles of the region: stiffness per area at rest; optional"},
+
+    {"bodies[].membrane", MEMBRANE(on), MAP,
+     .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},
+    {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
+     .doc = "a material of `pellicle presets`; other keys of `membrane` override its numbers"},
+    {"bodies[].membrane.material", MEMBRANE(kind), .forms = PEL_FORM_WORD, .words = pel_membrane_words,
+     .preset = "stvk", WHEN(has_membrane), IMPLYING, .doc = "constitutive law"},
+    {"bodies[].membrane.young", MEMBRANE(young), FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
+     WHEN(has_membrane), IMPLYING, .doc = "Young's modulus"},
+    {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
+     WHEN(reads_poisson),
+     .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
+            "ignore it"},
+    {"bodies[].membrane.thickness", MEMBRANE(thickness), FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
+     WHEN(has_membrane), IMPLYING, .doc = "thickness of the sheet; default: that of `mass`"},
+    {"bodies[].membrane.mooney_ratio", MEMBRANE(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2),
+     WHEN(reads_mooney_ratio), .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].membrane.extension_limit", MEMBRANE(extension_limit), NUMBER, POSITIVE, DEFAULT(50),
+     WHEN(reads_extension_limit),
+     .doc = "gent: limit of I1 - 3, where the polymer chains are fully extended; 30 to 100 for rubber"},
+    {"bodies[].membrane.stiffening", MEMBRANE(stiffening), NUMBER, POSITIVE, DEFAULT(10), WHEN(reads_stiffening),
+     .doc = "fung: b in the tangent stiffness, which grows as exp(b e^2 / 2) with the uniaxial strain e"},
+    {"bodies[].membrane.strain_limit", MEMBRANE(strain_limit), NUMBER, .range = {true, true, 0, 0.99}, AUTO(0),
+     WHEN(has_membrane),
+     .doc = "pbd and xpbd, for cloth: keeps principal stretches between 1 - strain_limit and 1 + strain_limit; "
+            "default: no limit"},
+    {"bodies[].bending", MAP,
+     .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
+            "material, but none under pbd and pbd-distance"},
+    {"bodies[].bending.model", BENDING(model), .forms = PEL_FORM_WORD, .words = pel_bending_words, .preset = "hinge",
+     .varies = true, WHEN(has_bending), STRUCTURE("the model of bending decides what elements there are"),
+     .doc = "none: no resistance; isometric: paper B's model, which flattens a curved rest shape; isometric-rest: the "
+            "same with the minimum of its energy at the rest shape; hinge: change of the dihedral angles; midedge: "
+            "plate bending that does not depend on the mesh, only for the methods static and implicit. Default: hinge; "
+            "midedge under static and implicit"},
+    {"bodies[].bending.weight", BENDING(weight), NUMBER_OR("auto"), BETWEEN(0, 1), DEFAULT(0.01), AUTO(-1),
+     WHEN(has_bending),
+     .doc = "pbd: factor on the position corrections (paper B, k_B). auto: starts at 0.01, decreases by 1 % per step "
+            "while the volume changes monotonically, is halved when the change of the volume reverses, and is at least "
+            "0.001"},
+    {"bodies[].bending.stiffness", BENDING(stiffness), .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP,
+     WORDS("auto"), .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto", AUTO(-1), WHEN(has_bending),
+     .doc = "flexural rigidity D, for all methods but pbd and pbd-distance; auto: E h^3 / (12 (1 - nu^2)) of the "
+            "membrane"},
+    {"bodies[].anisotropy", DEFS_OF(BODY, pel_body_def, shell.anisotropies, shell.anisotropy_count, FIBRES, ANISOTROPY),
+     .forms = PEL_FORM_MAP | PEL_FORM_LIST, COUNT_FROM(1), .like = "<anisotropy>",
+     .doc = "regions with fibres (paper B, section 3): one map or a list of them; optional"},
+    {"bodies[].anisotropy[]", MAP, .like = "<anisotropy>", .doc = "one region with fibres"},
+    {"bodies[].pressure", PRESSURE(kind), MAP, .doc = "pressure on the surface; optional"},
+    {"bodies[].pressure.outside", PRESSURE(outside), QUANTITY, .unit = "Pa", ALTERNATIVE, WHEN(is_pressed),
+     .doc = "excess of the outside pressure: presses inward (paper B)"},
+    {"bodies[].pressure.inside", PRESSURE(outside), QUANTITY, .unit = "Pa", ALTERNATIVE, FACTOR(-1), WHEN(is_pressed),
+     .doc = "excess of the inside pressure: inflates"},
+    {"bodies[].pressure.gas", MAP, ALTERNATIVE,
+     .doc = "an enclosed gas with constant p V^gamma, in equilibrium at rest"},
+    {"bodies[].pressure.gas.pressure", PRESSURE(value), NUMBER, .unit = "Pa", POSITIVE, .preset = "101325",
+     WHEN(is_gas), .doc = "pressure of the gas at rest and of the surrounding air"},
+    {"bodies[].pressure.gas.gamma", PRESSURE(gamma), NUMBER, BETWEEN(1, 10), DEFAULT(1.4), WHEN(is_gas),
+     .doc = "adiabatic index: 1 for isothermal, 1.4 for adiabatic changes of air"},
+    {"bodies[].pressure.gas.outside", PRESSURE(outside), QUANTITY, .unit = "Pa", .preset = "0", WHEN(is_gas),
+     .doc = "additional outside pressure; negative inflates"},
+    {"bodies[].pressure.volume", MAP, ALTERNATIVE, .doc = "drives the enclosed volume to a target"},
+    {"bodies[].pressure.volume.target", PRESSURE(target), QUANTITY, AT_LEAST(0), REQUIRED, .initial = 1,
+     WHEN(has_target), .doc = "ratio of the target volume to the rest volume"},
+    {"bodies[].pressure.volume.bulk", PRESSURE(bulk), NUMBER, .unit = "Pa", POSITIVE, REQUIRED, WHEN(has_target),
+     .doc = "bulk modulus: pressure per relative difference of volume"},
+    {"bodies[].pressure.volume.outside", PRESSURE(outside), QUANTITY, .unit = "Pa", .preset = "0", WHEN(has_target),
+     .doc = "outside pressure; negative inflates"},
+    {"bodies[].pressure.form", PRESSURE(form), WORD("consistent", "vertex-normal"), .preset = "consistent",
+     WHEN(has_pressure),
+     .doc = "consistent: minus pressure times the gradient of the volume; vertex-normal: along the vertex normal, as "
+            "paper B writes it"},
+    {"bodies[].pressure.region", PRESSURE(weights), REGION, .preset = "all",
+     .doc = "region on which the pressure acts"},
+
+    {"bodies[].refine", MAP, .doc = "dynamic local refinement (paper A, section 3); optional"},
+    {"bodies[].refine.levels", REFINE(levels), INTEGER, BETWEEN(1, 6), .preset = "1", WHEN(refines),
+     STRUCTURE("the levels of detail are made once"), .doc = "finest level of detail; each one halves the edges"},
+    {"bodies[].refine.everywhere", REFINE(everywhere), BOOLEAN, .preset = "false", WHEN(refines),
+     STRUCTURE("it decides which triangles there are from the start"),
+     .doc = "true: refines the whole body to the finest level; excludes the criteria below"},
+    {"bodies[].refine.above", REFINE(above), NUMBER, .unit = "N/m2", POSITIVE, WHEN(looks_at_force), IMPLYING,
+     .doc = "refines around vertices whose elastic force per area is larger"},
+    {"bodies[].refine.below", REFINE(below), NUMBER_OR("auto"), .unit = "N/m2", AT_LEAST(0), .needs = "above",
+     .preset = "auto", WHEN(looks_at_force), .doc = "coarsens again below this value; auto: half of `above`"},
+    {"bodies[].refine.curvature", MAP, .doc = "refines where the surface bends or folds; optional"},
+    {"bodies[].refine.curvature.above", REFINE(curvature_above), NUMBER, .unit = "1/m", POSITIVE, REQUIRED,
+     WHEN(looks_at_curvature), IMPLYING,
+     .doc = "refines around vertices whose mean curvature has changed by more since rest"},
+    {"bodies[].refine.curvature.below", REFINE(curvature_below), NUMBER_OR("auto"), .unit = "1/m", AT_LEAST(0),
+     .preset = "auto", WHEN(looks_at_curvature), .doc = "coarsens again below this value; auto: half of `above`"},
+    {"bodies[].refine.near_tools", REFINE(near_tools), NUMBER, .unit = "m", POSITIVE, AUTO(0), WHEN(refines),
+     .doc = "refines triangles within this distance of a tool, before it touches; coarsens beyond 1.25 times the "
+            "distance"},
+    {"bodies[].refine.region", BODY_LIST(refine.region, refine.region_count, REFINEMENT), REGION,
+     .doc = "always refines the triangles at these vertices"},
+    {"bodies[].refine.region_levels", REFINE(region_levels), FIXED, INTEGER, BETWEEN(0, 6), .needs = "region",
+     .preset = "0", .doc = "minimum level in the region; 0: the finest level"},
+    {"bodies[].refine.rings", REFINE(rings), INTEGER, BETWEEN(1, 3), DEFAULT(2), WHEN(refines),
+     .doc = "rings of triangles that a vertex refines around it, on each level"},
+    {"bodies[].refine.dwell", REFINE(dwell), INTEGER, COUNT_FROM(0), .needs = "above, curvature, near_tools",
+     DEFAULT(50), WHEN(refines), .doc = "steps that a vertex must stay below `below` before it coarsens"},
+    {"bodies[].refine.interval", REFINE(interval), INTEGER, COUNT_FROM(1), .needs = "above, curvature, near_tools",
+     DEFAULT(10), WHEN(refines),
+     .doc = "number of steps in which every vertex is tested once; use 1 if steps are few and large, as under static"},
+    {"bodies[].refine.budget", REFINE(budget), INTEGER, COUNT_FROM(0), .preset = "0", WHEN(refines),
+     .doc = "maximum number of triangles of the body; the strongest candidates are refined first. 0: no limit"},
+    {"bodies[].refine.springs", REFINE(springs), WORD("van-gelder", "unchanged"), .preset = "van-gelder", WHEN(refines),
+     .doc = "stiffness on finer levels: van-gelder scales it by area over squared length; unchanged keeps it"},
+
+    {"gravity", MODEL(gravity, GRAVITY), VECTOR, .unit = "m/s2", .preset = "[0, 0, 0]",
+     .doc = "acceleration of all bodies"},
+
+    {"loads", DEFS_OF(SIM, pel_sim_def, loads, load_count, LOAD, LOADS), LIST, .preset = "[]",
+     .doc = "forces on vertices over time"},
+    {"loads[]", MAP, .doc = "one load"},
+    {"loads[].name", OF(LOAD, pel_load_def, name, NONE), NAME, .preset = "load#",
+     .doc = "name in messages and in parameters"},
+    {"loads[].body", LOAD(body), TEXT, .doc = "name of the body; optional if there is one"},
+    {"loads[].force", LOAD(force), VECTOR, .unit = "N", REQUIRED, DIRECT,
+     .doc = "the force; `per` defines how it is distributed"},
+    {"loads[].at", LOAD_LIST(vertices, vertex_count), REGION, .preset = "all", .doc = "loaded vertices"},
+    {"loads[].per", LOAD(kind), FIXED, WORD("total", "vertex", "length", "moment"), .preset = "total",
+     .doc = "total: each vertex has an equal part of the force, whatever its area (a force per area is a pressure or "
+            "gravity); vertex: it acts on each vertex; length: force per metre of the boundary edges with both ends "
+            "in the region [N/m]; moment: moment per metre of these edges [N m/m], whose component along an edge "
+            "turns the surface about it (bending model midedge)"},
+    {"loads[].follower", LOAD(follower), FIXED, BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
+     .doc = "true: the force rotates with the edge and its triangle"},
+    {"loads[].from", LOAD(from), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", DIRECT, IMPLYING,
+     .doc = "acts from this time on"},
+    {"loads[].until", LOAD(until), NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", AUTO((double)HUGE_VAL),
+     DIRECT, IMPLYING, .doc = "acts up to this time"},
+    {"loads[].keys", LOAD_LIST(keys, key_count), LIST, COUNT_FROM(1),
+     .doc = "factor on the force over time, linear between the keys"},
+    {"loads[].keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
+
+    {"tools", DEFS_OF(SIM, pel_sim_def, tools, tool_count, TOOL, TOOLS), LIST, .preset = "[]",
+     .doc = "rigid instruments that press and grasp; the force on each is reported"},
+    {"tools[]", MAP, .doc = "one tool"},
+    {"tools[].name", OF(TOOL, pel_tool_def, name, NONE), NAME, .preset = "tool#", .doc = "name in outputs"},
+    {"tools[].shape", TOOL(shape), FIXED, .forms = PEL_FORM_WORD, ALTERNATIVE,
+     .doc = "shape of the tool; its dimensions are further keys of the tool"},
+    {"tools[].mesh", TOOL(mesh), MAP, ALTERNATIVE, .like = "<mesh>",
+     .doc = "the tool's surface about its center, open or closed; needs `contact`"},
+    {"tools[].radius", TOOL(radius), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere", REQUIRED,
+     WHEN(has_radius), .doc = "radius of the sphere"},
+    {"tools[].radius", NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule", REQUIRED,
+     .doc = "radius of the capsule"},
+    {"tools[].length", TOOL(half_length), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "capsule",
+     REQUIRED, FACTOR(2), WHEN(has_length), .doc = "distance of the centers of the caps, along the tool's z axis"},
+    {"tools[].size", TOOL(half_extents), VECTOR, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "box", REQUIRED,
+     FACTOR(2), WHEN(has_size), .doc = "full lengths of the box along the tool's axes"},
+    {"tools[].body", TOOL(body), .initial = -1, TEXT, .doc = "the only body that the tool acts on; default: all"},
+    {"tools[].friction", TOOL(friction), NUMBER, AT_LEAST(0), AUTO(-1), WHEN(is_instrument),
+     .doc = "Coulomb's coefficient of the tool; default: that of `contact`"},
+    {"tools[].thickness", TOOL(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(-1), WHEN(is_instrument),
+     .doc = "contact thickness of the tool; a body and the tool keep a distance of half the thickness of each; "
+            "default: that of `contact`"},
+    {"tools[].restitution", TOOL(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_instrument),
+     .doc = "coefficient of restitution of the tool; default: that of `contact`"},
+    {"tools[].press", TOOL(press), BOOLEAN, DEFAULT(true), WHEN(is_instrument),
+     .doc = "true: pushes bodies out of the tool"},
+    {"tools[].grasp", TOOL(grasp), MAP, .doc = "holds the vertices inside the tool and near its surface; optional"},
+    {"tools[].grasp.from", TOOL(grasp_from), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", WHEN(grasps), DIRECT,
+     IMPLYING, .doc = "closes at this time"},
+    {"tools[].grasp.until", TOOL(grasp_until), NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end",
+     AUTO((double)HUGE_VAL), WHEN(grasps), DIRECT, IMPLYING, .doc = "opens at this time"},
+    {"tools[].grasp.reach", TOOL(reach), NUMBER, .unit = "m", POSITIVE, REQUIRED, WHEN(grasps), DIRECT,
+     .doc = "grasps vertices inside the tool (a mesh must be closed) and within this distance of its surface"},
+    {"tools[].grasp.max_force", TOOL(grasp_max_force), NUMBER, .unit = "N", POSITIVE, AUTO(0), WHEN(grasps), DIRECT,
+     .doc = "maximum of the sum of the magnitudes of the forces on grasped vertices; above it the vertices with the "
+            "largest forces are released; default: no limit"},
+    {"tools[].motion", TOOL_LIST(keys, key_count), LIST, COUNT_FROM(1), REQUIRED,
+     .doc = "poses over time, linear between the keys in position and angle; one key for a fixed tool"},
+    {"tools[].motion[]", MAP, .doc = "one pose"},
+    {"tools[].motion[].time", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "time of the pose"},
+    {"tools[].motion[].position", VECTOR, .unit = "m", REQUIRED, .doc = "center of the tool"},
+    {"tools[].motion[].rotation", MAP,
+     .doc = "rotation of the tool about its center; optional. Between keys with the same axis the angle is linear as "
+            "written, so from 0 to 360 is a full turn. Between keys with different axes the number of whole turns is "
+            "linear, and the rest is interpolated spherically"},
+    {"tools[].motion[].rotation.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
+    {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
+     .doc = "angle, counter-clockwise; from 0 to 720 is two turns"},
+
+    {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), MAP,
+     .doc = "contact without interpenetration (paper B, section 4); optional"},
+    {"contact.self", CONTACT(self), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
+     STRUCTURE("parts that touch or intersect by now would be pushed apart at once"),
+     .doc = "contact between parts of one body"},
+    {"contact.between", CONTACT(between), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
+     STRUCTURE("bodies that touch or intersect by now would be pushed apart at once"),
+     .doc = "contact between different bodies"},
+    {"contact.thickness", CONTACT(thickness), .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE,
+     .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled),
+     .doc = "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
+            "thickness of each. A number of metres, or `relative` and a factor on the diagonal of the bounding box of "
+            "all bodies (at most half the shortest edge)"},
+    {"contact.friction", CONTACT(friction), NUMBER, AT_LEAST(0), .preset = "0", WHEN(is_enabled),
+     .doc = "Coulomb's coefficient of bodies and tools without their own; a pair has the geometric mean of both"},
+    {"contact.restitution", CONTACT(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_enabled),
+     .doc = "coefficient of restitution of bodies and tools without their own; a pair has the larger one. Only for "
+            "methods with velocities; default: the elasticity of the bodies determines the rebound"},
+    {"contact.method", CONTACT(method), WORD("conservative", "bridson"), .preset = "conservative", WHEN(is_enabled),
+     .doc = "conservative: a test that misses no contact; bridson: the cubic equation of paper B. The check at the end "
+            "of a step is always conservative"},
+    {"contact.response", CONTACT(response), WORD("in-loop", "after"), .preset = "in-loop", WHEN(is_enabled),
+     .doc =
+         "in-loop: resolves contacts in every sweep of pbd and xpbd or as constraints of descent, static and implicit, "
+         "and after the step until no pair is too close; after: one correction after the step, as in paper B"},
+    {"contact.start", CONTACT(allow_tangled), FIXED, WORD("refuse", "tangled"), .preset = "refuse",
+     .doc = "refuse: bodies that intersect at the start are an error; tangled: ignores these pairs until they have "
+            "separated"},
+    {"contact.sweeps", CONTACT(sweeps), INTEGER, COUNT_FROM(1), .preset = "10", AUTO(0), WHEN(is_enabled),
+     .doc = "maximum number of sweeps over the contacts after a step"},
+    {"contact.limit", CONTACT(limit), INTEGER, COUNT_FROM(0), .preset = "0", WHEN(is_enabled),
+     .doc = "maximum number of contacts; 0: 64 per vertex. Vertices of contacts beyond the limit are stepped back"},
+    {"contact.memory_limit", CONTACT(memory_limit), FIXED, NUMBER_OR("auto"), .unit = "bytes", POSITIVE,
+     .preset = "auto",
+     .doc = "memory for the candidate pairs of a step. Near the limit the search keeps fewer pairs for later steps. If "
+            "the pairs of one step exceed it, the step is divided or the run ends: use a smaller dt or a larger limit. "
+            "auto: 1 GiB, or 4 KiB per triangle if that is more"},
+
+    {"solver", DEF_OF(SIM, pel_sim_def, solver, SOLVER, SOLVER), MAP, .preset = "{}",
+     .doc = "method and time integration"},
+    {"solver.method", SOLVER(method),
+     WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
+     .preset = "quasi-static", .varies = true, STRUCTURE("the method decides what the state holds"),
+     .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
+            "B; pbd-distance: position-based dynamics of edge lengths; xpbd: position-based dynamics that follows the "
+            "stiffness of the material; descent: minimises the energy under tools and contacts; static: equilibria by "
+            "Newton's method; implicit: the midpoint rule, BDF2 or implicit Euler by Newton's method. Default: xpbd if "
+            "a body has a membrane or springs by `young`, as tissue has; implicit if xpbd would be too soft or slower; "
+            "quasi-static if springs are given by a stiffness in N/m"},
+    {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", POSITIVE, DEFAULT(0.01),
+     REFUSED("time is counted in steps of dt", "change substeps, or make a simulation with the new dt"),
+     .doc = "length of a step"},
+    {"solver.alpha", SOLVER(alpha), NUMBER_OR("auto"), POSITIVE, .preset = "auto", AUTO(0), WHEN(is_quasi_static),
+     .doc = "quasi-static: dimensionless step size; auto: a value that is stable on the mesh"},
+    {"solver.velocity", SOLVER(keep_velocity), WORD("ignore", "keep"), .preset = "ignore", WHEN(is_quasi_static),
+     .doc = "quasi-static: ignore computes forces without velocities, F(x, 0), so that damping has no effect; keep "
+            "computes F(x, v) with the velocities v of the last step"},
+    {"solver.integrator", SOLVER(symplectic), WORD("symplectic", "forward"), .preset = "symplectic",
+     .values = WORD_LIST("forward", "symplectic"), .initial = true, WHEN(is_explicit),
+     STRUCTURE("velocities of the two belong to different times"),
+     .doc = "explicit: symplectic Euler, or forward Euler as in paper A"},
+    {"solver.iterations", SOLVER(iterations), INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto", AUTO(0),
+     WHEN(iterates),
+     .doc = "pbd, xpbd: sweeps per substep; descent: iterations per step or, with tools or contact, in each of up to "
+            "12 rounds; static, implicit: linear systems in each round. auto: 5 for pbd, 1 for xpbd, 500 for descent "
+            "(50 in a round), 200 for static, 20 for implicit (40 with constraints)"},
+    {"solver.substeps", SOLVER(substeps), INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto", AUTO(0),
+     WHEN(has_substeps),
+     .doc = "pbd, xpbd: number of parts of a step. auto: 1 for pbd; for xpbd as many as keep the stretch within 5 % of "
+            "the material's, updated during the run"},
+    {"solver.max_substeps", SOLVER(max_substeps), INTEGER, COUNT_FROM(1), .preset = "200", AUTO(0), WHEN(is_xpbd),
+     .doc = "xpbd: maximum number of automatic substeps. A scene without `method` uses implicit if it needs more, or "
+            "if implicit is cheaper and `max_substeps` is not given"},
+    {"solver.second_order", SOLVER(second_order), BOOLEAN_OR("auto"), .preset = "auto", AUTO(PEL_AUTO), WHEN(is_xpbd),
+     STRUCTURE("the two remember different states"),
+     .doc = "xpbd: second order in time (BDF2). auto: on without tools, contact, gas and target volumes"},
+    {"solver.drag", SOLVER(drag), NUMBER, .unit = "1/s", AT_LEAST(0), .preset = "0", WHEN(has_drag),
+     .doc = "explicit, pbd, xpbd, implicit: drag of all bodies; velocities decrease as exp(-drag t)"},
+    {"solver.descent", SOLVER(gradient_only), WORD("lbfgs", "gradient"), .preset = "lbfgs", WHEN(is_descent),
+     .doc = "descent: L-BFGS, or plain gradient descent (paper B's comparison)"},
+    {"solver.steps", INTEGER, COUNT_FROM(1),
+     .doc = "static without `duration`: number of equal steps to the last key; default: steps at the largest interval "
+            "that divides all key times. With path arc-length: maximum number of steps; default: 100"},
+    {"solver.path", SOLVER(path), FIXED, WORD("time", "arc-length"), .preset = "time",
+     .doc = "static: arc-length multiplies all loads, gravity and prescribed pressures by one load factor that starts "
+            "at 0, and follows the equilibria through limit points (snap-through, a balloon beyond its largest "
+            "pressure) to the factor 1. Each arc length is a step and a frame; its size is automatic; series.csv has "
+            "the column load_factor"},
+    {"solver.analysis", SOLVER(analysis), FIXED, WORD("none", "modal", "buckling"), .preset = "none",
+     .doc = "static: modal computes the lowest frequencies and modes of the body under its loads; buckling computes "
+            "the lowest factors on all loads, gravity and pressure together at which the body buckles by linear "
+            "theory. Each mode is a frame; summary.json has the numbers"},
+    {"solver.modes", SOLVER(mode_count), FIXED, INTEGER, BETWEEN(1, 1000), .preset = "6",
+     .doc = "number of modes of an analysis"},
+    {"solver.budget", OF(SOLVER, pel_solver_def, budget, NONE), FACTOR(1000), FIXED, NUMBER, .unit = "ms", AT_LEAST(0),
+     .preset = "0",
+     .doc =
+         "static, implicit: wall time for a step; 0: no limit. A step ends after the linear system in progress, with "
+         "the best state so far; `solver_residual` in series.csv is its residual. Results depend on the machine"},
+    {"solver.threads", OF(SIM, pel_sim_def, thread_count, NONE), FIXED, INTEGER, COUNT_FROM(0), .preset = "0",
+     .doc = "threads of a step; 0: as many as the machine has. Unless it is 1, a further thread writes the frames. The "
+            "results do not depend on it"},
+
+    {"<anisotropy>", MAP, .doc = "a region with fibres"},
+    {"<anisotropy>.mode", FIBRES(mode), FIXED, WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
+     .doc = "cave: paper B's rule, moves triangles inward where fibres are shorter than at rest (pbd, xpbd); strain: "
+            "fibres resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
+    {"<anisotropy>.energy", FIBRES(kind), FIXED, WORD("arap", "stvk", "sqrt"), .preset = "arap",
+     .doc =
+         "cave, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
+         "1)^2, stvk k/2 (s^2 - 1)^2, which is 4 times as stiff at small strain"},
+    {FIBRES_PATH("stiffness"), FIBRES(stiffness), NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
+     .initial = 1, WHEN(has_fibres),
+     .doc = "stiffness of the fibres; auto: Young's modulus times the thickness of the membrane"},
+    {FIBRES_PATH("strength"), FIBRES(strength), NUMBER, .unit = "m", POSITIVE, .needs = "mode", .needs_word = "cave",
+     REQUIRED, WHEN(caves),
+     .doc = "inward motion of a triangle per step if its fibre is 5 % shorter than at rest; proportional to the square "
+            "of the shortening"},
+    {FIBRES_PATH("max_step"), FIBRES(max_step), NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave",
+     DEFAULT(0.05), WHEN(caves),
+     .doc = "maximum inward motion of a triangle per step, relative to its edge, for any iterations and substeps"},
+    {FIBRES_PATH("rest_length"), FIBRES(rest_length), QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active",
+     REQUIRED, .initial = 1, WHEN(is_active), .doc = "rest length of the fibres, relative to the rest shape"},
+    {FIBRES_PATH("curvature"), FIBRES(curvature), NUMBER, .needs = "mode", .needs_word = "curl", DEFAULT(-1),
+     WHEN(curls), .doc = "factor on the rest angles of hinges; below 0 the region bends inward"},
+    {"<anisotropy>.direction", FIBRES(direction), FIXED, .forms = PEL_FORM_WORD | PEL_FORM_VECTOR,
+     WORDS("center", "principal"), .preset = "center",
+     .doc = "direction of the fibres: towards the center of the region, along the largest stretch, or along a vector"},
+    {"<anisotropy>.region", FIBRES(weights), REGION, .preset = "all", .doc = "vertices with fibres"},
+
+    /* members without a key of their own */
+    {NULL, FIBRES(axis)},
+    {NULL, FIBRES(center)},
+    {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},
+    {NULL, TOOL_LIST(vertices, vertex_count)},
+    {NULL, TOOL(center)},
+    {NULL, CONTACT(enabled)},
+    {NULL, CONTACT(relative_thickness), .initial = 1e-4},
+};
+
+int32_t pel_def_row_count(void)
+{
+    return sizeof rows / sizeof *rows;
+}
+
+const pel_def_row *pel_def_row_at(int32_t index)
+{
+    return index >= 0 && index < pel_def_row_count() ? &rows[index] : NULL;
+}

@@ -1,0 +1,489 @@
+#include "minimise/constraint.h"
+
+#include "base/assert.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "contact/contact.h"
+#include "contact/set.h"
+#include "pellicle/geometry.h"
+#include "stage/surface_view.h"
+#include "tool/pose.h"
+
+#include <string.h>
+
+enum { ESTIMATE_SWEEPS = 20 };
+
+/* of the thickness */
+#define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
+
+/* weights of a point inside a feature are larger */
+#define INSIDE 1e-9
+
+/* ---- one constraint ---- */
+
+static double mobility_of(const pel_sim *sim, int32_t v)
+{
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
+    return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
+}
+
+void pel_minimise_contact_point(const pel_minimise_contact *constraint, const double *position, double point[3])
+{
+    pel_vec3_set(point, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            point[k] += constraint->weights[i] * position[3 * (size_t)constraint->vertices[i] + (size_t)k];
+}
+
+/* the same at the start of the step */
+static void find_start(const pel_sim *sim, const pel_minimise_contact *constraint, double point[3])
+{
+    pel_vec3_set(point, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            point[k] += constraint->weights[i] * (double)sim->state->position[constraint->vertices[i]][k];
+}
+
+/* Nearest points of a feature (in the tool's frame) and the axis of a round tool: weights of the feature's vertices and
+   the vector from the axis to it. A vertex and an edge are measured to the whole axis, a triangle to one end of it:
+   each of these points depends smoothly on the feature. The nearest point of a triangle to the whole axis does not: it
+   jumps from edge to edge if the triangle lies along the capsule. */
+static double find_nearest(const pel_solid *solid, const pel_minimise_contact *constraint, double x[3][3],
+                           double weights[4], double way[3])
+{
+    double half = solid->half_length, on_axis[4];
+    const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
+    double at[3] = {0, 0, constraint->end * half};
+    pel_vec3_set(weights, 1, 0, 0);
+    weights[3] = 0;
+    if (constraint->points == 3)
+        pel_closest_point_triangle(at, x[0], x[1], x[2], weights);
+    else if (constraint->points == 1)
+        at[2] = fmin(fmax(x[0][2], -half), half);
+    else {
+        pel_closest_segment_segment(x[0], x[1], low, high, on_axis);
+        weights[0] = on_axis[0];
+        weights[1] = on_axis[1];
+        at[2] = half * (on_axis[3] - on_axis[2]);
+    }
+    pel_vec3_scale(at, -1, way);
+    for (int i = 0; i < constraint->points; i++)
+        pel_vec3_along(way, weights[i], x[i], way);
+    return pel_vec3_length(way);
+}
+
+static void meet_round(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                       pel_gap_sample *meeting)
+{
+    const pel_tool *tool = &sim->tools->items[constraint->tool];
+    const pel_solid solid = pel_tool_press_solid(sim, tool, constraint->vertices[0]);
+    double x[3][3], way[3];
+    for (int i = 0; i < constraint->points; i++) {
+        pel_pose_to_local(&tool->pose, position + 3 * (size_t)constraint->vertices[i], x[i]);
+    }
+    double distance = find_nearest(&solid, constraint, x, meeting->weights, way);
+    /* on the axis every way out is as good */
+    if (distance > 0)
+        pel_vec3_scale(way, 1 / distance, way);
+    else
+        pel_vec3_set(way, 1, 0, 0);
+    meeting->gap = distance - solid.radius - constraint->offset;
+    pel_rotate(tool->pose.rotation, way, meeting->normal);
+}
+
+void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                               pel_gap_sample *meeting)
+{
+    double point[3];
+    if (constraint->points > 0) {
+        meet_round(sim, constraint, position, meeting);
+        return;
+    }
+    memcpy(meeting->weights, constraint->weights, sizeof meeting->weights);
+    pel_vec3_copy(constraint->normal, meeting->normal);
+    pel_minimise_contact_point(constraint, position, point);
+    meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
+}
+
+/* the friction force, without limit, for the displacement since the start of the step; false without friction */
+static bool find_drag(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                      double drag[3])
+{
+    if (!(constraint->friction > 0) || !(constraint->load > 0))
+        return false;
+    double now[3], before[3], slip[3];
+    pel_minimise_contact_point(constraint, position, now);
+    find_start(sim, constraint, before);
+    pel_vec3_subtract(now, before, slip);
+    pel_vec3_subtract(slip, constraint->drift, slip);
+    pel_vec3_along(slip, -pel_vec3_dot(slip, constraint->normal), constraint->normal, slip);
+    pel_vec3_along(constraint->drag, -constraint->stiffness, slip, drag);
+    return true;
+}
+
+/* shortens a vector to a limit; returns the length that it had */
+static double limit_length(double vector[3], double limit)
+{
+    double length = pel_vec3_length(vector);
+    if (length > limit)
+        pel_vec3_scale(vector, limit / length, vector);
+    return length;
+}
+
+static void push(const pel_minimise_contact *constraint, const double weights[4], const double load[3], double *force)
+{
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3 && weights[i] != 0; k++)
+            force[3 * (size_t)constraint->vertices[i] + (size_t)k] += weights[i] * load[k];
+}
+
+static double evaluate(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                       double *force)
+{
+    pel_gap_sample meeting;
+    double energy = 0, load[3], drag[3];
+    pel_minimise_contact_meet(sim, constraint, position, &meeting);
+    double along = constraint->load - constraint->stiffness * meeting.gap;
+    if (along > 0) {
+        pel_vec3_scale(meeting.normal, along, load);
+        push(constraint, meeting.weights, load, force);
+        energy += along * along / (2 * constraint->stiffness);
+    }
+    if (find_drag(sim, constraint, position, drag)) {
+        double limit = constraint->friction * constraint->load, length = limit_length(drag, limit);
+        push(constraint, constraint->weights, drag, force);
+        energy += length <= limit ? length * length / (2 * constraint->stiffness)
+                                  : limit * (length - 0.5 * limit) / constraint->stiffness;
+    }
+    return energy;
+}
+
+/* a stick holds with all of the stiffness across the normal; a slip turns its force at most */
+static void drag_stiffness(const pel_minimise_contact *constraint, const double drag[3], double across[3][3])
+{
+    double length = pel_vec3_length(drag), limit = constraint->friction * constraint->load;
+    bool slips = length > limit;
+    double stiffness = slips ? constraint->stiffness * limit / length : constraint->stiffness;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            double projection = (a == b) - constraint->normal[a] * constraint->normal[b];
+            double line = slips ? drag[a] * drag[b] / (length * length) : 0;
+            across[a][b] = stiffness * (projection - line);
+        }
+}
+
+/* The gap to a round tool is d - radius with the distance d of its middle from the nearest feature. To second order in
+   the displacements y of the vertices, with weights w and the unit vectors t in the feature (none of a vertex),
+
+     d = n . sum w_i y_i - d/2 sum_t (sum_i grad w_i . t (n . y_i) + w_i t . y_i / d)^2 + |across|^2 / (2 d);
+
+   the last term would make the matrix indefinite and is omitted. An edge along a capsule counts as one at the nearest
+   sphere. */
+static void add_row(const pel_gap_sample *meeting, double load, double distance, const double gradients[3][3],
+                    const double t[3], pel_contact_stiffness *stiffness)
+{
+    double root = sqrt(load * distance);
+    double(*row)[3] = stiffness->rows[stiffness->row_count++];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            row[i][k] =
+                root * (pel_vec3_dot(gradients[i], t) * meeting->normal[k] + meeting->weights[i] * t[k] / distance);
+    pel_vec3_set(row[3], 0, 0, 0);
+}
+
+/* gradients of the weights of a triangle's corners, in its plane, in the frame of its first side */
+static bool find_gradients(double x[3][3], double gradients[3][3], double t[2][3])
+{
+    double v[3], normal[3];
+    pel_vec3_subtract(x[1], x[0], t[0]);
+    pel_vec3_subtract(x[2], x[0], v);
+    pel_vec3_cross(t[0], v, normal);
+    double area = pel_vec3_normalize(normal);
+    if (!(area > 0))
+        return false;
+    pel_vec3_normalize(t[0]);
+    pel_vec3_cross(normal, t[0], t[1]);
+    for (int i = 0; i < 3; i++) {
+        double side[3];
+        pel_vec3_subtract(x[(i + 2) % 3], x[(i + 1) % 3], side);
+        pel_vec3_cross(normal, side, gradients[i]);
+        pel_vec3_scale(gradients[i], 1 / area, gradients[i]);
+    }
+    return true;
+}
+
+/* the same for one side, from its start to its end */
+static bool find_side_gradients(double x[3][3], int begin, int end, double gradients[3][3], double t[3])
+{
+    pel_vec3_subtract(x[end], x[begin], t);
+    double length = pel_vec3_normalize(t);
+    if (!(length > 0))
+        return false;
+    pel_vec3_scale(t, 1 / length, gradients[end]);
+    pel_vec3_scale(t, -1 / length, gradients[begin]);
+    return true;
+}
+
+static void add_turning(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                        const pel_gap_sample *meeting, double load, pel_contact_stiffness *stiffness)
+{
+    double x[3][3], gradients[3][3] = {{0}}, t[2][3];
+    int inside[3], count = 0;
+    for (int i = 0; i < 3; i++) {
+        pel_vec3_copy(position + 3 * (size_t)constraint->vertices[i], x[i]);
+        if (meeting->weights[i] > INSIDE)
+            inside[count++] = i;
+    }
+    const pel_solid solid = pel_tool_press_solid(sim, &sim->tools->items[constraint->tool], constraint->vertices[0]);
+    double distance = solid.radius + constraint->offset + meeting->gap;
+    if (count < 2 || !(distance > 0) ||
+        !(count == 3 ? find_gradients(x, gradients, t) : find_side_gradients(x, inside[0], inside[1], gradients, t[0])))
+        return;
+    for (int i = 0; i < count - 1; i++)
+        add_row(meeting, load, distance, (const double(*)[3])gradients, t[i], stiffness);
+}
+
+bool pel_minimise_contact_stiffness(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                                    pel_contact_stiffness *stiffness)
+{
+    pel_gap_sample meeting;
+    double drag[3];
+    pel_minimise_contact_meet(sim, constraint, position, &meeting);
+    double load = constraint->load - constraint->stiffness * meeting.gap;
+    bool drags = find_drag(sim, constraint, position, drag), acts = load > 0;
+    if (sim->minimise->kinks != NULL)
+        acts = sim->minimise->kinks[constraint - sim->minimise->constraints].acts;
+    *stiffness = (pel_contact_stiffness){0};
+    memcpy(stiffness->weights, meeting.weights, sizeof meeting.weights);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3 && acts; b++)
+            stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
+    if (drags)
+        drag_stiffness(constraint, drag, stiffness->across);
+    if (load > 0 && constraint->points > 0)
+        add_turning(sim, constraint, position, &meeting, load, stiffness);
+    return acts || drags;
+}
+
+void pel_minimise_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        pel_newton_kink *kink = &kinks[c];
+        pel_gap_sample meeting;
+        pel_minimise_contact_meet(sim, constraint, position, &meeting);
+        *kink = (pel_newton_kink){.gap = meeting.gap, .load = constraint->load, .stiffness = constraint->stiffness};
+        memcpy(kink->vertices, constraint->vertices, sizeof kink->vertices);
+        memcpy(kink->weights, meeting.weights, sizeof kink->weights);
+        pel_vec3_copy(meeting.normal, kink->normal);
+        kink->acts = kink->load - kink->stiffness * kink->gap > 0;
+    }
+    sim->minimise->kinks = kinks;
+}
+
+double pel_minimise_contacts_evaluate(pel_sim *sim, const double *position, double *force)
+{
+    pel_minimise *minimise = sim->minimise;
+    double energy = 0;
+    minimise->kinks = NULL;
+    for (int32_t c = 0; c < minimise->count; c++)
+        energy += evaluate(sim, &minimise->constraints[c], position, force);
+    return energy;
+}
+
+/* ---- all of them ---- */
+
+pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *constraint, pel_error *error)
+{
+    pel_minimise *minimise = sim->minimise;
+    double free = 0;
+    for (int i = 0; i < 4; i++) {
+        int32_t v = constraint->vertices[i];
+        double mobility = mobility_of(sim, v);
+        if (mobility > 0 && minimise->inertia != NULL)
+            mobility = 1 / (1 / mobility + minimise->inertia[v] / minimise->stiffness);
+        free += mobility * constraint->weights[i] * constraint->weights[i];
+    }
+    if (!(free > 0))
+        return PEL_OK;
+    if (!pel_reserve((void **)&minimise->constraints, &minimise->capacity, (size_t)minimise->count + 1,
+                     sizeof *minimise->constraints))
+        return pel_fail_memory(error);
+    pel_minimise_contact *added = &minimise->constraints[minimise->count++];
+    *added = *constraint;
+    added->stiffness = minimise->penalty * minimise->stiffness / free;
+    pel_vec3_along(added->drag, -pel_vec3_dot(added->drag, added->normal), added->normal, added->drag);
+    return PEL_OK;
+}
+
+/* N, how much the friction force differs from Coulomb's limit under a new load */
+static double misfit_of(const pel_sim *sim, const pel_minimise_contact *constraint, double load)
+{
+    pel_minimise_contact loaded = *constraint;
+    double drag[3];
+    loaded.load = fmax(load, constraint->load);
+    if (!find_drag(sim, &loaded, sim->minimise->position, drag))
+        return 0;
+    double length = pel_vec3_length(drag);
+    return fabs(fmin(length, constraint->friction * load) - fmin(length, constraint->friction * constraint->load));
+}
+
+static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_contact_change *sum)
+{
+    const double *position = sim->minimise->position;
+    pel_gap_sample meeting;
+    double drag[3], change = 0;
+    pel_minimise_contact_meet(sim, constraint, position, &meeting);
+    double load = fmax(0, constraint->load - constraint->stiffness * meeting.gap);
+    sum->misfit += misfit_of(sim, constraint, load);
+    sum->limit += constraint->friction * load;
+    if (find_drag(sim, constraint, position, drag)) {
+        limit_length(drag, constraint->friction * constraint->load);
+        change = pel_vec3_distance(drag, constraint->drag);
+        pel_vec3_copy(drag, constraint->drag);
+    } else {
+        pel_vec3_set(constraint->drag, 0, 0, 0);
+    }
+    change = fmax(change, fabs(load - constraint->load));
+    constraint->load = load;
+    sum->gap = fmax(sum->gap, change / (constraint->stiffness * constraint->tolerance));
+}
+
+pel_contact_change pel_minimise_contacts_update(pel_sim *sim)
+{
+    pel_minimise *minimise = sim->minimise;
+    pel_contact_change sum = {0};
+    for (int32_t c = 0; c < minimise->count; c++)
+        update(sim, &minimise->constraints[c], &sum);
+    return sum;
+}
+
+/* Unbalanced force of a constraint, N: without inertia the force that best cancels those on its vertices. With inertia
+   the force under which its point, moved by the forces against springs of `stiffness`, keeps the gap and follows the
+   tool. False if it has none. */
+static bool find_left(const pel_sim *sim, const pel_minimise_contact *constraint, const pel_gap_sample *meeting,
+                      const double *stiffness, const double *force, double left[3])
+{
+    double square = 0, slip[3];
+    pel_vec3_set(left, 0, 0, 0);
+    for (int i = 0; i < 4; i++) {
+        int32_t v = constraint->vertices[i];
+        double weight = mobility_of(sim, v) > 0 ? meeting->weights[i] : 0;
+        double compliance = weight == 0 || stiffness == NULL ? 1 : 1 / stiffness[v];
+        square += weight * weight * compliance;
+        for (int k = 0; k < 3; k++)
+            left[k] += weight * compliance * force[3 * (size_t)v + (size_t)k];
+    }
+    if (stiffness != NULL) {
+        double along = pel_vec3_dot(constraint->drift, meeting->normal);
+        pel_vec3_along(constraint->drift, -along - meeting->gap, meeting->normal, slip);
+        pel_vec3_subtract(left, slip, left);
+    }
+    if (square > 0)
+        pel_vec3_scale(left, -1 / square, left);
+    return square > 0;
+}
+
+static void balance(const pel_sim *sim, pel_minimise_contact *constraint, double reach, const double *stiffness,
+                    double *force)
+{
+    pel_gap_sample meeting;
+    pel_minimise_contact_meet(sim, constraint, sim->minimise->position, &meeting);
+    double left[3], change[3], drag[3];
+    if ((stiffness == NULL && meeting.gap > reach) || !find_left(sim, constraint, &meeting, stiffness, force, left))
+        return;
+    double along = pel_vec3_dot(left, meeting.normal), load = fmax(0, constraint->load + along);
+    pel_vec3_along(left, -along, meeting.normal, drag);
+    pel_vec3_add(constraint->drag, drag, drag);
+    limit_length(drag, constraint->friction * load);
+    pel_vec3_subtract(drag, constraint->drag, change);
+    pel_vec3_along(change, load - constraint->load, meeting.normal, change);
+    push(constraint, meeting.weights, change, force);
+    constraint->load = load;
+    pel_vec3_copy(drag, constraint->drag);
+}
+
+void pel_minimise_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness)
+{
+    pel_minimise *minimise = sim->minimise;
+    for (int sweep = 0; sweep < ESTIMATE_SWEEPS; sweep++)
+        for (int32_t c = 0; c < minimise->count; c++)
+            balance(sim, &minimise->constraints[c], reach + minimise->constraints[c].tolerance, stiffness, force);
+}
+
+double pel_minimise_contacts_force(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    double square = 0;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        double share = 0;
+        for (int i = 0; i < 4; i++)
+            share += constraint->weights[i] * constraint->weights[i];
+        square += share * constraint->load * constraint->load;
+    }
+    return sqrt(square);
+}
+
+/* ---- surfaces ---- */
+
+static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_contact *constraint)
+{
+    const pel_contact *contact = &sim->contacts->list.contacts[number];
+    const pel_contact_key *key = &sim->contacts->keys[number];
+    const int32_t *group = sim->contacts->group_of_point;
+    double thickness = pel_contact_thickness(sim->contacts, group[key->points[0]], group[key->points[3]]);
+    *constraint = (pel_minimise_contact){
+        .offset = (double)contact->separation + PEL_SLACK_SHARE * thickness,
+        .tolerance = GAP_TOLERANCE * thickness,
+        .load = key->load,
+        .friction = (double)contact->friction,
+        .tool = key->obstacle,
+        .number = number,
+    };
+    for (int i = 0; i < 4; i++) {
+        constraint->vertices[i] = contact->vertices[i];
+        constraint->weights[i] = (double)contact->weights[i];
+    }
+    for (int k = 0; k < 3; k++) {
+        constraint->normal[k] = (double)contact->normal[k];
+        constraint->drift[k] = (double)contact->drift[k];
+        constraint->drag[k] = key->drag[k];
+    }
+}
+
+pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
+{
+    pel_minimise *minimise = sim->minimise;
+    pel_status status = PEL_OK;
+    minimise->count = minimise->tool_count;
+    for (int32_t c = 0; status == PEL_OK && c < sim->contacts->list.count; c++) {
+        pel_minimise_contact constraint;
+        if (sim->contacts->keys[c].is_off)
+            continue;
+        constraint_of(sim, c, &constraint);
+        status = pel_minimise_contact_add(sim, &constraint, error);
+    }
+    return status;
+}
+
+void pel_minimise_contacts_keep_loads(pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = minimise->tool_count; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        pel_contact_key *key = &sim->contacts->keys[constraint->number];
+        key->load = constraint->load;
+        pel_vec3_copy(constraint->drag, key->drag);
+    }
+}
+
+void pel_minimise_contacts_mark(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = minimise->tool_count; c < minimise->count; c++)
+        for (int i = 0; i < 4 && minimise->constraints[c].load > 0; i++)
+            if (minimise->constraints[c].weights[i] != 0)
+                sim->state->contact[minimise->constraints[c].vertices[i]] = 1;
+}

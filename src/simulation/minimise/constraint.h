@@ -1,0 +1,35 @@
+/* Constraints of a minimisation: energy, forces, stiffness and multipliers; positions and forces are (3 vertex_count).
+ */
+#ifndef PEL_MINIMISE_CONSTRAINT_H
+#define PEL_MINIMISE_CONSTRAINT_H
+
+#include "minimise/minimise.h"
+
+/* the weighted sum of its points: their position, or against a surface the vector between both sides */
+void pel_minimise_contact_point(const pel_minimise_contact *constraint, const double *position, double point[3]);
+void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                               pel_gap_sample *meeting);
+/* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
+pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *constraint, pel_error *error);
+/* Adds energy [J] and forces at positions. */
+double pel_minimise_contacts_evaluate(pel_sim *sim, const double *position, double *force);
+/* Second derivatives of a constraint's part. False where it does not act. */
+bool pel_minimise_contact_stiffness(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
+                                    pel_contact_stiffness *stiffness);
+/* Constraints as kinks (count) at positions; until pel_minimise_contacts_evaluate stiffnesses are of those that act. */
+void pel_minimise_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks);
+/* Loads and drags after a minimisation. */
+pel_contact_change pel_minimise_contacts_update(pel_sim *sim);
+/* Loads that best balance `force`, the forces of the bodies at the end of the step, which is overwritten. stiffness
+   (vertex_count): N/m of the springs of inertia, whose forces are in `force`; null = none. */
+void pel_minimise_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness);
+/* N, root of the sum of squares of the constraint forces on vertices */
+double pel_minimise_contacts_force(const pel_sim *sim);
+/* Constraints of surfaces from the list of contacts, after those of tools, with the loads stored by their keys. */
+pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error);
+/* Writes these loads into the keys. */
+void pel_minimise_contacts_keep_loads(pel_sim *sim);
+/* Flags of the vertices of surfaces that press against each other. */
+void pel_minimise_contacts_mark(const pel_sim *sim);
+
+#endif

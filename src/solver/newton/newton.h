@@ -1,0 +1,197 @@
+/* Newton's method on the balance of forces of a model: states of rest, and steps in time, where inertia is a spring of
+   each vertex to a point (theory page, section 16).
+
+   The tangent is that of mixed integration points: its geometric part takes the stresses that the last step predicted.
+   It goes in full steps and gets by with some ten of them where membrane and bending stiffness are far apart, but
+   nothing makes it go downhill. Under constraints, which begin and cease to act, it would run to and fro between far
+   states: there steps of the exact tangent, of its positive part where it has no factor, go as far as the energy
+   falls. Where it finds no end, steps of least energy follow: the tangent plus a multiple of
+   the masses (a step of implicit Euler from rest, of Levenberg and Marquardt), smaller whenever the energy falls. Those
+   end in a minimum; a balance whose exact tangent is not positive definite is left along them. Where they find no end
+   either (moments on edges have no energy), the loads come in parts of automatic size: forces that balance the start
+   fade out.
+
+   Linear systems are solved by conjugate gradients with a Cholesky factor in float, in double where float does not
+   carry; the factor may be kept from one run to the next. */
+#ifndef PEL_NEWTON_NEWTON_H
+#define PEL_NEWTON_NEWTON_H
+
+#include "force/tangent.h"
+#include "linear/factor.h"
+
+/* A part of the energy that acts only on one side, max(0, load - stiffness gap)^2 / (2 stiffness), with a gap that is
+   nearly linear: it changes with the weighted sum of the ways of its vertices along the normal. */
+typedef struct pel_newton_kink {
+    int32_t vertices[4];
+    double weights[4], normal[3];
+    double gap, load, stiffness; /* m, N, N/m */
+    bool acts;
+    double begin, first_rate, rate; /* (newton_kinks.c) m */
+} pel_newton_kink;
+
+/* What the caller adds to the energy of the model: contacts, friction. */
+typedef struct pel_newton_terms {
+    void *context;
+    /* Energy [J] at unknowns; adds its gradient. */
+    double (*evaluate)(void *context, const double *unknowns, double *gradient);
+    /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. */
+    void (*add_matrix)(void *context, pel_matrix *matrix);
+    /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
+       have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
+    int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
+    /* y += S x at the unknowns of the last evaluation, both (unknown_count): what the derivative of the gradient has
+       beyond its symmetric part. Null = nothing. */
+    void (*add_skew)(void *context, const double *x, double *y);
+    /* The parts that begin and cease to act (count), at the unknowns of the last evaluation. From then on to the next
+       evaluation add_matrix and list_couplings follow what the caller sets to act. Null = none. */
+    pel_newton_kink *(*list_kinks)(void *context, int32_t *count);
+    bool has_kinks; /* what it adds begins and ceases to act: steps go as far as the energy falls */
+} pel_newton_terms;
+
+/* The unknowns of a vertex along axes of its own. */
+typedef struct pel_newton_frames {
+    int32_t count;
+    const int32_t *vertices;    /* (count) each once */
+    const double (*axes)[3][3]; /* (count) rows, orthonormal */
+} pel_newton_frames;
+
+/* Vectors of unknowns from x, y, z to these axes, and back; gradients of volumes to them. */
+void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern);
+
+typedef struct pel_newton_problem {
+    double time;               /* of keyed curves */
+    const pel_state *state;    /* factors of keyed parameters */
+    const double *force;       /* (unknown_count) N, loads that stay; null = none */
+    const double *load_factor; /* of force and given pressure; null = 1 */
+    /* inertia: springs of the vertices to points; both null in statics */
+    const double *point_stiffness; /* (vertex_count) N/m */
+    const double (*points)[3];     /* (vertex_count) m */
+    const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there */
+    const double *target;          /* (unknown_count) of positions where fixed [m]; of psi its increment in this run */
+    pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
+    const pel_newton_terms *terms; /* null = none */
+    double tolerance;              /* N, root of the sum of squares of all forces at which it has converged */
+    double held_share;     /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
+    double inertia_share;  /* and by this share of inertia_force */
+    double reduction;      /* also converged at this share of the initial residual; 0 = off */
+    double enough;         /* N, when it is no more than this */
+    double short_move;     /* m, and after a full step in which no vertex goes farther than this */
+    int32_t iterations;    /* of full steps, and as many of steps of least energy after them */
+    double (*clock)(void); /* s; null = no deadline */
+    double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
+    bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
+    bool moves;            /* has not converged before one step: forces below the tolerance move what is light */
+    bool is_dynamic;       /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+} pel_newton_problem;
+
+typedef struct pel_newton_result {
+    int32_t iterations;    /* linear systems solved */
+    double energy;         /* J, terms, loads and inertia included */
+    double residual;       /* N, root of the sum of squares of all forces */
+    double first_residual; /* N, that at the start, held vertices at their targets apart */
+    double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
+    double inertia_force;  /* N, root of the sum of squares of the forces of the springs to points on free unknowns */
+    bool converged;
+    bool is_near;  /* by short_move */
+    bool is_late;  /* by the deadline */
+    bool stuck;    /* no step makes the energy fall: as near as rounding allows */
+    bool unstable; /* a balance, but no minimum of the energy, and no minimum was found beside it */
+} pel_newton_result;
+
+typedef struct pel_newton pel_newton;
+
+/* Pattern, order and room for a model. PEL_BAD_ARGUMENT as pel_tangent_create; PEL_OUT_OF_MEMORY, with the size that
+   the factor needs. */
+pel_status pel_newton_create(const pel_model *model, pel_pool *pool, pel_newton **newton, pel_error *error);
+/* After the surface of the model has changed: the tangent has its edges and unknowns at once, the next run makes
+   pattern and order. */
+void pel_newton_rebuild(pel_newton *newton);
+void pel_newton_destroy(pel_newton *newton);
+
+const pel_tangent_pattern *pel_newton_pattern(const pel_newton *newton);
+pel_tangent *pel_newton_tangent(const pel_newton *newton);
+/* (unknown_count) N, the gradient at the end of the last run: the reactions where unknowns are fixed */
+const double *pel_newton_gradient(const pel_newton *newton);
+/* (edge_count) sums of psi that the edges went through in the last run */
+const double *pel_newton_turns(const pel_newton *newton);
+
+/* N, root of the sum of squares of moments (those of unknown_count loads on edges), as forces at the ends of edges */
+double pel_newton_moment_force(const pel_newton *newton, const double *loads);
+
+/* What other solvers of the same unknowns share: between two runs they may use the matrix. */
+typedef struct pel_newton_system {
+    const pel_model *model;
+    pel_tangent *tangent;
+    pel_matrix *matrix;
+    const pel_factor_plan *plan;
+    pel_pool *pool;
+    const double *masses; /* (unknown_count) kg, 0 on edges */
+} pel_newton_system;
+pel_newton_system pel_newton_system_of(const pel_newton *newton);
+/* One more matrix of the same pattern. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_create_matrix(const pel_newton *newton, pel_matrix **matrix, pel_error *error);
+
+/* Moves unknowns (unknown_count; positions of vertices, xi of edges) to the balance. Allocates where a factor in double
+   is needed for the first time, and where the terms couple vertices that the pattern has no blocks for:
+   PEL_OUT_OF_MEMORY.
+ */
+pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                          pel_newton_result *result, pel_error *error);
+
+/* Where a path of balances under growing loads stands. */
+typedef struct pel_newton_path {
+    double factor;       /* of loads and given pressure */
+    double length;       /* m, of the next step: root of the mean square of the displacements, in the metric of masses;
+                            0 = not begun */
+    double first_change; /* of the factor, that sets the length of the first step */
+    double stiffness;    /* N/m along the path when it began */
+    double *direction;   /* (unknown_count) m, the last step */
+    int32_t iterations;  /* of the last step */
+} pel_newton_path;
+
+/* One step along the path, from a balance (newton_path.c). The factor of the problem is that of the path. Where it does
+   not converge, unknowns and factor stay: a shorter step may. Errors as of a run. */
+pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                             pel_newton_path *path, pel_newton_result *result, pel_error *error);
+
+/* A run that has ended: its matrix solves the systems of runs beside it, whose problems differ by small changes of
+   numbers (newton_beside.c). */
+typedef struct pel_newton_lead {
+    pel_newton *newton;
+    const pel_newton_problem *problem;
+    double *unknowns;            /* (unknown_count) at its end */
+    const pel_newton_path *path; /* null = the load factor stays */
+    double path_stiffness;       /* of the spring along the path; set by pel_newton_take_lead */
+} pel_newton_lead;
+
+/* The exact matrix at the end of the run, factored; with a path that pel_newton_follow has just gone along the load
+   factor is unknown as well. The factor serves until the next run of lead->newton. PEL_BAD_ARGUMENT where the matrix is
+   singular; PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_take_lead(pel_newton_lead *lead, pel_error *error);
+/* What pel_newton_run does, from the unknowns of the lead by chord iterations with its factor. load_factor: of the
+   balance that has no displacement from the lead's along the path; null without a path. PEL_BAD_ARGUMENT where they do
+   not converge. */
+pel_status pel_newton_run_beside(pel_newton *newton, const pel_newton_problem *problem, const pel_newton_lead *lead,
+                                 double *unknowns, double *load_factor, pel_newton_result *result, pel_error *error);
+
+/* Solves K m = gradient (unknown_count) at a balance, K exact, and fixed unknowns 0: multipliers m (unknown_count). On
+   fixed ones, held = gradient - K m, the derivative by their places, elsewhere 0. gradient is written over.
+   PEL_BAD_ARGUMENT where the balance is not stable; PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *problem, double *unknowns, double *gradient,
+                              double *multipliers, double *held, pel_error *error);
+
+/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does
+   not depend on the runs before. */
+void pel_newton_forget(pel_newton *newton);
+
+/* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
+   terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where
+   it has no factor. pel_newton_precondition multiplies a vector (3 vertex_count) by its inverse, with edges free to
+   follow. */
+bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns,
+                            double shift);
+void pel_newton_precondition(pel_newton *newton, double *vector);
+
+#endif

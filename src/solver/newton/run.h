@@ -1,0 +1,177 @@
+/* Inside of Newton's method: one run at work, and what full steps, steps of least energy and paths are made of. */
+#ifndef PEL_NEWTON_RUN_H
+#define PEL_NEWTON_RUN_H
+
+#include "linear/minres.h"
+#include "newton/newton.h"
+
+/* (newton_skew.c) */
+typedef struct pel_newton_skew pel_newton_skew;
+
+/* constraints that change in one space of newton_kinks.c */
+enum { PEL_NEWTON_TOUCHED = 48, PEL_NEWTON_VOLUMES = 8 };
+
+/* What constraints do to a step and to each other, by one matrix. */
+typedef struct pel_newton_space {
+    int32_t count;
+    int32_t kinks[PEL_NEWTON_TOUCHED];
+    double excess[PEL_NEWTON_TOUCHED];                   /* N, that they push more than in the matrix */
+    double gaps[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED]; /* m/N, of each by each */
+    double system[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED];
+    double *responses; /* (count x unknown_count) m/N */
+    size_t capacity;
+    /* the first terms of volumes, which the factor does not have: of each by each, and responses to their gradients */
+    int32_t volume_count, volumes[PEL_NEWTON_VOLUMES];
+    double volume_gaps[PEL_NEWTON_VOLUMES][PEL_NEWTON_VOLUMES];
+    double *volume_responses; /* (volume_count x unknown_count) */
+    size_t volume_capacity;
+} pel_newton_space;
+
+struct pel_newton {
+    const pel_model *model;
+    pel_pool *pool;
+    pel_tangent *tangent;
+    const pel_tangent_pattern *pattern;
+    pel_matrix *matrix;
+    pel_factor_plan *plan;
+    pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
+    pel_factor_precision precision;
+    bool has_factor;
+    bool is_kept;          /* the last system was solved with an older factor */
+    uint64_t couplings;    /* hash of those in the pattern */
+    int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
+    int32_t coupled_count;
+    size_t coupled_capacity;
+    bool is_outdated; /* the pattern is that of an older surface, or there was no memory for one */
+    bool is_stale;    /* the pattern may have other couplings than the present run */
+    pel_pcg *pcg;
+    pel_minres *minres;                                       /* of paths, made when first needed */
+    pel_newton_skew *skew;                                    /* of systems that are not symmetric, likewise */
+    double *gradient, *right, *step, *start, *start_gradient; /* (unknown_count) */
+    double *walked;                                           /* (unknown_count) sum of the steps of a run */
+    double *best, *best_walked;                               /* (unknown_count) with the least residual of a run */
+    double *path, *load, *answer;     /* (unknown_count) of a path: its direction, dF/dfactor, the step under that */
+    double *move;                     /* (unknown_count) the step along x, y, z */
+    double *balance;                  /* (unknown_count) N, forces that balance the start */
+    double *begin;                    /* (unknown_count) unknowns when the run began */
+    double *part_start, *part_walked; /* (unknown_count) unknowns, walked before a part */
+    double *way;                      /* (unknown_count) of fixed ones from start to target */
+    int32_t *frame;                   /* (node_count) number of its axes, or -1 */
+    double *stresses;                 /* (stress_count) */
+    double *first, *left, *product, *sum; /* (unknown_count) of steps across kinks (newton_kinks.c) */
+    pel_newton_space *space;              /* likewise, made when first needed */
+    double *plain;                        /* values of the matrix without terms, for steps that foresee others */
+    size_t plain_capacity;
+    bool has_plain;
+    double *masses;     /* (unknown_count) kg, 0 on edges */
+    uint8_t *fixed;     /* (unknown_count) */
+    double size;        /* m, of the model */
+    double edge;        /* m, mean length of edges with an unknown */
+    bool has_potential; /* no pressure without one */
+};
+
+/* one run */
+typedef struct newton_run {
+    pel_newton *newton;
+    const pel_newton_problem *problem;
+    double *unknowns;
+    pel_newton_result *result;
+    pel_error *error;
+    pel_status status;
+    pel_tangent_kind kind;
+    bool has_stresses;     /* newton->stresses are those of the geometric parts */
+    double predicted;      /* share of the step from newton->start that the next matrix takes them from; 0 = taken */
+    double shift;          /* 1/s2, of the masses */
+    double parts;          /* J, sum of the sizes of the energy's parts */
+    double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
+    int32_t limit;         /* of iterations so far */
+    double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
+    double factor;         /* of loads and given pressure */
+    double path_stiffness; /* N/m along newton->path; 0 = none */
+    bool has_best;
+    bool reuses; /* the matrix of the elements is newton->plain */
+} newton_run;
+
+/* a run with all loads at once */
+static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
+                                           pel_newton_result *result, pel_error *error)
+{
+    return (newton_run){.newton = newton,
+                        .problem = problem,
+                        .unknowns = unknowns,
+                        .result = result,
+                        .error = error,
+                        .factor = problem->load_factor != NULL ? *problem->load_factor : 1,
+                        .limit = problem->iterations};
+}
+
+/* ---- newton.c ---- */
+/* Blocks of the matrix for the couplings of the terms of the problem. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_couple(newton_run *run);
+
+/* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
+/* energy at the unknowns, and gradient along the axes of the vertices */
+void pel_newton_evaluate(newton_run *run);
+bool pel_newton_is_finite(const newton_run *run);
+/* what fixed unknowns have before them */
+double pel_newton_way_to_target(const newton_run *run, int32_t u);
+/* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
+void pel_newton_assemble(newton_run *run);
+bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot);
+/* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
+bool pel_newton_make_factor(newton_run *run);
+/* newton->step of newton->right by conjugate gradients with the factor */
+pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
+/* terms of the system of a run (context) besides the matrix: volumes, and the stiffness along the direction of a path
+ */
+void pel_newton_add_product(void *context, pel_pool *pool, const double *x, double *y);
+/* newton->step of newton->right by the matrix alone; false where that is not positive definite. */
+bool pel_newton_solve_symmetric(newton_run *run);
+/* The step of the matrix; false where that is not positive definite. */
+bool pel_newton_find_step(newton_run *run);
+
+/* ---- newton_kinks.c ---- */
+/* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */
+bool pel_newton_cross_kinks(newton_run *run);
+void pel_newton_space_destroy(pel_newton_space *space);
+
+/* ---- newton_path.c ---- */
+/* newton->load = dF/dfactor along the axes of the vertices, 0 where fixed; evaluates at the unknowns. */
+void pel_newton_find_load(newton_run *run);
+/* stiffness of the spring along a path */
+double pel_newton_path_stiffness(const pel_newton_path *path);
+/* Room for the two below. PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_make_path_room(pel_newton *newton, pel_error *error);
+/* A factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays.
+ */
+bool pel_newton_make_preconditioner(newton_run *run);
+/* The solution of the matrix, which may be indefinite, volumes and the spring along the path included. */
+bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution);
+
+/* ---- newton_skew.c ---- */
+/* newton->step of the system with the skew part of the terms, from that without; false where a solve fails. */
+bool pel_newton_solve_skew(newton_run *run);
+void pel_newton_skew_destroy(pel_newton_skew *skew);
+
+/* ---- newton_step.c ---- */
+/* sum over all unknowns */
+double pel_newton_dot(const pel_newton *newton, const double *a, const double *b);
+/* the step along x, y, z, times a scale */
+const double *pel_newton_find_move(const newton_run *run, double scale);
+double pel_newton_longest_move(const pel_newton *newton);
+/* of the step, as far as it is good for */
+double pel_newton_find_share(const pel_newton *newton);
+/* goes a share of the step */
+void pel_newton_go(newton_run *run, double scale);
+/* mixed integration points: the next matrix takes the stresses that a share of the step predicts, from here */
+void pel_newton_extrapolate(newton_run *run, double scale);
+bool pel_newton_has_converged(newton_run *run);
+bool pel_newton_is_at_targets(const newton_run *run);
+/* stiffness over mass, 1/s2, of the free vertices and the last matrix */
+double pel_newton_stiffness_scale(const pel_newton *newton);
+/* flags of fixed unknowns, frames; sums of the run at zero */
+void pel_newton_fix_unknowns(newton_run *run);
+/* products with a new factor at most */
+enum { PEL_NEWTON_PRODUCTS = 200 };
+
+#endif
