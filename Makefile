@@ -7,7 +7,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -22,10 +22,13 @@ program: build/$(PRESET)/build.ninja
 demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres; UP=y: y is up), SCENE=file runs that scene
 	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)" "$(UP)"
 
-test: build ## run the tests
-	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET); exit $$status
+test: build ## run the tests, without the parts that take long; PELLICLE_ALL=1 make test runs these too
+	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET) || status=1; exit $$status
 
-nightly: packages ## run checks that take hours: long runs, 2,000 random scenes, all frames with contact, sanitizers, fuzzing, mutations
+check: build/$(PRESET)/build.ninja $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
+	@tools/check build/$(PRESET) "$(NAME)"
+
+nightly: packages ## run checks that take hours: all tests whole, WebAssembly, pages, 2,000 random scenes, sanitizers, fuzzing, mutations
 	@tools/nightly
 
 mutate: packages ## change the library in single places and list changes that no test detects (tools/mutate --help; COUNT=60)

@@ -4,6 +4,7 @@
    measures `examples/haptic thread 60`. */
 #include "bench.h"
 #include "pellicle/haptic.h"
+#include "pellicle/sim_surface.h"
 
 #include <math.h>
 #include <stdio.h>

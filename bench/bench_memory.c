@@ -3,7 +3,7 @@
    steps, and the most that were held in between.
    usage: bench_memory [largest frequency, 64 by default] */
 #include "bench.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_step.h"
 
 #include <malloc.h>
 #include <stdio.h>

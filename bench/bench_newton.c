@@ -7,7 +7,7 @@
 #include "bench.h"
 #include "newton/newton.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_reading.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
    to one and two levels: what tools near refined surfaces cost.
    usage: bench_press [mesh file in metres [levels]]; without one, an uneven closed body of 20,480 triangles */
 #include "bench.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_surface.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Paper A's table 1 (500 steps of a sphere: base, refined everywhere, refined locally), and what an event costs. */
 #include "bench.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_surface.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
 /* What self-contact costs where nothing comes near: steps of a shell at rest with contact and without, in turns.
    usage: bench_rest [frequency of the geodesic sphere, 32 by default [steps, 100 by default]] */
 #include "bench.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_step.h"
 
 #include <math.h>
 #include <stdio.h>

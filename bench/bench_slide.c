@@ -2,7 +2,7 @@
    step, beside the same slide without refinement.
    usage: bench_slide [mesh file]; without one, an uneven closed body of 20,480 triangles */
 #include "bench.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_surface.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include <pellicle/parallel.h>
 #include <pellicle/shape.h>
-#include <pellicle/sim.h>
+#include <pellicle/sim_step.h>
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 # law/files.h includes the file of each row of PEL_MEMBRANE_LAWS, so that a law is a row and a file.
-set(LAWS ${PROJECT_SOURCE_DIR}/include/pellicle/material.h)
+set(LAWS ${PROJECT_SOURCE_DIR}/include/pellicle/kinds.h)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${LAWS})
 file(READ ${LAWS} text)
 string(REGEX MATCHALL " ROW\\([A-Z_0-9]+, [a-z_0-9]+" rows "${text}")

@@ -23,21 +23,37 @@ enum { IS_SLOW = __has_feature(address_sanitizer) || __has_feature(thread_saniti
 enum { IS_SLOW = 0 };
 #endif
 
-/* whether to skip long tests: in slow builds, unless PELLICLE_ALL is in the environment (make nightly) */
-static inline bool is_slow(void)
+/* How much a test does. With PELLICLE_ALL in the environment (make nightly) it does all, in every build. `make test`
+   and .ci/run leave out what takes long, so that no program takes more than 3 s of processor time (tools/test-times).
+   Slow builds check each operation, not many results, so a few rounds are enough there. */
+static inline bool is_all(void)
 {
-    return IS_SLOW && getenv("PELLICLE_ALL") == NULL;
+    return getenv("PELLICLE_ALL") != NULL;
 }
 
-/* rounds of a loop; slow builds check each operation, not many results, so a few are enough there */
+static inline bool is_slow(void)
+{
+    return IS_SLOW && !is_all();
+}
+
+/* a number, mostly of rounds or of cells: that of make nightly, and that of all other runs */
+#define LONG(all, usual) (is_all() ? (all) : (usual))
+
+/* likewise: the full one, and a smaller one in slow builds */
 #define ROUNDS(full, few) (is_slow() ? (few) : (full))
 
-/* for tests of accuracy alone, whose code shorter tests run too */
-#define skip_if_slow()                                                                                                 \
+/* tools/test-summary counts the tests that say so apart from those for which something is missing */
+#define skip_if(is_left_out)                                                                                           \
     do {                                                                                                               \
-        if (is_slow())                                                                                                 \
+        if (is_left_out) {                                                                                             \
+            print_message("long: in make nightly\n");                                                                  \
             skip();                                                                                                    \
+        }                                                                                                              \
     } while (0)
+
+/* for tests of accuracy alone, whose code shorter tests run too: too long in slow builds, and in all builds */
+#define skip_if_slow() skip_if(is_slow())
+#define skip_if_long() skip_if(!is_all())
 
 /* |actual - expected| <= tolerance, printing the three numbers when not */
 #define assert_near(actual, expected, tolerance)                                                                       \

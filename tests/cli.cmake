@@ -21,7 +21,7 @@ if(TARGET pellicle_program)
                                      $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/faults PROPERTIES ENVIRONMENT "PELLICLE_SANITIZE=${PELLICLE_SANITIZE};LSAN_OPTIONS=detect_leaks=0")
     # whole runs of random scenes: more of them by `make nightly`
-    set(PROPERTIES --count 60)
+    set(PROPERTIES --count 12)
     if(PELLICLE_SANITIZE)
         set(PROPERTIES --count 8 --sanitized)
     endif()

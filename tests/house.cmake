@@ -8,7 +8,9 @@ add_test(NAME house/links COMMAND ${PYTHON3} ${HOUSE}/links.py ${PROJECT_SOURCE_
 add_test(NAME house/links_self_test COMMAND ${PYTHON3} ${HOUSE}/links.py --self-test)
 add_test(NAME house/methods COMMAND ${PYTHON3} ${HOUSE}/methods.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/methods_self_test COMMAND ${PYTHON3} ${HOUSE}/methods.py --self-test)
+add_test(NAME house/drawing COMMAND ${PYTHON3} ${PROJECT_SOURCE_DIR}/tools/house --check)
 add_test(NAME house/functions COMMAND ${PYTHON3} ${HOUSE}/functions.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/summary_self_test COMMAND ${PYTHON3} ${PROJECT_SOURCE_DIR}/tools/test-summary --self-test)
 add_test(NAME house/functions_self_test COMMAND ${PYTHON3} ${HOUSE}/functions.py --self-test)
 add_test(NAME house/text COMMAND ${PYTHON3} ${HOUSE}/text.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/allocations COMMAND ${PYTHON3} ${HOUSE}/allocations.py ${PROJECT_SOURCE_DIR})
@@ -26,7 +28,11 @@ file(GLOB_RECURSE FORMATTED CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.[ch] $
      ${PROJECT_SOURCE_DIR}/papers/*.[ch] ${PROJECT_SOURCE_DIR}/view/*.[ch]
      ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/tests/*.[ch] ${PROJECT_SOURCE_DIR}/tests/*.cpp
      ${PROJECT_SOURCE_DIR}/bench/*.[ch] ${PROJECT_SOURCE_DIR}/examples/*.[ch] ${PROJECT_SOURCE_DIR}/python/*.[ch])
+set(FORMATTED_TESTS ${FORMATTED})
+list(FILTER FORMATTED EXCLUDE REGEX "^${PROJECT_SOURCE_DIR}/tests/")
+list(FILTER FORMATTED_TESTS INCLUDE REGEX "^${PROJECT_SOURCE_DIR}/tests/")
 add_test(NAME house/format COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED})
+add_test(NAME house/format_tests COMMAND ${CLANG_FORMAT} --dry-run -Werror ${FORMATTED_TESTS})
 
 # each public header compiles alone, in C99 and in C++17
 file(GLOB HEADERS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/pellicle ${PROJECT_SOURCE_DIR}/include/pellicle/*.h)

@@ -24,6 +24,6 @@ file(GLOB PYTHON_TESTS CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/test
 foreach(source ${PYTHON_TESTS})
     get_filename_component(name ${source} NAME_WE)
     string(REGEX REPLACE "^test_" "" name ${name})
-    add_test(NAME python/${name} COMMAND ${PELLICLE_PYTHON_PROGRAM} ${source} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+    add_test(NAME python/${name} COMMAND ${PELLICLE_PYTHON_PROGRAM} ${source} --verbose WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
     set_tests_properties(python/${name} PROPERTIES ENVIRONMENT "${PYTHON_ENVIRONMENT}" TIMEOUT 600)
 endforeach()

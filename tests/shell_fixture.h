@@ -7,6 +7,7 @@
 #include "model/state.h"
 #include "pellicle/observe.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_surface.h"
 #include "random.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"

@@ -1,4 +1,4 @@
-# Stages of .ci/run and tools/nightly. Source this file in the root of the tree, with $logs set. The log of each stage is
+# Stages of .ci/run and tools/nightly, and what both run. Source this file in the root of the tree, with $logs set. The log of each stage is
 # $logs/STAGE.log; if a stage fails, the end of its log is printed.
 mkdir -p "$logs"
 rows=() waiting=() failures=0
@@ -34,6 +34,11 @@ join() {
     waiting=()
 }
 
+# later NAME REASON: adds a row for what does not run here, so that no stage is missing without a word
+later() {
+    rows+=("$(printf '%-12s %-6s           %s' "$1" later "$2")")
+}
+
 # end_stage NAME RESULT SECONDS COMMAND: adds a row to the table; on failure, prints the end of the log
 end_stage() {
     rows+=("$(printf '%-12s %-6s %5d s' "$1" "$2" "$3")")
@@ -55,4 +60,12 @@ print_stages() {
         sed -E 's|.*/(\w+)\.log:.*#[0-9]+: (\S+) .* ([0-9.]+) sec *$|\3 s  \1  \2|' |
         sort -rn | head -n 10
     echo
+}
+
+# build_and_test PRESET TESTS SKIPPED CMAKE_OPTION...: TESTS and SKIPPED are regular expressions of tests to run and to skip
+build_and_test() {
+    local preset=$1 chosen=$2 without=$3
+    shift 3
+    cmake --preset "$preset" -DPELLICLE_STRICT=ON "$@" && cmake --build "build/$preset" -- --quiet &&
+        ctest --test-dir "build/$preset" --output-on-failure --timeout 7200 -j 2 -R "$chosen" -E "$without"
 }

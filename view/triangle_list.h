@@ -5,7 +5,7 @@
 #include "view/camera.h"
 
 #include "pellicle/mesh.h"
-#include "pellicle/sim.h"
+#include "pellicle/tool.h"
 
 typedef struct view_corner {
     float position[3];

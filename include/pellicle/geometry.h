@@ -4,7 +4,7 @@
 #ifndef PELLICLE_GEOMETRY_H
 #define PELLICLE_GEOMETRY_H
 
-#include "base.h"
+#include "kinds.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -78,11 +78,6 @@ PEL_API bool pel_ccd_filter(const double start[4][3], const double end[4][3], bo
    rounding. */
 PEL_API bool pel_ccd_bridson(const double start[4][3], const double end[4][3], bool edge_edge, double min_separation,
                              double tolerance, pel_ccd_hit *hit);
-
-typedef enum pel_ccd_method {
-    PEL_CCD_CONSERVATIVE, /* filter, separating axes, conservative time of impact */
-    PEL_CCD_BRIDSON       /* filter, then pel_ccd_bridson */
-} pel_ccd_method;
 
 /* Many queries of one kind on one set of points. */
 typedef struct pel_ccd_batch {

@@ -26,7 +26,7 @@
 #ifndef PELLICLE_HAPTIC_H
 #define PELLICLE_HAPTIC_H
 
-#include "sim.h"
+#include "sim_step.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -14,7 +14,7 @@
 #ifndef PELLICLE_LIVE_H
 #define PELLICLE_LIVE_H
 
-#include "sim.h"
+#include "sim_step.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -30,32 +30,11 @@
 #ifndef PELLICLE_MATERIAL_H
 #define PELLICLE_MATERIAL_H
 
-#include "base.h"
+#include "kinds.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* The laws: enumerator, name of the functions in src/physics/law, name in scene files. To add a law, add its file in
-   src/physics/law and a row here. */
-#define PEL_MEMBRANE_LAWS(ROW)                                                                                         \
-    ROW(STVK, stvk, "stvk")                                                                                            \
-    ROW(COROTATED, corotated, "corotated")                                                                             \
-    ROW(LINEAR, linear, "linear")                                                                                      \
-    ROW(MOONEY_RIVLIN, mooney_rivlin, "mooney-rivlin")                                                                 \
-    ROW(NEO_HOOKEAN, neo_hookean, "neo-hookean")                                                                       \
-    ROW(GENT, gent, "gent")                                                                                            \
-    ROW(FUNG, fung, "fung")
-
-typedef enum pel_membrane_kind { /* PEL_MEMBRANE_STVK and so on */
-#define PEL_MEMBRANE_ENUMERATOR(KIND, law, name) PEL_MEMBRANE_##KIND,
-                                 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ENUMERATOR)
-#undef PEL_MEMBRANE_ENUMERATOR
-} pel_membrane_kind;
-
-#define PEL_MEMBRANE_ONE(KIND, law, name) +1
-enum { PEL_MEMBRANE_COUNT = 0 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ONE) }; /* number of laws */
-#undef PEL_MEMBRANE_ONE
 
 typedef struct pel_membrane_material {
     pel_membrane_kind kind;
@@ -69,14 +48,6 @@ typedef struct pel_membrane_material {
 
 /* The name of a law in scene files; "unknown" for any other number. */
 PEL_API const char *pel_membrane_kind_name(pel_membrane_kind kind);
-
-/* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
-   the same function, because the sign of I4 is always 1. Their stiffness at rest is k, 4 k and k. */
-typedef enum pel_fibre_kind {
-    PEL_FIBRE_ARAP, /* k/2 (sqrt I5 - sign I4)^2 */
-    PEL_FIBRE_STVK, /* k/2 (I5 - 1)^2 */
-    PEL_FIBRE_SQRT  /* k/2 (sqrt I5 - 1)^2 */
-} pel_fibre_kind;
 
 /* Refuses NaN, infinity and values out of the ranges above, for the members that the law reads (PEL_BAD_ARGUMENT with
    the member). */

@@ -12,6 +12,7 @@
 #ifndef PELLICLE_MEASURE_H
 #define PELLICLE_MEASURE_H
 
+#include "kinds.h"
 #include "topology.h"
 
 #ifdef __cplusplus
@@ -98,14 +99,6 @@ PEL_API double pel_surface_volume_gradient(const double *positions, int32_t vert
                                            int32_t triangle_count, const double origin[3], double *gradient);
 
 /* ---- pressure (paper B, figure 2) ---- */
-
-typedef enum pel_pressure_form {
-    PEL_PRESSURE_CONSISTENT,   /* f = -P times a third of each triangle's area along its own normal: minus P times the
-                                  gradient of the volume; no net force and torque on a closed surface */
-    PEL_PRESSURE_VERTEX_NORMAL /* as written in paper B: f = -P times a third of the areas, along the unit normal of the
-                                  vertex (weighted by area, so both forms have the same direction); larger at sharp
-                                  vertices, and with a net force on irregular surfaces */
-} pel_pressure_form;
 
 /* The force of an outside pressure P [Pa] (positive: inward) on each vertex: forces (vertex_count x 3) [N], magnitudes
    (vertex_count) [N], and the cosine (vertex_count) of the angle between the force and +y, the colour in figure 2 of

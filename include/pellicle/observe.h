@@ -9,7 +9,7 @@
 #ifndef PELLICLE_OBSERVE_H
 #define PELLICLE_OBSERVE_H
 
-#include "sim.h"
+#include "sim_step.h"
 
 #ifdef __cplusplus
 extern "C" {

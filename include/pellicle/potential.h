@@ -11,7 +11,7 @@
 #ifndef PELLICLE_POTENTIAL_H
 #define PELLICLE_POTENTIAL_H
 
-#include "sim.h"
+#include "sim_step.h"
 
 #ifdef __cplusplus
 extern "C" {

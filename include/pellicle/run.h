@@ -19,6 +19,8 @@
 #define PELLICLE_RUN_H
 
 #include "scene.h"
+#include "sim_ledger.h"
+#include "sim_reading.h"
 
 #ifdef __cplusplus
 extern "C" {

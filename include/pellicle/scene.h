@@ -3,7 +3,7 @@
 #ifndef PELLICLE_SCENE_H
 #define PELLICLE_SCENE_H
 
-#include "sim.h"
+#include "sim_step.h"
 
 #include <stdio.h>
 

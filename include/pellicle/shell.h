@@ -3,28 +3,12 @@
 #ifndef PELLICLE_SHELL_H
 #define PELLICLE_SHELL_H
 
-#include "bending.h"
-#include "material.h"
-#include "measure.h"
+#include "kinds.h"
+#include "quantity.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* One point of a piecewise linear curve over time, constant before the first and after the last key. */
-typedef struct pel_key {
-    double time; /* s */
-    double value;
-} pel_key;
-
-/* A material parameter that may vary over the body or over time (not both). */
-typedef struct pel_quantity {
-    double value;        /* used when field and keys are null */
-    const double *field; /* (vertex_count) value on each vertex; springs and triangles use the mean of their vertices;
-                            nullable */
-    const pel_key *keys; /* (key_count) value over time; nullable */
-    int32_t key_count;
-} pel_quantity;
 
 /* Constant-strain triangles of one of the materials (paper B, equations 1 and 2). */
 typedef struct pel_membrane_def {

@@ -4,7 +4,7 @@
 
 #include <pellicle/error.h>
 #include <pellicle/shape.h>
-#include <pellicle/sim.h>
+#include <pellicle/sim_surface.h>
 
 #include <stdlib.h>
 

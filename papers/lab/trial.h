@@ -2,7 +2,6 @@
 #define PAPERS_LAB_TRIAL_H
 
 #include <pellicle/scene.h>
-#include <pellicle/sim.h>
 
 /* A scene at work, without a folder. */
 typedef struct lab_trial {

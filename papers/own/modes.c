@@ -4,7 +4,10 @@
 #include "papers/own/ritz.h"
 #include "papers/own/validation.h"
 
+#include <pellicle/bending.h>
 #include <pellicle/mesh_io.h>
+#include <pellicle/sim_ledger.h>
+#include <pellicle/sim_surface.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,6 +6,9 @@
 
 #include <pellicle/mesh_io.h>
 #include <pellicle/shape.h>
+#include <pellicle/sim_ledger.h>
+#include <pellicle/sim_reading.h>
+#include <pellicle/sim_surface.h>
 
 #include <math.h>
 #include <stdlib.h>

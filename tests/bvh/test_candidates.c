@@ -99,7 +99,7 @@ static void check_motion(surface s, double margin, double wobble, double thickne
     memcpy(rest, s.start, (size_t)s.vertex_count * sizeof *rest);
     memcpy(s.end, s.start, (size_t)s.vertex_count * sizeof *rest);
     pel_candidates *c = make_candidates(&s, margin);
-    for (int step = 0; step < ROUNDS(30, 6); step++) {
+    for (int step = 0; step < LONG(30, ROUNDS(12, 6)); step++) {
         move(&s, (const double(*)[3])rest, step, wobble);
         update(c, &s, thickness, NULL);
         check_lists(c);
@@ -146,7 +146,7 @@ static void test_extension(void **unused)
                     s.end[v][k] = (1 - 1.5 * depth) * x[k];
             }
             update(c, &s, 0.01, pool);
-            if (step % 5 == 0)
+            if (step % LONG(5, 10) == 0)
                 check_lists(c);
             if (step % 20 == 0)
                 check_near_pairs(c, &s, 0.01);

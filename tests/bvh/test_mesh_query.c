@@ -92,9 +92,9 @@ static void test_closed(void **unused)
     static const pel_shape_kind kinds[2] = {PEL_SHAPE_GEODESIC_SPHERE, PEL_SHAPE_TORUS};
     for (int k = 0; k < 2; k++) {
         pel_mesh *mesh = make_shape(kinds[k]);
-        check_points(mesh, 3000);
+        check_points(mesh, LONG(3000, 1500));
         turn(mesh);
-        check_points(mesh, 3000);
+        check_points(mesh, LONG(3000, 1500));
         pel_mesh_destroy(mesh);
     }
 }

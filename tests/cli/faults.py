@@ -130,8 +130,8 @@ def ended_children():
 
 
 def stopped_within(f):
-    """a signal within a step that takes half a minute: it ends soon, at the state before it"""
-    frequency = 20 if os.environ.get("PELLICLE_SANITIZE") else 50
+    """a signal within a step that takes many seconds: it ends soon, at the state before it"""
+    frequency = 20 if os.environ.get("PELLICLE_SANITIZE") else 50 if "PELLICLE_ALL" in os.environ else 40
     (f.folder / "long.yaml").write_text(LONG % frequency)
     ended = ended_children()
     process = f.start("run", "long.yaml", "-o", "long", "--progress", "plain")
@@ -170,7 +170,7 @@ def full_disk(f):
     """a small file system of its own, where one can be mounted"""
     script = """set -e; mkdir -p full; mount -t tmpfs -o size=300k none full
         set +e; "$0" run scene.yaml -q -o full/run; echo "status $?"; ls full/run
-        rm -rf full/*; "$0" run scene.yaml -q -o once --frames 3; head -c 294912 /dev/zero > full/fill; "$0" render once -q -o full/film.mp4; echo "film $?"; ls full
+        rm -rf full/*; "$0" run scene.yaml -q -o once --frames 3; head -c 303104 /dev/zero > full/fill; "$0" render once -q --size 320x180 -o full/film.mp4; echo "film $?"; ls full
         "$0" convert once full/sequence.obj; echo "export $?"; ls full"""
     result = subprocess.run(["unshare", "-rm", "bash", "-c", script, f.program], cwd=f.folder, capture_output=True,
                             text=True, check=False)
@@ -190,7 +190,7 @@ def broken_film(f):
     script.write_text('#!/bin/bash\ncat > /dev/null\nprintf "\\0\\0\\0\\020ftypisom0000\\0\\0\\1\\0mdat" > "${@: -1}"\n')
     script.chmod(0o755)
     f.run("run", "scene.yaml", "-q", "-o", "filmed", "--frames", "2")
-    process = subprocess.run([f.program, "render", "filmed", "-q", "-o", "film.mp4"], cwd=f.folder, capture_output=True,
+    process = subprocess.run([f.program, "render", "filmed", "-q", "--size", "320x180", "-o", "film.mp4"], cwd=f.folder, capture_output=True,
                              text=True, env=dict(os.environ, PATH=f"{tools}:{os.environ['PATH']}"), check=False)
     if "cannot draw" in process.stderr or "without pictures" in process.stderr:
         return "not tried: nothing can be drawn here"
@@ -222,7 +222,7 @@ def out_of_memory(f):
     if os.environ.get("PELLICLE_SANITIZE"):
         return "not tried: a sanitizer needs the address space"
     said, resumable = 0, 0
-    for megabytes in range(24, 900, 3):
+    for megabytes in range(24, 900, 3 if "PELLICLE_ALL" in os.environ else 8):
         status, _, errors = f.run("run", "scene.yaml", "-q", "-o", "small", "--frames", "1", "--threads", "1",
                                   "--set", "bodies.0.mesh.frequency=50", limits={resource.RLIMIT_AS: megabytes << 20})
         if status == 0:

@@ -56,7 +56,7 @@ measure: [max_displacement, state_hash]
 
 
 def skip(why):
-    print(f"skipped: {why}")
+    print(why)
     sys.exit(SKIPPED)
 
 
@@ -117,11 +117,11 @@ def compare(program, folder, environment):
 
 def main():
     if not os.environ.get("PELLICLE_TEST_SLURM"):
-        skip("PELLICLE_TEST_SLURM=1 starts a Slurm of one node, as root")
+        skip("long: PELLICLE_TEST_SLURM=1 starts a Slurm of one node, as root")
     os.environ["PATH"] += ":/usr/sbin:/sbin"
     missing = [name for name in NEEDED if shutil.which(name) is None]
     if missing or os.getuid() != 0:
-        skip(f"needs root and {', '.join(NEEDED)}")
+        skip(f"missing: needs root and {', '.join(NEEDED)}")
     daemons = []
     with tempfile.TemporaryDirectory(prefix="pellicle-slurm-") as place:
         folder = pathlib.Path(place)

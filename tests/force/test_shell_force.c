@@ -4,6 +4,7 @@
 #include "shell_fixture.h"
 
 #include "force/shell_force.h"
+#include "pellicle/measure.h"
 #include "pellicle/topology.h"
 
 #ifdef PEL_SINGLE

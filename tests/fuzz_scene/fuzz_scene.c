@@ -1,10 +1,10 @@
 /* Fuzzes the scene reader. Input: the scene's text, then overrides, separated by zero bytes. Scenes that name files or
    have large numbers are checked but not built, so that no input asks for a huge mesh. */
+#include "keys/override.h"
+#include "keys/print.h"
+#include "keys/validate.h"
+#include "keys/yaml.h"
 #include "pellicle/scene.h"
-#include "scene/override.h"
-#include "scene/print.h"
-#include "scene/validate.h"
-#include "scene/yaml.h"
 
 #include <math.h>
 #include <stdio.h>

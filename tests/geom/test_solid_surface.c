@@ -80,8 +80,10 @@ static void test_solid_of_a_tool(void **unused)
         const pel_solid solid = pel_solid_of(&def);
         assert_int_equal(solid.shape, pel_solid_rows[i].distance != NULL ? i : PEL_TOOL_SPHERE);
         assert_true(solid.radius == 2 && solid.half_extents[2] == 6);
-        assert_true(solid.half_length == (i == PEL_TOOL_CAPSULE ? 3 : 0));
-        assert_int_equal(pel_solid_is_ball(&solid), i != PEL_TOOL_CAPSULE && i != PEL_TOOL_BOX);
+        const pel_solid_row *row = &pel_solid_rows[i];
+        assert_true(solid.half_length == (row->has_length ? 3 : 0));
+        bool is_flat = row->distance != NULL && !row->is_round;
+        assert_int_equal(pel_solid_is_ball(&solid), !is_flat && !row->has_length);
     }
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Installs a build, moves it elsewhere and uses it from outside: C and C++, CMake and pkg-config, core and scene.
+# Without PELLICLE_ALL in the environment (.ci/run and make nightly set it) only one program of each kind is built.
 # usage: install.sh SOURCE BUILD C_COMPILER C++_COMPILER
 set -euo pipefail
 source=$1 build=$2
@@ -20,12 +21,8 @@ outside() {
     quietly cmake -G Ninja -S "$2" -B "$place/$1" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$place/prefix" "${@:3}"
     quietly cmake --build "$place/$1"
 }
-outside press "$source/examples/press"
-outside drag "$source/examples/drag"
-outside haptic "$source/examples/haptic"
 outside core "$source/tests/house/outside"
 "$place/core/outside"
-outside core-shared "$source/tests/house/outside" -DSHARED=ON
 
 export PKG_CONFIG_PATH="$place/prefix/lib/pkgconfig"
 [ -f "$PKG_CONFIG_PATH/pellicle.pc" ] || fail "no pellicle.pc in lib/pkgconfig"
@@ -46,6 +43,22 @@ readelf -d "$place/press-pellicle" >"$place/needed"
 grep -qF "[$soname]" "$place/needed" || fail "the program of pkg-config pellicle does not need $soname"
 readelf -d "$place/press-pellicle-static" >"$place/needed"
 ! grep -qF libpellicle "$place/needed" || fail "the program of pkg-config pellicle-static needs libpellicle.so"
+if [ -x "$place/prefix/bin/pellicle" ]; then
+    "$place/prefix/bin/pellicle" --version
+    for scene in "$place"/prefix/share/pellicle/scenes/*.yaml; do
+        quietly "$place/prefix/bin/pellicle" check "$scene"
+    done
+    bash -n "$place/prefix/share/bash-completion/completions/pellicle"
+fi
+
+if [ -z "${PELLICLE_ALL:-}" ]; then
+    echo "long: the examples, the shared library and the scene library from outside"
+    exit 0
+fi
+outside press "$source/examples/press"
+outside drag "$source/examples/drag"
+outside haptic "$source/examples/haptic"
+outside core-shared "$source/tests/house/outside" -DSHARED=ON
 "$place/core-shared/outside"
 readelf -d "$place/core-shared/outside" >"$place/needed"
 grep -qF "[$soname]" "$place/needed" || fail "the program of pellicle::shared does not need $soname"
@@ -71,11 +84,4 @@ if [ -f "$PKG_CONFIG_PATH/pellicle-scene.pc" ]; then
     # shellcheck disable=SC2046
     "$CXX" "$source/tests/house/outside/scene.cpp" $(pkg-config --cflags --libs pellicle-scene) -o "$place/scene-cxx"
     "$place/scene-cxx"
-fi
-if [ -x "$place/prefix/bin/pellicle" ]; then
-    "$place/prefix/bin/pellicle" --version
-    for scene in "$place"/prefix/share/pellicle/scenes/*.yaml; do
-        quietly "$place/prefix/bin/pellicle" check "$scene"
-    done
-    bash -n "$place/prefix/share/bash-completion/completions/pellicle"
 fi

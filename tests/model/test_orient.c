@@ -5,7 +5,7 @@
 #include "pellicle/measure.h"
 #include "pellicle/model.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_ledger.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "papers/lab/trial.h"
+#include "pellicle/sim_surface.h"
 
 static const char ball[] = "version: 1\n"
                            "bodies:\n"

@@ -1,12 +1,17 @@
 """What the tests of the Python package share."""
 
+import os
 import pathlib
+import unittest
 
 import numpy as np
 import pellicle
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = ROOT / "scenes"
+
+# parts that take long, or need what only `make nightly` installs
+long = unittest.skipUnless("PELLICLE_ALL" in os.environ, "long: in make nightly")
 
 
 def ball(**more):

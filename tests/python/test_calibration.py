@@ -10,7 +10,7 @@ import unittest
 
 import numpy as np
 import pellicle
-from common import ROOT, is_single
+from common import ROOT, is_single, long
 from pellicle import _core
 from pellicle.calibration import _Problem
 
@@ -34,6 +34,7 @@ class Calibration(unittest.TestCase):
         self.assertLess(fit.low[path], known)
         self.assertGreater(fit.high[path], known)
 
+    @long
     def test_balloon(self):
         """Constants of Mooney and Rivlin within 1 %, from data with 1 % noise."""
         fit = pellicle.calibrate(FITS / "balloon.yaml", self.folder / "fit")

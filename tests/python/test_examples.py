@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from common import ROOT, is_single
+from common import ROOT, is_single, long
 
 EXAMPLES = ROOT / "examples/python"
 sys.path.insert(0, str(EXAMPLES))
@@ -33,6 +33,7 @@ class Examples(unittest.TestCase):
         self.assertTrue(0 < top < len(pressures) - 1)
         self.assertAlmostEqual(stretches[top], 1.48, delta=0.05)
 
+    @long
     @unittest.skipIf(is_single(), "in float the table is another one")
     def test_surrogate(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -40,6 +41,7 @@ class Examples(unittest.TestCase):
         self.assertLess(mean, 0.005)
         self.assertLess(largest, 0.02)
 
+    @long
     def test_a_picture_is_optional(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "press.png")

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import unittest
 
-from common import ROOT, SCENES, is_single
+from common import ROOT, SCENES, is_single, long
 
 try:
     import nbclient
@@ -27,6 +27,7 @@ class Notebooks(unittest.TestCase):
                 if cell["cell_type"] == "code":
                     self.assertEqual((path.name, cell["outputs"], cell["execution_count"]), (path.name, [], None))
 
+    @long
     @unittest.skipIf(nbclient is None, "no nbclient: install python3-nbclient and python3-ipykernel to run the notebooks")
     @unittest.skipIf("LD_PRELOAD" in os.environ, "a kernel does not start under the sanitizer")
     @unittest.skipIf(is_single(), "in float the tables and fits are others")

@@ -15,6 +15,7 @@ import unittest.mock
 
 import numpy as np
 import pellicle
+from common import long
 
 
 try:
@@ -79,6 +80,7 @@ class Sweeps(Folder):
             np.testing.assert_array_equal(column, sweep[name])
         self.assertEqual(given["table"]["depth"].dtype, np.float64)
 
+    @long
     @unittest.skipIf(importlib.util.find_spec("pyarrow") is None, "no pyarrow: Parquet files are not read back")
     def test_parquet_is_read_back(self):
         import pyarrow.parquet
@@ -189,6 +191,7 @@ class Sweeps(Folder):
             pellicle.sweep(self.study(3), self.folder / "out")
 
 
+@long
 @unittest.skipIf(distributed is None, "no distributed: install python3-distributed to test sweeps on Dask")
 class Dask(Folder):
     def test_same_table_when_a_worker_is_killed(self):

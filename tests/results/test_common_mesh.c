@@ -7,7 +7,7 @@
 #include "pellicle/mesh_io.h"
 #include "pellicle/results.h"
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "random.h"
 #include "results/common_mesh.h"

@@ -3,6 +3,7 @@
 
 #include "failing_malloc.h"
 #include "pellicle/run.h"
+#include "pellicle/sim_surface.h"
 
 static const char scene_text[] =
     "version: 1\n"

@@ -5,6 +5,8 @@
 #include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
 #include "results/surface.h"
 #include "stage/stage.h"
 

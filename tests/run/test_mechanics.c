@@ -2,9 +2,13 @@
    directions; tensors that turn with the body; the same numbers on triangles. */
 #include "check.h"
 
+#include "pellicle/bending.h"
 #include "pellicle/measure.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/results.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 #include "results/surface.h"
 
 #include <stdlib.h>

@@ -1,101 +1,14 @@
-/* Runs of all shipped scenes and all methods that are stopped in the middle and continued: every column of the series,
-   the summary with its warnings, all frames and the state hash are those of a run that was not stopped. With
-   PELLICLE_LONG in the environment (make nightly) the scenes run to their ends, with more stops. */
-#define _XOPEN_SOURCE 700 /* nftw */
-#include "run/run_fixture.h"
-#include "source_dir.h"
-
-enum { LONG_STOPS = 4 };
-
-static bool is_long(void)
-{
-    return getenv("PELLICLE_LONG") != NULL;
-}
-
-/* steps at which a run of so many is stopped, one or LONG_STOPS */
-static int64_t stop_of(int64_t step_count, int number)
-{
-    return 1 + step_count * (number + 1) / ((is_long() ? LONG_STOPS : 1) + 1);
-}
-
-static void check_stops(const pel_scene *scene, const char *name, int64_t max_frames)
-{
-    char whole_folder[64], part_folder[64];
-    snprintf(whole_folder, sizeof whole_folder, "%s", name);
-    snprintf(part_folder, sizeof part_folder, "%s-part", name);
-    run_case whole = {.run = whole_folder, .max_frames = max_frames, .threads = 1};
-    check_run(scene, &whole, PEL_OK);
-    for (int i = 0; i < (is_long() ? LONG_STOPS : 1); i++) {
-        int64_t stop = stop_of(whole.summary.steps, i);
-        if (stop >= whole.summary.steps)
-            continue;
-        run_case part = {.run = part_folder, .max_frames = max_frames, .threads = 2, .stop_at = stop};
-        check_run(scene, &part, PEL_STOPPED);
-        part.stop_at = 0;
-        part.resume = "checkpoint";
-        check_run(scene, &part, PEL_OK);
-        if (part.summary.state_hash != whole.summary.state_hash)
-            print_error("%s stopped at step %d ends in another state\n", name, (int)stop);
-        assert_true(part.summary.state_hash == whole.summary.state_hash);
-        check_same_results(whole_folder, part_folder, whole.summary.frames);
-        char path[256];
-        remove_folder(in_folder(path, part_folder, ""));
-    }
-}
-
-/* ---- the scenes of the folder ---- */
-
-/* frames of the quick form */
-static int64_t frames_of(const char *name)
-{
-    static const struct {
-        const char *name;
-        int64_t frames;
-    } scenes[] = {{"balloon", 4},       {"caving-ball", 2},         {"hanging-sheet", 1},    {"lens-capsule", 5},
-                  {"organ-press", 15},  {"shell-crushed", 7},       {"shrinking-torus", 24}, {"sphere-explicit", 9},
-                  {"sphere-press", 12}, {"sphere-press-hollow", 9}, {"sphere-refine", 15},   {"twisted-tube", 6}};
-    if (is_long())
-        return 0;
-    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
-        if (strcmp(scenes[i].name, name) == 0)
-            return (scenes[i].frames + ROUNDS(0, 1)) / ROUNDS(1, 2);
-    return 3;
-}
-
-static void test_shipped_scenes(void **unused)
-{
-    (void)unused;
-    DIR *stream = opendir(PEL_SOURCE_DIR "/scenes");
-    assert_non_null(stream);
-    int count = 0;
-    for (struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
-        char path[512], name[64];
-        const char *end = strstr(entry->d_name, ".yaml");
-        if (end == NULL)
-            continue;
-        pel_scene *scene;
-        snprintf(path, sizeof path, PEL_SOURCE_DIR "/scenes/%.200s", entry->d_name);
-        snprintf(name, sizeof name, "%.*s", (int)(end - entry->d_name), entry->d_name);
-        assert_int_equal(pel_scene_load(path, NULL, 0, NULL, &scene, NULL), PEL_OK);
-        if (count % ROUNDS(1, 2) == 0)
-            check_stops(scene, name, frames_of(name));
-        pel_scene_destroy(scene);
-        count++;
-    }
-    closedir(stream);
-    assert_true(count >= 11);
-}
-
-/* ---- all methods ---- */
+/* Runs of all methods that are stopped in the middle and continued: run/stops.h. */
+#include "run/stops.h"
 
 /* two bodies that touch, one of which refines, under a tool that presses, a box that turns and a clamp that loses hold
  */
 static const char crowd[] =
     "version: 1\n"
     "bodies:\n"
-    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 5 }, mass: { per_vertex: 1 }, scale_with_area: true,\n"
+    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 4 }, mass: { per_vertex: 1 }, scale_with_area: true,\n"
     "      volumetric: { stiffness: 1.5 }, refine: { levels: 1, near_tools: 0.1, dwell: 5 } }\n"
-    "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 4, translate: [0, 0, -2.02] },\n"
+    "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 3, translate: [0, 0, -2.02] },\n"
     "      mass: { per_vertex: 1 }, volumetric: { stiffness: { keys: [[0, 1.5], [0.3, 1]] } } }\n"
     "loads:\n"
     "  - { body: a, force: [0, 0, -4], from: 0.05, until: 0.3 }\n"
@@ -118,7 +31,7 @@ static const char crowd[] =
 static const char shell[] =
     "version: 1\n"
     "bodies:\n"
-    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.1 },\n"
+    "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 },\n"
     "      mass: { density: 1000, thickness: 0.002 }, membrane: { material: neo-hookean, young: 1.0e4 },\n"
     "      bending: { model: hinge }, pressure: { gas: { pressure: 1000 } },\n"
     "      anisotropy: { mode: active, stiffness: 1, rest_length: { keys: [[0, 1], [0.2, 0.8]] },\n"
@@ -150,29 +63,27 @@ static void check_methods(const char *text, const char *name, const char *const 
 static void test_methods(void **unused)
 {
     (void)unused;
-    static const char *const crowds[][2] = {{"solver.method=quasi-static", NULL},
-                                            {"solver.method=explicit", "contact.restitution=0.5"},
-                                            {"solver.method=pbd", NULL},
-                                            {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
-                                            {"solver.method=pbd-distance", NULL},
-                                            {"solver.method=xpbd", "solver.substeps=7"},
-                                            {"solver.method=descent", "bodies.b.mesh.frequency=3"},
-                                            {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
-                                            {"solver.method=xpbd", "contact.method=bridson"}};
-    static const char *const shells[][2] = {{"solver.method=explicit", "solver.dt=0.0004"},
+    static const char *const crowds[][2] = {
+        {"solver.method=quasi-static", NULL},
+        {"solver.method=explicit", "contact.restitution=0.5"},
+        {"solver.method=pbd", NULL},
+        {"solver.method=pbd", "bodies.a.pressure={ outside: 30 }"},
+        {"solver.method=pbd-distance", NULL},
+        {"solver.method=xpbd", "solver.substeps=7"},
+        {"solver={ method: descent, dt: 0.01, iterations: 4 }", "bodies.b.mesh.frequency=2"},
+        {"contact.start=tangled", "bodies.b.mesh.translate=[0, 0, -1.95]"},
+        {"solver.method=xpbd", "contact.method=bridson"}};
+    static const char *const shells[][2] = {{"solver={ method: explicit, dt: 0.0004 }", "duration=0.06"},
                                             {"solver.method=pbd", NULL},
                                             {"solver.method=xpbd", NULL},
-                                            {"solver.method=descent", NULL}};
+                                            {"solver={ method: descent, dt: 0.005, iterations: 10 }", NULL}};
     check_methods(crowd, "crowd", crowds[0], sizeof crowds / sizeof *crowds);
     check_methods(shell, "shell", shells[0], sizeof shells / sizeof *shells);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_methods),
-        cmocka_unit_test(test_shipped_scenes),
-    };
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_methods)};
     thread_count = 1;
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

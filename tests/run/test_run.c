@@ -124,7 +124,7 @@ static void test_refinement(void **unused)
     assert_true(whole.summary.triangles_final >
                 scene->model.bodies[0].mesh->triangle_count + scene->model.bodies[1].mesh->triangle_count);
     const int64_t stops[] = {2, 22, 40};
-    for (size_t i = 0; i < sizeof stops / sizeof stops[0]; i++) {
+    for (size_t i = 0; i < sizeof stops / sizeof stops[0]; i += (size_t)LONG(1, 2)) {
         char run[32];
         snprintf(run, sizeof run, "refine-%d", (int)stops[i]);
         run_case test = {.run = run, .stop_at = stops[i]}, rest = {.run = run, .resume = "checkpoint"};
@@ -397,7 +397,7 @@ static void test_full_disk(void **unused)
     const char *const checkpoints[2] = {"output.checkpoint=0.1", "output.checkpoint=0"};
     int seen[KIND_COUNT] = {0}, done = 0;
     signal(SIGXFSZ, SIG_IGN);
-    for (int i = 0; i < 60; i += ROUNDS(1, 3)) {
+    for (int i = 0; i < 60; i += LONG(1, 3)) {
         rlim_t size = i / 2 < 20 ? 150 * (rlim_t)(i / 2 + 1) : 3000 * (rlim_t)(i / 2 - 18);
         pel_scene *scene = load_scene(i / 2 % 3 == 0 ? small : smallest, &checkpoints[i % 2], 1);
         run_case test = {.run = "full"};
@@ -516,7 +516,7 @@ static void test_allocation_failures(void **unused)
 {
     (void)unused;
     pel_scene *scene = load_scene(small, NULL, 0);
-    assert_true(for_every_allocation_failure(run_briefly, scene) > 50);
+    assert_true(for_allocation_failures(run_briefly, scene, LONG(1, 3)) > 50);
     pel_scene_destroy(scene);
 }
 
@@ -608,7 +608,7 @@ int main(void)
     };
     int failed = 0;
     /* two threads give the results of one */
-    for (thread_count = ROUNDS(1, 2); thread_count <= 2; thread_count++)
+    for (thread_count = LONG(1, 2); thread_count <= 2; thread_count++)
         failed += cmocka_run_group_tests(tests, make_folder, clear_folder);
     return failed;
 }

@@ -3,7 +3,6 @@
 #include "run_fixture.h"
 
 #include "pellicle/frames.h"
-#include "pellicle/sim.h"
 #include "results/folder.h"
 #include "results/tool_surface.h"
 

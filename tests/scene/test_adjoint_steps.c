@@ -5,6 +5,8 @@
 #include "failing_malloc.h"
 #include "pellicle/live.h"
 #include "pellicle/scene.h"
+#include "pellicle/sim_adjoint.h"
+#include "pellicle/sim_surface.h"
 
 #include <stdlib.h>
 
@@ -241,12 +243,12 @@ static void check_common(trial *t, const numbers *n, const answer *found)
     }
 }
 
-/* of the sum over all steps too */
-static void check_paths(const char *scene, const numbers *n, bool with_rest)
+/* of the last state, or of the sum over all steps (is_running); make nightly: of both */
+static void check_paths(const char *scene, const numbers *n, bool with_rest, bool is_running)
 {
     static answer found;
     skip_in_float();
-    for (int running = 0; running < ROUNDS(2, 1); running++) {
+    for (int running = LONG(0, is_running); running <= LONG(1, is_running); running++) {
         trial t = {.scene = scene, .steps = STEPS, .is_running = running > 0};
         find(&t, with_rest, &found);
         /* differences take some 30 paths */
@@ -258,21 +260,22 @@ static void check_paths(const char *scene, const numbers *n, bool with_rest)
 static void test_strip(void **unused)
 {
     (void)unused;
-    check_paths(strip, &(numbers){.young = 1e4, .poisson = 0.3, .thickness = 0.01, .load = {0.1, 0.05, 0.1}}, true);
+    check_paths(strip, &(numbers){.young = 1e4, .poisson = 0.3, .thickness = 0.01, .load = {0.1, 0.05, 0.1}}, true,
+                false);
 }
 
 static void test_cloth(void **unused)
 {
     (void)unused;
     numbers n = {.young = 1e4, .poisson = 0.3, .thickness = 0.01, .gravity = -2, .load = {0.1, 0.05, 0.1}};
-    check_paths(cloth, &n, true);
+    check_paths(cloth, &n, true, true);
 }
 
 static void test_gas(void **unused)
 {
     (void)unused;
     numbers n = {.young = 1e5, .poisson = 0.4, .thickness = 0.001, .gravity = -2, .load = {0.3, 0.05, 0.1}};
-    check_paths(gas, &n, false);
+    check_paths(gas, &n, false, false);
 }
 
 static void test_springs(void **unused)
@@ -280,7 +283,7 @@ static void test_springs(void **unused)
     (void)unused;
     numbers n = {.young = 1e4, .poisson = 0.3, .thickness = 0.001, .gravity = -2, .load = {0.02, 0.01, 0.01}};
     n.pressure = 30;
-    check_paths(springs, &n, false);
+    check_paths(springs, &n, false, true);
 }
 
 /* A factor on all positions at rest, from which the steps begin: held vertices move with them. */

@@ -3,7 +3,8 @@
 
 #include "pellicle/measure.h"
 #include "pellicle/scene.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_reading.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* The method of scenes that leave it to the program, and runs of xpbd that are too soft. */
 #define _XOPEN_SOURCE 700
 #include "check.h"
+#include "def/row.h"
 #include "failing_malloc.h"
 
 #include <ftw.h>
@@ -10,7 +11,9 @@
 #include "base/memory.h"
 #include "io/file.h"
 #include "pellicle/run.h"
+#include "pellicle/sim_reading.h"
 #include "scene/build.h"
+#include "stage/stepper.h"
 
 #define HEAD "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}\n"
 #define SHEET "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: grid, nx: 8, ny: 8, size_x: 0.1, size_y: 0.1}\n"
@@ -97,7 +100,7 @@ static void test_choice(void **unused)
         assert_int_equal(told.count, takes != NULL);
         if (takes != NULL) {
             pel_method method = scene->sim.solver.method;
-            assert_string_equal(pel_scene_method_name(method), takes);
+            assert_string_equal(pel_method_words[method], takes);
             snprintf(line, sizeof line, "method %s: ", takes);
             assert_non_null(strstr(told.text, line));
             assert_true(strstr(told.text, "xpbd would need ") != NULL || strstr(told.text, "xpbd does not support"));

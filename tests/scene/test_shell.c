@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "io/file.h"
+#include "pellicle/material.h"
 #include "pellicle/run.h"
 #include "pellicle/scene.h"
 

@@ -5,6 +5,9 @@
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
 #include "pellicle/scene.h"
+#include "pellicle/sim_adjoint.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 
 #include <string.h>
 

@@ -3,6 +3,9 @@
 #define PEL_TESTS_SIM_DESCENT_FIXTURE_H
 
 #include "math/vec3.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_surface.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "pellicle/shape.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_step.h"
 
 /* a tolerance: in float energies and momenta themselves are sums with 1e-7 */
 #define IN_FLOAT(in_double, in_float) (sizeof(pel_real) == 4 ? (in_float) : (in_double))

@@ -2,6 +2,8 @@
 #ifndef PEL_TESTS_SIM_REFINE_FIXTURE_H
 #define PEL_TESTS_SIM_REFINE_FIXTURE_H
 
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 

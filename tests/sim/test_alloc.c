@@ -1,5 +1,7 @@
 /* Every allocation of model and sim fails once, and a step allocates nothing. */
 #include "failing_malloc.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 

@@ -2,6 +2,7 @@
    surface recovers. Scales from edges of 0.3 mm to busts of 0.5 m in millimetres. Runs where the shared meshes are; a
    sphere of uneven triangles stands in elsewhere. */
 #include "pellicle/mesh_io.h"
+#include "pellicle/sim_ledger.h"
 #include "sim/fixture.h"
 #include "source_dir.h"
 #include "stage/stage.h"

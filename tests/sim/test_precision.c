@@ -1,5 +1,6 @@
 /* Answers that the precision of the state must not change: numbers here are those of a build in double. */
 #include "pellicle/shape.h"
+#include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"

@@ -1,6 +1,9 @@
 /* Paper A's body against the numbers of the reference computation (figures 6 and 7) and against closed forms. */
 #include "pellicle/measure.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"
 

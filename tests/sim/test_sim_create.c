@@ -3,7 +3,6 @@
 #include "model/model.h"
 #include "pellicle/mesh.h"
 #include "pellicle/model.h"
-#include "pellicle/sim.h"
 #include "sim/fixture.h"
 
 typedef enum fault {

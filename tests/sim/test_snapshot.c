@@ -571,7 +571,7 @@ static void test_forged(void **unused)
         pel_sim_save(made.sim, good);
         const uint32_t words[3] = {UINT32_MAX, INT32_MAX, 0x01010101};
         int refused = 0;
-        size_t stride = 4 * (1 + size / ROUNDS(1000, 200));
+        size_t stride = 4 * (1 + size / LONG(1000, ROUNDS(400, 200)));
         for (size_t at = 16; at + 4 <= size; at += stride)
             for (int w = 0; w < 3; w++) {
                 memcpy(bad, good, size);
@@ -596,7 +596,7 @@ static void test_forged(void **unused)
 static void test_statistics(void **unused)
 {
     (void)unused;
-    for (int steps = 1; steps < 200; steps += ROUNDS(37, 100)) {
+    for (int steps = 1; steps < 200; steps += LONG(37, 100)) {
         setup *s = make_springs();
         made_sim made = make(s), other = make(s);
         pel_contact_statistics a, b;

@@ -1,4 +1,5 @@
 /* Steps that are stopped on their way: the state is that before the step, to the bit, whenever the stop comes. */
+#include "pellicle/sim_ledger.h"
 #include "sim/descent_fixture.h"
 #include "stage/stage.h"
 

@@ -1,5 +1,5 @@
-/* A tube whose rims are held and turn against each other: a neck, then a rope of its own folds. With PELLICLE_LONG in
-   the environment (make nightly) that of pbd with thick contact has 40 x 40 cells, and makes three turns. */
+/* A tube whose rims are held and turn against each other: a neck, then a rope of its own folds. In `make
+   nightly` that of pbd with thick contact has 40 x 40 cells, and makes three turns. */
 #include "pellicle/shape.h"
 #include "sim/contact_scene.h"
 #include "sim/sim.h"
@@ -15,11 +15,6 @@ typedef struct twist {
     double turns;
     int32_t steps;
 } twist;
-
-static bool is_long(void)
-{
-    return getenv("PELLICLE_LONG") != NULL;
-}
 
 /* two supports, which turn against each other at a turn a second together; without contact if its thickness is below 0
  */
@@ -112,7 +107,7 @@ static void test_torque(void **unused)
 static void test_energy(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_XPBD, 0, false);
     bool was_divided = false;
@@ -169,7 +164,7 @@ static void test_thick(void **unused)
     (void)unused;
     skip_if_slow();
     twist t;
-    pel_sim *sim = begin(&t, PEL_METHOD_PBD, thickness, is_long());
+    pel_sim *sim = begin(&t, PEL_METHOD_PBD, thickness, is_all());
     for (int n = 0; n < t.steps; n++)
         step(sim, n);
     assert_int_equal(statistics_of(sim).fall_backs, 0);
@@ -181,7 +176,7 @@ static void test_thick(void **unused)
 static void test_implicit(void **unused)
 {
     (void)unused;
-    skip_if_slow();
+    skip_if_long();
     twist t;
     pel_sim *sim = begin(&t, PEL_METHOD_IMPLICIT, 0, false);
     int64_t systems = 0;

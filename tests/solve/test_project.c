@@ -3,6 +3,7 @@
 #include "shell_fixture.h"
 
 #include "model/state.h"
+#include "pellicle/sim_ledger.h"
 #include "solve/project.h"
 
 #include <stdlib.h>

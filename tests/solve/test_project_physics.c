@@ -2,6 +2,7 @@
    solutions of single vertices. */
 #include "law_forms.h"
 #include "math/vec3.h"
+#include "pellicle/sim_ledger.h"
 #include "random.h"
 #include "sim/fixture.h"
 #include "stage/stage.h"

@@ -1,6 +1,7 @@
 /* Stability limits: the numbers of the theory for paper A's sphere, and that runs just below a limit stay bounded while
    runs just above it grow. */
 #include "model/model.h"
+#include "pellicle/sim_ledger.h"
 #include "sim/fixture.h"
 #include "solve/stability.h"
 #include "stage/stage.h"

@@ -246,12 +246,10 @@ static void fuzz(scene *made, int sequences, random_state *random)
     free(active);
 }
 
-/* PELLICLE_FRONT_SEQUENCES sets the number; the full count is 100,000 */
 static void test_fuzz(void **unused)
 {
     (void)unused;
-    const char *asked = getenv("PELLICLE_FRONT_SEQUENCES");
-    int sequences = (asked != NULL ? atoi(asked) : 10000) / 5;
+    int sequences = LONG(100000, 10000) / 5;
     random_state random = {2006};
     pel_mesh *meshes[5] = {sample_sphere(3), sample_tetrahedron(), sample_ring(40, false, &random),
                            sample_random(&random), sample_random(&random)};

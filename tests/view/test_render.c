@@ -282,7 +282,7 @@ static void test_deterministic(void **unused)
     pel_render_def def = make_def(&run, 1, "render-first.png");
     draw(&def);
     uint8_t *first = read_png("render-first.png", &size);
-    for (int threads = 0; threads < 3; ++threads) {
+    for (int threads = 0; threads < LONG(3, 1); ++threads) {
         char number[16];
         snprintf(number, sizeof number, "%d", threads);
         setenv("LP_NUM_THREADS", number, 1);
@@ -460,7 +460,7 @@ static void test_out_of_memory(void **unused)
     if (!can_draw)
         skip();
     const char *frame = "render-run/f2.vtp";
-    assert_true(for_every_allocation_failure(render_case, &frame) > 20);
+    assert_true(for_allocation_failures(render_case, &frame, LONG(1, 8)) > 20);
 }
 
 static bool has_ffmpeg(void)
@@ -575,7 +575,7 @@ static void test_stops(void **unused)
     pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
     pel_mesh *mesh;
     size_t sizes[2];
-    shape.frequency = 54;
+    shape.frequency = 51;
     assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
     assert_int_equal(pel_mesh_write(ball, PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
     pel_mesh_destroy(mesh);
@@ -594,7 +594,7 @@ static void test_stops(void **unused)
     free(whole);
     free(portions);
     unlink("render-stopped.png");
-    for (int most = 0; most < all.asked; most += ROUNDS(9, 40)) {
+    for (int most = 0; most < all.asked; most += LONG(9, 1000)) {
         pel_error error;
         patience some = {0, most};
         def.user = &some;

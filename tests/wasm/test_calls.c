@@ -9,6 +9,7 @@
 #include <pellicle/live.h>
 #include <pellicle/observe.h>
 #include <pellicle/scene.h>
+#include <pellicle/sim_surface.h>
 
 #include <stdio.h>
 #include <string.h>

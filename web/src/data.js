@@ -1,4 +1,4 @@
-// Reads the runs from the page. src/results/report_encode.c and report_describe.c write them.
+// Reads the runs from the page. src/runs/report/encode.c and report/describe.c write them.
 
 // size of a frame in the stream [bytes]
 function frameSize(run, frame, known) {

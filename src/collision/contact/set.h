@@ -19,7 +19,7 @@
 #include "contact/contact.h"
 #include "geom/solid.h"
 #include "math/pose.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_contact.h"
 
 /* in mean edges: what goes farther in a step is not corrected after the solver, but stopped */
 #define PEL_CONTACT_FAR 2.0

@@ -9,7 +9,7 @@
 
 #include "batch/layout.h"
 #include "model/shell.h"
-#include "pellicle/sim.h"
+#include "pellicle/solver.h"
 
 typedef struct pel_body_batches {
     pel_pieces pieces;

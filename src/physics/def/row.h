@@ -102,7 +102,8 @@ typedef enum pel_part {
 /* ---- rows ---- */
 
 typedef struct pel_def_row {
-    /* "bodies[].springs.stiffness"; [] is any element; <name> begins a group that several rows share; null = a member
+    /* ---- the key ----
+       "bodies[].springs.stiffness"; [] is any element; <name> begins a group that several rows share; null = a member
        without a key of its own */
     const char *path;
     unsigned forms;
@@ -110,7 +111,7 @@ typedef struct pel_def_row {
     pel_range range;
     const char *preset;     /* default of scenes, as YAML; # is the element's number from 1; null = none */
     bool varies;            /* other keys of the scene may imply another default, see `doc` */
-    bool required;          /* required */
+    bool required;          /* must be given */
     const char *supplied;   /* required, but for this key of the same map, which fills it in; "" = keys elsewhere do */
     bool alternative;       /* exactly one of the alternatives of a map is given */
     bool scoped;            /* unit and range come from the row that is `like` this group */
@@ -120,6 +121,7 @@ typedef struct pel_def_row {
     const char *const *words; /* null-terminated */
     const char *doc;          /* one sentence without full stop */
 
+    /* ---- the member ---- */
     pel_def_kind def;
     pel_store store;
     pel_part part;
@@ -132,6 +134,7 @@ typedef struct pel_def_row {
     double factor;             /* value of the key over that of the member; 0 = 1 */
     const char *const *values; /* the words in the order of the member's values; null = `words` */
 
+    /* ---- the parameter ---- */
     const char *parameter_path;       /* null = `path` */
     bool is_fixed;                    /* decided when a simulation is made: no parameter */
     bool (*applies)(const void *def); /* the def reads this member; null = always */
@@ -140,18 +143,22 @@ typedef struct pel_def_row {
     const char *refusal, *remedy; /* null = it can change while running */
 } pel_def_row;
 
+/* of one def */
 enum { PEL_MOST_MEMBERS = 128 };
 
-/* All rows but those of meshes, runs and outputs, in the order of the reference page; null after the last. */
 int32_t pel_def_row_count(void);
+/* All rows but those of meshes, runs and outputs, in the order of the reference page; null before the first and after
+   the last. */
 const pel_def_row *pel_def_row_at(int32_t index);
 /* The row of a member, the first of several; null if there is none. */
 const pel_def_row *pel_def_row_of(pel_def_kind kind, size_t offset);
 /* One row for each member of a def, in the order of memory. Returns their number. */
 int32_t pel_def_members(pel_def_kind kind, const pel_def_row *members[PEL_MOST_MEMBERS]);
-/* The index of the next parameter, first by def; -1 before the first and after the last. */
+/* The index of the next parameter, def by def in the order of pel_def_kind; -1 before the first and after the last. */
 int32_t pel_def_parameter_after(int32_t index);
 pel_parameter_kind pel_def_row_kind(const pel_def_row *row);
+/* words of the methods in scenes; null after the last */
+extern const char *const pel_method_words[];
 /* the words of a parameter in the order of its values; null = it is no word */
 const char *const *pel_def_row_words(const pel_def_row *row);
 /* its values may vary over time */

@@ -80,6 +80,10 @@ CONDITION(has_substeps, pel_solver_def,
 CONDITION(has_drag, pel_solver_def, has_substeps(def) || is_explicit(def))
 CONDITION(iterates, pel_solver_def, has_substeps(def) || is_descent(def))
 
+#define METHOD_WORD(METHOD, name, word) word,
+const char *const pel_method_words[] = {PEL_METHODS(METHOD_WORD) NULL};
+#undef METHOD_WORD
+
 /* ---- the table ---- */
 
 static const pel_def_row rows[] = {
@@ -428,9 +432,8 @@ static const pel_def_row rows[] = {
 
     {"solver", DEF_OF(SIM, pel_sim_def, solver, SOLVER, SOLVER), MAP, .preset = "{}",
      .doc = "method and time integration"},
-    {"solver.method", SOLVER(method),
-     WORD("quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "descent", "static", "implicit"),
-     .preset = "quasi-static", .varies = true, STRUCTURE("the method decides what the state holds"),
+    {"solver.method", SOLVER(method), .forms = PEL_FORM_WORD, .words = pel_method_words, .preset = "quasi-static",
+     .varies = true, STRUCTURE("the method decides what the state holds"),
      .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
             "B; pbd-distance: position-based dynamics of edge lengths; xpbd: position-based dynamics that follows the "
             "stiffness of the material; descent: minimises the energy under tools and contacts; static: equilibria by "

@@ -4,7 +4,7 @@
 
 #include "force/shell_force.h"
 #include "force/tangent.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_forces.h"
 
 /* Fills the triangles (triangle_count) of a body: membrane, fibres and hinges; zeros for a body that is no shell. Until
    pel_mechanics_finish, `moment` holds components 11, 22, 12 in the frame of the rest triangle times its area. */

@@ -3,6 +3,7 @@
 #define PEL_LAW_LAWS_H
 
 #include "law/files.h"
+#include "pellicle/kinds.h"
 
 PEL_INLINE void pel_respond(pel_membrane_kind kind, const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {

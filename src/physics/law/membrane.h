@@ -5,7 +5,7 @@
        pel_law_NAME_refuse   names a number of the material that is out of the law's range
        pel_law_NAME_traits   properties for the generic code, and the numbers of a material that it reads
 
-   and has a row in PEL_MEMBRANE_LAWS (pellicle/material.h), from which the build makes law/files.h. No other code
+   and has a row in PEL_MEMBRANE_LAWS (pellicle/kinds.h), from which the build makes law/files.h. No other code
    depends on a law. */
 #ifndef PEL_LAW_MEMBRANE_H
 #define PEL_LAW_MEMBRANE_H

@@ -9,6 +9,7 @@
 #include "law/bending_model.h"
 #include "law/membrane.h"
 #include "model/model.h"
+#include "pellicle/bending.h"
 #include "pellicle/element.h"
 
 /* Bending of a triangle, as hinges between its parts and its mid-edge element take it. */

@@ -5,7 +5,7 @@
 #include "math/record.h"
 #include "model/model.h"
 
-/* State of the automatic bending weight of a body (sim/bending_weight.c). */
+/* State of the automatic bending weight of a body (method/bending_weight.c). */
 typedef struct pel_bending_control {
     double weight;       /* k_B at present; of bodies with a given weight that one */
     double volume_ratio; /* one step ago */

@@ -3,7 +3,6 @@
 #define PEL_RESULTS_FILES_H
 
 #include "pellicle/frames.h"
-#include "pellicle/sim.h"
 #include "results/tool_surface.h"
 
 #include <stddef.h>

@@ -4,6 +4,7 @@
 #include "base/number.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "pellicle/sim_reading.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -3,6 +3,8 @@
 #define PEL_RESULTS_SERIES_H
 
 #include "pellicle/run.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
 
 typedef struct pel_run_series {
     int descriptor;      /* -1 = closed */

@@ -3,7 +3,11 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
 #include "results/folder.h"
+#include "stage/stepper.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -91,7 +95,7 @@ static void write_solver(pel_json *json, const pel_run_ending *ending)
         return;
     pel_json_integer(json, "substeps_min", s->solver.least_substeps);
     pel_json_integer(json, "substeps_max", s->solver.most_substeps);
-    if (method != PEL_METHOD_XPBD)
+    if (!pel_stepper_of(method)->is_compliant)
         return;
     pel_json_integer(json, "substeps_needed", s->solver.needed_substeps);
     pel_json_bool(json, "second_order", s->solver.second_order);

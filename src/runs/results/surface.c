@@ -7,6 +7,7 @@
 #include "observe/field.h"
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
+#include "pellicle/sim_surface.h"
 
 #include <math.h>
 #include <string.h>

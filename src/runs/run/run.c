@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "pellicle/parallel.h"
+#include "pellicle/sim_adjoint.h"
 #include "results/files.h"
 #include "run/state.h"
 #include "sim/sim.h"

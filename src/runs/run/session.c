@@ -10,6 +10,8 @@
 #include "math/bounds.h"
 #include "mesh/figures.h"
 #include "pellicle/measure.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
 

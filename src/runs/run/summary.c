@@ -1,6 +1,9 @@
 #include "results/summary.h"
+#include "def/row.h"
+#include "pellicle/sim_reading.h"
 #include "run/state.h"
 #include "scene/build.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <string.h>
@@ -68,12 +71,12 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
 pel_status pel_run_summary_write(const pel_run_state *run, const pel_run_summary *summary, const pel_error *cause,
                                  pel_error *error)
 {
-    pel_method method = run->scene->sim.solver.method;
+    const pel_method method = run->scene->sim.solver.method;
     const pel_run_ending ending = {
         .folder = run->def->folder,
         .scene_path = run->scene->path,
         .method = method,
-        .method_name = pel_scene_method_name(method),
+        .method_name = pel_method_words[method],
         .summary = summary,
         .sim = run->sim,
         .tool_count = run->tool_count,

@@ -7,8 +7,10 @@
 #include "minimise/step_newton.h"
 #include "model/model.h"
 #include "model/shell.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
+#include "stage/stepper.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -126,12 +128,6 @@ static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *ed
     return PEL_OK;
 }
 
-/* position-based methods that know no material have no dents to resolve */
-static bool knows_material(pel_method method)
-{
-    return method != PEL_METHOD_PBD && method != PEL_METHOD_PBD_DISTANCE;
-}
-
 /* remembers the first body of its kind for the text */
 static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, double value, double limit)
 {
@@ -149,7 +145,7 @@ static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
     const pel_membrane_def *membrane = &body->shell.membrane;
     double radius, edge;
     if (!membrane->on || body->shell.bending.model == PEL_BENDING_NONE ||
-        !knows_material(run->scene->sim.solver.method))
+        !pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)))
         return PEL_OK;
     pel_status status = measure_edges(body->mesh, &radius, &edge, error);
     if (status != PEL_OK)
@@ -321,7 +317,7 @@ static void check_rest(pel_run_state *run, int64_t frame)
     double share = run->measures.unbalanced_force / fmax(largest, DBL_MIN);
     /* where nothing acts there is only rounding */
     bool acts = run->ledger.supplied > run->ledger.tolerance;
-    if (sim->solver.method == PEL_METHOD_QUASI_STATIC && !sim->contact.enabled && acts && share > SETTLED_SHARE)
+    if (pel_stepper_of(sim->solver.method)->relaxes && !sim->contact.enabled && acts && share > SETTLED_SHARE)
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
 }
 
@@ -337,7 +333,8 @@ static bool is_idle(const pel_run_state *run, int32_t t)
 void pel_warnings_check_end(pel_run_state *run)
 {
     int64_t frame = run->totals.frame_count - 1;
-    for (int32_t t = 0; t < run->tool_count && knows_material(run->scene->sim.solver.method); t++) {
+    for (int32_t t = 0;
+         t < run->tool_count && pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)); t++) {
         int32_t count = pressed_count(run, t);
         if (count > 0 && count < LEAST_CONTACTS)
             pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
@@ -442,17 +439,18 @@ static const char *free_body(const text_context *at, bool has_contact)
 static void write_remedy(const text_context *at, bool has_contact, int32_t automatic, char *text, size_t size)
 {
     const pel_solver_def *solver = &at->run->scene->sim.solver;
+    const pel_stepper *stepper = pel_stepper_of(solver->method);
     const char *body = free_body(at, has_contact);
     if (solver->budget > 0)
         snprintf(text, size, "use a larger solver.budget");
-    else if (solver->method == PEL_METHOD_IMPLICIT && solver->iterations <= 0)
+    else if (stepper->divides && solver->iterations <= 0)
         snprintf(text, size, "use a smaller solver.dt");
-    else if (solver->method == PEL_METHOD_STATIC && body != NULL)
+    else if (stepper->is_static && body != NULL)
         snprintf(text, size,
                  "nothing but contact holds '%.40s': if it has to fall or slide before it rests, use method implicit "
                  "with solver.drag; otherwise use more steps (solver.steps)",
                  body);
-    else if (solver->method == PEL_METHOD_STATIC && solver->iterations <= 0)
+    else if (stepper->is_static && solver->iterations <= 0)
         snprintf(text, size, "use more steps (solver.steps, with a duration a smaller solver.dt)");
     else
         snprintf(text, size, "use solver.iterations above %d",
@@ -500,21 +498,10 @@ static void tell_stray(const text_context *at)
 
 static const char *energy_remedy(const pel_sim_def *sim)
 {
-    switch (sim->solver.method) {
-    case PEL_METHOD_PBD:
-    case PEL_METHOD_PBD_DISTANCE:
-        return "use the method xpbd: pbd does not follow the material";
-    case PEL_METHOD_XPBD:
-        /* pairs that touch are found once a step: substeps do not add any */
-        return sim->contact.enabled ? "use a smaller solver.dt" : "use more solver.substeps";
-    case PEL_METHOD_DESCENT:
-        return "raise solver.iterations, or let loads and tools move over more steps";
-    case PEL_METHOD_STATIC:
-        return "the work of tools and supports is that of their mean force in a step: give them keys and raise "
-               "solver.steps";
-    default:
-        return "use a smaller solver.dt";
-    }
+    const pel_stepper *stepper = pel_stepper_of(sim->solver.method);
+    /* pairs that touch are found once a step: substeps do not add any */
+    bool is_step = stepper->energy_remedy == NULL || (stepper->is_compliant && sim->contact.enabled);
+    return is_step ? "use a smaller solver.dt" : stepper->energy_remedy;
 }
 
 static void tell_energy(const text_context *at)

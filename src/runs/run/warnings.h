@@ -3,6 +3,7 @@
 #define PEL_RUN_WARNINGS_H
 
 #include "pellicle/run.h"
+#include "pellicle/sim_ledger.h"
 
 typedef enum pel_warning_kind {
     PEL_WARN_SOFT,

@@ -3,7 +3,7 @@
 #define PEL_SCENE_BUILD_H
 
 #include "def/row.h"
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include "pellicle/scene.h"
 
@@ -17,8 +17,6 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
                                pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
 /* Supports of single components of all bodies (build_support.c). */
 pel_status pel_scene_build_supports(pel_scene_reader *reader, const pel_scene_value *bodies, pel_scene *scene);
-/* the word of a method in scenes */
-const char *pel_scene_method_name(pel_method method);
 /* The tree of a scene, as long as that lives (scene.c). */
 const pel_scene_value *pel_scene_root(const pel_scene *scene);
 

@@ -1,8 +1,8 @@
 #include "scene/build.h"
 
+#include "keys/table.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
-#include "scene/table.h"
 
 #include <string.h>
 

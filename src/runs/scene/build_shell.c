@@ -1,8 +1,8 @@
 /* Fibres and pressure of a body, with their regions. */
 #include "scene/build.h"
 
+#include "keys/table.h"
 #include "scene/region.h"
-#include "scene/table.h"
 
 #include <math.h>
 #include <string.h>

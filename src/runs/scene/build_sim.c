@@ -1,11 +1,12 @@
 #include "scene/build.h"
 
 #include "base/number.h"
+#include "keys/table.h"
+#include "keys/validate.h"
 #include "observe/field.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
-#include "scene/table.h"
-#include "scene/validate.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -219,11 +220,6 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *ro
     return status;
 }
 
-const char *pel_scene_method_name(pel_method method)
-{
-    return pel_def_row_words(pel_def_row_of(PEL_DEF_SOLVER, offsetof(pel_solver_def, method)))[method];
-}
-
 /* pbd-distance uses only the edges and masses of a body; other properties affect only reported energies */
 static void note_ignored(pel_scene_reader *reader, const pel_scene_value *body)
 {
@@ -360,7 +356,7 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
         numbers->mode_count = 0;
     const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
     for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
-        if (numbers->method == PEL_METHOD_PBD_DISTANCE)
+        if (pel_stepper_of(numbers->method)->has_lengths)
             note_ignored(reader, body);
     pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)

@@ -1,8 +1,8 @@
 /* Supports of single components: `bodies[].supports`. */
+#include "keys/table.h"
 #include "math/vec3.h"
 #include "scene/build.h"
 #include "scene/region.h"
-#include "scene/table.h"
 
 #include <math.h>
 #include <stdio.h>

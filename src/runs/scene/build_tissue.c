@@ -1,7 +1,7 @@
 /* Masses and springs of a body, with default sizes from the mesh: so any mesh has the response of its tissue,
    independent of size and fineness. */
+#include "keys/table.h"
 #include "scene/build.h"
-#include "scene/table.h"
 
 #include "pellicle/measure.h"
 #include "pellicle/topology.h"

@@ -1,9 +1,10 @@
 #include "scene/defaults.h"
 
 #include "base/number.h"
+#include "keys/validate.h"
 #include "law/membrane.h"
 #include "pellicle/preset.h"
-#include "scene/validate.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,6 +81,13 @@ static bool is_word(pel_scene_value *map, const char *key, const char *word)
 {
     const pel_scene_value *value = find(map, key);
     return value != NULL && value->kind == PEL_SCENE_SCALAR && strcmp(value->text, word) == 0;
+}
+
+/* the row of the method that the scene names, null for none */
+static const pel_stepper *find_method(pel_scene_value *solver)
+{
+    const pel_scene_value *value = find(solver, "method");
+    return value != NULL && value->kind == PEL_SCENE_SCALAR ? pel_stepper_find(value->text) : NULL;
 }
 
 /* the number of an entry, 0 unless it is a number above 0 */
@@ -236,7 +244,8 @@ static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
 static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
 {
     pel_scene_value *solver = find_map(root, "solver"), *bending = find(body, "bending");
-    bool is_weight = is_word(solver, "method", "pbd") || is_word(solver, "method", "pbd-distance");
+    const pel_stepper *stepper = find_method(solver);
+    bool is_weight = stepper != NULL && !pel_stepper_knows_material(stepper);
     if (bending == NULL && find_map(body, "membrane") != NULL && !is_weight &&
         (bending = add(reader, body, "bending", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
@@ -354,7 +363,8 @@ static pel_status imply_duration(pel_scene_reader *reader, pel_scene_value *root
     double time = positive(stop, "time"), frames = positive(stop, "frames") * dt;
     if (time > 0 || frames > 0)
         return set_number(reader, root, "duration", time > 0 && (!(frames > 0) || time < frames) ? time : frames);
-    if (is_word(find_map(root, "solver"), "method", "static"))
+    const pel_stepper *stepper = find_method(find_map(root, "solver"));
+    if (stepper != NULL && stepper->is_static)
         return imply_static_times(reader, root);
     return PEL_OK;
 }

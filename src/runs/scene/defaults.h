@@ -2,7 +2,7 @@
 #ifndef PEL_SCENE_DEFAULTS_H
 #define PEL_SCENE_DEFAULTS_H
 
-#include "scene/value.h"
+#include "keys/value.h"
 
 /* Fills in keys whose default depends on other keys, before the tree is checked against the table, so that the resolved
    scene has all of them:

@@ -1,8 +1,8 @@
 /* Reads the members of a def out of a checked tree of values, by the table of members. */
 #include "base/status.h"
+#include "keys/table.h"
 #include "scene/build.h"
 #include "scene/mesh.h"
-#include "scene/table.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,12 +1,12 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "scene/mesh.h"
 
+#include "keys/validate.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
-#include "scene/validate.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -2,7 +2,7 @@
 #ifndef PEL_SCENE_MESH_H
 #define PEL_SCENE_MESH_H
 
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include "pellicle/mesh.h"
 

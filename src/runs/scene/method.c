@@ -3,9 +3,10 @@
    step of implicit grows faster than the triangles, with the fill of its factor. */
 #include "scene/method.h"
 
+#include "def/row.h"
 #include "model/model.h"
 #include "model/shell.h"
-#include "scene/build.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,7 +50,7 @@ static bool is_cheaper(const step_cost *cost, int32_t substeps)
 static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
 {
     scene->sim.solver.method = method;
-    pel_scene_value_at(root, "solver.method")->text = pel_scene_method_name(method);
+    pel_scene_value_at(root, "solver.method")->text = pel_method_words[method];
 }
 
 static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed,
@@ -131,9 +132,8 @@ static bool needs_hinges(const pel_shell_def *shell)
 
 void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)
 {
-    pel_method method = scene->sim.solver.method;
     const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
-    if (method != PEL_METHOD_STATIC && method != PEL_METHOD_IMPLICIT)
+    if (!pel_stepper_of(scene->sim.solver.method)->turns_edges)
         return;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         /* the defs of the arena may be written to */

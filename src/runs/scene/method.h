@@ -2,8 +2,8 @@
 #ifndef PEL_SCENE_METHOD_H
 #define PEL_SCENE_METHOD_H
 
+#include "keys/value.h"
 #include "pellicle/scene.h"
-#include "scene/value.h"
 
 /* Sets the method to implicit, in the def and in the tree, with a line to the log: where xpbd would need more than
    max_substeps; where a step of implicit costs less than the substeps that xpbd needs, unless max_substeps is written;

@@ -2,7 +2,7 @@
 #ifndef PEL_SCENE_REGION_H
 #define PEL_SCENE_REGION_H
 
-#include "scene/value.h"
+#include "keys/value.h"
 
 #include "pellicle/mesh.h"
 

@@ -3,14 +3,15 @@
 
 #include "base/memory.h"
 #include "io/file.h"
+#include "keys/override.h"
+#include "keys/print.h"
+#include "keys/validate.h"
+#include "keys/yaml.h"
 #include "scene/build.h"
 #include "scene/defaults.h"
 #include "scene/method.h"
-#include "scene/override.h"
 #include "scene/portable.h"
-#include "scene/print.h"
-#include "scene/validate.h"
-#include "scene/yaml.h"
+#include "stage/stepper.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -241,7 +242,8 @@ static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error
     if (error->element >= 0 && strcmp(error->element_kind, "support") == 0)
         return find_support(root, error->element);
     if (error->status == PEL_UNSTABLE)
-        return pel_scene_value_at(root, scene->sim.solver.method == PEL_METHOD_EXPLICIT ? "solver.dt" : "solver.alpha");
+        return pel_scene_value_at(root,
+                                  pel_stepper_of(scene->sim.solver.method)->is_explicit ? "solver.dt" : "solver.alpha");
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         const pel_scene_value *list = pel_scene_value_entry(root, kinds[i][1]);
         const pel_scene_value *element = error->element >= 0 && strcmp(error->element_kind, kinds[i][0]) == 0

@@ -4,7 +4,7 @@
 
 #include "base/memory.h"
 #include "io/file.h"
-#include "scene/yaml.h"
+#include "keys/yaml.h"
 
 #include <string.h>
 

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/room.h"
+#include "stage/stepper.h"
 
 #include <string.h>
 
@@ -47,8 +48,7 @@ static bool is_of_model(pel_def_kind kind)
 /* the simulation has to be made anew; methods that seek rest refuse loads without a state of rest when they are made */
 static bool needs_sim(const pel_study_kept *kept, const pel_def_row *row)
 {
-    pel_method method = kept->scene->sim.solver.method;
-    bool seeks_rest = method == PEL_METHOD_STATIC || method == PEL_METHOD_DESCENT;
+    bool seeks_rest = pel_stepper_of(kept->scene->sim.solver.method)->seeks_rest;
     return !row->is_direct || (seeks_rest && row->def == PEL_DEF_LOAD);
 }
 

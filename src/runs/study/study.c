@@ -3,8 +3,8 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "io/file.h"
+#include "keys/yaml.h"
 #include "pellicle/scene.h"
-#include "scene/yaml.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -3,9 +3,9 @@
 #define PEL_STUDY_STUDY_H
 
 #include "io/json.h"
+#include "keys/value.h"
 #include "pellicle/scene.h"
 #include "pellicle/study.h"
-#include "scene/value.h"
 
 /* room for any path in the folder of a study */
 enum { PEL_STUDY_PATH_SIZE = 3200 };

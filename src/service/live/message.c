@@ -6,6 +6,10 @@
 #include "math/bounds.h"
 #include "mesh/figures.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_ledger.h"
+#include "pellicle/sim_reading.h"
+#include "pellicle/sim_surface.h"
 #include "scene/word_mesh.h"
 
 #include <inttypes.h>

@@ -7,6 +7,8 @@
 #include "base/status.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_surface.h"
+#include "stage/stepper.h"
 
 #include <errno.h>
 #include <math.h>
@@ -227,8 +229,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
         status = pel_session_create(player->scene, player->sim, &player->session, error);
     if (status != PEL_OK)
         return status;
-    pel_method method = def.solver.method;
-    bool rests = method == PEL_METHOD_QUASI_STATIC || method == PEL_METHOD_DESCENT || method == PEL_METHOD_STATIC;
+    bool rests = !pel_stepper_of(def.solver.method)->has_velocity;
     player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
@@ -310,10 +311,9 @@ static bool has_parameter(const pel_player *player, const char *path)
 /* what shortens the steps of the scene, or lets one last longer */
 static const char *suit_remedy(const pel_player *player)
 {
-    const pel_method method = player->scene->sim.solver.method;
     if (player->step_seconds < player->scene->sim.solver.dt)
         return "a coarser mesh helps";
-    if (method == PEL_METHOD_EXPLICIT)
+    if (pel_stepper_of(player->scene->sim.solver.method)->is_explicit)
         return "a coarser mesh helps, or the method xpbd with a longer solver.dt";
     if (has_parameter(player, "solver.substeps"))
         return "a lower solver.substeps, a coarser mesh or a longer solver.dt helps";

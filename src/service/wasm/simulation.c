@@ -3,6 +3,7 @@
 #include "io/json.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_surface.h"
 #include "wasm/calls.h"
 #include "wasm/error.h"
 

@@ -3,7 +3,7 @@
 #ifndef PEL_GEOM_SOLID_H
 #define PEL_GEOM_SOLID_H
 
-#include "pellicle/sim.h"
+#include "pellicle/tool.h"
 
 /* most corners of a solid with flat faces */
 enum { PEL_SOLID_CORNERS = 8 };

@@ -1,4 +1,4 @@
-/* Refinement of a body: verdicts of the criteria (refine_criterion.c) become requests, requests become marks of the
+/* Refinement of a body: verdicts of the criteria (criterion.c) become requests, requests become marks of the
    front.
 
    A vertex above a threshold becomes hot and requests the rings around it, on every level finer than its own; a hot
@@ -22,6 +22,7 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/refine.h"
@@ -504,10 +505,9 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
         ask_to_level(sim, body, vertex, level, false);
         ask_to_level(sim, body, vertex, before, true);
         pel_front_close(own->front);
-        pel_fail(error, PEL_BAD_ARGUMENT, "refinement of body '%s' would have %d triangles, the budget is %d", b->name,
-                 (int)count, (int)own->triangle_limit);
-        pel_fail_remedy(error, "ask for a coarser level, or raise the budget");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "ask for a coarser level, or raise the budget",
+                          "refinement of body '%s' would have %d triangles, the budget is %d", b->name, (int)count,
+                          (int)own->triangle_limit);
     }
     sim->refine[body].asked_level[vertex] = (uint8_t)level;
     commit(sim, body);

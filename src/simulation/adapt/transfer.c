@@ -6,6 +6,7 @@
 #include "base/assert.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "pellicle/sim_surface.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/tool.h"

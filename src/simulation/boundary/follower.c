@@ -225,8 +225,7 @@ pel_status pel_followers_refuse(const pel_sim *sim, const char *what, pel_error 
 {
     if (sim->loads->follower_count == 0)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "follower loads have no potential, which %s", what);
-    pel_fail_element(error, "load", sim->loads->followers[0].load);
-    pel_fail_remedy(error, "leave out `follower`: the load keeps its direction");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "load", sim->loads->followers[0].load,
+                              "leave out `follower`: the load keeps its direction",
+                              "follower loads have no potential, which %s", what);
 }

@@ -151,13 +151,12 @@ static pel_status check_same(const pel_sim *sim, const pel_held_vertex *held, in
                 wanted -= factor[j] * along[j];
             if (fabs(wanted) <= CONTRADICTION * sim->model->bodies[hold->body].diameter)
                 continue;
-            pel_fail(error, PEL_BAD_ARGUMENT,
-                     "supports '%s' and '%s' contradict each other at vertex %d: they are %.3g m apart at time %.4g s",
-                     holds->holds[held->owner[0]].name, hold->name, (int)sim->model->mesh_vertex[held->vertex],
-                     fabs(wanted), time);
-            pel_fail_element(error, "support", owner);
-            pel_fail_remedy(error, "let their regions share no vertex, or give both the same displacement");
-            return PEL_BAD_ARGUMENT;
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "support", owner,
+                "let their regions share no vertex, or give both the same displacement",
+                "supports '%s' and '%s' contradict each other at vertex %d: they are %.3g m apart at time %.4g s",
+                holds->holds[held->owner[0]].name, hold->name, (int)sim->model->mesh_vertex[held->vertex], fabs(wanted),
+                time);
         }
     return PEL_OK;
 }
@@ -277,11 +276,9 @@ static pel_status check_pin(const pel_sim *sim, const pel_support_def *def, int3
 {
     if (pel_vec3_squared_length(def->displacement) == 0)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "support '%s' displaces vertex %d, which is pinned",
-             sim->holds->holds[support].name, (int)vertex);
-    pel_fail_element(error, "support", support);
-    pel_fail_remedy(error, "let the region of the support and `pinned` share no vertex");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(
+        error, PEL_BAD_ARGUMENT, "support", support, "let the region of the support and `pinned` share no vertex",
+        "support '%s' displaces vertex %d, which is pinned", sim->holds->holds[support].name, (int)vertex);
 }
 
 static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *error)

@@ -3,6 +3,7 @@
 #define PEL_SIM_ADJOINT_H
 
 #include "newton/newton.h"
+#include "pellicle/sim_adjoint.h"
 #include "stage/stage.h"
 
 typedef struct pel_adjoint_work {

@@ -61,11 +61,9 @@ pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_err
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(potential, error);
     *potential = NULL;
-    if (sim->active != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a body refines: its potential has other positions after each event");
-        pel_fail_remedy(error, "leave refine out");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (sim->active != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave refine out",
+                          "a body refines: its potential has other positions after each event");
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "this needs", error);
     pel_potential *made = pel_allocate(1, sizeof *made);
@@ -108,12 +106,9 @@ static pel_status take_positions(pel_potential *potential, const double *positio
     for (int32_t r = 0; r < potential->vertex_count; r++)
         for (int32_t k = 0; k < 3; k++) {
             double x = positions[3 * (size_t)r + (size_t)k];
-            if (!isfinite(x)) {
-                pel_fail(error, PEL_BAD_ARGUMENT, "position of vertex %d is not finite", (int)r);
-                pel_fail_element(error, "vertex", r);
-                pel_fail_remedy(error, "give finite positions");
-                return PEL_BAD_ARGUMENT;
-            }
+            if (!isfinite(x))
+                return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", r, "give finite positions",
+                                          "position of vertex %d is not finite", (int)r);
             potential->unknowns[3 * (size_t)potential->places[r] + (size_t)k] = x;
         }
     pel_tangent_follow(potential->tangent, potential->unknowns);
@@ -170,11 +165,9 @@ pel_status pel_potential_evaluate(pel_potential *potential, const double *positi
 static pel_status create_matrix(pel_potential *potential, pel_error *error)
 {
     const pel_tangent_pattern *pattern = pel_tangent_pattern_of(potential->tangent);
-    if (pattern->edge_count > 0) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "bending of the model midedge has unknowns on edges beside the positions");
-        pel_fail_remedy(error, "set bending: { model: hinge } (or none), or use the gradient alone");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (pattern->edge_count > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set bending: { model: hinge } (or none), or use the gradient alone",
+                          "bending of the model midedge has unknowns on edges beside the positions");
     if (potential->matrix != NULL)
         return PEL_OK;
     const pel_matrix_def def = {.node_count = pattern->vertex_count,

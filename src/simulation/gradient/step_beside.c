@@ -20,9 +20,8 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                                                                         : NULL;
     if (what == NULL)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "derivatives along the steps do not support %s", what);
-    pel_fail_remedy(error, "take derivatives by differences of whole runs");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs",
+                      "derivatives along the steps do not support %s", what);
 }
 
 static bool match(const pel_sim *sim, const pel_sim *other)

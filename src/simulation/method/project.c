@@ -293,6 +293,9 @@ static void follow_surface(pel_sim *sim)
     .get_held_force = get_held_force, .record_held = record_held, .follow_held = follow_held,                          \
     .read_grips = read_grips, .set_substeps = set_substeps, .get_solver = pel_substeps_read
 
-const pel_stepper pel_project_pbd_kind = {PROJECTS, .weighs = true, .limits_strain = true};
-const pel_stepper pel_project_distance_kind = {PROJECTS};
-const pel_stepper pel_project_xpbd_kind = {PROJECTS, .is_compliant = true, .limits_strain = true};
+#define NO_MATERIAL .energy_remedy = "use the method xpbd: pbd does not follow the material"
+
+const pel_stepper pel_step_pbd_kind = {PROJECTS, NO_MATERIAL, .weighs = true, .limits_strain = true};
+const pel_stepper pel_step_pbd_distance_kind = {PROJECTS, NO_MATERIAL, .has_lengths = true};
+const pel_stepper pel_step_xpbd_kind = {PROJECTS, .is_compliant = true, .limits_strain = true,
+                                        .energy_remedy = "use more solver.substeps"};

@@ -54,9 +54,8 @@ static pel_status check_dt_here(pel_sim *sim, pel_error *error)
         return PEL_OK;
     if (limit > 0)
         return refuse_dt(sim, limit, error);
-    pel_fail(error, PEL_UNSTABLE, "forward Euler is unstable at every dt without damping");
-    pel_fail_remedy(error, "give the springs a damping above 0, or use the symplectic integrator");
-    return PEL_UNSTABLE;
+    return pel_refuse(error, PEL_UNSTABLE, "give the springs a damping above 0, or use the symplectic integrator",
+                      "forward Euler is unstable at every dt without damping");
 }
 
 /* on the base and, where a body refines, on its finest level too */

@@ -65,6 +65,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 }
 
 const pel_stepper pel_step_quasi_static_kind = {
+    .relaxes = true,
     .bounds_motion = true,
     .can_refill = true,
     .create = create,

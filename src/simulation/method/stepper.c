@@ -1,16 +1,24 @@
 #include "stage/stepper.h"
 
+#include "def/row.h"
+
+#include <string.h>
+
+static const pel_stepper *const kinds[] = {
+#define KIND(METHOD, name, word) [PEL_METHOD_##METHOD] = &pel_step_##name##_kind,
+    PEL_METHODS(KIND)
+#undef KIND
+};
+
 const pel_stepper *pel_stepper_of(pel_method method)
 {
-    static const pel_stepper *const kinds[] = {
-        [PEL_METHOD_QUASI_STATIC] = &pel_step_quasi_static_kind,
-        [PEL_METHOD_EXPLICIT] = &pel_step_explicit_kind,
-        [PEL_METHOD_PBD] = &pel_project_pbd_kind,
-        [PEL_METHOD_PBD_DISTANCE] = &pel_project_distance_kind,
-        [PEL_METHOD_XPBD] = &pel_project_xpbd_kind,
-        [PEL_METHOD_DESCENT] = &pel_step_descent_kind,
-        [PEL_METHOD_STATIC] = &pel_step_static_kind,
-        [PEL_METHOD_IMPLICIT] = &pel_step_implicit_kind,
-    };
     return kinds[method];
+}
+
+const pel_stepper *pel_stepper_find(const char *word)
+{
+    for (int i = 0; i < PEL_METHOD_COUNT; i++)
+        if (strcmp(pel_method_words[i], word) == 0)
+            return kinds[i];
+    return NULL;
 }

@@ -49,13 +49,12 @@ static bool is_held(const pel_sim *sim, int32_t body)
 
 static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT,
-             "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: it has no equilibrium",
-             sim->model->bodies[body].name, net[0], net[1], net[2], time);
-    pel_fail_element(error, "body", body);
-    pel_fail_remedy(error, "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "
-                           "the method implicit, xpbd or explicit");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(
+        error, PEL_BAD_ARGUMENT, "body", body,
+        "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "
+        "the method implicit, xpbd or explicit",
+        "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: it has no equilibrium",
+        sim->model->bodies[body].name, net[0], net[1], net[2], time);
 }
 
 pel_status pel_minimise_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error)

@@ -421,6 +421,7 @@ const pel_stepper pel_step_implicit_kind = {
     .divides = true,
     .create = create,
     .minimises = true,
+    .has_budget = true,
     .step = step,
     .read_tools = pel_minimise_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,

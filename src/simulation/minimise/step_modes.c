@@ -36,11 +36,9 @@ pel_status pel_sim_modes_create(pel_sim *sim, pel_error *error)
 
 pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
 {
-    if (sim->active != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support bodies that refine");
-        pel_fail_remedy(error, "leave refine out, and subdivide the mesh (pellicle subdivide)");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (sim->active != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave refine out, and subdivide the mesh (pellicle subdivide)",
+                          "an analysis does not support bodies that refine");
     if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && !pel_loads_act(sim))
         return pel_modes_fail_unloaded(error);
     if (sim->tools->count == 0 && sim->contacts == NULL)
@@ -78,9 +76,8 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
     state->step = step;
     if (status != PEL_OK || result->diverged || sim->minimise->result.converged)
         return status;
-    pel_fail(error, PEL_BAD_ARGUMENT, "no equilibrium under the loads was found, so there are no modes");
-    pel_fail_remedy(error, "make the loads smaller");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "make the loads smaller",
+                      "no equilibrium under the loads was found, so there are no modes");
 }
 
 static void add_springs(void *context, pel_matrix *matrix)

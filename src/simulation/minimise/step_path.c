@@ -80,18 +80,13 @@ pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
         pel_fail_remedy(error, "remove the %s, or use path: time", sim->tools->count > 0 ? "tools" : "contact");
         return PEL_BAD_ARGUMENT;
     }
-    if (is_keyed(sim)) {
-        pel_fail(error, PEL_BAD_ARGUMENT,
-                 "a path by arc length finds the load factor, but a load, pressure or support has "
-                 "keys, from or until");
-        pel_fail_remedy(error, "remove the keys: all loads grow together from 0 to their full size");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (!pel_loads_act(sim)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "no load, gravity or pressure acts that a path by arc length could follow");
-        pel_fail_remedy(error, "add loads, or use path: time, which moves supports by their keys");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (is_keyed(sim))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "remove the keys: all loads grow together from 0 to their full size",
+                          "a path by arc length finds the load factor, but a load, pressure or support has "
+                          "keys, from or until");
+    if (!pel_loads_act(sim))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "add loads, or use path: time, which moves supports by their keys",
+                          "no load, gravity or pressure acts that a path by arc length could follow");
     /* at rest no load acts yet */
     set_factor(sim, 1);
     pel_status status = pel_minimise_check_start(sim, error);

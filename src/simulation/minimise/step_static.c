@@ -69,6 +69,10 @@ const pel_stepper pel_step_static_kind = {
     .create = create,
     .check_start = check_start,
     .minimises = true,
+    .is_static = true,
+    .has_budget = true,
+    .energy_remedy = "the work of tools and supports is that of their mean force in a step: give them keys and raise "
+                     "solver.steps",
     .step = step,
     .read_tools = pel_minimise_read_tools,
     .settle_edges = pel_sim_newton_settle_edges,

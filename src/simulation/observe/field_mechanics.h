@@ -2,7 +2,7 @@
 #ifndef PEL_SIM_FIELD_MECHANICS_H
 #define PEL_SIM_FIELD_MECHANICS_H
 
-#include "pellicle/sim.h"
+#include "pellicle/sim_forces.h"
 
 /* A triangle or the mean of the triangles around a vertex, with unit normals at rest and at present. */
 typedef struct pel_field_mechanics {

@@ -4,7 +4,7 @@
 #define PEL_SIM_LEDGER_H
 
 #include "model/model.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_ledger.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 

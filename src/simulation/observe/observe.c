@@ -5,6 +5,9 @@
 #include "boundary/loads.h"
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_forces.h"
+#include "pellicle/sim_surface.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 

@@ -2,6 +2,7 @@
 #ifndef PEL_OBSERVE_OBSERVE_H
 #define PEL_OBSERVE_OBSERVE_H
 
+#include "pellicle/sim_ledger.h"
 #include "stage/stage.h"
 
 /* Fills the energies of the present state; other members are unchanged. */

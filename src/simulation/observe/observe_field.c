@@ -8,6 +8,8 @@
 #include "observe/field.h"
 #include "observe/field_mechanics.h"
 #include "pellicle/measure.h"
+#include "pellicle/sim_contact.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "tool/support.h"
 
@@ -336,11 +338,9 @@ pel_status pel_observe_triangles(pel_sim *sim, int32_t field, int32_t body, doub
     PEL_REFUSE_NULL(values, error);
     view *v;
     pel_status status = look(sim, field, body, &v, error);
-    if (status == PEL_OK && !pel_field_is_mechanics(field)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the field '%s' is on vertices alone", pel_field_at(field)->name);
-        pel_fail_remedy(error, "look at it with pel_observe");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (status == PEL_OK && !pel_field_is_mechanics(field))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "look at it with pel_observe", "the field '%s' is on vertices alone",
+                          pel_field_at(field)->name);
     if (status == PEL_OK)
         status = find_mechanics(sim, body, v, error);
     if (status == PEL_OK)

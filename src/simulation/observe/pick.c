@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "bvh/ray.h"
+#include "pellicle/sim_surface.h"
 #include "stage/stage.h"
 #include "stage/surface_view.h"
 
@@ -161,17 +162,12 @@ static pel_status make_ray(const double origin[3], const double direction[3], pe
     bool is_finite = true;
     for (int k = 0; k < 3; k++)
         is_finite &= isfinite(origin[k]) && isfinite(direction[k]);
-    if (!is_finite || !(largest > 0)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the ray is not finite or has no direction");
-        pel_fail_remedy(error, "give a finite origin and a direction of any length but 0");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (!isfinite(pel_vec3_length(origin))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the origin of the ray is too far away: %g, %g, %g", origin[0], origin[1],
-                 origin[2]);
-        pel_fail_remedy(error, "give an origin near the bodies");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!is_finite || !(largest > 0))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a finite origin and a direction of any length but 0",
+                          "the ray is not finite or has no direction");
+    if (!isfinite(pel_vec3_length(origin)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give an origin near the bodies",
+                          "the origin of the ray is too far away: %g, %g, %g", origin[0], origin[1], origin[2]);
     for (int k = 0; k < 3; k++)
         scaled[k] = direction[k] / largest;
     pel_vec3_copy(origin, ray->origin);

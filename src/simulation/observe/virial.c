@@ -6,6 +6,7 @@
    twice its area (the virial stress of particle mechanics, in the plane). On a regular net of triangles of springs k
    that is stretched by eps this is sqrt(3) k eps, the tension of the membrane that the net represents. A triangle of a
    shell gives a third of the derivative of its energy to each corner. */
+#include "pellicle/sim_forces.h"
 #include "stage/stage.h"
 #include "stage/surface_view.h"
 

@@ -4,7 +4,6 @@
 #define PEL_SIM_CHANGE_H
 
 #include "def/copy.h"
-#include "pellicle/sim.h"
 #include "stage/stage.h"
 
 typedef struct pel_change {

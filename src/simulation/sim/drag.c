@@ -81,16 +81,12 @@ static pel_status check(const pel_sim *sim, const pel_pick_hit *hit, double stif
     if (!hit->is_hit || hit->body < 0 || hit->body >= sim->model->body_count)
         return pel_fail(error, PEL_BAD_ARGUMENT, "there is nothing to drag: the ray met no body");
     for (int c = 0; c < 3; c++)
-        if (hit->vertices[c] < 0 || hit->vertices[c] >= pel_output_count(sim, hit->body) || !isfinite(hit->point[c])) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "the hit belongs to an earlier surface of the body");
-            pel_fail_remedy(error, "pick again after a step that refined the body");
-            return PEL_BAD_ARGUMENT;
-        }
-    if (!(stiffness > 0 && isfinite(stiffness)) || !(reach >= 0 && isfinite(reach))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a drag has the stiffness %g and the reach %g", stiffness, reach);
-        pel_fail_remedy(error, "give a stiffness above 0 N/m and a reach of at least 0 m");
-        return PEL_BAD_ARGUMENT;
-    }
+        if (hit->vertices[c] < 0 || hit->vertices[c] >= pel_output_count(sim, hit->body) || !isfinite(hit->point[c]))
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "pick again after a step that refined the body",
+                              "the hit belongs to an earlier surface of the body");
+    if (!(stiffness > 0 && isfinite(stiffness)) || !(reach >= 0 && isfinite(reach)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a stiffness above 0 N/m and a reach of at least 0 m",
+                          "a drag has the stiffness %g and the reach %g", stiffness, reach);
     return PEL_OK;
 }
 

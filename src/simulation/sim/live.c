@@ -100,11 +100,10 @@ pel_status pel_sim_add_tool(pel_sim *sim, const pel_tool_def *def, pel_error *er
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(def, error);
     pel_change change;
-    if (def->shape == PEL_TOOL_SUPPORT) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "a support that moves on keys starts at rest");
-        pel_fail_remedy(error, "add a tool that grasps, or pin vertices where they are (pel_sim_set_pins)");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (def->shape == PEL_TOOL_SUPPORT)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "add a tool that grasps, or pin vertices where they are (pel_sim_set_pins)",
+                          "a support that moves on keys starts at rest");
     pel_status status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK)
         status = resize_tools(&change, def, -1, error);

@@ -382,22 +382,14 @@ static pel_status check_number(const char *path, const pel_def_row *row, double 
 static pel_status check_keys(const char *path, const pel_def_row *row, const setting *set, pel_error *error)
 {
     pel_status status = PEL_OK;
-    if (!pel_def_row_may_be_keyed(row)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot vary over time", path);
-        pel_fail_remedy(error, "set a number between steps");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (set->key_count < 1) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "%s gets no key", path);
-        pel_fail_remedy(error, "give one or more keys, or set a number");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!pel_def_row_may_be_keyed(row))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set a number between steps", "%s cannot vary over time", path);
+    if (set->key_count < 1)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give one or more keys, or set a number", "%s gets no key", path);
     for (int32_t k = 0; status == PEL_OK && k < set->key_count; k++) {
-        if (!isfinite(set->keys[k].time) || (k > 0 && !(set->keys[k].time > set->keys[k - 1].time))) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "keys of %s are not in order", path);
-            pel_fail_remedy(error, "give keys with increasing times");
-            return PEL_BAD_ARGUMENT;
-        }
+        if (!isfinite(set->keys[k].time) || (k > 0 && !(set->keys[k].time > set->keys[k - 1].time)))
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "give keys with increasing times", "keys of %s are not in order",
+                              path);
         status = isfinite(set->keys[k].value) ? check_number(path, row, set->keys[k].value, error)
                                               : refuse_value(path, row, set->keys[k].value, error);
     }
@@ -408,11 +400,9 @@ static pel_status check_setting(const char *path, const pel_def_row *row, const 
 {
     static const char *const forms[] = {"one number", "one number", "0 or 1", "the index of a word", "three numbers"};
     const pel_parameter_kind kind = pel_def_row_kind(row);
-    if (row->refusal != NULL) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "%s cannot change while the simulation runs: %s", path, row->refusal);
-        pel_fail_remedy(error, "%s", row->remedy);
-        return PEL_BAD_ARGUMENT;
-    }
+    if (row->refusal != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, row->remedy, "%s cannot change while the simulation runs: %s", path,
+                          row->refusal);
     if (set->keys != NULL)
         return check_keys(path, row, set, error);
     if (row->store == PEL_STORE_KEYS || set->value_count != (kind == PEL_PARAMETER_VECTOR ? 3 : 1)) {

@@ -93,11 +93,9 @@ pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_
 {
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(snapshot, error);
-    if (snapshot->sim != sim) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "the snapshot is of another simulation");
-        pel_fail_remedy(error, "restore the simulation that it was made from");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (snapshot->sim != sim)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "restore the simulation that it was made from",
+                          "the snapshot is of another simulation");
     if (memcmp(&snapshot->fingerprint, &pel_house_of(sim)->fingerprint, sizeof pel_house_of(sim)->fingerprint) == 0)
         return pel_sim_load(sim, snapshot->bytes, snapshot->size, error);
     /* the defs are the snapshot's own; only the address of the meshes of bodies may be another one by now */

@@ -19,6 +19,7 @@
 #include "solve/project.h"
 #include "solve/relax.h"
 #include "stage/shells.h"
+#include "stage/stepper.h"
 #include "stage/surface_view.h"
 #include "tool/create.h"
 #include "tool/solid.h"
@@ -46,30 +47,18 @@ pel_sim_def pel_sim_def_default(void)
 /* iterations and substeps beyond which a step would seem to hang */
 enum { MOST_SWEEPS = 1000000 };
 
-static pel_status check_def(const pel_sim_def *def, pel_error *error)
+static pel_status check_solver(const pel_solver_def *solver, pel_error *error)
 {
-    if (def->cookie != SIM_COOKIE)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
-    if (def->model == NULL)
-        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
-    const pel_solver_def *solver = &def->solver;
-    if (!(solver->dt > 0 && isfinite(solver->dt))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "solver dt is %g", solver->dt);
-        pel_fail_remedy(error, "give a time step above 0");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (!(solver->alpha >= 0 && isfinite(solver->alpha))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "solver alpha is %g", solver->alpha);
-        pel_fail_remedy(error, "give a number above 0, or omit it for a stable value");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_IMPLICIT + 1))
+    if (!(solver->dt > 0 && isfinite(solver->dt)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a time step above 0", "solver dt is %g", solver->dt);
+    if (!(solver->alpha >= 0 && isfinite(solver->alpha)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number above 0, or omit it for a stable value",
+                          "solver alpha is %g", solver->alpha);
+    if (PEL_IS_NO_CHOICE(solver->method, PEL_METHOD_COUNT))
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver method %d is unknown", (int)solver->method);
-    if (solver->analysis != PEL_ANALYSIS_NONE && solver->method != PEL_METHOD_STATIC) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "only the method static has an analysis");
-        pel_fail_remedy(error, "use method static, or no analysis");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (solver->analysis != PEL_ANALYSIS_NONE && !pel_stepper_of(solver->method)->is_static)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use method static, or no analysis",
+                          "only the method static has an analysis");
     const struct {
         const char *name;
         int32_t count;
@@ -83,21 +72,27 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         }
     if (PEL_IS_NO_CHOICE((int)solver->second_order - PEL_AUTO, PEL_YES - PEL_AUTO + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "solver second_order is %d", (int)solver->second_order);
-    if (!(solver->budget >= 0 && isfinite(solver->budget))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "solver budget is %g", solver->budget);
-        pel_fail_remedy(error, "give a time above 0 s, or 0 for none");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (solver->budget > 0 && solver->method != PEL_METHOD_IMPLICIT && solver->method != PEL_METHOD_STATIC) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "only the methods static and implicit have a budget of time");
-        pel_fail_remedy(error, "use method implicit, or leave the budget out");
-        return PEL_BAD_ARGUMENT;
-    }
-    if (!(solver->drag >= 0 && isfinite(solver->drag))) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "solver drag is %g", solver->drag);
-        pel_fail_remedy(error, "give a finite number of at least 0");
-        return PEL_BAD_ARGUMENT;
-    }
+    if (!(solver->budget >= 0 && isfinite(solver->budget)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a time above 0 s, or 0 for none", "solver budget is %g",
+                          solver->budget);
+    if (solver->budget > 0 && !pel_stepper_of(solver->method)->has_budget)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use method implicit, or leave the budget out",
+                          "only the methods static and implicit have a budget of time");
+    if (!(solver->drag >= 0 && isfinite(solver->drag)))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a finite number of at least 0", "solver drag is %g",
+                          solver->drag);
+    return PEL_OK;
+}
+
+static pel_status check_def(const pel_sim_def *def, pel_error *error)
+{
+    if (def->cookie != SIM_COOKIE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim def was not made by pel_sim_def_default()");
+    if (def->model == NULL)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
+    pel_status status = check_solver(&def->solver, error);
+    if (status != PEL_OK)
+        return status;
     if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
         return pel_fail(error, PEL_BAD_ARGUMENT, "thread_count is %d", (int)def->thread_count);
     const struct {
@@ -168,10 +163,9 @@ static pel_status check_start(const pel_sim *sim, pel_error *error)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         if (pel_sim_has_velocity(sim) || !pel_body_moves(&sim->model->bodies[b]))
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has a velocity at the start, but this method has no velocities",
-                 sim->model->bodies[b].name);
-        pel_fail_remedy(error, "use the method implicit, xpbd, pbd or explicit, or omit the velocity");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse(
+            error, PEL_BAD_ARGUMENT, "use the method implicit, xpbd, pbd or explicit, or omit the velocity",
+            "body '%s' has a velocity at the start, but this method has no velocities", sim->model->bodies[b].name);
     }
     return PEL_OK;
 }

@@ -6,6 +6,7 @@
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "pellicle/sim_surface.h"
 #include "solve/shell_stability.h"
 #include "stage/surface_view.h"
 
@@ -99,11 +100,10 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
         if (ratio > 0)
             continue;
         int64_t step = sim->state->step + 1;
-        pel_fail(error, PEL_DIVERGED, "the pressure turned it inside out in frame %lld (t = %g s)", (long long)step,
-                 (double)step * sim->step.dt);
-        pel_fail_element(error, "body", b);
-        pel_fail_remedy(error, "lower the pressure, stop earlier (stop: volume_ratio_below), or switch contact on");
-        return PEL_DIVERGED;
+        return pel_refuse_element(error, PEL_DIVERGED, "body", b,
+                                  "lower the pressure, stop earlier (stop: volume_ratio_below), or switch contact on",
+                                  "the pressure turned it inside out in frame %lld (t = %g s)", (long long)step,
+                                  (double)step * sim->step.dt);
     }
     return PEL_OK;
 }

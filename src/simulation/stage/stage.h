@@ -11,7 +11,6 @@
 #include "math/vec3.h"
 #include "model/boundary.h"
 #include "model/refined_model.h"
-#include "pellicle/sim.h"
 #include "solve/step.h"
 #include "stage/stepper.h"
 

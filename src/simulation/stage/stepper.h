@@ -5,7 +5,7 @@
 #define PEL_STAGE_STEPPER_H
 
 #include "force/tangent.h"
-#include "pellicle/sim.h"
+#include "pellicle/sim_reading.h"
 #include "solve/step.h"
 
 typedef struct pel_stepper {
@@ -23,6 +23,11 @@ typedef struct pel_stepper {
     bool seeks_rest;    /* a step finds the state of rest of a whole load step: refinement settles before it */
     bool turns_edges;   /* rotations of edges are unknowns (law/bending_model.h) */
     bool minimises;     /* a step is a minimisation, which may take long */
+    bool relaxes;       /* approaches rest over many steps: solver.alpha and velocity */
+    bool descends;      /* by L-BFGS or gradient descent: solver.descent */
+    bool is_static;     /* each step is an equilibrium: it has analyses, paths and solver.steps */
+    bool has_budget;    /* a step may end at a wall time: solver.budget */
+    bool has_lengths;   /* knows lengths of edges alone: other energies have no effect */
     bool can_refill;    /* create only checks and chooses numbers where no body refines: it may be repeated */
 
     /* Data of the method, after model, state and shells; fills automatic numbers of the solver. */
@@ -60,14 +65,25 @@ typedef struct pel_stepper {
     void (*accept)(pel_sim *sim);
     /* the remedy for a step that diverged */
     void (*advise)(const pel_sim *sim, pel_error *error);
+    /* the remedy for a run whose energy does not balance; null = a smaller time step */
+    const char *energy_remedy;
 } pel_stepper;
 
 /* the rows, each in the file of its method */
-extern const pel_stepper pel_step_quasi_static_kind, pel_step_explicit_kind, pel_project_pbd_kind,
-    pel_project_distance_kind, pel_project_xpbd_kind, pel_step_descent_kind, pel_step_static_kind,
-    pel_step_implicit_kind;
+#define PEL_STEPPER(METHOD, name, word) extern const pel_stepper pel_step_##name##_kind;
+PEL_METHODS(PEL_STEPPER)
+#undef PEL_STEPPER
 
 /* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);
+
+/* The row of the method with that word, null if there is none. */
+const pel_stepper *pel_stepper_find(const char *word);
+
+/* pbd has weights in place of a material */
+static inline bool pel_stepper_knows_material(const pel_stepper *stepper)
+{
+    return !stepper->has_substeps || stepper->is_compliant;
+}
 
 #endif

@@ -7,6 +7,7 @@
 #include "base/room.h"
 #include "base/sort.h"
 #include "pellicle/error.h"
+#include "pellicle/sim_surface.h"
 
 #include <string.h>
 

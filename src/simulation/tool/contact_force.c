@@ -2,6 +2,7 @@
 #include "tool/contact_force.h"
 
 #include "base/assert.h"
+#include "pellicle/sim_contact.h"
 #include "stage/surface_view.h"
 
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action)

@@ -135,7 +135,7 @@ static void carry(pel_sim *sim, pel_tool *tool)
         /* methods that move tools themselves have no new velocities yet, and read the grip where they end */
         if (!sim->stepper->moves_tools)
             pel_tool_add_grip(sim, tool, v, target, change);
-        /* contacts on it push against the tool (tool_reading.c) */
+        /* contacts on it push against the tool (reading.c) */
         state->position_next[v][3] = 0;
     }
 }

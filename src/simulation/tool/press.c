@@ -1,4 +1,4 @@
-/* Pressing keeps whole triangles out of a tool (on filled tissue, out of a smaller one: tool_sagitta.c), not only
+/* Pressing keeps whole triangles out of a tool (on filled tissue, out of a smaller one: sagitta.c), not only
    vertices: each triangle near the tool is pushed out at its deepest point p = sum b_i x_i by
    x_i += w_i b_i / (sum w b^2) depth n, triangle after triangle until none is deeper than the tolerance. Vertices come
    first, which settles most of it.

@@ -190,11 +190,10 @@ pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t bod
 {
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_tool *tool = &sim->tools->items[index];
-    pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
-             sim->model->bodies[body].name, way_out(sim, tool, body));
-    pel_fail_element(error, "tool", index);
-    pel_fail_remedy(error, "move its first key away from the body by at least that much");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", index,
+                              "move its first key away from the body by at least that much",
+                              "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
+                              sim->model->bodies[body].name, way_out(sim, tool, body));
 }
 
 pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *error)

@@ -104,7 +104,7 @@ static bool presses(const pel_tool *tool, bool only_round)
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
-    /* the substeps have kept solids out (tool_solid.h), and no guard looks at them */
+    /* the substeps have kept solids out (solid.h), and no guard looks at them */
     bool moved = !pel_sim_is_projected(sim) || sim->contacts != NULL;
     for (int round = 0; moved && round < (sim->tools->count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;

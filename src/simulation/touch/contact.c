@@ -10,6 +10,7 @@
 #include "math/bounds.h"
 #include "observe/ledger.h"
 #include "observe/observe.h"
+#include "pellicle/sim_surface.h"
 #include "stage/accessors.h"
 #include "stage/surface_view.h"
 #include "tool/contact_force.h"
@@ -39,16 +40,12 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
     const double numbers[] = {def->thickness, def->relative_thickness, def->friction};
     static const char *const names[] = {"thickness", "relative thickness", "friction"};
     for (int i = 0; i < 3; i++)
-        if (!(numbers[i] >= 0 && isfinite(numbers[i]))) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %g", names[i], numbers[i]);
-            pel_fail_remedy(error, "give a number of at least 0");
-            return PEL_BAD_ARGUMENT;
-        }
-    if (!(def->thickness > 0) && !(def->relative_thickness > 0)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "contact has no thickness");
-        pel_fail_remedy(error, "give a thickness above 0, such as 1e-4 of the size of the bodies");
-        return PEL_BAD_ARGUMENT;
-    }
+        if (!(numbers[i] >= 0 && isfinite(numbers[i])))
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number of at least 0", "contact %s is %g", names[i],
+                              numbers[i]);
+    if (!(def->thickness > 0) && !(def->relative_thickness > 0))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a thickness above 0, such as 1e-4 of the size of the bodies",
+                          "contact has no thickness");
     if (PEL_IS_NO_CHOICE(def->method, PEL_CCD_BRIDSON + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "contact method %d is unknown", (int)def->method);
     if (PEL_IS_NO_CHOICE(def->response, PEL_CONTACT_AFTER + 1))
@@ -114,10 +111,9 @@ static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortes
         *thickness = fmin(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
     if (*thickness > 0)
         return PEL_OK;
-    pel_fail(error, PEL_BAD_ARGUMENT, "body '%s' has an edge without length", sim->given->bodies[shortest->body].name);
-    pel_fail_element(error, "vertex", shortest->vertex);
-    pel_fail_remedy(error, "repair the mesh, or give contact a thickness in metres");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", shortest->vertex,
+                              "repair the mesh, or give contact a thickness in metres",
+                              "body '%s' has an edge without length", sim->given->bodies[shortest->body].name);
 }
 
 static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thickness)
@@ -214,10 +210,9 @@ static pel_status refuse_mesh_tools(const pel_sim *sim, pel_error *error)
     for (int32_t i = 0; i < sim->tools->count; i++) {
         if (sim->tools->items[i].mesh == NULL)
             continue;
-        pel_fail(error, PEL_BAD_ARGUMENT, "tool '%s' is a mesh, which needs contact", sim->tools->items[i].name);
-        pel_fail_element(error, "tool", i);
-        pel_fail_remedy(error, "switch contact on, or use a sphere, capsule or box");
-        return PEL_BAD_ARGUMENT;
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", i,
+                                  "switch contact on, or use a sphere, capsule or box",
+                                  "tool '%s' is a mesh, which needs contact", sim->tools->items[i].name);
     }
     return PEL_OK;
 }
@@ -403,7 +398,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     pel_contacts_place(sim);
     expect_tools(sim);
     expect_vertices(sim);
-    /* the substeps see boxes as solids (tool_solid.h) */
+    /* the substeps see boxes as solids (tool/solid.h) */
     return pel_contact_set_find(sim->contacts, least, pel_sim_is_projected(sim), error);
 }
 

@@ -1,6 +1,7 @@
 /* Reads the records of contacts of the last step (contact/record.c). */
 #include "base/status.h"
 #include "pellicle/geometry.h"
+#include "pellicle/sim_contact.h"
 #include "stage/surface_view.h"
 #include "tool/tool.h"
 

@@ -264,16 +264,13 @@ pel_status pel_restitution_create(pel_sim *sim, pel_error *error)
     if (!is_used(sim))
         return PEL_OK;
     for (int32_t g = 0; g < sim->contact_forces.group_count; g++)
-        if (restitution_of(sim, g) > 1 || !isfinite(restitution_of(sim, g))) {
-            pel_fail(error, PEL_BAD_ARGUMENT, "restitution of contact is %g", restitution_of(sim, g));
-            pel_fail_remedy(error, "give a number from 0 to 1, or omit it for the rebound of the material itself");
-            return PEL_BAD_ARGUMENT;
-        }
-    if (!pel_sim_has_velocity(sim)) {
-        pel_fail(error, PEL_BAD_ARGUMENT, "restitution needs velocities, which this method does not have");
-        pel_fail_remedy(error, "omit it, or use the method xpbd, implicit, pbd or explicit");
-        return PEL_BAD_ARGUMENT;
-    }
+        if (restitution_of(sim, g) > 1 || !isfinite(restitution_of(sim, g)))
+            return pel_refuse(error, PEL_BAD_ARGUMENT,
+                              "give a number from 0 to 1, or omit it for the rebound of the material itself",
+                              "restitution of contact is %g", restitution_of(sim, g));
+    if (!pel_sim_has_velocity(sim))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "omit it, or use the method xpbd, implicit, pbd or explicit",
+                          "restitution needs velocities, which this method does not have");
     size_t count = (size_t)sim->model->body_count * (size_t)sim->contact_forces.group_count;
     sim->touch->collisions = pel_allocate(count, sizeof *sim->touch->collisions);
     return sim->touch->collisions != NULL ? PEL_OK : pel_fail_memory(error);

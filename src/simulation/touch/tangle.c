@@ -33,10 +33,9 @@ static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
         describe(sim, tangles->pairs[i].second, second, sizeof second);
         snprintf(list + length, sizeof list - length, "%s%s and %s", i > 0 ? "; " : "", first, second);
     }
-    pel_fail(error, PEL_BAD_ARGUMENT, "%lld pairs of triangles intersect at the start: %s%s", (long long)tangles->count,
-             list, tangles->count > NAMED_PAIRS ? "; ..." : "");
-    pel_fail_remedy(error, "pull them apart, or accept them with contact: { start: tangled }");
-    return PEL_BAD_ARGUMENT;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "pull them apart, or accept them with contact: { start: tangled }",
+                      "%lld pairs of triangles intersect at the start: %s%s", (long long)tangles->count, list,
+                      tangles->count > NAMED_PAIRS ? "; ..." : "");
 }
 
 /* a tool that is a surface must not cut a body, nor be inside a closed one */

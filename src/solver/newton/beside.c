@@ -6,7 +6,7 @@
    from the unknowns of the lead: where the problems differ by a small h, the first one leaves an error of the order of
    h^2, and each one after it makes that smaller by h. So the differences of two runs on both sides of a lead are
    derivatives of its end, for one factor and a few solutions. Along a path by arc length the load factor f is unknown
-   too, and the displacement from the lead has no part along the path (newton_path.c): with L = dF/df
+   too, and the displacement from the lead has no part along the path (path.c): with L = dF/df
 
        x_1 = (K + s a a^T)^-1 (-g),   x_2 = (K + s a a^T)^-1 L,   df = -(a . x_1) / (a . x_2),   dx = x_1 + df x_2 */
 #include "base/status.h"

@@ -11,7 +11,6 @@
 #define PEL_NEWTON_MODES_H
 
 #include "newton/newton.h"
-#include "pellicle/sim.h"
 
 typedef struct pel_modes pel_modes;
 

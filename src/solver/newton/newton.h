@@ -26,7 +26,7 @@ typedef struct pel_newton_kink {
     double weights[4], normal[3];
     double gap, load, stiffness; /* m, N, N/m */
     bool acts;
-    double begin, first_rate, rate; /* (newton_kinks.c) m */
+    double begin, first_rate, rate; /* (kinks.c) m */
 } pel_newton_kink;
 
 /* What the caller adds to the energy of the model: contacts, friction. */
@@ -151,13 +151,13 @@ typedef struct pel_newton_path {
     int32_t iterations;  /* of the last step */
 } pel_newton_path;
 
-/* One step along the path, from a balance (newton_path.c). The factor of the problem is that of the path. Where it does
+/* One step along the path, from a balance (path.c). The factor of the problem is that of the path. Where it does
    not converge, unknowns and factor stay: a shorter step may. Errors as of a run. */
 pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
                              pel_newton_path *path, pel_newton_result *result, pel_error *error);
 
 /* A run that has ended: its matrix solves the systems of runs beside it, whose problems differ by small changes of
-   numbers (newton_beside.c). */
+   numbers (beside.c). */
 typedef struct pel_newton_lead {
     pel_newton *newton;
     const pel_newton_problem *problem;

@@ -5,10 +5,10 @@
 #include "linear/minres.h"
 #include "newton/newton.h"
 
-/* (newton_skew.c) */
+/* (skew.c) */
 typedef struct pel_newton_skew pel_newton_skew;
 
-/* constraints that change in one space of newton_kinks.c */
+/* constraints that change in one space of kinks.c */
 enum { PEL_NEWTON_TOUCHED = 48, PEL_NEWTON_VOLUMES = 8 };
 
 /* What constraints do to a step and to each other, by one matrix. */
@@ -58,7 +58,7 @@ struct pel_newton {
     double *way;                      /* (unknown_count) of fixed ones from start to target */
     int32_t *frame;                   /* (node_count) number of its axes, or -1 */
     double *stresses;                 /* (stress_count) */
-    double *first, *left, *product, *sum; /* (unknown_count) of steps across kinks (newton_kinks.c) */
+    double *first, *left, *product, *sum; /* (unknown_count) of steps across kinks (kinks.c) */
     pel_newton_space *space;              /* likewise, made when first needed */
     double *plain;                        /* values of the matrix without terms, for steps that foresee others */
     size_t plain_capacity;
@@ -109,7 +109,7 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
 /* Blocks of the matrix for the couplings of the terms of the problem. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_couple(newton_run *run);
 
-/* ---- newton_step.c: energy, forces, matrix, linear systems ---- */
+/* ---- step.c: energy, forces, matrix, linear systems ---- */
 /* energy at the unknowns, and gradient along the axes of the vertices */
 void pel_newton_evaluate(newton_run *run);
 bool pel_newton_is_finite(const newton_run *run);
@@ -130,12 +130,12 @@ bool pel_newton_solve_symmetric(newton_run *run);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
 
-/* ---- newton_kinks.c ---- */
+/* ---- kinks.c ---- */
 /* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */
 bool pel_newton_cross_kinks(newton_run *run);
 void pel_newton_space_destroy(pel_newton_space *space);
 
-/* ---- newton_path.c ---- */
+/* ---- path.c ---- */
 /* newton->load = dF/dfactor along the axes of the vertices, 0 where fixed; evaluates at the unknowns. */
 void pel_newton_find_load(newton_run *run);
 /* stiffness of the spring along a path */
@@ -148,12 +148,12 @@ bool pel_newton_make_preconditioner(newton_run *run);
 /* The solution of the matrix, which may be indefinite, volumes and the spring along the path included. */
 bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution);
 
-/* ---- newton_skew.c ---- */
+/* ---- skew.c ---- */
 /* newton->step of the system with the skew part of the terms, from that without; false where a solve fails. */
 bool pel_newton_solve_skew(newton_run *run);
 void pel_newton_skew_destroy(pel_newton_skew *skew);
 
-/* ---- newton_step.c ---- */
+/* ---- step.c ---- */
 /* sum over all unknowns */
 double pel_newton_dot(const pel_newton *newton, const double *a, const double *b);
 /* the step along x, y, z, times a scale */

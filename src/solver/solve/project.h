@@ -26,7 +26,7 @@
 #include "model/boundary.h"
 #include "model/shell.h"
 #include "model/state.h"
-#include "pellicle/sim.h"
+#include "pellicle/solver.h"
 
 typedef struct pel_projector {
     const pel_model *model;

@@ -8,7 +8,7 @@ async function unpack(element) {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// { core, scene, files, paused }: data that the program wrote into the page (src/live/page.c), and the module from the build of
+// { core, scene, files, paused }: data that the program wrote into the page (src/service/live/page.c), and the module from the build of
 // the page
 async function readPage() {
     const { scene, files, paused } = JSON.parse(document.getElementById("scene").textContent);

@@ -1,4 +1,4 @@
-// Messages of the player (src/live/message.h), and the channel to the program that serves the page.
+// Messages of the player (src/service/live/message.h), and the channel to the program that serves the page.
 
 // { head, take }: the JSON head, and a function that reads the next array of the buffer
 function readBinary(buffer) {

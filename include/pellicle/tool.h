@@ -1,0 +1,75 @@
+/* Pellicle: rigid instruments with a motion in time. */
+#ifndef PELLICLE_TOOL_H
+#define PELLICLE_TOOL_H
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pel_tool_shape {
+    PEL_TOOL_SPHERE,  /* radius */
+    PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
+    PEL_TOOL_BOX,     /* half_extents; sharp */
+    PEL_TOOL_MESH,    /* mesh; needs contact (pel_contact_def) */
+    PEL_TOOL_SUPPORT  /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
+} pel_tool_shape;
+
+enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_SUPPORT + 1 }; /* number of shapes */
+
+/* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
+
+   Between two keys positions are interpolated linearly, quaternions spherically along the shorter arc. Rotation
+   vectors about one axis are interpolated linearly in the angle: from 0 to 2 pi is one full turn, from 0 to 4 pi two.
+   Between different axes whole turns are interpolated linearly and the remaining rotations spherically. */
+typedef struct pel_pose_key {
+    double time;               /* s */
+    double position[3];        /* m */
+    double rotation[4];        /* unit quaternion x, y, z, w */
+    double rotation_vector[3]; /* rad, axis times angle, after `rotation`; at most 1e6 turns; 0 = none */
+} pel_pose_key;
+
+/* A rigid instrument that pushes bodies away (press) and can hold vertices (grasp). */
+typedef struct pel_tool_def {
+    const char *name; /* unique, not empty */
+    pel_tool_shape shape;
+    double radius;            /* m */
+    double half_length;       /* m */
+    double half_extents[3];   /* m */
+    const pel_mesh *mesh;     /* in the tool's frame, any surface; copied */
+    const pel_pose_key *keys; /* (key_count >= 1), times increasing */
+    int32_t key_count;
+    int32_t body; /* the body it acts on; -1 = all */
+    bool press;   /* keeps the body out of the tool */
+    bool grasp;   /* holds the vertices inside it or within `reach` of its surface at grasp_from, until
+                     grasp_until. Only a closed mesh has an inside */
+    double grasp_from, grasp_until; /* s */
+    double reach;                   /* m */
+    double friction;                /* Coulomb's coefficient; below 0 (default): that of pel_contact_def */
+    double restitution;             /* likewise */
+    double thickness;               /* m, likewise */
+    double grasp_max_force; /* N; 0 = no limit. Maximum sum of the magnitudes of the forces on the held vertices. If a
+                               step ends above it, the vertices with the largest forces are released until the rest is
+                               within it */
+    /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the rest position X and the pose (R, position) of the keys.
+       The support starts at rest: position = center without rotation. If the body refines, a new vertex between two of
+       them is held as well */
+    const int32_t *vertices; /* (vertex_count) mesh vertices of `body`, none of them pinned, each once; copied */
+    int32_t vertex_count;
+    double center[3]; /* m, at rest */
+} pel_tool_def;
+
+PEL_API pel_tool_def pel_tool_def_default(void);
+/* The surface of a tool in its own frame, wound outward, as results show it; of PEL_TOOL_MESH a copy of its mesh. Free
+   with pel_mesh_destroy. PEL_BAD_ARGUMENT for PEL_TOOL_SUPPORT, no mesh and dimensions that are not finite,
+   PEL_OUT_OF_MEMORY; *mesh is null then. */
+PEL_API pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error);
+/* The pose (position 3, unit quaternion 4) of the keys of a tool at a time [s]; constant before the first key and after
+   the last. */
+PEL_API void pel_tool_def_pose(const pel_tool_def *def, double time, double position[3], double rotation[4]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,26 @@
+/* Compares a tree of values with the table and completes it. */
+#ifndef PEL_KEYS_VALIDATE_H
+#define PEL_KEYS_VALIDATE_H
+
+#include "keys/table.h"
+#include "keys/value.h"
+
+/* Refuses unknown keys, keys given twice, wrong forms, numbers out of range, missing keys and two of several
+   alternatives (PEL_BAD_SCENE at the place of the first one found). Then every value has its form and number, defaults
+   are filled in, keys without value are removed and entries are in the order of the table. */
+pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
+
+/* A plain scalar that YAML reads as no value. */
+bool pel_scene_value_is_null(const pel_scene_value *value);
+
+/* Whether a row's condition (needs, needs_word) is fulfilled in a map. */
+bool pel_scene_row_applies(const pel_def_row *row, const pel_scene_value *map);
+
+/* "unknown WHAT 'name'" at a place; the remedy tells the nearest of the known names, or all of them. */
+pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
+                               const char *name, const char *const *known, size_t known_count);
+/* The same of the word of a key; a word of another key of this name is told with that key. */
+pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
+                               size_t known_count);
+
+#endif

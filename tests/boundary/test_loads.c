@@ -1,0 +1,172 @@
+/* Loads that are refused, each with its number and defect. */
+#include "model/model.h"
+#include "pellicle/base.h"
+#include "pellicle/mesh.h"
+#include "pellicle/model.h"
+#include "pellicle/shape.h"
+#include "sim/fixture.h"
+
+/* change of a good load in a case */
+typedef enum fault {
+    FAULT_NONE,
+    BODY_BELOW,
+    BODY_BEYOND,
+    KIND_UNKNOWN,
+    VERTICES_BELOW,
+    KEYS_BELOW,
+    KEYS_NULL,
+    FORCE_INFINITE,
+    FROM_NAN,
+    UNTIL_NAN,
+    NO_TIME,
+    BACKWARDS,
+    NO_VERTEX,
+    VERTEX_BELOW,
+    VERTEX_BEYOND,
+    WEIGHT_NAN,
+    KEY_TIME,
+    KEY_VALUE,
+    KEYS_AT_ONCE,
+    NO_BOUNDARY,
+    FAULT_COUNT
+} fault;
+
+static const char *const messages[FAULT_COUNT] = {
+    [BODY_BELOW] = "names a body",      [BODY_BEYOND] = "names a body",     [KIND_UNKNOWN] = "kind of the load",
+    [VERTICES_BELOW] = "below 0",       [KEYS_BELOW] = "below 0",           [KEYS_NULL] = "keys is null",
+    [FORCE_INFINITE] = "force is not",  [FROM_NAN] = "before it begins",    [UNTIL_NAN] = "before it begins",
+    [NO_TIME] = "before it begins",     [BACKWARDS] = "before it begins",   [NO_VERTEX] = "acts on no vertex",
+    [VERTEX_BELOW] = "names a vertex",  [VERTEX_BEYOND] = "names a vertex", [WEIGHT_NAN] = "weight is not",
+    [KEY_TIME] = "keys are not finite", [KEY_VALUE] = "keys are not",       [KEYS_AT_ONCE] = "not in order",
+    [NO_BOUNDARY] = "no boundary edge",
+};
+
+typedef struct arrays {
+    int32_t vertices[2];
+    double weights[2];
+    pel_key keys[2];
+} arrays;
+
+static void break_load(fault what, pel_load_def *load, arrays *a, int32_t vertex_count)
+{
+    const double nothing = (double)NAN;
+    switch (what) {
+    case BODY_BELOW:
+        load->body = -1;
+        break;
+    case BODY_BEYOND:
+        load->body = 1;
+        break;
+    case KIND_UNKNOWN:
+        load->kind = (pel_load_kind)99;
+        break;
+    case VERTICES_BELOW:
+        load->vertex_count = -1;
+        break;
+    case KEYS_BELOW:
+        load->key_count = -1;
+        break;
+    case KEYS_NULL:
+        load->keys = NULL;
+        break;
+    case FORCE_INFINITE:
+        load->force[2] = (double)INFINITY;
+        break;
+    case FROM_NAN:
+        load->from = nothing;
+        break;
+    case UNTIL_NAN:
+        load->until = nothing;
+        break;
+    case NO_TIME:
+        load->until = load->from;
+        break;
+    case BACKWARDS:
+        load->until = load->from - 1;
+        break;
+    case NO_VERTEX:
+        load->vertex_count = 0;
+        break;
+    case VERTEX_BELOW:
+        a->vertices[1] = -1;
+        break;
+    case VERTEX_BEYOND:
+        a->vertices[1] = vertex_count;
+        break;
+    case WEIGHT_NAN:
+        a->weights[1] = nothing;
+        break;
+    case KEY_TIME:
+        a->keys[1].time = (double)INFINITY;
+        break;
+    case KEY_VALUE:
+        a->keys[1].value = nothing;
+        break;
+    case KEYS_AT_ONCE:
+        a->keys[1].time = a->keys[0].time;
+        break;
+    case NO_BOUNDARY:
+        load->kind = PEL_LOAD_PER_LENGTH;
+        break;
+    default:
+        break;
+    }
+}
+
+/* the second of two loads is at fault: it is named */
+static void test_refusals(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(3);
+    pel_body_def body = ball_body(mesh);
+    pel_model *model = make_model(&body);
+    for (int f = FAULT_NONE; f < FAULT_COUNT; f++) {
+        arrays a = {{3, 4}, {1, 2}, {{0, 1}, {1, 2}}};
+        pel_load_def loads[2] = {pel_load_def_default(), pel_load_def_default()};
+        loads[1].vertices = a.vertices;
+        loads[1].weights = a.weights;
+        loads[1].vertex_count = 2;
+        loads[1].keys = a.keys;
+        loads[1].key_count = 2;
+        loads[1].force[0] = loads[0].force[0] = 1;
+        break_load((fault)f, &loads[1], &a, mesh->vertex_count);
+        pel_sim_def def = pel_sim_def_default();
+        def.model = model;
+        def.loads = loads;
+        def.load_count = 2;
+        check_refusal(&def, f, messages[f], "load");
+    }
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
+/* edges of a body that refines come and go */
+static void test_edges_of_what_refines(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+    pel_mesh *mesh;
+    shape.nx = shape.ny = 3;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    for (int levels = 0; levels < 2; levels++) {
+        pel_body_def body = ball_body(mesh);
+        body.refine.levels = levels;
+        pel_model *model = make_model(&body);
+        pel_load_def load = pel_load_def_default();
+        load.kind = PEL_LOAD_PER_LENGTH;
+        load.force[2] = 1;
+        pel_sim_def def = pel_sim_def_default();
+        def.model = model;
+        def.loads = &load;
+        def.load_count = 1;
+        check_refusal(&def, levels, levels == 0 ? NULL : "load on edges of a body that refines", NULL);
+        pel_model_destroy(model);
+    }
+    pel_mesh_destroy(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_refusals), cmocka_unit_test(test_edges_of_what_refines)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,50 @@
+/* Golden hashes with contact and with refinement: sim/golden.h. */
+#include "sim/golden.h"
+
+static const golden_case cases[] = {
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .early = UINT64_C(0x4b6f9e2b0dc78609),
+     .hash = UINT64_C(0xb751bebffb486b76),
+     .shell = true,
+     .contact = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .early = UINT64_C(0x11d0f14cc3761a0d),
+     .hash = UINT64_C(0xc913b9cf6562c874),
+     .refines = true},
+    {.solver = {.method = PEL_METHOD_QUASI_STATIC, .dt = 0.01},
+     .early = UINT64_C(0x9f132979f234245a),
+     .hash = UINT64_C(0x9d21f4f31ef335ef),
+     .refines = true},
+    {.solver = {.method = PEL_METHOD_DESCENT, .dt = 0.05, .iterations = 20},
+     .early = UINT64_C(0xcb5ef94cd8fe834a),
+     .hash = UINT64_C(0xce63430d2c27c374),
+     .shell = true,
+     .contact = true},
+    {.solver = {.method = PEL_METHOD_IMPLICIT, .dt = 0.1},
+     .early = UINT64_C(0x22da1a245d22616c),
+     .hash = UINT64_C(0x029ce1df468c35a5),
+     .shell = true,
+     .contact = true},
+    {.solver = {.method = PEL_METHOD_IMPLICIT, .dt = 0.1},
+     .early = UINT64_C(0x1632036b9143909b),
+     .hash = UINT64_C(0x2fd2e218eb260f13),
+     .refines = true},
+    {.solver = {.method = PEL_METHOD_XPBD, .dt = 0.01, .substeps = 8},
+     .early = UINT64_C(0x2d2bc7db668b94b0),
+     .hash = UINT64_C(0x38be4154b7dd3d58),
+     .refines = true,
+     .shell = true,
+     .contact = true},
+};
+
+static void test_hashes(void **unused)
+{
+    (void)unused;
+    check_cases(cases, sizeof cases / sizeof *cases);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_hashes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
