@@ -54,7 +54,8 @@ static bool check_batch(const pel_batch *batch, const pel_pieces *pieces, int32_
 {
     int32_t bundles = pel_bundle_count(pieces);
     if (batch->bundle_begin[0] != 0 || batch->bundle_begin[bundles] != batch->block_count ||
-        batch->block_count > batch->capacity)
+        batch->block_count > batch->capacity ||
+        (pieces->piece_count == 1 && batch->bundle_begin[1] != batch->block_count))
         return false;
     for (int32_t i = 0; i < bundles; i++)
         if (batch->bundle_begin[i + 1] < batch->bundle_begin[i])
@@ -110,12 +111,12 @@ static bool check_bundle(const pel_batches *batches, int32_t n, int32_t phase_be
     return true;
 }
 
-/* every bundle is in one phase, in which it meets no other */
+/* every bundle is in one phase, in which it meets no other; one piece has nothing but itself */
 static bool check_phases(const pel_batches *batches, int32_t *owner)
 {
     int32_t count = 0;
     for (int32_t b = 0; b < batches->model->body_count; b++)
-        count += pel_bundle_count(&batches->bodies[b].pieces);
+        count += batches->bodies[b].pieces.piece_count == 1 ? 1 : pel_bundle_count(&batches->bodies[b].pieces);
     if (batches->phase_begin[0] != 0 || batches->phase_begin[PEL_PHASE_COUNT] != count)
         return false;
     for (int phase = 0; phase < PEL_PHASE_COUNT; phase++)

@@ -142,7 +142,6 @@ static void fill_block(pel_batch *batch, const build *job, int32_t block, const 
 {
     PEL_ASSERT_INDEX(block, batch->capacity);
     PEL_ASSERT(member_count >= 1 && member_count <= PEL_BLOCK);
-    PEL_ASSERT_INDEX(block, batch->block_count);
     batch->lane_counts[block] = (uint8_t)member_count;
     for (int32_t lane = 0; lane < PEL_BLOCK; lane++) {
         int32_t c = members[lane < member_count ? lane : member_count - 1];
@@ -156,7 +155,6 @@ static void fill_block(pel_batch *batch, const build *job, int32_t block, const 
 /* the blocks of a bundle, colour after colour (sorted in order, counts at the ends of colours); returns the next one */
 static int32_t fill_bundle(pel_batch *batch, const build *job, int32_t block, int32_t from, int32_t color_count)
 {
-    PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_build_scratch *s = job->scratch;
     int32_t begin = from;
     for (int32_t c = 0; c < color_count; c++) {

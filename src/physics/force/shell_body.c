@@ -50,7 +50,7 @@ static void fill_elements(pel_shell_body *own)
 
 pel_status pel_shell_forces_list(pel_shell_forces *forces, int32_t body, pel_error *error)
 {
-    PEL_ASSERT_INDEX(body, forces->model->body_count);
+    PEL_ASSERT(forces == NULL || (body >= 0 && body < forces->model->body_count));
     pel_shell_body *own = &forces->bodies[body];
     const pel_shell *shell = own->shell;
     if (shell == NULL || own->elements != NULL)

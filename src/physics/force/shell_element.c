@@ -19,7 +19,7 @@ double pel_shell_rest_length(const pel_shell_region *region, double time)
 double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
                               const double x[3][3], double gradient[3][3])
 {
-    PEL_ASSERT_INDEX(i, shell->hinge_count);
+    PEL_ASSERT_INDEX(i, region->fibre_count);
     pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, i);
     const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
     double stiffness = region->def.stiffness * fibre.weight;

@@ -69,7 +69,6 @@ static void add_fibres(const corner_sums *sums, double *values)
 void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                            const pel_record *position, double time, double *virials)
 {
-    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     if (own == NULL)
         return;
@@ -82,7 +81,6 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
                                const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres)
 {
-    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     double *lists[3] = {membrane, bending, fibres};
     for (int i = 0; i < 3; i++)
@@ -147,7 +145,6 @@ static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_re
 void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, const pel_record *position, double time,
                                 int32_t place, double force[3])
 {
-    PEL_ASSERT_INDEX(body, forces->model->body_count);
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     pel_vec3_set(force, 0, 0, 0);
     if (own == NULL)

@@ -1,3 +1,7 @@
+/* The lists of elements. They are not the blocks of `batch`, which forces and sweeps share, for three reasons: the rows
+   at a node are added by rising element, and colors give another order, so other bits of every gradient, energy and
+   matrix; numbers of blocks are pel_real, and these are double in both precisions; blocks leave out triangles without
+   area, and have neither mid-edge bending nor inertia. */
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"

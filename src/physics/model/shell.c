@@ -591,7 +591,7 @@ double pel_shell_rest_angle(const pel_shell *shell, int32_t i)
 
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)
 {
-    PEL_ASSERT_INDEX(i, shell->hinge_count);
+    PEL_ASSERT_INDEX(i, region->fibre_count);
     pel_shell_fibre fibre = {.triangle = pel_shell_fibre_triangle(region, i),
                              .weight = pel_shell_fibre_weight(region, i)};
     double x[3][3];

@@ -189,7 +189,7 @@ static bool check_vertices(check *c)
         good = active == used && (!active || front->vertices[front->index_in_front[v]] == v) &&
                (!active || check_fan(c, v, fan));
         count += active;
-        corner_count += active ? pel_front_fan(front, v, fan) : 0;
+        corner_count += good && active ? pel_front_fan(front, v, fan) : 0;
     }
     pel_free(fan);
     return !has_room || (good && count == front->vertex_count && corner_count == 3 * front->triangle_count);

@@ -197,7 +197,6 @@ void pel_refine_everywhere(pel_sim *sim, int32_t body, bool everywhere)
 
 static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, true);
     refine->requests[v] = PEL_REQUEST_MADE;
@@ -208,7 +207,6 @@ static void heat_up(pel_sim *sim, int32_t body, int32_t v)
 
 static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     ask_for_hot(refine, sim->active->bodies[body].front, v, sim->model->bodies[body].detail->def.rings, false);
     refine->requests[v] = PEL_REQUEST_NONE;
@@ -219,14 +217,12 @@ static void cool_down(pel_sim *sim, int32_t body, int32_t v)
 
 static bool has_cooled(const pel_sim *sim, int32_t body, int32_t v)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     int64_t since = sim->state->step - sim->refine[body].warm_step[v];
     return since > 0 && since >= sim->model->bodies[body].detail->def.dwell;
 }
 
 static void look_at(pel_sim *sim, int32_t body, int32_t v, const pel_verdict *verdict)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     pel_refine_body *refine = &sim->refine[body];
     uint8_t *requests = &refine->requests[v];
     refine->strengths[v] = verdict->strength;
@@ -307,7 +303,6 @@ static bool displace(pel_sim *sim, int32_t body, double below, int most, displac
    four, as closing the front costs more than finding the weakest */
 static bool heat_within_budget(pel_sim *sim, int32_t body, int32_t v)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_refined_body *own = &sim->active->bodies[body];
     pel_refine_body *refine = &sim->refine[body];
     displacement gone = {.count = 0};

@@ -128,7 +128,6 @@ static bool set_weight(pel_load *load, int32_t at, double weight)
 
 static bool set_vertex(const pel_sim *sim, pel_load *load, int32_t v)
 {
-    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_refined_model *active = sim->active;
     int32_t first = sim->model->bodies[load->body].slice_begin * PEL_WIDTH;
     int32_t place = active->bodies[load->body].model_index[v];

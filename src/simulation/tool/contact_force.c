@@ -65,7 +65,7 @@ void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, co
 
 void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate)
 {
-    PEL_ASSERT_INDEX(tool, sim->tools->count);
+    PEL_ASSERT(tool >= -1 && tool < sim->tools->count);
     double change[3];
     for (int k = 0; k < 3; k++)
         change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);
