@@ -63,9 +63,9 @@ typedef struct pel_adjoint_steps {
 } pel_adjoint_steps;
 
 /* Takes step_count steps of PEL_METHOD_IMPLICIT and computes the derivatives of a function of them
-   (src/simulation/gradient/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ slightly
-   from those of pel_sim_step. The simulation ends after the steps, or at their start on failure. Takes the time of
-   three to five times as many steps, and memory for 2 sqrt(step_count) snapshots.
+   (src/simulation/gradient/adjoint_steps.c has the equations). The steps are solved to rounding, so they differ
+   slightly from those of pel_sim_step. The simulation ends after the steps, or at their start on failure. Takes the
+   time of three to five times as many steps, and memory for 2 sqrt(step_count) snapshots.
 
    PEL_BAD_ARGUMENT as pel_sim_adjoint, and for refinement, damping of volumetric springs, fibres along principal
    directions, moments on edges, a budget, and steps that do not converge. PEL_STOPPED by the gradient;
