@@ -4,6 +4,7 @@
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
+#include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "model/model.h"
 #include "model/shell.h"
@@ -20,8 +21,6 @@
 
 /* stretch beyond the material's, as a share */
 #define SOFTNESS_LIMIT 0.05
-/* of descent, in each round, in a scene that leaves them to the method */
-enum { FREE_ITERATIONS = 500, ROUND_ITERATIONS = 50 };
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
 /* share from which one step is enough */
@@ -470,7 +469,7 @@ static void tell_unconverged(const text_context *at)
     }
     bool in_rounds = sim->tool_count > 0 || (sim->contact.enabled && sim->contact.response == PEL_CONTACT_IN_LOOP);
     char remedy[240];
-    write_remedy(at, in_rounds, in_rounds ? ROUND_ITERATIONS : FREE_ITERATIONS, remedy, sizeof remedy);
+    write_remedy(at, in_rounds, in_rounds ? PEL_ROUND_ITERATIONS : PEL_FREE_ITERATIONS, remedy, sizeof remedy);
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " steps did not converge: the residual is up to %.3g N%s. %s, or let "
              "loads and tools move over more steps",

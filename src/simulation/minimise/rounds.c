@@ -29,7 +29,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEFAULT_ITERATIONS = 500, DEFAULT_ROUND_ITERATIONS = 50, ROUND_LIMIT = 12, MOST_PARTS = 16 };
+enum { ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* rounds, and unconverged rounds, after which a step is repeated in parts */
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 
@@ -176,7 +176,7 @@ static double find_external(pel_sim *sim, double time)
 static pel_descent_problem make_problem(pel_minimise_context *context)
 {
     const pel_sim *sim = context->sim;
-    int32_t iterations = context->is_constrained ? DEFAULT_ROUND_ITERATIONS : DEFAULT_ITERATIONS;
+    int32_t iterations = context->is_constrained ? PEL_ROUND_ITERATIONS : PEL_FREE_ITERATIONS;
     return (pel_descent_problem){
         .inverse_mass = sim->model->inverse_mass,
         .held = sim->held,

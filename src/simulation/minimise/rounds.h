@@ -4,6 +4,9 @@
 
 #include "minimise/minimise.h"
 
+/* of descent where a scene leaves them to the method: without constraints, and in each round with them */
+enum { PEL_FREE_ITERATIONS = 500, PEL_ROUND_ITERATIONS = 50 };
+
 /* Allocates the data of all methods that minimise. PEL_OUT_OF_MEMORY. */
 pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *minimise, pel_error *error);
 /* Where a step begins: sim->minimise->position and position_next from the state. */
