@@ -324,7 +324,7 @@ static void bench_shell(const pel_mesh *mesh, bool has_edges, int threads)
 int main(int argument_count, char **arguments)
 {
     int threads = argument_count > 1 ? atoi(arguments[1]) : 1;
-    seconds = threads == 1 ? bench_thread_seconds : bench_seconds;
+    seconds = threads == 1 ? pel_thread_seconds : pel_seconds;
     int frequency = argument_count > 2 ? atoi(arguments[2]) : 32;
     pel_mesh *mesh = bench_sphere(frequency);
     bench_shell(mesh, false, threads);
