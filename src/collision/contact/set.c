@@ -16,8 +16,8 @@ enum { VELOCITY_SWEEPS = 4 };
    fastest way beyond that */
 #define REACH_SHARE 0.5
 #define MOTION_SHARE 0.5
-/* what starts this much beyond the thickness, of the shortest edge, is near for the features that it is of, and becomes
-   a contact where it starts; tried and lost: also where the closest points lie on the border of a feature (such normals
+/* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
+   impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
  */
 #define NEAR_SHARE 0.5
@@ -205,7 +205,7 @@ static bool is_before_face(const pel_collision *pair)
     return !pair->edge_edge && fmax(w[1], fmax(w[2], w[3])) < -1e-6;
 }
 
-/* a pair that is in the list takes the new place and keeps its sums, unless its place says more */
+/* update the contact's location and keep its impulses; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_contact_set *set = m->set;

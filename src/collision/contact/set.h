@@ -122,7 +122,7 @@ typedef struct pel_zone {
 
 /* Pairs of triangles that intersect from the start on and are left alone (tangle.c). */
 typedef struct pel_tangles {
-    bool is_known; /* false = to be found anew, before the next step */
+    bool is_known; /* false = search again before the next step */
     int64_t count;
     pel_pair *pairs; /* (count) triangles of the surface */
     size_t capacity;

@@ -444,7 +444,7 @@ static const pel_def_row rows[] = {
      REFUSED("time is counted in steps of dt", "change substeps, or make a simulation with the new dt"),
      .doc = "length of a step"},
     {"solver.alpha", SOLVER(alpha), NUMBER_OR("auto"), POSITIVE, .preset = "auto", AUTO(0), WHEN(is_quasi_static),
-     .doc = "quasi-static: dimensionless step size; auto: a value that is stable on the mesh"},
+     .doc = "quasi-static: dimensionless step size; auto: chosen to be stable"},
     {"solver.velocity", SOLVER(keep_velocity), WORD("ignore", "keep"), .preset = "ignore", WHEN(is_quasi_static),
      .doc = "quasi-static: ignore computes forces without velocities, F(x, 0), so that damping has no effect; keep "
             "computes F(x, v) with the velocities v of the last step"},

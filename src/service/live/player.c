@@ -27,8 +27,8 @@
 /* steps a second of methods that look for rest */
 #define REST_STEP_SECONDS (1.0 / 60)
 /* s that a step may take after an interaction; for slow scenes the ratio to the longest of the last steps. A
-   thoughtless number makes steps of minutes; steps grow gradually as a tool comes deeper (5,120 triangles, implicit: 15
-   times as long over 20 steps, 4 times at once). */
+   thoughtless number can take minutes per step; steps grow gradually as a tool comes deeper (5,120 triangles, implicit:
+   15 times as long over 20 steps, 4 times at once). */
 #define STEP_SECONDS 1.0
 #define STEP_RATIO 20
 /* the longest step counts this much after another one */

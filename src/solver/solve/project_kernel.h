@@ -4,7 +4,7 @@
        xpbd    dl = -(C + a l) / (sum w |g|^2 + a),  dx_k = w_k g_k dl,   a = 1 / (stiffness dt^2), l += dl
 
    pbd takes the energies themselves as constraints, as paper B does (equation 5): stiffness, area and thickness cancel
-   and a quadratic energy falls to a quarter, because C has a double root (theory page, section 0).
+   and a quadratic energy falls to a quarter, because C touches zero instead of crossing it (theory page, section 0).
 
    Membrane. With the columns f1, f2 of F = sum_k x_k (p_k, q_k), where (p, q) are (i0, i1), (0, i2), (-i0, -i1 - i2)
    for the inverse [[i0, i1], [0, i2]] of the rest matrix, every gradient is g_k = p_k a + q_k b, and
