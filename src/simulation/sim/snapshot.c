@@ -155,7 +155,7 @@ bool pel_snapshot_is_valid(const pel_sim *sim, const void *bytes)
     return memcmp(head.magic, "PELSNAP", sizeof head.magic) == 0 && head.version == SNAPSHOT_VERSION &&
            head.real_size == sizeof(pel_real) && head.size == pel_sim_save_size(sim) && head.step >= 0 &&
            memcmp(&head.fingerprint, &pel_house_of(sim)->fingerprint, sizeof head.fingerprint) == 0 &&
-           head.checksum == checksum_of(bytes, head.size);
+           head.checksum == checksum_of(bytes, (size_t)head.size);
 }
 
 void pel_snapshot_keep(const pel_sim *sim, void *bytes)
