@@ -6,8 +6,8 @@
    parabola through each trial, as the energy of a bent sheet is far from linear. Velocities, and so momentum, do not
    change. Volumetric springs, which are proportional to area, are not included: they would bend springs that a rigid
    motion leaves at rest. */
-#ifndef PEL_SIM_REFINE_ENERGY_H
-#define PEL_SIM_REFINE_ENERGY_H
+#ifndef PEL_ADAPT_ENERGY_H
+#define PEL_ADAPT_ENERGY_H
 
 #include "stage/stage.h"
 

@@ -1,6 +1,6 @@
 /* Moments on boundary edges: loads on the rotations of mid-edge bending. */
-#ifndef PEL_SIM_EDGE_LOAD_H
-#define PEL_SIM_EDGE_LOAD_H
+#ifndef PEL_BOUNDARY_EDGE_LOAD_H
+#define PEL_BOUNDARY_EDGE_LOAD_H
 
 #include "stage/stage.h"
 
@@ -9,9 +9,9 @@
 pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 void pel_edge_loads_destroy(pel_sim *sim);
 
-/* Adds the moments [N m] at a time to the loads of edges (edge_count). */
 /* the product of the moments of a load with numbers on edges */
 double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns);
+/* Adds the moments [N m] at a time to the loads of edges (edge_count). */
 void pel_edge_loads_add(const pel_sim *sim, double time, double *moments);
 /* Adds the work of moments over turns of edges (edge_count) in a step that ends at a time: means of its ends. */
 void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns);

@@ -1,7 +1,7 @@
 /* Follower loads: forces per length on boundary edges that turn with the frame of the edge and its triangle. They have
    no potential. */
-#ifndef PEL_SIM_FOLLOWER_H
-#define PEL_SIM_FOLLOWER_H
+#ifndef PEL_BOUNDARY_FOLLOWER_H
+#define PEL_BOUNDARY_FOLLOWER_H
 
 #include "linear/matrix.h"
 #include "stage/stage.h"

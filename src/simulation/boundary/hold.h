@@ -1,7 +1,7 @@
 /* Supports of single components: vertices held along axes, springs along axes, edges that keep their normals. For the
    methods whose stepper turns edges; the others refuse them. */
-#ifndef PEL_SIM_HOLD_H
-#define PEL_SIM_HOLD_H
+#ifndef PEL_BOUNDARY_HOLD_H
+#define PEL_BOUNDARY_HOLD_H
 
 #include "newton/newton.h"
 #include "stage/stage.h"

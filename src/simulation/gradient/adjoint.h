@@ -1,6 +1,6 @@
 /* One adjoint solution at the end of a step, shared by pel_sim_adjoint and pel_sim_adjoint_steps. */
-#ifndef PEL_SIM_ADJOINT_H
-#define PEL_SIM_ADJOINT_H
+#ifndef PEL_GRADIENT_ADJOINT_H
+#define PEL_GRADIENT_ADJOINT_H
 
 #include "newton/newton.h"
 #include "pellicle/sim_adjoint.h"

@@ -1,6 +1,6 @@
 /* Analyses of the method `static`: frequencies and buckling. Step n shows the n-th mode. */
-#ifndef PEL_SIM_STEP_MODES_H
-#define PEL_SIM_STEP_MODES_H
+#ifndef PEL_MINIMISE_STEP_MODES_H
+#define PEL_MINIMISE_STEP_MODES_H
 
 #include "newton/modes.h"
 #include "stage/stage.h"

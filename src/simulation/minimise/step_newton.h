@@ -1,6 +1,6 @@
 /* Newton's method in the frame of minimise.h; shared by static and implicit. */
-#ifndef PEL_SIM_STEP_NEWTON_H
-#define PEL_SIM_STEP_NEWTON_H
+#ifndef PEL_MINIMISE_STEP_NEWTON_H
+#define PEL_MINIMISE_STEP_NEWTON_H
 
 #include "minimise/minimise.h"
 #include "newton/newton.h"

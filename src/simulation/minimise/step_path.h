@@ -1,7 +1,7 @@
 /* The path of balances of a static simulation whose loads, gravity and given pressure grow in proportion: a step goes a
    length along it, through limit points (newton/newton.h). */
-#ifndef PEL_SIM_STEP_PATH_H
-#define PEL_SIM_STEP_PATH_H
+#ifndef PEL_MINIMISE_STEP_PATH_H
+#define PEL_MINIMISE_STEP_PATH_H
 
 #include "newton/newton.h"
 #include "stage/stage.h"

@@ -8,8 +8,8 @@
      anchor  += p_1 - a_0 p_0 - a_1 p_-1 - p'_1 / rate,   carried += p'_1 - a_0 p'_0 - a_1 p'_-1 - p''_1 / rate
 
    A rigid body that spins or tumbles is exact; in general the scheme keeps its order. */
-#ifndef PEL_SIM_STEP_TURN_H
-#define PEL_SIM_STEP_TURN_H
+#ifndef PEL_MINIMISE_STEP_TURN_H
+#define PEL_MINIMISE_STEP_TURN_H
 
 #include "minimise/step_newton.h"
 

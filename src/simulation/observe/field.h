@@ -1,6 +1,6 @@
 /* The fields that every simulation has, by number: in the order of the table (field.c). */
-#ifndef PEL_SIM_FIELD_H
-#define PEL_SIM_FIELD_H
+#ifndef PEL_OBSERVE_FIELD_H
+#define PEL_OBSERVE_FIELD_H
 
 #include "pellicle/observe.h"
 

@@ -1,6 +1,6 @@
 /* Fields of mechanics of one body: on its triangles, and smoothed to its vertices. */
-#ifndef PEL_SIM_FIELD_MECHANICS_H
-#define PEL_SIM_FIELD_MECHANICS_H
+#ifndef PEL_OBSERVE_FIELD_MECHANICS_H
+#define PEL_OBSERVE_FIELD_MECHANICS_H
 
 #include "pellicle/sim_forces.h"
 

@@ -1,7 +1,7 @@
 /* Energy ledger of a simulation: the work that each step takes in, and the energy that damping takes out. A step adds
    sums over vertices that carry weight, loads and damping; energies are evaluated only when the ledger is read. */
-#ifndef PEL_SIM_LEDGER_H
-#define PEL_SIM_LEDGER_H
+#ifndef PEL_OBSERVE_LEDGER_H
+#define PEL_OBSERVE_LEDGER_H
 
 #include "model/model.h"
 #include "pellicle/sim_ledger.h"

@@ -1,6 +1,6 @@
 /* Cache for the fields of a simulation, created on the first access. */
-#ifndef PEL_SIM_OBSERVE_FIELD_H
-#define PEL_SIM_OBSERVE_FIELD_H
+#ifndef PEL_OBSERVE_OBSERVE_FIELD_H
+#define PEL_OBSERVE_OBSERVE_FIELD_H
 
 #include "pellicle/observe.h"
 

@@ -1,6 +1,6 @@
 /* The tree over all surfaces that rays are cast at. */
-#ifndef PEL_SIM_PICK_H
-#define PEL_SIM_PICK_H
+#ifndef PEL_OBSERVE_PICK_H
+#define PEL_OBSERVE_PICK_H
 
 #include "pellicle/live.h"
 

@@ -1,6 +1,6 @@
 /* Rigid part of the motion of a body, from its momentum and angular momentum. */
-#ifndef PEL_SIM_RIGID_MOTION_H
-#define PEL_SIM_RIGID_MOTION_H
+#ifndef PEL_STAGE_RIGID_MOTION_H
+#define PEL_STAGE_RIGID_MOTION_H
 
 #include "stage/stage.h"
 

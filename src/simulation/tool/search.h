@@ -8,8 +8,8 @@
    The boxes belong to the positions of the last fit. If these are kept, `drift` bounds the displacements since then, by
    axis: a list of the triangles that reached then into a box contains all triangles that reach now into that box shrunk
    by the drift on all sides, so it serves many steps (near.c). */
-#ifndef PEL_SIM_TOOL_SEARCH_H
-#define PEL_SIM_TOOL_SEARCH_H
+#ifndef PEL_TOOL_SEARCH_H
+#define PEL_TOOL_SEARCH_H
 
 #include "model/model.h"
 

@@ -1,8 +1,8 @@
 /* Spheres, capsules and boxes in the substeps of position-based methods: one contact for each vertex near a tool and
    one for each triangle near it, whose weights, normal and gap follow the present positions in every sweep. Near
    features are found once a step. */
-#ifndef PEL_SIM_TOOL_SOLID_H
-#define PEL_SIM_TOOL_SOLID_H
+#ifndef PEL_TOOL_SOLID_H
+#define PEL_TOOL_SOLID_H
 
 #include "contact/contact.h"
 #include "geom/solid.h"
