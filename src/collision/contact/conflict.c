@@ -27,8 +27,7 @@ double pel_contact_start_distance(const pel_contact_set *set, const pel_collisio
     return sqrt(square);
 }
 
-/* the most that the points of both sides can come nearer to each other */
-static double longest_approach(const pel_contact_set *set, const pel_collision *hit)
+double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit)
 {
     double side[2] = {0, 0};
     for (int i = 0; i < 4; i++) {
@@ -43,7 +42,7 @@ static double longest_approach(const pel_contact_set *set, const pel_collision *
 static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision *hit)
 {
     pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
-    double distance = pel_contact_start_distance(set, hit), approach = longest_approach(set, hit);
+    double distance = pel_contact_start_distance(set, hit), approach = pel_contact_longest_approach(set, hit);
     double separation = fmin(set->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)

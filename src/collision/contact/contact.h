@@ -20,9 +20,10 @@ typedef struct pel_contact {
     pel_real normal[3];     /* unit */
     pel_real separation;    /* m */
     pel_real friction;      /* Coulomb's coefficient */
-    pel_real push;          /* m: sum of the corrections along the normal so far, for friction and for reports */
+    pel_real compliance;    /* m/N of the layer between the two; 0 = rigid */
+    pel_real multiplier;    /* N s2: load of the layer times the squared substep, >= 0 */
+    pel_real drag[3];       /* N s2: the same of friction, across the normal */
     pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
-    pel_real tangential[3]; /* m: sum of the corrections across the normal */
     pel_real stopped[3];    /* m/s: sum of the changes of velocity by pel_contacts_stop */
 } pel_contact;
 
@@ -30,7 +31,21 @@ typedef struct pel_contact {
 typedef struct pel_contact_list {
     pel_contact *contacts; /* in a fixed order; may be null when count is 0 */
     int32_t count;
-    double recovery; /* m: how much depth from before the substep a sweep takes back at most */
+    const int32_t *active; /* (active_count) rising: those that may push at present, all others carry nothing; null = all
+                              may */
+    int32_t active_count;
+    double substep; /* s, whose square is in the multipliers */
 } pel_contact_list;
+
+/* how many a sweep looks at, and the i-th of them */
+static inline int32_t pel_contact_list_length(const pel_contact_list *list)
+{
+    return list->active != NULL ? list->active_count : list->count;
+}
+
+static inline pel_contact *pel_contact_list_at(const pel_contact_list *list, int32_t i)
+{
+    return &list->contacts[list->active != NULL ? list->active[i] : i];
+}
 
 #endif

@@ -9,6 +9,10 @@
    The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
    both features; from then on the normal is followed. */
 #include "contact/set.h"
+#include "contact/sweep.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 enum { PAIRS_OF_CHUNK = 256 };
 
@@ -18,13 +22,12 @@ enum { PAIRS_OF_CHUNK = 256 };
 #define PARALLEL 1e-3
 /* directions that lean so little over a triangle still lead away from it */
 #define LEAN 0.05
-/* pairs farther apart than so many thicknesses are not looked at in every substep */
-#define FAR 3.0
-enum { FAR_INTERVAL = 4 };
+/* substeps in which a pair is not looked at: at most, and where another feature is closer */
+#define NEAR_LAYER 0.1
+enum { LONGEST_WAIT = 8, OFF_WAIT = 3 };
 
-void pel_contact_set_begin_substep(pel_contact_set *set)
+void pel_contact_set_place_substep(pel_contact_set *set)
 {
-    set->substep++;
     for (int32_t i = 0; i < set->def.obstacle_count; i++) {
         const pel_obstacle *obstacle = &set->obstacles[i];
         int32_t first = obstacle->point_begin - set->vertex_count;
@@ -33,11 +36,51 @@ void pel_contact_set_begin_substep(pel_contact_set *set)
     }
 }
 
+void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
+{
+    double square = substep * substep;
+    pel_contacts_begin(&set->list, substep);
+    set->list.active = NULL;
+    memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
+    for (int32_t c = 0; c < set->list.count; c++) {
+        pel_contact *contact = &set->list.contacts[c];
+        contact->multiplier = (pel_real)(square * set->keys[c].load);
+        for (int k = 0; k < 3; k++)
+            contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
+    }
+}
+
+void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
+{
+    double ratio = substep / set->list.substep, square = ratio * ratio;
+    set->substep++;
+    pel_contact_set_place_substep(set);
+    set->list.substep = substep;
+    for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&set->list); i++) {
+        pel_contact *contact = pel_contact_list_at(&set->list, i);
+        contact->multiplier *= (pel_real)square;
+        for (int k = 0; k < 3; k++)
+            contact->drag[k] *= (pel_real)square;
+    }
+}
+
+void pel_contact_set_keep_loads(pel_contact_set *set)
+{
+    double rate = 1 / (set->list.substep * set->list.substep);
+    for (int32_t c = 0; c < set->list.count; c++) {
+        const pel_contact *contact = &set->list.contacts[c];
+        pel_contact_key *key = &set->keys[c];
+        key->load = rate * (double)contact->multiplier;
+        for (int k = 0; k < 3; k++)
+            key->drag[k] = rate * (double)contact->drag[k];
+    }
+}
+
 typedef struct refresh_job {
     pel_contact_set *set;
     const pel_record *positions,
-        *start;   /* (vertex_count) now and at the start of the substep; null = at that of the step */
-    double reach; /* m, pairs with a larger gap when they were looked at last are left out, and those that were off */
+        *start; /* (vertex_count) now and at the start of the substep; null = at that of the step */
+    bool looks_at_all;
 } refresh_job;
 
 static void load_point(const refresh_job *job, int32_t point, double x[3])
@@ -124,12 +167,25 @@ static void keep_side(const refresh_job *job, const pel_contact *contact, pel_co
     key->has_side = true;
 }
 
+/* what of a triangle the closest point with these weights lies on */
+static int32_t border_of(const refresh_job *job, const pel_contact_key *key, const double w[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (w[(i + 1) % 3] <= INSIDE && w[(i + 2) % 3] <= INSIDE)
+            return key->points[1 + i];
+    for (int i = 0; i < 3; i++)
+        if (w[(i + 2) % 3] <= INSIDE)
+            return -2 - pel_tree_edge(pel_collider_tree(job->set->collider), 3 * key->second + i);
+    return PEL_NO_BORDER;
+}
+
 /* weights and normal of a vertex before a triangle */
 static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pel_contact *contact,
                                 pel_contact_key *key, double weights[4], double normal[3])
 {
     double w[3], u[3], v[3], way[3], square = pel_closest_point_triangle(x[0], x[1], x[2], x[3], w);
-    bool is_border = fmin(w[0], fmin(w[1], w[2])) <= INSIDE;
+    key->border = border_of(job, key, w);
+    bool is_border = key->border != PEL_NO_BORDER;
     weights[0] = 1;
     for (int i = 0; i < 3; i++)
         weights[i + 1] = -w[i];
@@ -177,13 +233,13 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
         normal[k] = is_inside ? cross[k] : (double)contact->normal[k];
 }
 
-/* separation and drift of the obstacle's share of the sum */
-static void set_obstacle_share(const pel_contact_set *set, const pel_contact_key *key, const double weights[4],
+/* separation and drift of the obstacle's share of the sum; returns the thickness that the pair keeps at present [m] */
+static double set_obstacle_share(const pel_contact_set *set, const pel_contact_key *key, const double weights[4],
                                const double normal[3], pel_contact *contact)
 {
     const int32_t *group = set->group_of_point;
-    double separation = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]);
-    double drift[3] = {0, 0, 0};
+    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
+    double separation = thickness, drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;
         contact->weights[i] = point < 0 ? (pel_real)weights[i] : 0;
@@ -196,6 +252,7 @@ static void set_obstacle_share(const pel_contact_set *set, const pel_contact_key
     contact->separation = (pel_real)separation;
     for (int k = 0; k < 3; k++)
         contact->drift[k] = (pel_real)drift[k];
+    return thickness;
 }
 
 static double gap_of(double x[4][3], const double weights[4], const double normal[3])
@@ -204,6 +261,15 @@ static double gap_of(double x[4][3], const double weights[4], const double norma
     for (int i = 0; i < 4; i++)
         gap += weights[i] * pel_vec3_dot(x[i], normal);
     return gap;
+}
+
+/* carries nothing and takes nothing */
+static void switch_off(pel_contact *contact)
+{
+    contact->separation = (pel_real)-HUGE_VAL;
+    contact->multiplier = 0;
+    for (int k = 0; k < 3; k++)
+        contact->drag[k] = 0;
 }
 
 /* The place of an impact in this step stays; where its normal leans over a triangle that one is closer. */
@@ -221,7 +287,7 @@ static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key
     else
         key->is_off = !leads_away_from_border(job, key, x, w, normal);
     if (key->is_off)
-        contact->separation = (pel_real)-HUGE_VAL;
+        switch_off(contact);
 }
 
 /* what went so far beyond an impact is left to the guard */
@@ -234,23 +300,29 @@ static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel
     return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
+/* How long a pair need not be looked at: as long as it takes at most a fourth of its way to the layer, as fast as it
+   came since the last look. */
+static uint8_t wait_of(double room, double before, double least)
+{
+    if (!(room > least))
+        return 0;
+    double speed = fabs(before - room), count = room / (4 * speed);
+    return (uint8_t)(count < LONGEST_WAIT ? count : LONGEST_WAIT);
+}
+
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
     pel_contact_set *set = job->set;
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
-    double x[4][3], weights[4], normal[3];
-    if (key->gap > FAR * set->largest && (set->substep + (uint32_t)c) % FAR_INTERVAL != 0)
-        return;
-    if (job->reach < HUGE_VAL && !key->is_impact && (key->gap > job->reach || key->is_off))
-        return;
+    double x[4][3], weights[4], normal[3], before = key->gap, thickness;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
         if (set->minds_sides)
             check_impact(job, x, key, contact);
         if (is_far_through(set, x, key, contact))
-            contact->separation = (pel_real)-HUGE_VAL;
+            switch_off(contact);
         return;
     }
     if (key->edge_edge)
@@ -260,24 +332,66 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int k = 0; k < 3; k++)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
-    set_obstacle_share(set, key, weights, normal, contact);
-    if (key->is_off)
-        contact->separation = (pel_real)-HUGE_VAL;
+    thickness = set_obstacle_share(set, key, weights, normal, contact);
+    if (getenv("NOWAIT")) { set->waits[c] = 0; if (key->is_off) switch_off(contact); return; }
+    set->waits[c] = wait_of(key->gap - thickness, before - thickness, NEAR_LAYER * thickness);
+    if (contact->multiplier > 0)
+        set->waits[c] = 0;
+    if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
+        set->waits[c] = OFF_WAIT;
+    if (set->waits[c] > 0 || key->is_off)
+        switch_off(contact);
 }
 
 static void refresh_chunk(void *context, int32_t chunk)
 {
     const refresh_job *job = context;
+    uint8_t *waits = job->set->waits;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
-    for (int32_t c = begin; c < end && c < job->set->list.count; c++)
-        refresh_pair(job, c);
+    for (int32_t c = begin; c < end && c < job->set->list.count; c++) {
+        if (waits[c] > 0 && !job->looks_at_all)
+            waits[c]--;
+        else
+            refresh_pair(job, c);
+    }
 }
 
-void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start, double reach)
+/* Whether another triangle before it in the list has the same point or edge that this vertex is before: one is enough.
+   Pairs of a vertex stand together. */
+static bool is_again(const pel_contact_set *set, int32_t c)
 {
-    refresh_job job = {set, positions, start, reach};
+    const pel_contact_key *key = &set->keys[c];
+    if (getenv("NODUP")) return false;
+    if (key->edge_edge || key->is_impact || key->border == PEL_NO_BORDER)
+        return false;
+    for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--)
+        if (set->keys[i].border == key->border && set->waits[i] == 0 && !set->keys[i].is_off && !set->keys[i].is_impact)
+            return true;
+    return false;
+}
+
+static void list_active(pel_contact_set *set)
+{
+    pel_contact_list *list = &set->list;
+    list->active = set->active;
+    list->active_count = 0;
+    for (int32_t c = 0; c < list->count; c++) {
+        if (set->waits[c] > 0 || set->keys[c].is_off)
+            continue;
+        if (is_again(set, c))
+            switch_off(&list->contacts[c]);
+        else
+            set->active[list->active_count++] = c;
+    }
+}
+
+void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
+                             bool looks_at_all)
+{
+    refresh_job job = {set, positions, start, looks_at_all};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
+    list_active(set);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */
@@ -304,7 +418,7 @@ static void look_chunk(void *context, int32_t chunk)
 
 void pel_contact_set_look_at_start(pel_contact_set *set)
 {
-    refresh_job job = {set, NULL, NULL, HUGE_VAL};
+    refresh_job job = {set, NULL, NULL, true};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
 }

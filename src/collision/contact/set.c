@@ -4,8 +4,10 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "contact/layer.h"
 #include "contact/sweep.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { VELOCITY_SWEEPS = 4 };
@@ -16,6 +18,8 @@ enum { VELOCITY_SWEEPS = 4 };
    fastest way beyond that */
 #define REACH_SHARE 0.5
 #define MOTION_SHARE 0.5
+/* and of its own way, a pair that is not yet nearer than that */
+#define APPROACH_SHARE 1.5
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -23,9 +27,6 @@ enum { VELOCITY_SWEEPS = 4 };
 #define NEAR_SHARE 0.5
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
-/* Depth that a pair had at the start of the step and that corrections take back, of the thickness. No more: the start
-   keeps all these distances, so that there is an answer, also where layers press each other from all sides. */
-#define RECOVERY_SHARE 0.2
 
 /* ---- creation ---- */
 
@@ -73,7 +74,7 @@ void pel_contact_set_destroy(pel_contact_set *set)
         return;
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
-                 set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
+                 set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys, set->waits, set->active,
                  set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
                  set->heights.places, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
                  set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
@@ -152,7 +153,9 @@ static int compare_keys(const pel_contact_key *a, const pel_contact_key *b)
 static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error)
 {
     if (pel_reserve((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
-        pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys))
+        pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
+        pel_reserve((void **)&set->waits, &set->wait_capacity, count, sizeof *set->waits) &&
+        pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active))
         return PEL_OK;
     return pel_fail_memory(error);
 }
@@ -164,7 +167,7 @@ static void exchange_lists(pel_contact_set *set, int32_t count)
     pel_contact *list = set->list.contacts;
     pel_contact_key *keys = set->keys;
     size_t capacity = set->capacity, key_capacity = set->key_capacity;
-    set->list = (pel_contact_list){set->other_contacts, count, set->list.recovery};
+    set->list = (pel_contact_list){.contacts = set->other_contacts, .count = count, .substep = set->list.substep};
     set->keys = set->other_keys;
     set->capacity = set->other_capacity;
     set->key_capacity = set->other_key_capacity;
@@ -180,6 +183,7 @@ typedef struct merger {
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
     bool has_solids;              /* obstacles without a mesh make none */
+    bool is_anew;                 /* what is not found again is forgotten */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
@@ -192,6 +196,8 @@ static bool take_over(merger *m, const pel_contact_key *key)
         int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
         if (order >= 0)
             return order == 0;
+        if (m->is_anew)
+            continue;
         set->other_keys[m->count] = set->keys[m->old];
         set->other_contacts[m->count++] = set->list.contacts[m->old];
     }
@@ -205,14 +211,80 @@ static bool is_before_face(const pel_collision *pair)
     return !pair->edge_edge && fmax(w[1], fmax(w[2], w[3])) < -1e-6;
 }
 
-/* update the contact's location and keep its impulses; a time-of-impact location is kept */
+/* mean mass of the points of one side that can move [kg]; 0 = none can */
+static double side_mass(const pel_contact_set *set, const pel_collision *pair, int begin, int end)
+{
+    double mass = 0;
+    int count = 0;
+    for (int i = begin; i < end; i++) {
+        int32_t point = pair->vertices[i];
+        if (point >= set->vertex_count || !(set->def.inverse_mass[point] > 0))
+            continue;
+        mass += (double)set->def.mass[point];
+        count++;
+    }
+    return count > 0 ? mass / count : 0;
+}
+
+/* The weaker side decides how hard the layer is. It is hard enough to stop what comes on in this step. */
+static double compliance_of(const pel_contact_set *set, const pel_collision *pair, double thickness)
+{
+    int middle = pair->edge_edge ? 2 : 1;
+    double compliance = 0, approach = 0;
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            approach -= pair->hit.weight[i] * pair->hit.normal[k] *
+                        (set->end[pair->vertices[i]][k] - set->start[pair->vertices[i]][k]);
+    double speed = approach > 0 ? approach / set->dt : 0;
+    for (int side = 0; side < 2; side++) {
+        double mass = side_mass(set, pair, side == 0 ? 0 : middle, side == 0 ? middle : 4);
+        const pel_contact_group *group = &set->groups[set->group_of_point[pair->vertices[3 * side]]];
+        const pel_contact_layer layer = {thickness, group->hardness};
+        double own = mass > 0 ? pel_contact_layer_compliance(&layer, mass, speed, set->dt) : 0;
+        compliance = own > compliance ? own : compliance;
+    }
+    return compliance;
+}
+
+/* its slack goes in time */
+static void recover(const pel_contact_set *set, pel_contact_key *key)
+{
+    double gain = set->largest * set->dt / PEL_CONTACT_RECOVERY_TIME;
+    key->slack = key->slack > gain ? key->slack - gain : 0;
+}
+
+/* what a pair that was known keeps */
+static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_contact *contact, pel_contact_key *key)
+{
+    contact->multiplier = old->multiplier;
+    memcpy(contact->drag, old->drag, sizeof contact->drag);
+    memcpy(contact->stopped, old->stopped, sizeof contact->stopped);
+    key->has_pushed = own->has_pushed;
+    key->slack = own->slack;
+    key->load = own->load;
+    pel_vec3_copy(own->drag, key->drag);
+}
+
+/* m, by how much a pair may be farther apart than corrections bring it */
+static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
+{
+    const int32_t *group = set->group_of_point;
+    double allowed = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
+    return allowed > set->aim ? allowed - set->aim : 0;
+}
+
+/* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_contact_set *set = m->set;
     pel_contact_key key = make_key(set, pair);
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = pel_contact_start_distance(set, pair);
-    key.depth = fmax(0, (1 - RECOVERY_SHARE) * set->def.thickness - start);
+    double thickness =
+        pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
+    key.slack = thickness > start ? thickness - start : 0;
+    if (m->is_anew && start > thickness * (1 + REACH_SHARE) + APPROACH_SHARE * pel_contact_longest_approach(set, pair))
+        return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
@@ -220,26 +292,27 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (key.obstacle >= 0 && m->has_solids && set->obstacles[key.obstacle].mesh == NULL)
         return;
     bool known = take_over(m, &key);
-    pel_contact contact, *old = known ? &set->list.contacts[m->old] : NULL;
-    if (known && set->keys[m->old].is_impact && !key.is_impact)
+    pel_contact contact;
+    if (known && set->keys[m->old].is_impact && !key.is_impact && !m->is_anew)
         return;
     if (!make_contact(set, pair, key.is_impact ? &m->impacts[number].hit : &pair->hit, &contact))
         return;
-    if (key.is_impact)
-        contact.separation -= (pel_real)key.depth;
+    contact.compliance = (pel_real)compliance_of(set, pair, thickness);
     if (known) {
-        const pel_contact_key *own = &set->keys[m->old];
-        contact.push = old->push;
-        memcpy(contact.tangential, old->tangential, sizeof contact.tangential);
-        memcpy(contact.stopped, old->stopped, sizeof contact.stopped);
-        key.has_pushed = own->has_pushed;
-        key.load = own->load;
-        pel_vec3_copy(own->drag, key.drag);
+        const pel_contact *old = &set->list.contacts[m->old];
+        keep_old(old, &set->keys[m->old], &contact, &key);
+        if (m->is_anew)
+            recover(set, &key);
+        /* a layer that carries a load is as hard as it was */
+        if (key.load > 0 && old->compliance < contact.compliance)
+            contact.compliance = old->compliance;
         m->old++;
-    } else if (set->list.count - m->old + m->count >= set->def.limit) {
+    } else if ((m->is_anew ? 0 : set->list.count - m->old) + m->count >= set->def.limit) {
         set->statistics.dropped++;
         return;
     }
+    if (key.is_impact)
+        contact.separation -= (pel_real)(key.slack + beyond_aim(set, &key));
     set->other_keys[m->count] = key;
     set->other_contacts[m->count++] = contact;
 }
@@ -264,12 +337,13 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
+    static int nearer = -1; if (nearer < 0) nearer = getenv("NEARER") != NULL;
     pel_collision_query query = pel_collision_query_default();
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
     query.min_separation = distance;
     query.tolerance = 1e-2 * set->least;
-    query.near = set->near;
+    query.near = nearer ? fmin(set->near, distance) : set->near;
     query.method = set->def.method;
     return query;
 }
@@ -319,16 +393,19 @@ bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *positio
     return set->was_clear;
 }
 
-pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_solids, pel_error *error)
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double dt, bool has_solids, pel_error *error)
 {
-    set->list.count = 0;
+    set->dt = dt;
     set->substep = 0;
+    if (!has_solids)
+        set->list.count = 0;
     set->was_clear = false;
     double reach = reach_of(set, longest_way(set));
     pel_collision_result found;
     pel_status status = search(set, fmax(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
-    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids};
+    merger m = {
+        .set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids, .is_anew = true};
     return status == PEL_OK ? merge(&m, &found, error) : status;
 }
 
@@ -391,20 +468,11 @@ pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_res
     return merge(&m, found, error);
 }
 
-void pel_contact_set_forget_step(pel_contact_set *set)
-{
-    for (int32_t c = 0; c < set->list.count; c++) {
-        pel_contact_key *key = &set->keys[c];
-        key->is_impact = key->is_off = key->has_side = key->has_pushed = false;
-        key->gap = 0;
-    }
-}
-
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags)
 {
     const pel_contact_list *list = &set->list;
     for (int32_t c = 0; c < list->count; c++)
-        for (int i = 0; i < 4 && (list->contacts[c].push > 0 || set->keys[c].has_pushed); i++)
+        for (int i = 0; i < 4 && (list->contacts[c].multiplier > 0 || set->keys[c].has_pushed); i++)
             if (list->contacts[c].weights[i] != 0)
                 flags[list->contacts[c].vertices[i]] = 1;
 }
@@ -416,12 +484,14 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     double tolerance = SWEEP_TOLERANCE * set->least;
     for (int32_t i = 0; i < set->def.obstacle_count; i++)
         set->obstacles[i].substep = set->obstacles[i].before;
-    pel_contact_set_begin_substep(set);
-    pel_contact_set_refresh(set, motion->next, motion->position, HUGE_VAL);
-    for (int32_t c = 0; c < set->list.count; c++)
+    pel_contact_set_place_substep(set);
+    set->substep++;
+    pel_contact_set_refresh(set, motion->next, motion->position, true);
+    for (int32_t c = 0; c < set->list.count; c++) {
+        set->list.contacts[c].compliance = 0;
         if (!set->keys[c].is_impact)
-            set->list.contacts[c].separation -= (pel_real)set->keys[c].depth;
-    set->list.recovery = HUGE_VAL;
+            set->list.contacts[c].separation -= (pel_real)beyond_aim(set, &set->keys[c]);
+    }
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;

@@ -46,6 +46,7 @@ typedef struct pel_obstacle {
 typedef struct pel_contact_group {
     double thickness; /* m, above 0 */
     double friction;  /* Coulomb's coefficient */
+    double hardness;  /* N/(m kg), see contact/layer.h; 0 = unknown */
 } pel_contact_group;
 
 /* Arrays marked so are copied; all others stay the caller's and have to live on. */
@@ -75,6 +76,8 @@ typedef struct pel_contact_motion {
     double dt;                   /* s */
 } pel_contact_motion;
 
+enum { PEL_NO_BORDER = -1 };
+
 /* which pair a contact is of, in the order of the list; the obstacle that it is with, -1 = none */
 typedef struct pel_contact_key {
     bool edge_edge;
@@ -85,11 +88,12 @@ typedef struct pel_contact_key {
     double place[4]; /* weights where it was found */
     /* in substeps and minimisations (refresh.c) */
     bool is_off;          /* does not act at present */
+    int32_t border;       /* of a vertex before a triangle: the point that it is before, -2 - edge, or -1 = its inside */
     bool has_side;        /* the normal tells the side on which the pair touches */
     bool has_pushed;      /* in any substep of this step */
-    double depth;         /* m, how much nearer than the thickness the pair was at the start of the step */
+    double slack;         /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;           /* m, between the features, when it was looked at last */
-    double load, drag[3]; /* N, of the method descent: along the normal and across it */
+    double load, drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -161,6 +165,8 @@ typedef struct pel_contact_set {
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
+    double dt;                                     /* s, of the step */
+    double aim;                                    /* m, to be brought: how far corrections part a pair at most */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_set_place clears it */
     bool was_clear;                                /* the last step, and its end is the start of the next */
@@ -172,6 +178,9 @@ typedef struct pel_contact_set {
     pel_contact_key *keys, *other_keys;
     pel_contact *other_contacts;
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
+    uint8_t *waits;  /* (list.count) substeps before which a pair is not looked at again */
+    int32_t *active; /* (list.active_count) the list's */
+    size_t wait_capacity, active_capacity;
     pel_contact_heights heights;
 
     /* the guard; from `solved` on null until it first runs */
@@ -192,9 +201,10 @@ typedef struct pel_contact_set {
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
-/* Forgets all contacts and finds what may touch on the way from start to end; what is as near as `least` [m] in any
-   case, but for obstacles. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
-pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_solids, pel_error *error);
+/* Finds what may touch on the way from start to end in dt [s]; what is as near as `least` [m] in any case, but for
+   obstacles. Contacts of the last step that are found again keep their loads and slacks, others are forgotten.
+   has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double dt, bool has_solids, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
    too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
    of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
@@ -208,10 +218,9 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
 /* Puts what pel_contact_set_search_way found into the list; contacts that were there keep their sums.
  * PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
-/* Before the substeps of a step are done anew: the pairs stay, nothing of what they did. */
-void pel_contact_set_forget_step(pel_contact_set *set);
-/* Moves the next positions by sweeps over the contacts, and `end` with them. Velocities lose what runs into a contact,
-   by impulses: momentum stays and energy cannot grow. */
+/* Moves the next positions by sweeps over the contacts, and `end` with them, until all are apart by `aim`, or by the
+   thickness without their slack if that is less. Velocities lose what runs into a contact, by impulses: momentum stays
+   and energy cannot grow. */
 void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *motion, int32_t sweeps);
 /* Whether the groups, and the contacts with their keys, are whole: sorted, each pair once, with points and obstacles
    that exist, unit normals, and weights that add up to nothing unless an obstacle has the rest. */
@@ -250,12 +259,18 @@ pel_mesh pel_contact_mesh(const pel_contact_set *set);
 void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *found);
 
 /* ---- refresh.c ---- */
-/* At the start of a substep: the points of obstacles at both its ends. */
-void pel_contact_set_begin_substep(pel_contact_set *set);
-/* Contacts at positions (vertex_count) and the poses at the end of the substep; impulses of the substep are kept. start
-   (vertex_count): positions at the start of the substep. reach: pairs that were farther apart than this at the last
-   refresh, or off, stay as they were [m]; HUGE_VAL = all are looked at. */
-void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start, double reach);
+/* The points of obstacles at both ends of the substep */
+void pel_contact_set_place_substep(pel_contact_set *set);
+/* Before the first substep of a step, its length [s]: kept loads in the multipliers. */
+void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
+/* At the start of a substep of this length [s]: the points of obstacles at both its ends. */
+void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
+/* After the last substep: the loads in the multipliers are kept. */
+void pel_contact_set_keep_loads(pel_contact_set *set);
+/* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active; multipliers
+   of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at what waits. */
+void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
+                             bool looks_at_all);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at
  * `start`. */
 void pel_contact_set_look_at_start(pel_contact_set *set);
@@ -275,6 +290,8 @@ pel_status pel_contact_round_conflicts(pel_contact_set *set, pel_error *error);
 /* ---- conflict.c ---- */
 /* of the two parts of a pair at `start` */
 double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit);
+/* m, the most that the points of both sides come nearer to each other between start and end */
+double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit);
 /* Fills `conflicts` from what the collider found between start and end, and from round obstacles. */
 pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
 pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *conflict, pel_error *error);

@@ -1,9 +1,13 @@
-/* A correction along a direction d by a distance c gives each point
+/* The layer between two features has the load f = -gap / compliance. A change of its multiplier lambda = f h^2 by d
+   along the normal n moves each point by
 
-       dx_i = m_i w_i / (sum_k m_k w_k^2) c d,        m inverse mass,
+       dx_i = m_i w_i d n,        m inverse mass,
 
-   so that the weighted sum moves by exactly c d. Friction has the same mobility along every direction: Coulomb's cone
-   on impulses is one on the sums of these distances, |tangential| <= friction push. */
+   so that the gap grows by d sum_k m_k w_k^2 (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18). Multipliers are kept
+   from substep to substep: the load that a contact carried acts before the first sweep, and sweeps give and take back
+   what has changed. Without compliance a load that cannot be carried would grow for ever; with it the load is the
+   stiffness times the depth, and hardly depends on the length of a step. Friction has the same mobility along every
+   direction, and Coulomb's cone is one on the multipliers: |drag| <= friction multiplier. */
 #include "contact/sweep.h"
 
 #include <math.h>
@@ -35,82 +39,99 @@ static inline record4 combine(const pel_contact *contact, const pel_record *posi
     return sum;
 }
 
-/* moves the points so that the weighted sum goes by `way`, the fourth number of which is 0 */
-static inline void move(const pel_contact *contact, pel_record *positions, double inverse, record4 way)
+/* moves the points by an impulse times the substep, the fourth number of which is 0 [N s2] */
+static inline void move(const pel_contact *contact, pel_record *positions, record4 impulse)
 {
     for (int i = 0; i < 4; i++) {
         pel_record *x = &positions[contact->vertices[i]];
-        double share = (double)(*x)[3] * (double)contact->weights[i] * inverse;
-        *x = __builtin_convertvector(record_in_double(*x) + share * way, pel_record);
+        double share = (double)(*x)[3] * (double)contact->weights[i];
+        *x = __builtin_convertvector(record_in_double(*x) + share * impulse, pel_record);
     }
 }
 
 /* takes back as much of the way across the normal as friction can hold */
-static void rub(pel_contact *contact, pel_record *positions, const pel_record *start, double inverse)
+static void rub(pel_contact *contact, pel_record *positions, const pel_record *start, double free)
 {
     double slip[3], along = 0, wanted[3], square = 0;
-    record4 now = combine(contact, positions), before = combine(contact, start), way = {0};
+    record4 now = combine(contact, positions), before = combine(contact, start), change = {0};
     for (int k = 0; k < 3; k++) {
         slip[k] = now[k] - before[k] - (double)contact->drift[k];
         along += slip[k] * (double)contact->normal[k];
     }
     for (int k = 0; k < 3; k++) {
-        wanted[k] = (double)contact->tangential[k] - (slip[k] - along * (double)contact->normal[k]);
+        wanted[k] = (double)contact->drag[k] - (slip[k] - along * (double)contact->normal[k]) / free;
         square += wanted[k] * wanted[k];
     }
-    double limit = (double)contact->friction * (double)contact->push;
+    double limit = (double)contact->friction * (double)contact->multiplier;
     double scale = square > limit * limit ? limit / sqrt(square) : 1;
     for (int k = 0; k < 3; k++) {
-        way[k] = scale * wanted[k] - (double)contact->tangential[k];
-        contact->tangential[k] = (pel_real)(scale * wanted[k]);
+        change[k] = scale * wanted[k] - (double)contact->drag[k];
+        contact->drag[k] = (pel_real)(scale * wanted[k]);
     }
-    move(contact, positions, inverse, way);
+    move(contact, positions, change);
 }
 
 /* most contacts of a sweep neither push nor rub: they are told before anything else is found of them */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start)
 {
-    double deepest = 0;
-    for (int32_t c = 0; c < list->count; c++) {
-        pel_contact *contact = &list->contacts[c];
-        double gap = -(double)contact->separation;
+    double largest = 0, rate = 1 / (list->substep * list->substep);
+    for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
+        pel_contact *contact = pel_contact_list_at(list, i);
+        double gap = -(double)contact->separation, load = (double)contact->multiplier;
         record4 sum = combine(contact, positions), way = {0};
         for (int k = 0; k < 3; k++)
             gap += sum[k] * (double)contact->normal[k];
-        if (!(gap < 0) && !(contact->friction > 0 && contact->push > 0))
+        if (!(gap < 0) && !(load > 0))
             continue;
-        double free = mobility(contact, positions);
+        double free = mobility(contact, positions), compliance = rate * (double)contact->compliance;
         if (!(free > 0))
             continue;
-        if (gap < 0 && list->recovery < HUGE_VAL) {
-            record4 first = combine(contact, start);
-            double gap0 = -(double)contact->separation;
-            for (int k = 0; k < 3; k++)
-                gap0 += (first[k] + (double)contact->drift[k]) * (double)contact->normal[k];
-            double aim = gap0 + list->recovery;
-            aim = aim < 0 ? aim : 0;
-            gap -= aim;
-        }
-        if (gap < 0) {
-            for (int k = 0; k < 3; k++)
-                way[k] = -gap * (double)contact->normal[k];
-            move(contact, positions, 1 / free, way);
-            contact->push = (pel_real)((double)contact->push - gap);
-            deepest = -gap > deepest ? -gap : deepest;
-        }
-        if (contact->friction > 0 && contact->push > 0)
-            rub(contact, positions, start, 1 / free);
+        double change = -(gap + compliance * load) / (free + compliance);
+        change = change > -load ? change : -load;
+        for (int k = 0; k < 3; k++)
+            way[k] = change * (double)contact->normal[k];
+        move(contact, positions, way);
+        contact->multiplier = (pel_real)(load + change);
+        double moved = free * (change < 0 ? -change : change);
+        largest = moved > largest ? moved : largest;
+        if (contact->friction > 0)
+            rub(contact, positions, start, free);
     }
-    return deepest;
+    return largest;
 }
 
-void pel_contacts_begin(pel_contact_list *list)
+/* what is left of the drag lies across the present normal */
+static void turn_drag(pel_contact *contact)
 {
+    double along = 0;
+    for (int k = 0; k < 3; k++)
+        along += (double)contact->drag[k] * (double)contact->normal[k];
+    for (int k = 0; k < 3; k++)
+        contact->drag[k] -= (pel_real)(along * (double)contact->normal[k]);
+}
+
+void pel_contacts_begin(pel_contact_list *list, double substep)
+{
+    list->substep = substep;
     for (int32_t c = 0; c < list->count; c++) {
         pel_contact *contact = &list->contacts[c];
-        contact->push = 0;
+        contact->multiplier = 0;
         for (int k = 0; k < 3; k++)
-            contact->tangential[k] = contact->stopped[k] = 0;
+            contact->drag[k] = contact->stopped[k] = 0;
+    }
+}
+
+void pel_contacts_load(pel_contact_list *list, pel_record *positions)
+{
+    for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
+        pel_contact *contact = pel_contact_list_at(list, i);
+        record4 way = {0};
+        if (!(contact->multiplier > 0))
+            continue;
+        turn_drag(contact);
+        for (int k = 0; k < 3; k++)
+            way[k] = (double)(contact->multiplier * contact->normal[k] + contact->drag[k]);
+        move(contact, positions, way);
     }
 }
 
@@ -149,6 +170,6 @@ void pel_contacts_stop(pel_contact_list *list, const pel_record *positions, pel_
 {
     for (int32_t sweep = 0; sweep < sweeps; sweep++)
         for (int32_t c = 0; c < list->count; c++)
-            if (list->contacts[c].push > 0)
+            if (list->contacts[c].multiplier > 0)
                 stop(&list->contacts[c], positions, velocities, dt);
 }

@@ -13,18 +13,9 @@
 
 #include <string.h>
 
-/* of a step with contacts that were not foreseen */
-enum { REPEAT_LIMIT = 2 };
-
-/* sweeps over pairs after one over elements, and the depth at which they may end, of the thickness */
-enum { SWEEP_LIMIT = 8 };
+/* sweeps over contacts after one over elements, and the correction at which they may end, of the thickness */
+enum { SWEEP_LIMIT = 4 };
 #define SWEEP_TOLERANCE 0.02
-/* how far a sweep brings a pair together, in the largest depth that it met */
-#define CORRECTION_REACH 4.0
-/* shares of the thickness by which an earlier depth is corrected within a step, of pairs and at spheres, capsules and
-   boxes: correcting it all at once would turn depth into velocity */
-#define RECOVERY_SHARE 0.05
-#define SOLID_RECOVERY_SHARE 0.5
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -53,30 +44,22 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
-/* Sweeps over the pairs until none is deep. After the first sweep only pairs that corrections can have brought together
-   are checked: most pairs of a crumpled sheet are farther apart. */
-static void sweep_pairs(pel_sim *sim, pel_contact_list *pairs, const pel_record *start)
+/* kept loads act at the predicted positions, where the contacts are found anew */
+static void begin_contacts(pel_sim *sim, const pel_record *start)
 {
-    pel_contact_set *contacts = sim->contacts;
-    double reach = HUGE_VAL;
-    for (int i = 0; i < SWEEP_LIMIT; i++) {
-        pel_contact_set_refresh(contacts, sim->state->position_next, start, reach);
-        double deepest = pel_contacts_project(pairs, sim->state->position_next, start);
-        if (!(deepest > SWEEP_TOLERANCE * contacts->def.thickness))
-            break;
-        reach = contacts->largest + CORRECTION_REACH * deepest;
+    pel_record *positions = sim->state->position_next;
+    pel_contact_list *pairs = loop_contacts(sim);
+    if (pairs != NULL) {
+        pel_contacts_begin_substep(sim, sim->projector->tau);
+        pel_contact_set_refresh(sim->contacts, positions, start, false);
+        pel_contacts_begin(&sim->contacts->heights.list, sim->projector->tau);
+        pel_contacts_load(pairs, positions);
     }
-}
-
-static void set_recovery(pel_sim *sim)
-{
-    double share = sim->projector->substep / sim->projector->whole_dt, thickness = 0;
-    if (sim->contacts != NULL) {
-        thickness = sim->contacts->def.thickness;
-        sim->contacts->list.recovery = sim->contacts->heights.list.recovery = RECOVERY_SHARE * share * thickness;
+    if (sim->tools->solids != NULL) {
+        pel_solids_begin_substep(sim, sim->projector->tau);
+        pel_solids_refresh(sim, start);
+        pel_contacts_load(&sim->tools->solids->list, positions);
     }
-    if (sim->tools->solids != NULL)
-        sim->tools->solids->list.recovery = thickness > 0 ? SOLID_RECOVERY_SHARE * share * thickness : HUGE_VAL;
 }
 
 /* one sweep over the elements, then over contacts */
@@ -85,14 +68,21 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_record *positions = sim->state->position_next;
     pel_contact_list *pairs = loop_contacts(sim);
     pel_project_sweep(sim->projector, positions);
-    if (pairs != NULL) {
-        sweep_pairs(sim, pairs, start);
+    if (pairs != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
-        pel_contacts_project(&sim->contacts->heights.list, positions, start);
-    }
-    if (sim->tools->solids != NULL) {
-        pel_solids_refresh(sim, start);
-        pel_contacts_project(&sim->tools->solids->list, positions, start);
+    for (int i = 0; i < SWEEP_LIMIT; i++) {
+        double moved = 0;
+        if (pairs != NULL) {
+            moved = pel_contacts_project(pairs, positions, start) / sim->contacts->def.thickness;
+            pel_contacts_project(&sim->contacts->heights.list, positions, start);
+        }
+        if (sim->tools->solids != NULL) {
+            if (i > 0)
+                pel_solids_refresh(sim, start);
+            pel_contacts_project(&sim->tools->solids->list, positions, start);
+        }
+        if (!(moved > SWEEP_TOLERANCE))
+            break;
     }
 }
 
@@ -111,14 +101,7 @@ static void run_substep(pel_sim *sim, int32_t number)
                 number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
-    set_recovery(sim);
-    if (pairs != NULL) {
-        pel_contacts_begin_substep(sim);
-        pel_contacts_begin(pairs);
-        pel_contacts_begin(&sim->contacts->heights.list);
-    }
-    if (sim->tools->solids != NULL)
-        pel_contacts_begin(&sim->tools->solids->list);
+    begin_contacts(sim, start);
     for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
         sweep(sim, start);
     double rate = 1 / (projector->tau * projector->tau * count);
@@ -135,27 +118,14 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     pel_status status = PEL_OK;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
+    if (pel_sim_has_loop_contacts(sim))
+        pel_contact_set_recall_loads(sim->contacts, sim->projector->substep);
     for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
         run_substep(sim, s);
         status = pel_pool_check(sim->pool, error);
     }
-    return status;
-}
-
-/* Add pairs that the prediction missed before the step is repeated. */
-static pel_status repeat_with_new_pairs(pel_sim *sim, pel_error *error)
-{
-    pel_status status = PEL_OK;
-    for (int i = 0; status == PEL_OK && i < REPEAT_LIMIT && pel_sim_all_inside(sim); i++) {
-        int32_t known = sim->contacts->list.count;
-        status = pel_contacts_find_on_way(sim, error);
-        if (status != PEL_OK || sim->contacts->conflict_count == 0 || sim->contacts->list.count == known)
-            break;
-        pel_contact_set_forget_step(sim->contacts);
-        pel_tools_forget_step(sim);
-        pel_contact_forces_begin(&sim->contact_forces);
-        status = run_substeps(sim, error);
-    }
+    if (pel_sim_has_loop_contacts(sim))
+        pel_contact_set_keep_loads(sim->contacts);
     return status;
 }
 
@@ -173,8 +143,6 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
         return status;
     pel_projector_begin(sim->projector, state, pel_sim_time(sim));
     status = run_substeps(sim, error);
-    if (status == PEL_OK && has_pairs)
-        status = repeat_with_new_pairs(sim, error);
     result->diverged = !pel_sim_all_inside(sim);
     return status;
 }

@@ -18,6 +18,7 @@
 #include "sim/sim.h"
 #include "solve/project.h"
 #include "solve/relax.h"
+#include "stage/layer.h"
 #include "stage/shells.h"
 #include "stage/stepper.h"
 #include "stage/surface_view.h"
@@ -257,6 +258,8 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
         status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
+        status = pel_layers_create(sim, def->contact.relative_thickness, error);
+    if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
@@ -344,6 +347,7 @@ void pel_sim_release(pel_house *house)
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->touch->collisions);
+    pel_free(sim->layers);
     pel_contact_forces_destroy(&sim->contact_forces);
     pel_contacts_destroy(sim);
     pel_solids_destroy(sim);

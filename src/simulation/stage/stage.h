@@ -6,6 +6,7 @@
 #include "base/assert.h"
 #include "batch/batches.h"
 #include "contact/force.h"
+#include "contact/layer.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
 #include "math/vec3.h"
@@ -88,6 +89,7 @@ struct pel_sim {
     /* elements, contacts and forces */
     pel_batches *batches;      /* the elements of all bodies */
     pel_shell_forces *shells;  /* null = no body is a shell */
+    pel_contact_layer *layers; /* (stage/layer.h, body_count) */
     pel_contact_set *contacts; /* (contact/set.h) null = none */
     bool contact_in_loop;      /* the solver sweeps over them too */
     bool self_contact;         /* no body can cut itself */

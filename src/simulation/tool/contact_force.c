@@ -14,62 +14,71 @@ void pel_contact_act(pel_sim *sim, const pel_contact_action *action)
 }
 
 /* marks the vertices that a tool touches by a contact; the reaction acts on the tool */
-static void touch(pel_sim *sim, pel_tool *tool, const pel_contact *contact, double free, double side,
-                  const double force[3])
+static void touch(pel_sim *sim, pel_tool *tool, const pel_contact *contact, const pel_contact_action *action)
 {
     const pel_record *positions = sim->state->position_next;
-    double point[3] = {0, 0, 0}, sum = 0, back[3], x[3];
+    double point[3] = {0, 0, 0}, sum = 0, side = 0, back[3], x[3];
     for (int i = 0; i < 4; i++) {
-        double weight = (double)contact->weights[i];
+        double weight = action->weights[i];
         if (weight == 0)
             continue;
         pel_vertex_position(positions, contact->vertices[i], x);
         pel_vec3_along(point, fabs(weight), x, point);
         sum += fabs(weight);
-    }
-    for (int i = 0; i < 4; i++) {
-        int32_t v = contact->vertices[i];
-        double share = (double)(contact->weights[i] * contact->push * positions[v][3]) / free;
+        side += weight;
+        double share = weight * (double)(contact->multiplier * positions[contact->vertices[i]][3]);
         if (share == 0)
             continue;
-        pel_contact_vertex *touch = pel_tool_touch(tool, v);
+        pel_contact_vertex *touch = pel_tool_touch(tool, contact->vertices[i]);
         for (int k = 0; k < 3; k++)
             touch->push[k] += share * (double)contact->normal[k];
     }
     pel_vec3_scale(point, 1 / sum, point);
     /* of surfaces the tool may be the first or the second one */
-    pel_vec3_scale(force, -copysign(1, side), back);
+    pel_vec3_scale(action->force, -copysign(1, side), back);
     pel_tool_add_reaction(tool, point, back);
 }
 
-void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate)
+static void act(pel_sim *sim, int32_t tool, const pel_contact *contact, pel_contact_action *action)
 {
-    pel_contact_action action = {.vertices = contact->vertices, .obstacle = tool};
-    double free = 0, side = 0, along = 0;
+    action->vertices = contact->vertices;
+    action->obstacle = tool;
+    for (int i = 0; i < 4; i++)
+        action->weights[i] = (double)contact->weights[i];
+    pel_contact_act(sim, action);
+    if (tool >= 0)
+        touch(sim, &sim->tools->items[tool], contact, action);
+}
+
+void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate)
+{
+    PEL_ASSERT(tool >= -1 && tool < sim->tools->count);
+    pel_contact_action action = {0};
+    for (int k = 0; k < 3; k++) {
+        action.load[k] = rate * (double)(contact->multiplier * contact->normal[k]);
+        action.force[k] = action.load[k] + rate * (double)contact->drag[k];
+    }
+    act(sim, tool, contact, &action);
+}
+
+void pel_contact_take_stop(pel_sim *sim, int32_t tool, const pel_contact *contact, double dt)
+{
+    PEL_ASSERT(tool >= -1 && tool < sim->tools->count);
+    pel_contact_action action = {0};
+    double free = 0, along = 0;
     for (int i = 0; i < 4; i++) {
-        double weight = action.weights[i] = (double)contact->weights[i];
+        double weight = (double)contact->weights[i];
         free += (double)sim->state->position_next[contact->vertices[i]][3] * weight * weight;
-        side += weight;
     }
     if (!(free > 0))
         return;
-    for (int k = 0; k < 3; k++)
-        along += change[k] * (double)contact->normal[k] * rate / free;
+    for (int k = 0; k < 3; k++) {
+        action.force[k] = (double)contact->stopped[k] / (free * dt);
+        along += action.force[k] * (double)contact->normal[k];
+    }
     for (int k = 0; k < 3; k++)
         action.load[k] = along * (double)contact->normal[k];
-    pel_vec3_scale(change, rate / free, action.force);
-    pel_contact_act(sim, &action);
-    if (tool >= 0)
-        touch(sim, &sim->tools->items[tool], contact, free, side, action.force);
-}
-
-void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate)
-{
-    PEL_ASSERT(tool >= -1 && tool < sim->tools->count);
-    double change[3];
-    for (int k = 0; k < 3; k++)
-        change[k] = (double)(contact->push * contact->normal[k] + contact->tangential[k]);
-    pel_contact_take(sim, tool, contact, change, rate);
+    act(sim, tool, contact, &action);
 }
 
 /* ---- readings ---- */

@@ -7,11 +7,10 @@
 
 /* Adds it to the forces of the step. */
 void pel_contact_act(pel_sim *sim, const pel_contact_action *action);
-/* Adds the force that changed the sum of a contact by `change`: `change` times rate over its mobility; with
-   displacements in m the rate is in 1/s2, with velocities in 1/s. tool: its other side, which receives the reaction and
-   the touch; -1 = none. */
-void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, const double change[3], double rate);
-/* the same for the push and friction of a substep */
-void pel_contact_take_push(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate);
+/* Adds the load and the friction of a contact: its multipliers times the rate [1/s2]. tool: its other side, which
+   receives the reaction and the touch; -1 = none. */
+void pel_contact_take(pel_sim *sim, int32_t tool, const pel_contact *contact, double rate);
+/* The same for the impulses over a time [s] that have stopped its points (pel_contacts_stop). */
+void pel_contact_take_stop(pel_sim *sim, int32_t tool, const pel_contact *contact, double dt);
 
 #endif

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "contact/sweep.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
@@ -39,9 +40,11 @@ pel_status pel_solids_create(pel_sim *sim, pel_error *error)
     sim->tools->solids = pel_allocate(1, sizeof *sim->tools->solids);
     if (sim->tools->solids == NULL)
         return pel_fail_memory(error);
-    sim->tools->solids->mark_of_vertex =
-        pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->solids->mark_of_vertex);
-    return sim->tools->solids->mark_of_vertex != NULL ? PEL_OK : pel_fail_memory(error);
+    pel_sim_solids *solids = sim->tools->solids;
+    size_t triangle_count = (size_t)sim->model->triangle_begin[sim->model->body_count];
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(solids->pair_of_vertex, sim->model->vertex_count),
+                                 PEL_ROOM(solids->pair_of_triangle, triangle_count));
+    return made ? PEL_OK : pel_fail_memory(error);
 }
 
 void pel_solids_destroy(pel_sim *sim)
@@ -49,10 +52,28 @@ void pel_solids_destroy(pel_sim *sim)
     pel_sim_solids *solids = sim->tools->solids;
     if (solids == NULL)
         return;
-    PEL_FREE_ALL(solids->list.contacts, solids->pairs, solids->mark_of_vertex, solids);
+    PEL_FREE_ALL(solids->list.contacts, solids->pairs, solids->kept, solids->pair_of_vertex, solids->pair_of_triangle,
+                 solids);
 }
 
 /* ---- search ---- */
+
+/* mean mass of the vertices that a contact of a tool with a vertex or triangle moves [kg] */
+static double mass_of(const pel_sim *sim, const pel_contact *contact, int count)
+{
+    double mass = 0;
+    for (int i = 0; i < count; i++)
+        mass += (double)sim->model->mass[contact->vertices[i]];
+    return mass / count;
+}
+
+/* m/N, of the layer between a tool and a body; how fast they come on [m/s] tells how hard it has to be */
+static double compliance_of(const pel_sim *sim, const pel_contact *contact, int count, double speed)
+{
+    int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
+    double mass = mass_of(sim, contact, count);
+    return pel_contact_layer_compliance(&sim->layers[body], mass, speed, sim->step.dt);
+}
 
 static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
 {
@@ -72,22 +93,60 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
     for (int i = 0; i < 4; i++)
         contact->vertices[i] = triangle < 0 ? vertex : sim->model->triangles[triangle][i < 3 ? i : 0];
     contact->weights[0] = triangle < 0;
+    contact->compliance = (pel_real)compliance_of(sim, contact, triangle < 0 ? 1 : 3, 0);
+    *(triangle < 0 ? &solids->pair_of_vertex[vertex] : &solids->pair_of_triangle[triangle]) = (int32_t)count;
     solids->list.count++;
     return PEL_OK;
 }
 
-static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t triangle, pel_error *error)
+/* the pair of a tool with a vertex or triangle among those from `begin` on, -1 = there is none */
+static int32_t find_pair(const pel_sim_solids *solids, int32_t begin, int32_t triangle, int32_t vertex)
+{
+    int32_t at = triangle < 0 ? solids->pair_of_vertex[vertex] : solids->pair_of_triangle[triangle];
+    if (at < begin || at >= solids->list.count)
+        return -1;
+    return solids->pairs[at].triangle == triangle && solids->pairs[at].vertex == vertex ? at : -1;
+}
+
+static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t begin, int32_t triangle, pel_error *error)
 {
     PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_status status = PEL_OK;
     for (int c = 0; c < 3 && status == PEL_OK; c++) {
         int32_t v = sim->model->triangles[triangle][c];
-        if (sim->tools->solids->mark_of_vertex[v] == tool + 1)
-            continue;
-        sim->tools->solids->mark_of_vertex[v] = tool + 1;
-        status = add_pair(sim, tool, -1, v, error);
+        if (find_pair(sim->tools->solids, begin, -1, v) < 0)
+            status = add_pair(sim, tool, -1, v, error);
     }
     return status == PEL_OK ? add_pair(sim, tool, triangle, -1, error) : status;
+}
+
+/* pairs that carry a load or have slack, before new ones are listed */
+static pel_status keep_pairs(pel_sim_solids *solids, pel_error *error)
+{
+    if (!pel_reserve((void **)&solids->kept, &solids->kept_capacity, (size_t)solids->list.count, sizeof *solids->kept))
+        return pel_fail_memory(error);
+    solids->kept_count = 0;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        if (solids->pairs[c].load > 0)
+            solids->kept[solids->kept_count++] = solids->pairs[c];
+    solids->list.count = 0;
+    return PEL_OK;
+}
+
+/* the pairs of a tool from `begin` on go on from the last step */
+static void take_kept(pel_sim *sim, int32_t tool, int32_t begin)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t i = 0; i < solids->kept_count; i++) {
+        const pel_solid_pair *old = &solids->kept[i];
+        int32_t at = old->tool == tool ? find_pair(solids, begin, old->triangle, old->vertex) : -1;
+        if (at < 0)
+            continue;
+        solids->pairs[at].is_known = true;
+        solids->pairs[at].slack = old->slack;
+        solids->pairs[at].load = old->load;
+        pel_vec3_copy(old->drag, solids->pairs[at].drag);
+    }
 }
 
 /* the longest way of a vertex in this step by its velocity [m] */
@@ -105,20 +164,37 @@ static double fastest_way(const pel_sim *sim)
 pel_status pel_solids_find(pel_sim *sim, pel_error *error)
 {
     pel_sim_solids *solids = sim->tools->solids;
-    pel_status status = PEL_OK;
-    solids->list.count = 0;
-    memset(solids->mark_of_vertex, 0, (size_t)sim->model->vertex_count * sizeof *solids->mark_of_vertex);
+    pel_status status = keep_pairs(solids, error);
     double longest = pel_sim_longest_edge(sim), motion = fastest_way(sim);
-    for (int32_t i = 0; i < sim->tools->count; i++) {
+    for (int32_t i = 0; i < sim->tools->count && status == PEL_OK; i++) {
         pel_tool *tool = &sim->tools->items[i];
+        int32_t begin = solids->list.count;
         if (!presses(tool))
             continue;
         double margin = NEAR_SHARE * longest + motion + pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
         int32_t near_count = pel_tool_near_triangles(sim, tool, &tool->near, sim->state->position, margin);
         for (int32_t n = 0; n < near_count && status == PEL_OK; n++)
-            status = add_triangle(sim, i, sim->tools->near_triangles[n], error);
+            status = add_triangle(sim, i, begin, sim->tools->near_triangles[n], error);
+        take_kept(sim, i, begin);
     }
     return status;
+}
+
+void pel_solids_begin_substep(pel_sim *sim, double substep)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    double square = substep * substep;
+    pel_contacts_begin(&solids->list, substep);
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        pel_contact *contact = &solids->list.contacts[c];
+        pel_solid_pair *pair = &solids->pairs[c];
+        double gain = sim->layers[sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH]].thickness * substep /
+                      PEL_CONTACT_RECOVERY_TIME;
+        contact->multiplier = (pel_real)(square * pair->load);
+        for (int k = 0; k < 3; k++)
+            contact->drag[k] = (pel_real)(square * pair->drag[k]);
+        pair->slack = pair->slack > gain ? pair->slack - gain : 0;
+    }
 }
 
 /* ---- contacts at the present positions ---- */
@@ -163,23 +239,35 @@ static void keep_start_side(const pel_tool *tool, const double before[3], const 
     set_plane(tool, point, normal, -(distance + pel_vec3_dot(normal, way)), contact);
 }
 
-static void refresh_vertex(const pel_sim *sim, const pel_record *start, const pel_tool *tool, int32_t v,
-                           pel_contact *contact)
+/* A pair that touches for the first time, and did so when the substep began, may be as deep as it was then. */
+static void find_slack(pel_solid_pair *pair, double distance, double distance_before)
 {
+    if (pair->is_known || !(distance < 0))
+        return;
+    pair->is_known = true;
+    pair->slack = distance_before < 0 ? -distance_before : 0;
+}
+
+static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
+{
+    int32_t v = pair->vertex;
+    const pel_tool *tool = &sim->tools->items[pair->tool];
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double x[3], local[3], before[3], normal[3], normal_before[3];
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
     double distance = pel_solid_distance(&solid, local, normal);
-    set_plane(tool, x, normal, -distance, contact);
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
-    if (way < FAST_SHARE * least_half_width(&solid))
-        return;
-    double distance_before = pel_solid_distance(&solid, before, normal_before);
-    if (distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
+    bool is_fast = way >= FAST_SHARE * least_half_width(&solid);
+    double distance_before =
+        is_fast || (distance < 0 && !pair->is_known) ? pel_solid_distance(&solid, before, normal_before) : 0;
+    find_slack(pair, distance, distance_before);
+    if (is_fast && distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
+    else
+        set_plane(tool, x, normal, -(distance + pair->slack), contact);
 }
 
 /* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
@@ -214,8 +302,16 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_sol
     return true;
 }
 
-static void refresh_triangle(const pel_sim *sim, const pel_record *start, const pel_solid_pair *pair,
-                             pel_contact *contact)
+/* how deep a triangle was in the tool when the substep began */
+static double depth_before(const pel_sim *sim, const pel_record *start, const pel_solid_pair *pair)
+{
+    double before[3][3], weights[3], normal[3];
+    for (int c = 0; c < 3; c++)
+        start_in_tool(&sim->tools->items[pair->tool], start, sim->model->triangles[pair->triangle][c], before[c]);
+    return pel_solid_depth(&pair->solid, before[0], before[1], before[2], weights, normal);
+}
+
+static void refresh_triangle(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
     const pel_tool *tool = &sim->tools->items[pair->tool];
@@ -237,17 +333,18 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, const 
         contact->weights[c] = (pel_real)weights[c];
         pel_vec3_along(point, weights[c], corner[c], point);
     }
-    set_plane(tool, point, normal, depth, contact);
+    if (!pair->is_known)
+        find_slack(pair, -depth, -depth_before(sim, start, pair));
+    set_plane(tool, point, normal, depth - pair->slack, contact);
 }
 
 void pel_solids_refresh(pel_sim *sim, const pel_record *start)
 {
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
-        const pel_solid_pair *pair = &solids->pairs[c];
-        const pel_tool *tool = &sim->tools->items[pair->tool];
+        pel_solid_pair *pair = &solids->pairs[c];
         if (pair->triangle < 0)
-            refresh_vertex(sim, start, tool, pair->vertex, &solids->list.contacts[c]);
+            refresh_vertex(sim, start, pair, &solids->list.contacts[c]);
         else
             refresh_triangle(sim, start, pair, &solids->list.contacts[c]);
     }
@@ -256,7 +353,14 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start)
 void pel_solids_tally(pel_sim *sim, double rate)
 {
     const pel_sim_solids *solids = sim->tools->solids;
-    for (int32_t c = 0; c < solids->list.count; c++)
-        if (solids->list.contacts[c].push > 0)
-            pel_contact_take_push(sim, solids->pairs[c].tool, &solids->list.contacts[c], rate);
+    double square = solids->list.substep * solids->list.substep;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        const pel_contact *contact = &solids->list.contacts[c];
+        pel_solid_pair *pair = &solids->pairs[c];
+        pair->load = (double)contact->multiplier / square;
+        for (int k = 0; k < 3; k++)
+            pair->drag[k] = (double)contact->drag[k] / square;
+        if (contact->multiplier > 0)
+            pel_contact_take(sim, pair->tool, contact, rate);
+    }
 }

@@ -104,8 +104,8 @@ static bool presses(const pel_tool *tool, bool only_round)
 
 void pel_tools_press(pel_sim *sim, double longest, bool only_round)
 {
-    /* the substeps have kept solids out (solid.h), and no guard looks at them */
-    bool moved = !pel_sim_is_projected(sim) || sim->contacts != NULL;
+    /* the substeps have kept solids out (solid.h) */
+    bool moved = !pel_sim_is_projected(sim);
     for (int round = 0; moved && round < (sim->tools->count > 1 ? ROUND_LIMIT : 1); round++) {
         moved = false;
         for (int32_t i = 0; i < sim->tools->count; i++)

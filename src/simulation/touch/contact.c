@@ -24,11 +24,13 @@
 enum {
     SWEEP_PRESET = 10,
     ROUND_LIMIT = 10,
-    HALVING_ROUNDS = 5,
-    MOST_DOUBLINGS = 6,
+    LAYER_ROUNDS = 2,
     CONTACTS_PER_VERTEX = 64,
     SIDE_ROUNDS = 2
 };
+
+/* of the guarded distance: what is corrected is this far apart */
+#define CLEAR_SHARE 1.5
 
 /* ---- creation ---- */
 
@@ -136,6 +138,10 @@ static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_c
     pel_status status = choose_thickness(sim, &shortest, &def->thickness, error);
     for (int32_t i = 0; status == PEL_OK && i < def->body_count + def->obstacle_count; i++) {
         groups[i] = group_of(sim, i, def->thickness);
+        if (i < def->body_count) {
+            sim->layers[i].thickness = groups[i].thickness;
+            groups[i].hardness = sim->layers[i].hardness;
+        }
         edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
         if (i < def->body_count && groups[i].thickness > edges.length)
             return refuse_thickness(sim, groups[i].thickness, &edges, error);
@@ -277,10 +283,10 @@ void pel_contacts_place_start(pel_sim *sim)
     pel_contact_set_place_start(sim->contacts, sim->state->position);
 }
 
-void pel_contacts_begin_substep(pel_sim *sim)
+void pel_contacts_begin_substep(pel_sim *sim, double substep)
 {
     bring_poses(sim);
-    pel_contact_set_begin_substep(sim->contacts);
+    pel_contact_set_begin_substep(sim->contacts, substep);
 }
 
 static pel_contact_motion motion_of(const pel_sim *sim)
@@ -399,7 +405,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     expect_tools(sim);
     expect_vertices(sim);
     /* the substeps see boxes as solids (tool/solid.h) */
-    return pel_contact_set_find(sim->contacts, least, pel_sim_is_projected(sim), error);
+    return pel_contact_set_find(sim->contacts, least, sim->step.dt, pel_sim_is_projected(sim), error);
 }
 
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
@@ -421,27 +427,23 @@ static void take_corrections(pel_sim *sim)
     for (int32_t c = 0; c < contacts->list.count; c++) {
         const pel_contact *contact = &contacts->list.contacts[c];
         int32_t tool = contacts->keys[c].obstacle;
-        double stopped[3];
-        if (!(contact->push > 0))
+        if (!(contact->multiplier > 0))
             continue;
-        for (int k = 0; k < 3; k++)
-            stopped[k] = (double)contact->stopped[k];
         if (alpha > 0 && tool < 0)
-            pel_contact_take_push(sim, tool, contact, 1 / (alpha * dt * dt));
+            pel_contact_take(sim, tool, contact, 1 / (alpha * dt * dt));
         else
-            pel_contact_take(sim, tool, contact, stopped, 1 / dt);
+            pel_contact_take_stop(sim, tool, contact, dt);
     }
 }
 
-/* search and correct until all distances hold; return the remaining conflicts */
+/* Search and correct until all distances hold; return the remaining conflicts. What a solver with contacts in its loop
+   has left is corrected only so far that the guard lets it be: its layers decide all else. */
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    bool once = sim->touch->def.response == PEL_CONTACT_AFTER;
-    /* layers that press each other, which converge slowly; other methods have solved nothing of them yet */
-    int doublings = pel_sim_has_loop_contacts(sim) ? MOST_DOUBLINGS : 0;
-    /* shorter parts have fewer conflicts, and cost less than many rounds */
-    int limit = once ? 1 : pel_parts_can_halve(sim) ? HALVING_ROUNDS : ROUND_LIMIT;
+    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = pel_sim_has_loop_contacts(sim);
+    int limit = once ? 1 : has_layers ? LAYER_ROUNDS : ROUND_LIMIT;
+    contacts->aim = has_layers ? CLEAR_SHARE * contacts->guarded : HUGE_VAL;
     for (int round = 0;; round++) {
         pel_collision_result found;
         pel_status status = pel_contact_set_search_way(contacts, &found, error);
@@ -450,19 +452,15 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
         if (status != PEL_OK || round == limit || (round > 0 && contacts->conflict_count == 0))
             return status;
         /* without conflicts, the contacts of the solver need no correction */
-        if (contacts->conflict_count == 0 &&
-            (pel_sim_has_loop_contacts(sim) || found.collision_count + contacts->list.count == 0))
+        if (contacts->conflict_count == 0 && (has_layers || found.collision_count + contacts->list.count == 0))
             return PEL_OK;
-        if (round == 0 && pel_parts_can_halve(sim))
-            sim->touch->solved_energy = pel_sim_next_energy(sim);
         double began = pel_seconds();
         status = pel_contact_set_add_way(contacts, &found, error);
         if (status != PEL_OK)
             return status;
         contacts->minds_sides = round < SIDE_ROUNDS;
         const pel_contact_motion motion = motion_of(sim);
-        pel_contact_set_correct(contacts, &motion,
-                                once ? 1 : sim->touch->def.sweeps << (round < doublings ? round : doublings));
+        pel_contact_set_correct(contacts, &motion, once ? 1 : sim->touch->def.sweeps);
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contacts_place(sim);
@@ -470,19 +468,12 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* Corrections may add this share of the energy that was supplied, over a whole step. */
-#define APPEARS_SHARE 0.02
-
-/* Whether to repeat the part in two halves: the guard would have to step bodies back, or corrections have added too
-   much energy. */
+/* Whether to repeat the part in two halves */
 static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))
         return false;
-    if (sim->contacts->conflict_count > 0)
-        return true;
-    double most = APPEARS_SHARE * sim->ledger->sums.supplied * sim->step.dt / sim->solver.dt + sim->ledger->rounding;
-    return !(pel_sim_next_energy(sim) - sim->touch->solved_energy <= most);
+    return false;
 }
 
 static void release_tools(pel_sim *sim)
@@ -545,7 +536,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
 {
     if (!pel_sim_has_loop_contacts(sim))
         sim->contacts->list.count = 0;
-    pel_contacts_begin(&sim->contacts->list);
+    pel_contacts_begin(&sim->contacts->list, sim->step.dt);
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
     pel_status status = step(sim, result, error);
@@ -561,12 +552,13 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
 void pel_contacts_tally(pel_sim *sim, double rate)
 {
     pel_contact_set *contacts = sim->contacts;
-    for (int32_t c = 0; c < contacts->list.count; c++) {
+    for (int32_t i = 0; i < contacts->list.active_count; i++) {
+        int32_t c = contacts->list.active[i];
         const pel_contact *contact = &contacts->list.contacts[c];
-        if (!(contact->push > 0))
+        if (!(contact->multiplier > 0))
             continue;
         contacts->keys[c].has_pushed = true;
-        pel_contact_take_push(sim, contacts->keys[c].obstacle, contact, rate);
+        pel_contact_take(sim, contacts->keys[c].obstacle, contact, rate);
     }
 }
 

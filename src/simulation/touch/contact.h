@@ -21,7 +21,6 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
-    double solved_energy; /* J, of the new positions and velocities before anything was corrected */
     void *before_event;   /* (event_size) snapshot, of models that refine; else null */
     size_t event_size;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
@@ -41,9 +40,9 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
 /* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
-/* At the start of a substep, after pel_tools_place. */
-void pel_contacts_begin_substep(pel_sim *sim);
-/* After the sweeps of a substep: its impulses are forces of the step. rate: see pel_contact_take. */
+/* At the start of a substep of this length [s], after pel_tools_place. */
+void pel_contacts_begin_substep(pel_sim *sim, double substep);
+/* After the sweeps of a substep: its loads are forces of the step. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. On failure the state and the poses of the tools are those before the step. */

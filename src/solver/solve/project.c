@@ -290,7 +290,7 @@ static void mark_touching_bodies(pel_projector *projector, const pel_contact_lis
 {
     for (int32_t c = 0; c < contacts->count; c++) {
         const pel_contact *contact = &contacts->contacts[c];
-        for (int i = 0; i < 4 && contact->push > 0; i++)
+        for (int i = 0; i < 4 && contact->multiplier > 0; i++)
             if (contact->weights[i] != 0)
                 projector->touches[projector->model->body_of_slice[contact->vertices[i] / PEL_WIDTH]] = 1;
     }

@@ -1,0 +1,10 @@
+/* The layers that bodies keep before other bodies and tools. */
+#ifndef PEL_STAGE_LAYER_H
+#define PEL_STAGE_LAYER_H
+
+#include "stage/stage.h"
+
+/* Layers of the bodies by their materials, with the thickness that contact has by default. PEL_OUT_OF_MEMORY. */
+pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error *error);
+
+#endif
