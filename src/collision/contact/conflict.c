@@ -27,15 +27,42 @@ double pel_contact_start_distance(const pel_contact_set *set, const pel_collisio
     return sqrt(square);
 }
 
+/* what both sides have in common brings them no nearer: closest points are means of the points of either side */
 double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit)
 {
-    double side[2] = {0, 0};
+    double way[4][3], most = 0;
+    int middle = hit->edge_edge ? 2 : 1;
+    for (int i = 0; i < 4; i++)
+        pel_vec3_subtract(set->end[hit->vertices[i]], set->start[hit->vertices[i]], way[i]);
+    for (int i = 0; i < middle; i++)
+        for (int j = middle; j < 4; j++) {
+            double square = 0;
+            for (int k = 0; k < 3; k++)
+                square += (way[i][k] - way[j][k]) * (way[i][k] - way[j][k]);
+            most = square > most ? square : most;
+        }
+    return sqrt(most);
+}
+
+double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *conflict)
+{
+    double way = 0, most = 0, mean[3] = {0, 0, 0};
+    if (conflict->obstacle >= 0) {
+        const pel_obstacle *obstacle = &set->obstacles[conflict->obstacle];
+        pel_vec3_subtract(obstacle->pose.position, obstacle->before.position, mean);
+        way = pel_pose_way(&obstacle->before, &obstacle->pose, pel_solid_size(&obstacle->solid)) - pel_vec3_length(mean);
+    } else
+        pel_vec3_subtract(set->end[conflict->vertices[0]], set->start[conflict->vertices[0]], mean);
     for (int i = 0; i < 4; i++) {
-        int32_t point = hit->vertices[i];
-        double *longest = &side[i >= (hit->edge_edge ? 2 : 1)];
-        *longest = fmax(*longest, pel_vec3_distance(set->start[point], set->end[point]));
+        int32_t v = conflict->vertices[i];
+        double own[3];
+        if (v < 0)
+            continue;
+        pel_vec3_subtract(set->end[v], set->start[v], own);
+        double length = pel_vec3_distance(own, mean);
+        most = length > most ? length : most;
     }
-    return side[0] + side[1];
+    return most + way;
 }
 
 /* impact of what the guard minds */

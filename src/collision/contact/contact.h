@@ -22,6 +22,7 @@ typedef struct pel_contact {
     pel_real friction;      /* Coulomb's coefficient */
     pel_real compliance;    /* m/N of the layer between the two; 0 = rigid */
     pel_real multiplier;    /* N s2: load of the layer times the squared substep, >= 0 */
+    pel_real earlier;       /* N s2: the multiplier of the substep before */
     pel_real drag[3];       /* N s2: the same of friction, across the normal */
     pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
     pel_real stopped[3];    /* m/s: sum of the changes of velocity by pel_contacts_stop */
@@ -35,6 +36,7 @@ typedef struct pel_contact_list {
                               may */
     int32_t active_count;
     double substep; /* s, whose square is in the multipliers */
+    double carried; /* m: the largest way that a load moved its gap by, in the last sweep */
 } pel_contact_list;
 
 /* how many a sweep looks at, and the i-th of them */

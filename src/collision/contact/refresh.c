@@ -11,7 +11,6 @@
 #include "contact/set.h"
 #include "contact/sweep.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { PAIRS_OF_CHUNK = 256 };
@@ -44,7 +43,7 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
-        contact->multiplier = (pel_real)(square * set->keys[c].load);
+        contact->multiplier = contact->earlier = (pel_real)(square * set->keys[c].load);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
     }
@@ -59,6 +58,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
     for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&set->list); i++) {
         pel_contact *contact = pel_contact_list_at(&set->list, i);
         contact->multiplier *= (pel_real)square;
+        contact->earlier *= (pel_real)square;
         for (int k = 0; k < 3; k++)
             contact->drag[k] *= (pel_real)square;
     }
@@ -70,7 +70,7 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
-        key->load = rate * (double)contact->multiplier;
+        key->load = rate * (double)(contact->multiplier < contact->earlier ? contact->multiplier : contact->earlier);
         for (int k = 0; k < 3; k++)
             key->drag[k] = rate * (double)contact->drag[k];
     }
@@ -80,7 +80,7 @@ typedef struct refresh_job {
     pel_contact_set *set;
     const pel_record *positions,
         *start; /* (vertex_count) now and at the start of the substep; null = at that of the step */
-    bool looks_at_all;
+    bool looks_at_all, is_first;
 } refresh_job;
 
 static void load_point(const refresh_job *job, int32_t point, double x[3])
@@ -263,15 +263,6 @@ static double gap_of(double x[4][3], const double weights[4], const double norma
     return gap;
 }
 
-/* carries nothing and takes nothing */
-static void switch_off(pel_contact *contact)
-{
-    contact->separation = (pel_real)-HUGE_VAL;
-    contact->multiplier = 0;
-    for (int k = 0; k < 3; k++)
-        contact->drag[k] = 0;
-}
-
 /* The place of an impact in this step stays; where its normal leans over a triangle that one is closer. */
 static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key *key, pel_contact *contact)
 {
@@ -287,7 +278,7 @@ static void check_impact(const refresh_job *job, double x[4][3], pel_contact_key
     else
         key->is_off = !leads_away_from_border(job, key, x, w, normal);
     if (key->is_off)
-        switch_off(contact);
+        pel_contact_switch_off(contact);
 }
 
 /* what went so far beyond an impact is left to the guard */
@@ -319,10 +310,11 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
+        set->waits[c] = 0;
         if (set->minds_sides)
             check_impact(job, x, key, contact);
         if (is_far_through(set, x, key, contact))
-            switch_off(contact);
+            pel_contact_switch_off(contact);
         return;
     }
     if (key->edge_edge)
@@ -333,14 +325,16 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
     thickness = set_obstacle_share(set, key, weights, normal, contact);
-    if (getenv("NOWAIT")) { set->waits[c] = 0; if (key->is_off) switch_off(contact); return; }
     set->waits[c] = wait_of(key->gap - thickness, before - thickness, NEAR_LAYER * thickness);
     if (contact->multiplier > 0)
         set->waits[c] = 0;
     if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
         set->waits[c] = OFF_WAIT;
-    if (set->waits[c] > 0 || key->is_off)
-        switch_off(contact);
+    if (set->waits[c] > 0 || key->is_off) {
+        if (job->is_first)
+            pel_contact_switch_off(contact);
+        contact->separation = (pel_real)-HUGE_VAL;
+    }
 }
 
 static void refresh_chunk(void *context, int32_t chunk)
@@ -361,7 +355,6 @@ static void refresh_chunk(void *context, int32_t chunk)
 static bool is_again(const pel_contact_set *set, int32_t c)
 {
     const pel_contact_key *key = &set->keys[c];
-    if (getenv("NODUP")) return false;
     if (key->edge_edge || key->is_impact || key->border == PEL_NO_BORDER)
         return false;
     for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--)
@@ -370,28 +363,33 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     return false;
 }
 
-static void list_active(pel_contact_set *set)
+static void list_active(pel_contact_set *set, bool is_first)
 {
     pel_contact_list *list = &set->list;
     list->active = set->active;
     list->active_count = 0;
     for (int32_t c = 0; c < list->count; c++) {
-        if (set->waits[c] > 0 || set->keys[c].is_off)
-            continue;
-        if (is_again(set, c))
-            switch_off(&list->contacts[c]);
-        else
+        pel_contact *contact = &list->contacts[c];
+        bool is_on = set->waits[c] == 0 && !set->keys[c].is_off;
+        if (is_on && is_again(set, c)) {
+            contact->separation = (pel_real)-HUGE_VAL;
+            if (is_first)
+                pel_contact_switch_off(contact);
+            is_on = false;
+        }
+        /* what has acted in this substep has to be taken back */
+        if (is_on || contact->multiplier > 0)
             set->active[list->active_count++] = c;
     }
 }
 
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
-                             bool looks_at_all)
+                             bool looks_at_all, bool is_first)
 {
-    refresh_job job = {set, positions, start, looks_at_all};
+    refresh_job job = {set, positions, start, looks_at_all, is_first};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
-    list_active(set);
+    list_active(set, is_first);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */
@@ -418,7 +416,7 @@ static void look_chunk(void *context, int32_t chunk)
 
 void pel_contact_set_look_at_start(pel_contact_set *set)
 {
-    refresh_job job = {set, NULL, NULL, true};
+    refresh_job job = {set, NULL, NULL, true, true};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, look_chunk, &job);
 }

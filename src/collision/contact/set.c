@@ -7,7 +7,6 @@
 #include "contact/layer.h"
 #include "contact/sweep.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { VELOCITY_SWEEPS = 4 };
@@ -39,6 +38,7 @@ static void set_distances(pel_contact_set *set)
     }
     set->guarded = GUARDED_SHARE * set->least;
     set->near = set->largest + NEAR_SHARE * set->def.shortest_edge;
+    set->aim = HUGE_VAL;
 }
 
 static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def, pel_error *error)
@@ -273,6 +273,21 @@ static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
     return allowed > set->aim ? allowed - set->aim : 0;
 }
 
+/* weights of a closest point that is not at an end are larger */
+#define INSIDE 1e-3
+/* of an edge: what slides less in a step crosses no edge that it meets at an end but near that end, where vertices keep
+   it off */
+#define SLIDE_SHARE 0.05
+
+/* closest points at `start` lie on an end of an edge, and hardly move in the step */
+static bool is_at_end(const pel_contact_set *set, const pel_collision *pair)
+{
+    const double *w = pair->hit.weight;
+    if (!pair->edge_edge || (w[0] > INSIDE && w[1] > INSIDE && w[2] < -INSIDE && w[3] < -INSIDE))
+        return false;
+    return pel_contact_longest_approach(set, pair) < SLIDE_SHARE * set->def.shortest_edge;
+}
+
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
@@ -283,6 +298,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double thickness =
         pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
     key.slack = thickness > start ? thickness - start : 0;
+    if (m->is_anew && is_at_end(set, pair))
+        return;
     if (m->is_anew && start > thickness * (1 + REACH_SHARE) + APPROACH_SHARE * pel_contact_longest_approach(set, pair))
         return;
     if (key.is_impact)
@@ -337,13 +354,12 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
-    static int nearer = -1; if (nearer < 0) nearer = getenv("NEARER") != NULL;
     pel_collision_query query = pel_collision_query_default();
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
     query.min_separation = distance;
     query.tolerance = 1e-2 * set->least;
-    query.near = nearer ? fmin(set->near, distance) : set->near;
+    query.near = fmin(set->near, distance);
     query.method = set->def.method;
     return query;
 }
@@ -486,7 +502,7 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
         set->obstacles[i].substep = set->obstacles[i].before;
     pel_contact_set_place_substep(set);
     set->substep++;
-    pel_contact_set_refresh(set, motion->next, motion->position, true);
+    pel_contact_set_refresh(set, motion->next, motion->position, true, true);
     for (int32_t c = 0; c < set->list.count; c++) {
         set->list.contacts[c].compliance = 0;
         if (!set->keys[c].is_impact)

@@ -268,9 +268,10 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 /* After the last substep: the loads in the multipliers are kept. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active; multipliers
-   of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at what waits. */
+   of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at what waits. is_first: in this
+   substep, nothing has acted yet; else what has is taken back by the next sweep where it is off now. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
-                             bool looks_at_all);
+                             bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at
  * `start`. */
 void pel_contact_set_look_at_start(pel_contact_set *set);
@@ -294,6 +295,8 @@ double pel_contact_start_distance(const pel_contact_set *set, const pel_collisio
 double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit);
 /* Fills `conflicts` from what the collider found between start and end, and from round obstacles. */
 pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
+/* m, how far the points of a conflict move against each other between start and end */
+double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *conflict);
 pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *conflict, pel_error *error);
 /* The same with a search of its own, by the conservative test, for what comes nearer than the guarded distance. */
 pel_status pel_contact_look(pel_contact_set *set, pel_error *error);

@@ -74,7 +74,7 @@ static void rub(pel_contact *contact, pel_record *positions, const pel_record *s
 /* most contacts of a sweep neither push nor rub: they are told before anything else is found of them */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start)
 {
-    double largest = 0, rate = 1 / (list->substep * list->substep);
+    double largest = 0, carried = 0, rate = 1 / (list->substep * list->substep);
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         double gap = -(double)contact->separation, load = (double)contact->multiplier;
@@ -94,10 +94,20 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         contact->multiplier = (pel_real)(load + change);
         double moved = free * (change < 0 ? -change : change);
         largest = moved > largest ? moved : largest;
+        carried = free * (load + change) > carried ? free * (load + change) : carried;
         if (contact->friction > 0)
             rub(contact, positions, start, free);
     }
+    list->carried = carried;
     return largest;
+}
+
+void pel_contact_switch_off(pel_contact *contact)
+{
+    contact->separation = (pel_real)-HUGE_VAL;
+    contact->multiplier = contact->earlier = 0;
+    for (int k = 0; k < 3; k++)
+        contact->drag[k] = 0;
 }
 
 /* what is left of the drag lies across the present normal */
@@ -126,12 +136,18 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions)
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         record4 way = {0};
-        if (!(contact->multiplier > 0))
+        pel_real last = contact->multiplier, kept = last < contact->earlier ? last : contact->earlier;
+        contact->earlier = last;
+        contact->multiplier = kept;
+        if (!(last > 0))
             continue;
         turn_drag(contact);
-        for (int k = 0; k < 3; k++)
-            way[k] = (double)(contact->multiplier * contact->normal[k] + contact->drag[k]);
-        move(contact, positions, way);
+        for (int k = 0; k < 3; k++) {
+            contact->drag[k] *= kept / last;
+            way[k] = (double)(kept * contact->normal[k] + contact->drag[k]);
+        }
+        if (kept > 0)
+            move(contact, positions, way);
     }
 }
 

@@ -14,6 +14,9 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions);
 /* One sweep over the contacts in their order; start: positions at the start of the substep, from which friction counts
    the way. Returns the largest correction of a gap [m], 0 = nothing changed. */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start);
+/* It carries nothing, and no sweep gives it a load. */
+void pel_contact_switch_off(pel_contact *contact);
+
 /* Sweeps over the contacts that pushed: impulses take away the velocity with which the points still approach each
    other, and what friction can hold of the velocity across. Momentum stays, kinetic energy never grows. positions give
    the inverse masses; dt [s] is the time over which `drift` was gone. Changes are summed in `stopped`. */

@@ -11,11 +11,12 @@
 #include "tool/tools.h"
 #include "touch/contact.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* sweeps over contacts after one over elements, and the correction at which they may end, of the thickness */
-enum { SWEEP_LIMIT = 4 };
-#define SWEEP_TOLERANCE 0.02
+enum { SWEEP_LIMIT = 8 };
+#define SWEEP_TOLERANCE 0.1
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -51,15 +52,23 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
     pel_contact_list *pairs = loop_contacts(sim);
     if (pairs != NULL) {
         pel_contacts_begin_substep(sim, sim->projector->tau);
-        pel_contact_set_refresh(sim->contacts, positions, start, false);
+        pel_contact_set_refresh(sim->contacts, positions, start, false, true);
         pel_contacts_begin(&sim->contacts->heights.list, sim->projector->tau);
         pel_contacts_load(pairs, positions);
     }
     if (sim->tools->solids != NULL) {
         pel_solids_begin_substep(sim, sim->projector->tau);
-        pel_solids_refresh(sim, start);
+        pel_solids_refresh(sim, start, true);
         pel_contacts_load(&sim->tools->solids->list, positions);
     }
+}
+
+/* whether the loads hardly changed */
+static bool sweep_once(pel_sim *sim, pel_contact_list *list, const pel_record *start, double *moved)
+{
+    *moved = pel_contacts_project(list, sim->state->position_next, start);
+    static double tol = -1; if (tol < 0) tol = getenv("TOL") ? atof(getenv("TOL")) : SWEEP_TOLERANCE;
+    return !(*moved > tol * list->carried);
 }
 
 /* one sweep over the elements, then over contacts */
@@ -70,18 +79,22 @@ static void sweep(pel_sim *sim, const pel_record *start)
     pel_project_sweep(sim->projector, positions);
     if (pairs != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
+    double moved = 0;
+    static double rf = -1; if (rf < 0) rf = getenv("RF") ? atof(getenv("RF")) : 0.25;
     for (int i = 0; i < SWEEP_LIMIT; i++) {
-        double moved = 0;
+        bool is_over = true;
         if (pairs != NULL) {
-            moved = pel_contacts_project(pairs, positions, start) / sim->contacts->def.thickness;
+            if (moved > rf * sim->contacts->def.thickness)
+                pel_contact_set_refresh(sim->contacts, positions, start, false, false);
+            is_over = sweep_once(sim, pairs, start, &moved);
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
         }
         if (sim->tools->solids != NULL) {
             if (i > 0)
-                pel_solids_refresh(sim, start);
-            pel_contacts_project(&sim->tools->solids->list, positions, start);
+                pel_solids_refresh(sim, start, false);
+            { double other; is_over &= sweep_once(sim, &sim->tools->solids->list, start, &other); }
         }
-        if (!(moved > SWEEP_TOLERANCE))
+        if (is_over)
             break;
     }
 }

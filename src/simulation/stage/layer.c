@@ -4,26 +4,22 @@
 #include "base/status.h"
 #include "model/shell.h"
 
-/* What gives way is the sheet, or the layer if that is thicker: E A / l [N/m] for the area of the body. Of a sheet whose
-   springs are given by their stiffness [N/m] only the product of modulus and thickness is known. */
+/* N/m, E A / thickness of the whole body */
 static double membrane_stiffness(const pel_body *body, double thickness)
 {
     double sum = 0;
     if (body->shell == NULL || !body->shell->has_membrane)
         return 0;
-    for (int32_t t = 0; t < body->shell->triangle_count; t++) {
-        pel_shell_sheet sheet = pel_shell_sheet_of(body->shell, t);
-        sum += sheet.young / fmax(sheet.thickness, thickness) / body->shell->triangle_count;
-    }
-    return sum * body->rest_area;
+    for (int32_t t = 0; t < body->shell->triangle_count; t++)
+        sum += pel_shell_sheet_of(body->shell, t).young / body->shell->triangle_count;
+    return sum * body->rest_area / thickness;
 }
 
+/* of springs that are given by their stiffness [N/m] only the product of modulus and thickness is known */
 static double spring_stiffness(const pel_body_def *def, const pel_body *body, double thickness)
 {
     double given = def->spring_stiffness.value;
-    if (def->spring_thickness > 0)
-        return given / fmax(def->spring_thickness, thickness) * body->rest_area;
-    return given / (thickness * thickness) * body->rest_area;
+    return (def->spring_thickness > 0 ? given : given / thickness) * body->rest_area / thickness;
 }
 
 static double mass_of(const pel_model *model, int32_t body)
@@ -34,6 +30,25 @@ static double mass_of(const pel_model *model, int32_t body)
     return mass;
 }
 
+/* m, of the sheet of a body; 0 = unknown */
+static double sheet_thickness(const pel_body_def *def, const pel_body *body)
+{
+    double membrane = 0;
+    if (body->shell != NULL && body->shell->has_membrane && body->shell->triangle_count > 0)
+        membrane = pel_shell_sheet_of(body->shell, 0).thickness;
+    return fmax(membrane, def->spring_thickness);
+}
+
+void pel_layer_set_thickness(pel_sim *sim, int32_t body, double thickness)
+{
+    const pel_model *model = sim->given;
+    const pel_body *own = &model->bodies[body];
+    double mass = mass_of(model, body);
+    double stiffness =
+        fmax(membrane_stiffness(own, thickness), spring_stiffness(&model->def.bodies[body], own, thickness));
+    sim->layers[body] = (pel_contact_layer){thickness, mass > 0 ? stiffness / mass : 0};
+}
+
 pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error *error)
 {
     const pel_model *model = sim->given;
@@ -41,11 +56,8 @@ pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error 
     if (sim->layers == NULL)
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
-        const pel_body *body = &model->bodies[b];
-        double thickness = relative_thickness * body->diameter, mass = mass_of(model, b);
-        double stiffness = fmax(membrane_stiffness(body, thickness),
-                                spring_stiffness(&model->def.bodies[b], body, thickness));
-        sim->layers[b] = (pel_contact_layer){thickness, mass > 0 ? stiffness / mass : 0};
+        double sheet = sheet_thickness(&model->def.bodies[b], &model->bodies[b]);
+        pel_layer_set_thickness(sim, b, sheet > 0 ? sheet : relative_thickness * model->bodies[b].diameter);
     }
     return PEL_OK;
 }

@@ -145,6 +145,7 @@ static void take_kept(pel_sim *sim, int32_t tool, int32_t begin)
         solids->pairs[at].is_known = true;
         solids->pairs[at].slack = old->slack;
         solids->pairs[at].load = old->load;
+        solids->pairs[at].earlier = old->earlier;
         pel_vec3_copy(old->drag, solids->pairs[at].drag);
     }
 }
@@ -191,6 +192,7 @@ void pel_solids_begin_substep(pel_sim *sim, double substep)
         double gain = sim->layers[sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH]].thickness * substep /
                       PEL_CONTACT_RECOVERY_TIME;
         contact->multiplier = (pel_real)(square * pair->load);
+        contact->earlier = (pel_real)(square * pair->earlier);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * pair->drag[k]);
         pair->slack = pair->slack > gain ? pair->slack - gain : 0;
@@ -311,7 +313,8 @@ static double depth_before(const pel_sim *sim, const pel_record *start, const pe
     return pel_solid_depth(&pair->solid, before[0], before[1], before[2], weights, normal);
 }
 
-static void refresh_triangle(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
+static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool is_first, pel_solid_pair *pair,
+                             pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
     const pel_tool *tool = &sim->tools->items[pair->tool];
@@ -321,14 +324,18 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, pel_so
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
-    contact->separation = (pel_real)-HUGE_VAL;
-    if (pel_solid_is_deepest_at_corner(solid, (const double(*)[3])local))
+    bool is_vertex = pel_solid_is_deepest_at_corner(solid, (const double(*)[3])local);
+    double depth = is_vertex ? 0 : pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
+    if (!is_vertex && pel_solid_is_round(solid) &&
+        is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
-    double depth = pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
-    if (pel_solid_is_round(solid) && is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
+    if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT) {
+        /* what has acted in this substep is taken back by the next sweep */
+        contact->separation = (pel_real)-HUGE_VAL;
+        if (is_first)
+            pel_contact_switch_off(contact);
         return;
-    if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
-        return;
+    }
     for (int c = 0; c < 3; c++) {
         contact->weights[c] = (pel_real)weights[c];
         pel_vec3_along(point, weights[c], corner[c], point);
@@ -338,7 +345,7 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, pel_so
     set_plane(tool, point, normal, depth - pair->slack, contact);
 }
 
-void pel_solids_refresh(pel_sim *sim, const pel_record *start)
+void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
 {
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
@@ -346,7 +353,7 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start)
         if (pair->triangle < 0)
             refresh_vertex(sim, start, pair, &solids->list.contacts[c]);
         else
-            refresh_triangle(sim, start, pair, &solids->list.contacts[c]);
+            refresh_triangle(sim, start, is_first, pair, &solids->list.contacts[c]);
     }
 }
 
@@ -357,6 +364,7 @@ void pel_solids_tally(pel_sim *sim, double rate)
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_contact *contact = &solids->list.contacts[c];
         pel_solid_pair *pair = &solids->pairs[c];
+        pair->earlier = (double)contact->earlier / square;
         pair->load = (double)contact->multiplier / square;
         for (int k = 0; k < 3; k++)
             pair->drag[k] = (double)contact->drag[k] / square;

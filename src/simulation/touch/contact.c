@@ -12,6 +12,7 @@
 #include "observe/observe.h"
 #include "pellicle/sim_surface.h"
 #include "stage/accessors.h"
+#include "stage/layer.h"
 #include "stage/surface_view.h"
 #include "tool/contact_force.h"
 #include "tool/pose.h"
@@ -139,7 +140,7 @@ static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_c
     for (int32_t i = 0; status == PEL_OK && i < def->body_count + def->obstacle_count; i++) {
         groups[i] = group_of(sim, i, def->thickness);
         if (i < def->body_count) {
-            sim->layers[i].thickness = groups[i].thickness;
+            pel_layer_set_thickness((pel_sim *)(uintptr_t)sim, i, groups[i].thickness);
             groups[i].hardness = sim->layers[i].hardness;
         }
         edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
@@ -468,12 +469,28 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* Whether to repeat the part in two halves */
+/* relative to the mean edge: what goes farther in a part has no place for its impact */
+#define FAR_SHARE 0.25
+
+/* conflicts of what moves far */
+static int32_t count_far_conflicts(const pel_contact_set *contacts)
+{
+    int32_t count = 0;
+    for (size_t c = 0; c < contacts->conflict_count; c++)
+        count += pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
+    return count;
+}
+
+/* Whether to repeat the part in two halves: surfaces move too far in it, and halving has lowered the number of conflicts
+   until now. */
 static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))
         return false;
-    return false;
+    int32_t count = count_far_conflicts(sim->contacts);
+    bool helps = count > 0 && (sim->part.conflict_count == 0 || count < sim->part.conflict_count);
+    sim->part.conflict_count = count;
+    return helps;
 }
 
 static void release_tools(pel_sim *sim)
@@ -508,11 +525,10 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
         return PEL_OK;
     }
     pel_contacts_place(sim);
-    int64_t rounds = contacts->statistics.rounds;
     pel_status status = respond(sim, result->longest, error);
     if (status != PEL_OK)
         return status;
-    sim->part.is_refused = contacts->statistics.rounds > rounds && is_refused(sim);
+    sim->part.is_refused = contacts->conflict_count > 0 && is_refused(sim);
     if (sim->part.is_refused)
         return PEL_OK;
     double began = pel_seconds();
