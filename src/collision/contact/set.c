@@ -17,8 +17,10 @@ enum { VELOCITY_SWEEPS = 4 };
    fastest way beyond that */
 #define REACH_SHARE 0.5
 #define MOTION_SHARE 0.5
-/* and of its own way, a pair that is not yet nearer than that */
-#define APPROACH_SHARE 1.5
+/* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
+   shortest edge */
+#define LEAST_MARGIN 0.5
+#define MOST_MARGIN 0.05
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -39,6 +41,7 @@ static void set_distances(pel_contact_set *set)
     set->guarded = GUARDED_SHARE * set->least;
     set->near = set->largest + NEAR_SHARE * set->def.shortest_edge;
     set->aim = HUGE_VAL;
+    set->margin = LEAST_MARGIN * set->largest;
 }
 
 static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def, pel_error *error)
@@ -235,7 +238,7 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
         for (int k = 0; k < 3; k++)
             approach -= pair->hit.weight[i] * pair->hit.normal[k] *
                         (set->end[pair->vertices[i]][k] - set->start[pair->vertices[i]][k]);
-    double speed = approach > 0 ? approach / set->dt : 0;
+    double speed = approach > 0 ? approach / set->time : 0;
     for (int side = 0; side < 2; side++) {
         double mass = side_mass(set, pair, side == 0 ? 0 : middle, side == 0 ? middle : 4);
         const pel_contact_group *group = &set->groups[set->group_of_point[pair->vertices[3 * side]]];
@@ -249,7 +252,7 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
 /* its slack goes in time */
 static void recover(const pel_contact_set *set, pel_contact_key *key)
 {
-    double gain = set->largest * set->dt / PEL_CONTACT_RECOVERY_TIME;
+    double gain = set->largest * set->time / PEL_CONTACT_RECOVERY_TIME;
     key->slack = key->slack > gain ? key->slack - gain : 0;
 }
 
@@ -285,7 +288,7 @@ static bool is_at_end(const pel_contact_set *set, const pel_collision *pair)
     const double *w = pair->hit.weight;
     if (!pair->edge_edge || (w[0] > INSIDE && w[1] > INSIDE && w[2] < -INSIDE && w[3] < -INSIDE))
         return false;
-    return pel_contact_longest_approach(set, pair) < SLIDE_SHARE * set->def.shortest_edge;
+    return pel_contact_longest_approach(set, pair) + set->margin < SLIDE_SHARE * set->def.shortest_edge;
 }
 
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
@@ -298,9 +301,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double thickness =
         pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
     key.slack = thickness > start ? thickness - start : 0;
-    if (m->is_anew && is_at_end(set, pair))
-        return;
-    if (m->is_anew && start > thickness * (1 + REACH_SHARE) + APPROACH_SHARE * pel_contact_longest_approach(set, pair))
+    if (m->is_anew && m->has_solids && is_at_end(set, pair))
         return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
@@ -409,14 +410,30 @@ bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *positio
     return set->was_clear;
 }
 
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double dt, bool has_solids, pel_error *error)
+void pel_contact_set_calm(pel_contact_set *set)
 {
-    set->dt = dt;
+    double least = LEAST_MARGIN * set->largest, half = 0.5 * set->margin;
+    if (!set->was_widened)
+        set->margin = half > least ? half : least;
+    set->was_widened = false;
+}
+
+void pel_contact_set_widen(pel_contact_set *set)
+{
+    double most = MOST_MARGIN * set->def.shortest_edge, twice = 2 * set->margin;
+    if (set->margin < most)
+        set->margin = twice < most ? twice : most;
+    set->was_widened = true;
+}
+
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error)
+{
+    set->time = time;
     set->substep = 0;
     if (!has_solids)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = reach_of(set, longest_way(set));
+    double reach = has_solids ? set->largest + set->margin : reach_of(set, longest_way(set));
     pel_collision_result found;
     pel_status status = search(set, fmax(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */

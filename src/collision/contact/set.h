@@ -165,7 +165,9 @@ typedef struct pel_contact_set {
     double (*start)[3], (*end)[3];                 /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
-    double dt;                                     /* s, of the step */
+    double dt, time;                               /* s, of the step, to be brought; of the way from start to end */
+    double margin;                                 /* m, ways between start and end may be wrong by half of this */
+    bool was_widened;                              /* in this step */
     double aim;                                    /* m, to be brought: how far corrections part a pair at most */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_set_place clears it */
@@ -201,10 +203,14 @@ typedef struct pel_contact_set {
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
-/* Finds what may touch on the way from start to end in dt [s]; what is as near as `least` [m] in any case, but for
+/* Before a step: the margin gets smaller if it was not widened in the last one. */
+void pel_contact_set_calm(pel_contact_set *set);
+/* What strays from the way that was expected asks for a wider margin. */
+void pel_contact_set_widen(pel_contact_set *set);
+/* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as near as `least` [m] in any case, but for
    obstacles. Contacts of the last step that are found again keep their loads and slacks, others are forgotten.
    has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double dt, bool has_solids, pel_error *error);
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
    too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
    of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless

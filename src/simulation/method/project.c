@@ -11,12 +11,13 @@
 #include "tool/tools.h"
 #include "touch/contact.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-/* sweeps over contacts after one over elements, and the correction at which they may end, of the thickness */
+/* sweeps over contacts after one over elements, and the correction at which they may end, of what loads have moved */
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.1
+/* of the thickness: after larger corrections contacts are found anew between two sweeps */
+#define REFRESH_SHARE 0.25
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -67,8 +68,7 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
 static bool sweep_once(pel_sim *sim, pel_contact_list *list, const pel_record *start, double *moved)
 {
     *moved = pel_contacts_project(list, sim->state->position_next, start);
-    static double tol = -1; if (tol < 0) tol = getenv("TOL") ? atof(getenv("TOL")) : SWEEP_TOLERANCE;
-    return !(*moved > tol * list->carried);
+    return !(*moved > SWEEP_TOLERANCE * list->carried);
 }
 
 /* one sweep over the elements, then over contacts */
@@ -80,11 +80,10 @@ static void sweep(pel_sim *sim, const pel_record *start)
     if (pairs != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
     double moved = 0;
-    static double rf = -1; if (rf < 0) rf = getenv("RF") ? atof(getenv("RF")) : 0.25;
     for (int i = 0; i < SWEEP_LIMIT; i++) {
         bool is_over = true;
         if (pairs != NULL) {
-            if (moved > rf * sim->contacts->def.thickness)
+            if (moved > REFRESH_SHARE * sim->contacts->def.thickness)
                 pel_contact_set_refresh(sim->contacts, positions, start, false, false);
             is_over = sweep_once(sim, pairs, start, &moved);
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
@@ -126,6 +125,16 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
 }
 
+/* before a substep: where surfaces stray from the way that was expected, the pairs are found anew */
+static pel_status follow_pairs(pel_sim *sim, int32_t number, pel_error *error)
+{
+    const pel_record *now = sim->state->position_next;
+    double share = (double)number / sim->solver.substeps;
+    if (!pel_contacts_stray(sim, now, share))
+        return PEL_OK;
+    return pel_contacts_find_again(sim, now, pel_project_substep_start(sim->projector), share, error);
+}
+
 static pel_status run_substeps(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -134,8 +143,12 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     if (pel_sim_has_loop_contacts(sim))
         pel_contact_set_recall_loads(sim->contacts, sim->projector->substep);
     for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
-        run_substep(sim, s);
-        status = pel_pool_check(sim->pool, error);
+        if (s > 0 && pel_sim_has_loop_contacts(sim))
+            status = follow_pairs(sim, s, error);
+        if (status == PEL_OK)
+            run_substep(sim, s);
+        if (status == PEL_OK)
+            status = pel_pool_check(sim->pool, error);
     }
     if (pel_sim_has_loop_contacts(sim))
         pel_contact_set_keep_loads(sim->contacts);

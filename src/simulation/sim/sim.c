@@ -134,6 +134,10 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
     pel_status status = solve(sim, next, &result, error);
     if (status == PEL_OK && !sim->part.is_refused)
         status = keep_apart(sim, next, &result, error);
+    if (status == PEL_OK && sim->part.is_repeated) {
+        sim->part.is_repeated = false;
+        return pel_pool_check(sim->pool, error);
+    }
     /* a shorter part has fewer pairs, and does not go that far */
     bool is_too_long = status == PEL_BAD_ARGUMENT || status == PEL_DIVERGED;
     if (sim->part.is_refused || (is_too_long && pel_parts_can_halve(sim)))

@@ -182,6 +182,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->friction = def->friction;
     tool->restitution = def->restitution;
     tool->thickness = def->thickness;
+    tool->stride = 1;
     tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
@@ -273,6 +274,7 @@ pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def
     tool->grasp_from = def->grasp_from;
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
+    tool->stride = 1;
     tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
     return PEL_OK;
 }

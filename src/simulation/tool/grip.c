@@ -202,10 +202,21 @@ static void count_hold(pel_tool_tally *tally, double time)
     tally->held_back_count++;
 }
 
+/* a tool that went only a part of its way was held back; if the guard did not stop it there it tries more next time */
+static void follow_stride(pel_tool *tool)
+{
+    if (!(tool->stride < 1))
+        return;
+    if (!tool->is_held_back)
+        tool->stride = fmin(2 * tool->stride, 1);
+    tool->is_held_back = tool->blocked = true;
+}
+
 void pel_tools_end_step(pel_sim *sim, double time)
 {
     for (int32_t t = 0; t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
+        follow_stride(tool);
         int32_t lost = tool->grasp_max_force > 0 ? lose_vertices(sim, tool) : 0;
         if (lost > 0)
             count_loss(&tool->tally, lost, time);

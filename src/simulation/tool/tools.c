@@ -44,7 +44,10 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     if (sim->part.at == 0)
         tool->pose_start = tool->pose;
     tool->pose_before = tool->pose_substep = tool->pose;
-    tool->pose = tool->pose_wanted = pel_tool_next_pose(sim, tool, time);
+    tool->pose = pel_tool_next_pose(sim, tool, time);
+    if (tool->stride < 1)
+        pel_pose_between(&tool->pose_before, &tool->pose, tool->stride, &tool->pose);
+    tool->pose_wanted = tool->pose;
 }
 
 void pel_tools_begin(pel_sim *sim, double time)
@@ -125,6 +128,7 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, &tool->driven, sizeof tool->driven);
     pel_transfer(at, &tool->blocked, sizeof tool->blocked);
     pel_transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
+    pel_transfer(at, &tool->stride, sizeof tool->stride);
     pel_transfer(at, &tool->tally, sizeof tool->tally);
     pel_transfer(at, &tool->phase, sizeof tool->phase);
     pel_transfer(at, &tool->held_count, sizeof tool->held_count);

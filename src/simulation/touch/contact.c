@@ -345,8 +345,8 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 
 /* ---- search ---- */
 
-/* tools where they are and where they will want to be; the substeps have moved them already */
-static void expect_tools(pel_sim *sim)
+/* Tools where they are and where they will want to be. The substeps place them: `share` of the step is done. */
+static void expect_tools(pel_sim *sim, double share)
 {
     pel_contact_set *contacts = sim->contacts;
     double next = pel_sim_next_time(sim);
@@ -355,35 +355,38 @@ static void expect_tools(pel_sim *sim)
         const pel_obstacle *own = &contacts->obstacles[i];
         pel_tool *tool = &sim->tools->items[i];
         pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(sim, tool, next);
-        pel_obstacle_points(own, began ? &tool->pose_before : &tool->pose, contacts->start + own->point_begin);
+        pel_obstacle_points(own, began && share <= 0 ? &tool->pose_before : &tool->pose,
+                            contacts->start + own->point_begin);
         pel_obstacle_points(own, &wanted, contacts->end + own->point_begin);
     }
 }
 
-/* predict positions from velocity and loads; held vertices follow their path */
-static void expect_vertices(pel_sim *sim)
+/* held vertices follow their path */
+static void expect_held(pel_sim *sim, double share)
 {
-    pel_contact_set *contacts = sim->contacts;
-    const pel_state *state = sim->state;
     const pel_boundary *boundary = &sim->tools->boundary;
-    double dt = sim->step.dt;
-    bool is_loaded = state->velocity != NULL && pel_loads_exist(sim);
-    if (is_loaded) {
-        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-        pel_loads_add(sim, pel_sim_time(sim), sim->state->position, sim->force);
-    }
-    for (int32_t p = 0; p < contacts->vertex_count; p++)
-        for (int k = 0; k < 3; k++) {
-            double velocity = state->velocity != NULL ? (double)state->velocity[p][k] : 0;
-            if (is_loaded)
-                velocity += dt * (double)(sim->model->inverse_mass[p] * sim->force[p][k]);
-            contacts->end[p][k] = contacts->start[p][k] + dt * velocity;
-        }
     if (!pel_sim_is_projected(sim) || boundary->held_count == 0)
         return;
     pel_tools_place(sim, 1);
     for (int32_t i = 0; i < boundary->held_count; i++)
-        pel_vec3_copy(boundary->target[i], contacts->end[boundary->held[i]]);
+        pel_vec3_copy(boundary->target[i], sim->contacts->end[boundary->held[i]]);
+    pel_tools_place(sim, share);
+}
+
+/* Positions at the end of the step, from the velocity and its mean change in the last one: what rests or hangs is
+   expected to stay, and what falls to fall on. */
+static void expect_vertices(pel_sim *sim)
+{
+    pel_contact_set *contacts = sim->contacts;
+    const pel_state *state = sim->state;
+    double dt = sim->step.dt;
+    for (int32_t p = 0; p < contacts->vertex_count; p++)
+        for (int k = 0; k < 3; k++) {
+            double way = state->velocity != NULL ? dt * (double)state->velocity[p][k] : 0;
+            double last = state->velocity != NULL ? contacts->start[p][k] - (double)state->position_before[p][k] : 0;
+            contacts->end[p][k] = contacts->start[p][k] + 2 * way - last;
+        }
+    expect_held(sim, 0);
 }
 
 /* m, how far a vertex goes in the step at most by its velocity */
@@ -400,13 +403,56 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     const pel_record *position = sim->state->position;
     bool is_free = sim->state->velocity != NULL && sim->tools->count == 0 && !pel_loads_exist(sim);
+    sim->touch->found_at = 1;
+    sim->contacts->dt = sim->step.dt;
     if (is_free && pel_contact_set_stays_clear(sim->contacts, position, least, longest_way(sim)))
         return PEL_OK;
     pel_contacts_place(sim);
-    expect_tools(sim);
+    expect_tools(sim, 0);
     expect_vertices(sim);
+    sim->touch->found_at = 0;
+    pel_contact_set_calm(sim->contacts);
     /* the substeps see boxes as solids (tool/solid.h) */
     return pel_contact_set_find(sim->contacts, least, sim->step.dt, pel_sim_is_projected(sim), error);
+}
+
+bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    double found = sim->touch->found_at, part = found < 1 ? (share - found) / (1 - found) : 0;
+    double limit = 0.5 * contacts->margin, most = 0;
+    for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            double way = contacts->end[p][k] - contacts->start[p][k];
+            double stray = (double)now[p][k] - contacts->start[p][k] - part * way;
+            square += stray * stray;
+        }
+        most = square > most ? square : most;
+    }
+    return most > limit * limit;
+}
+
+pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+                                   pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double substeps = sim->solver.substeps * (1 - share);
+    pel_contact_set_keep_loads(contacts);
+    for (int32_t p = 0; p < contacts->vertex_count; p++)
+        for (int k = 0; k < 3; k++) {
+            contacts->start[p][k] = (double)now[p][k];
+            contacts->end[p][k] = (double)now[p][k] + substeps * (double)(now[p][k] - base[p][k]);
+        }
+    expect_tools(sim, share);
+    expect_held(sim, share);
+    sim->touch->found_at = share;
+    pel_contact_set_widen(contacts);
+    double substep = contacts->list.substep;
+    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), true, error);
+    if (status == PEL_OK)
+        pel_contact_set_recall_loads(contacts, substep);
+    return status;
 }
 
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
@@ -469,6 +515,10 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
+/* of a tool: shorter after each failure, and not repeated from the least on */
+#define STRIDE_SHARE 0.25
+#define LEAST_STRIDE 0.01
+
 /* relative to the mean edge: what goes farther in a part has no place for its impact */
 #define FAR_SHARE 0.25
 
@@ -513,6 +563,21 @@ static pel_status guard(pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* A tool that cannot reach its pose tries a part of the way: true = the part of the step has to be done anew. The force
+   and the work of a tool are then those of the way that it went. */
+static bool shorten_strides(pel_sim *sim)
+{
+    bool shortened = false;
+    for (int32_t i = 0; i < sim->tools->count && pel_sim_has_loop_contacts(sim); i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        if (!tool->is_held_back || tool->stride <= LEAST_STRIDE)
+            continue;
+        tool->stride *= STRIDE_SHARE;
+        shortened = true;
+    }
+    return shortened;
+}
+
 static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -538,6 +603,10 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
         status = pel_contact_look(contacts, error);
     if (status == PEL_OK && contacts->conflict_count > 0)
         status = guard(sim, error);
+    if (status == PEL_OK && shorten_strides(sim)) {
+        sim->part.is_repeated = true;
+        return PEL_OK;
+    }
     contacts->statistics.guard_seconds += pel_seconds() - began;
     contacts->statistics.contacts += contacts->list.count;
     if (status == PEL_OK && contacts->tangles.count > 0) {
@@ -556,7 +625,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
     pel_status status = step(sim, result, error);
-    if (status != PEL_OK || sim->part.is_refused) {
+    if (status != PEL_OK || sim->part.is_refused || sim->part.is_repeated) {
         pel_tools_return(sim);
         return status;
     }

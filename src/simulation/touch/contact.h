@@ -21,6 +21,7 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    double found_at;      /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
     void *before_event;   /* (event_size) snapshot, of models that refine; else null */
     size_t event_size;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
@@ -38,6 +39,12 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
 /* Before the solver of a method with contacts in its loop: finds pairs that may touch in this step, and all pairs
    nearer than `least` [m], except with tools. */
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
+/* Whether a vertex is where it was not expected after a share of the step: pairs may be missing. now (vertex_count):
+   present positions. */
+bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share);
+/* Finds pairs anew for the rest of the step. base (vertex_count): positions one substep before. Loads are kept. */
+pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+                                   pel_error *error);
 /* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* At the start of a substep of this length [s], after pel_tools_place. */
