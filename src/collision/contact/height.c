@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <float.h>
 #include <math.h>
@@ -124,7 +125,7 @@ pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *posi
             continue;
         measure_squares(v, position, &longest, &area);
         double room = sqrt(area / longest) - (double)heights->bounds[t];
-        heights->slack = room > 0 ? fmin(room, heights->slack) : 0;
+        heights->slack = room > 0 ? pel_min(room, heights->slack) : 0;
         if (room > 0)
             continue;
         double least = LEAST_SHARE * measure_triangle(v, set->def.rest).length;

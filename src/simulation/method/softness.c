@@ -3,6 +3,7 @@
 #include "method/softness.h"
 
 #include "base/status.h"
+#include "math/extremes.h"
 #include "solve/project.h"
 
 #include <math.h>
@@ -64,13 +65,13 @@ static double longest_substep(const pel_sim *sim)
     double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
     double tau = found->rate > 0 ? sqrt(2 * share / found->rate) : HUGE_VAL;
     double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
-    return fmin(sim->solver.second_order ? 1.5 * tau : tau, pressure);
+    return pel_min(sim->solver.second_order ? 1.5 * tau : tau, pressure);
 }
 
 static int32_t needed_substeps(const pel_sim *sim)
 {
     double count = ceil(sim->solver.dt / longest_substep(sim));
-    return (int32_t)fmin(fmax(count, sim->substeps->least), INT32_MAX);
+    return (int32_t)pel_min(pel_max(count, sim->substeps->least), INT32_MAX);
 }
 
 static void find_softness(pel_sim *sim)
@@ -86,7 +87,7 @@ static void note(pel_sim *sim)
     now->count = sim->solver.substeps;
     now->least = now->least > 0 && now->least < now->count ? now->least : now->count;
     now->most = now->most > now->count ? now->most : now->count;
-    now->softness = fmax(now->softness, pel_sim_softness(sim));
+    now->softness = pel_max(now->softness, pel_sim_softness(sim));
     int32_t needed = needed_substeps(sim);
     now->needed = now->needed > needed ? now->needed : needed;
 }
@@ -222,7 +223,7 @@ pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
     if (status != PEL_OK)
         return status;
     find_softness(sim);
-    *count = (int32_t)fmin(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
+    *count = (int32_t)pel_min(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
     return PEL_OK;
 }
 

@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 
 #include <math.h>
@@ -312,7 +313,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
-    double ratio = fmin(projector->substep / projector->whole_substep, 1);
+    double ratio = pel_min(projector->substep / projector->whole_substep, 1);
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau, ratio * ratio);

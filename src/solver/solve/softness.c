@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "measure/element.h"
 #include "model/shell.h"
@@ -99,7 +100,7 @@ static int bin_of(double rate, double largest)
     int exponent;
     double mantissa = frexp(largest / rate, &exponent); /* 0.5 <= mantissa < 1 */
     double bin = BINS_PER_OCTAVE * (exponent - 1) + (2 * mantissa - 1) * BINS_PER_OCTAVE;
-    return (int)fmin(bin, BIN_COUNT - 1);
+    return (int)pel_min(bin, BIN_COUNT - 1);
 }
 
 /* the first rate, and the last, of a bin */
@@ -117,7 +118,7 @@ static double level_rate(const pel_model *model, int32_t body, int32_t level, co
     double largest = 0, sum = 0, energies[BIN_COUNT] = {0};
     for (int32_t v = first; v < end; v++)
         if (level_of(model, body, v) == level)
-            largest = fmax(largest, scratch->mean[v]);
+            largest = pel_max(largest, scratch->mean[v]);
     for (int32_t v = first; v < end && largest > 0; v++) {
         double rate = scratch->mean[v];
         if (!(rate > 0) || level_of(model, body, v) != level)
@@ -140,7 +141,7 @@ static double worst_rate(const pel_model *model, int32_t body, const pel_softnes
     double rate = 0;
     find_means(model, body, scratch);
     for (int32_t level = 0; level <= (front != NULL ? front->forest->depth : 0); level++)
-        rate = fmax(rate, level_rate(model, body, level, scratch));
+        rate = pel_max(rate, level_rate(model, body, level, scratch));
     return rate;
 }
 
@@ -177,7 +178,7 @@ static bool find_rotation(const double f[6], double r[6])
         c12 += f[2 * i] * f[2 * i + 1];
         c22 += f[2 * i + 1] * f[2 * i + 1];
     }
-    double ratio = sqrt(fmax(c11 * c22 - c12 * c12, 0)), trace = sqrt(c11 + c22 + 2 * ratio);
+    double ratio = sqrt(pel_max(c11 * c22 - c12 * c12, 0)), trace = sqrt(c11 + c22 + 2 * ratio);
     if (!(ratio > LEAST_AREA_RATIO))
         return false;
     /* U = (C + J) / trace and its inverse */
@@ -389,14 +390,14 @@ static double body_rate(const pel_model *model, const pel_state *state, int32_t 
         return rate;
     clear(model, scratch);
     add_membrane(model, shell, positions, scratch);
-    rate = fmax(rate, worst_rate(model, body, scratch));
+    rate = pel_max(rate, worst_rate(model, body, scratch));
     clear(model, scratch);
     add_bending(model, shell, positions, scratch);
-    rate = fmax(rate, worst_rate(model, body, scratch));
+    rate = pel_max(rate, worst_rate(model, body, scratch));
     for (int32_t r = 0; r < shell->region_count; r++) {
         clear(model, scratch);
         add_fibres(model, shell, &shell->regions[r], scratch);
-        rate = fmax(rate, worst_rate(model, body, scratch));
+        rate = pel_max(rate, worst_rate(model, body, scratch));
     }
     return rate;
 }
@@ -406,9 +407,9 @@ pel_softness pel_softness_find(const pel_model *model, const pel_state *state, c
 {
     pel_softness found = {0};
     for (int32_t b = 0; b < model->body_count; b++) {
-        found.rate = fmax(found.rate, body_rate(model, state, b, positions, scratch));
+        found.rate = pel_max(found.rate, body_rate(model, state, b, positions, scratch));
         if (model->bodies[b].shell != NULL)
-            found.pressure = fmax(found.pressure, pressure_rate(model, b, positions, time, scratch));
+            found.pressure = pel_max(found.pressure, pressure_rate(model, b, positions, time, scratch));
     }
     return found;
 }
