@@ -76,8 +76,8 @@ void pel_contact_set_destroy(pel_contact_set *set)
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
                  set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
                  set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
-                 set->heights.places, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
-                 set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->heights.places, set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones,
+                 set->rings, set->wanted, set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
     pel_free(set);
 }
 
