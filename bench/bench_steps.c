@@ -1,10 +1,10 @@
-/* Whole steps, as users make them. With two threads: a shell that outside pressure dents (scenes/shell-crushed.yaml
-   with 20,480 triangles) under xpbd and pbd with contact, and under xpbd without. With one: tissue of as many triangles
-   that refines under a tool at 1 kHz, and paper A's sphere of 500 triangles, pressed. usage: bench_steps [rounds, 3 by
-   default [begin of a name [threads of the shell]]] A line for each: name, mean, 99th and 99.9th percentile of the
-   steps [us], by the clock, or with one thread by its processor time. All rounds make the same steps, and of each step
-   the least time counts. The public interface of version 0.2.0 suffices: tools/bench-steps builds this file against the
-   last release too. */
+/* Whole steps, as users make them. With two threads: a shell of 20,480 triangles that outside pressure dents
+   (scenes/shell-crushed.yaml), under xpbd and pbd with contact, and under xpbd without. With one: tissue of as many
+   triangles that refines under a tool at 1 kHz, and paper A's sphere of 500 triangles, pressed.
+   usage: bench_steps [rounds, 3 by default [begin of a name [threads of the shell]]]
+   A line for each: name, mean, 99th and 99.9th percentile of the steps [us], by the clock, or with one thread by its
+   processor time. All rounds make the same steps, and of each step the least time counts.
+   The public interface of version 0.2.0 suffices: tools/bench-steps builds this file against the last release too. */
 #include "pellicle/pellicle.h"
 
 #include <math.h>
