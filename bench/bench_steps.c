@@ -120,7 +120,8 @@ static pel_body_def make_shell(const pel_mesh *mesh)
     body.mass_kind = PEL_MASS_DENSITY;
     body.mass = 1000;
     body.thickness.value = 0.01;
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
+    body.spring_stiffness.value = body.spring_damping.value = 0;
+    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
     body.shell.membrane.on = true;
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e5;
