@@ -3,6 +3,7 @@
    How near may a pair come? To the guarded distance; when it starts nearer than that, to 0.99 of where it starts, so
    that it can part and slide but not close in. */
 #include "contact/set.h"
+#include "math/extremes.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -50,7 +51,8 @@ double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *
     if (conflict->obstacle >= 0) {
         const pel_obstacle *obstacle = &set->obstacles[conflict->obstacle];
         pel_vec3_subtract(obstacle->pose.position, obstacle->before.position, mean);
-        way = pel_pose_way(&obstacle->before, &obstacle->pose, pel_solid_size(&obstacle->solid)) - pel_vec3_length(mean);
+        way =
+            pel_pose_way(&obstacle->before, &obstacle->pose, pel_solid_size(&obstacle->solid)) - pel_vec3_length(mean);
     } else
         pel_vec3_subtract(set->end[conflict->vertices[0]], set->start[conflict->vertices[0]], mean);
     for (int i = 0; i < 4; i++) {
@@ -70,7 +72,7 @@ static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision
 {
     pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
     double distance = pel_contact_start_distance(set, hit), approach = pel_contact_longest_approach(set, hit);
-    double separation = fmin(set->guarded, APPROACH * distance);
+    double separation = pel_min(set->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)
         return impact;

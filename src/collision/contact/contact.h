@@ -17,23 +17,23 @@
 typedef struct pel_contact {
     int32_t vertices[4]; /* places in the model's order; all valid, with weight 0 where unused */
     pel_real weights[4];
-    pel_real normal[3];     /* unit */
-    pel_real separation;    /* m */
-    pel_real friction;      /* Coulomb's coefficient */
-    pel_real compliance;    /* m/N of the layer between the two; 0 = rigid */
-    pel_real multiplier;    /* N s2: load of the layer times the squared substep, >= 0 */
-    pel_real earlier;       /* N s2: the multiplier of the substep before */
-    pel_real drag[3];       /* N s2: the same of friction, across the normal */
-    pel_real drift[3];      /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
-    pel_real stopped[3];    /* m/s: sum of the changes of velocity by pel_contacts_stop */
+    pel_real normal[3];  /* unit */
+    pel_real separation; /* m */
+    pel_real friction;   /* Coulomb's coefficient */
+    pel_real compliance; /* m/N of the layer between the two; 0 = rigid */
+    pel_real multiplier; /* N s2: load of the layer times the squared substep, >= 0 */
+    pel_real earlier;    /* N s2: the multiplier of the substep before */
+    pel_real drag[3];    /* N s2: the same of friction, across the normal */
+    pel_real drift[3];   /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
+    pel_real stopped[3]; /* m/s: sum of the changes of velocity by pel_contacts_stop */
 } pel_contact;
 
 /* what a solver sweeps over */
 typedef struct pel_contact_list {
     pel_contact *contacts; /* in a fixed order; may be null when count is 0 */
     int32_t count;
-    const int32_t *active; /* (active_count) rising: those that may push at present, all others carry nothing; null = all
-                              may */
+    const int32_t *active; /* (active_count) rising: those that may push at present, all others carry nothing; null =
+                              all may */
     int32_t active_count;
     double substep; /* s, whose square is in the multipliers */
     double carried; /* m: the largest way that a load moved its gap by, in the last sweep */

@@ -10,6 +10,7 @@
    both features; from then on the normal is followed. */
 #include "contact/set.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 
 #include <string.h>
 
@@ -214,7 +215,7 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
 {
     double w[4], u[3], v[3], cross[3], back[3];
     pel_closest_segment_segment(x[0], x[1], x[2], x[3], w);
-    double least = fmin(fmin(w[0], w[1]), fmin(w[2], w[3]));
+    double least = pel_min(pel_min(w[0], w[1]), pel_min(w[2], w[3]));
     pel_vec3_subtract(x[1], x[0], u);
     pel_vec3_subtract(x[3], x[2], v);
     pel_vec3_cross(u, v, cross);
@@ -235,7 +236,7 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
 
 /* separation and drift of the obstacle's share of the sum; returns the thickness that the pair keeps at present [m] */
 static double set_obstacle_share(const pel_contact_set *set, const pel_contact_key *key, const double weights[4],
-                               const double normal[3], pel_contact *contact)
+                                 const double normal[3], pel_contact *contact)
 {
     const int32_t *group = set->group_of_point;
     double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;

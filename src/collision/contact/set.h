@@ -87,12 +87,12 @@ typedef struct pel_contact_key {
     int32_t points[4];
     double place[4]; /* weights where it was found */
     /* in substeps and minimisations (refresh.c) */
-    bool is_off;          /* does not act at present */
-    int32_t border;       /* of a vertex before a triangle: the point that it is before, -2 - edge, or -1 = its inside */
-    bool has_side;        /* the normal tells the side on which the pair touches */
-    bool has_pushed;      /* in any substep of this step */
-    double slack;         /* m, by how much it may be nearer than the thickness: it was so at the start */
-    double gap;           /* m, between the features, when it was looked at last */
+    bool is_off;     /* does not act at present */
+    int32_t border;  /* of a vertex before a triangle: the point that it is before, -2 - edge, or -1 = its inside */
+    bool has_side;   /* the normal tells the side on which the pair touches */
+    bool has_pushed; /* in any substep of this step */
+    double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
+    double gap;      /* m, between the features, when it was looked at last */
     double load, drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
 } pel_contact_key;
 
@@ -142,6 +142,7 @@ typedef struct pel_contact_heights {
     float *bounds;      /* (triangles of the surface) m, triangles below this height are candidates */
     double slack;       /* m, least height above its bound at the last measurement; 0 = measure all */
     float (*places)[3]; /* (vertex_count) m, vertex positions at the last measurement */
+    double (*parts)[2]; /* (chunks of the loops over vertices and triangles) scratch */
 } pel_contact_heights;
 
 typedef struct pel_contact_set {
@@ -207,9 +208,9 @@ void pel_contact_set_destroy(pel_contact_set *set);
 void pel_contact_set_calm(pel_contact_set *set);
 /* What strays from the way that was expected asks for a wider margin. */
 void pel_contact_set_widen(pel_contact_set *set);
-/* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as near as `least` [m] in any case, but for
-   obstacles. Contacts of the last step that are found again keep their loads and slacks, others are forgotten.
-   has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
+/* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
+   near as `least` [m] in any case, but for obstacles. Contacts of the last step that are found again keep their loads
+   and slacks, others are forgotten. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
    too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
@@ -273,9 +274,10 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 /* After the last substep: the loads in the multipliers are kept. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
-/* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active; multipliers
-   of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at what waits. is_first: in this
-   substep, nothing has acted yet; else what has is taken back by the next sweep where it is off now. */
+/* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
+   multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
+   what waits. is_first: in this substep, nothing has acted yet; else what has is taken back by the next sweep where it
+   is off now. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at
@@ -283,6 +285,8 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
 void pel_contact_set_look_at_start(pel_contact_set *set);
 
 /* ---- height.c ---- */
+/* vertices or triangles of one chunk: some microseconds */
+enum { PEL_HEIGHT_CHUNK = 256 };
 /* to be called when the surface has changed */
 void pel_contact_heights_set_surface(pel_contact_set *set);
 /* At the start of a step: triangles that are nearly collapsed. PEL_OUT_OF_MEMORY. */

@@ -1,6 +1,6 @@
-/* Contacts in a position-based solver: compliant layers whose gap C = sum_i w_i x_i . n - separation is kept open (paper
-   B, section 4, with the side remembered), met by sweeps of Gauss-Seidel, and Coulomb's friction on the way across the
-   normal. */
+/* Contacts in a position-based solver: compliant layers whose gap C = sum_i w_i x_i . n - separation is kept open
+   (paper B, section 4, with the side remembered), met by sweeps of Gauss-Seidel, and Coulomb's friction on the way
+   across the normal. */
 #ifndef PEL_CONTACT_SWEEP_H
 #define PEL_CONTACT_SWEEP_H
 
@@ -8,8 +8,8 @@
 
 /* At the start of a step or substep of this length [s]: no contact carries a load. */
 void pel_contacts_begin(pel_contact_list *list, double substep);
-/* The loads in the multipliers act, before the first sweep: positions (vertex_count) position and inverse mass, what has
-   inverse mass 0 stays. */
+/* The loads in the multipliers act, before the first sweep: positions (vertex_count) position and inverse mass, what
+   has inverse mass 0 stays. */
 void pel_contacts_load(pel_contact_list *list, pel_record *positions);
 /* One sweep over the contacts in their order; start: positions at the start of the substep, from which friction counts
    the way. Returns the largest correction of a gap [m], 0 = nothing changed. */

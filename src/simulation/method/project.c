@@ -91,7 +91,10 @@ static void sweep(pel_sim *sim, const pel_record *start)
         if (sim->tools->solids != NULL) {
             if (i > 0)
                 pel_solids_refresh(sim, start, false);
-            { double other; is_over &= sweep_once(sim, &sim->tools->solids->list, start, &other); }
+            {
+                double other;
+                is_over &= sweep_once(sim, &sim->tools->solids->list, start, &other);
+            }
         }
         if (is_over)
             break;
@@ -277,7 +280,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 static void follow_surface(pel_sim *sim)
 {
-    sim->substeps->now.is_stale = true;
+    pel_substeps_follow_surface(sim);
     follow_held(sim);
 }
 

@@ -1,4 +1,5 @@
 #include "stage/layer.h"
+#include "math/extremes.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -36,7 +37,7 @@ static double sheet_thickness(const pel_body_def *def, const pel_body *body)
     double membrane = 0;
     if (body->shell != NULL && body->shell->has_membrane && body->shell->triangle_count > 0)
         membrane = pel_shell_sheet_of(body->shell, 0).thickness;
-    return fmax(membrane, def->spring_thickness);
+    return pel_max(membrane, def->spring_thickness);
 }
 
 void pel_layer_set_thickness(pel_sim *sim, int32_t body, double thickness)
@@ -45,7 +46,7 @@ void pel_layer_set_thickness(pel_sim *sim, int32_t body, double thickness)
     const pel_body *own = &model->bodies[body];
     double mass = mass_of(model, body);
     double stiffness =
-        fmax(membrane_stiffness(own, thickness), spring_stiffness(&model->def.bodies[body], own, thickness));
+        pel_max(membrane_stiffness(own, thickness), spring_stiffness(&model->def.bodies[body], own, thickness));
     sim->layers[body] = (pel_contact_layer){thickness, mass > 0 ? stiffness / mass : 0};
 }
 

@@ -5,6 +5,7 @@
    the limit, the vertices with the largest forces are lost first, until the forces of the rest are within the limit.
    The rest takes over their load in the next steps, so a grasp tears out step by step. */
 #include "tool/grip.h"
+#include "math/extremes.h"
 
 #include "base/assert.h"
 #include "bvh/mesh_query.h"
@@ -208,7 +209,7 @@ static void follow_stride(pel_tool *tool)
     if (!(tool->stride < 1))
         return;
     if (!tool->is_held_back)
-        tool->stride = fmin(2 * tool->stride, 1);
+        tool->stride = pel_min(2 * tool->stride, 1);
     tool->is_held_back = tool->blocked = true;
 }
 

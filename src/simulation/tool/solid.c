@@ -1,4 +1,5 @@
 #include "tool/solid.h"
+#include "math/extremes.h"
 
 #include "base/assert.h"
 #include "base/memory.h"
@@ -157,7 +158,7 @@ static double fastest_way(const pel_sim *sim)
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
         double velocity[3];
         pel_vertex_position(sim->state->velocity, v, velocity);
-        square = fmax(square, pel_vec3_squared_length(velocity));
+        square = pel_max(square, pel_vec3_squared_length(velocity));
     }
     return sim->step.dt * sqrt(square);
 }
@@ -228,7 +229,7 @@ static double least_half_width(const pel_solid *solid)
 {
     double half[3];
     pel_solid_half_box(solid, half);
-    return fmin(half[0], fmin(half[1], half[2]));
+    return pel_min(half[0], pel_min(half[1], half[2]));
 }
 
 /* the half space beyond the surface point that was closest at the start of the substep, for points that pass through
@@ -284,7 +285,7 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_sol
     double way = 0;
     for (int c = 0; c < 3; c++) {
         start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
-        way = fmax(way, pel_vec3_distance(local[c], before[c]));
+        way = pel_max(way, pel_vec3_distance(local[c], before[c]));
     }
     pel_solid reach = pair->solid;
     if (way < FAST_SHARE * reach.radius)
@@ -329,7 +330,7 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool i
     if (!is_vertex && pel_solid_is_round(solid) &&
         is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
-    if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT) {
+    if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT) {
         /* what has acted in this substep is taken back by the next sweep */
         contact->separation = (pel_real)-HUGE_VAL;
         if (is_first)

@@ -8,6 +8,7 @@
 #include "contact/sweep.h"
 #include "geom/wide4.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 #include "observe/ledger.h"
 #include "observe/observe.h"
 #include "pellicle/sim_surface.h"
@@ -22,13 +23,7 @@
 
 #include <string.h>
 
-enum {
-    SWEEP_PRESET = 10,
-    ROUND_LIMIT = 10,
-    LAYER_ROUNDS = 2,
-    CONTACTS_PER_VERTEX = 64,
-    SIDE_ROUNDS = 2
-};
+enum { SWEEP_PRESET = 10, ROUND_LIMIT = 10, LAYER_ROUNDS = 2, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2 };
 
 /* of the guarded distance: what is corrected is this far apart */
 #define CLEAR_SHARE 1.5
@@ -111,7 +106,7 @@ static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortes
     const pel_contact_def *def = &sim->touch->def;
     *thickness = def->thickness;
     if (!(*thickness > 0))
-        *thickness = fmin(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
+        *thickness = pel_min(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
     if (*thickness > 0)
         return PEL_OK;
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", shortest->vertex,
@@ -208,7 +203,7 @@ static void grow_tools(pel_sim *sim)
     for (int32_t i = 0; i < sim->tools->count; i++)
         for (int32_t b = 0; b < sim->model->body_count; b++) {
             double thickness = pel_contact_thickness(sim->contacts, b, sim->model->body_count + i);
-            sim->tools->items[i].press_margin = fmax(sim->tools->items[i].press_margin, thickness);
+            sim->tools->items[i].press_margin = pel_max(sim->tools->items[i].press_margin, thickness);
         }
 }
 
@@ -531,8 +526,8 @@ static int32_t count_far_conflicts(const pel_contact_set *contacts)
     return count;
 }
 
-/* Whether to repeat the part in two halves: surfaces move too far in it, and halving has lowered the number of conflicts
-   until now. */
+/* Whether to repeat the part in two halves: surfaces move too far in it, and halving has lowered the number of
+   conflicts until now. */
 static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))

@@ -21,8 +21,8 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
-    double found_at;      /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
-    void *before_event;   /* (event_size) snapshot, of models that refine; else null */
+    double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
+    void *before_event; /* (event_size) snapshot, of models that refine; else null */
     size_t event_size;
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
 };
