@@ -8,6 +8,7 @@
 
    The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
    both features; from then on the normal is followed. */
+#include "contact/layer.h"
 #include "contact/set.h"
 #include "contact/sweep.h"
 #include "math/extremes.h"
@@ -22,9 +23,8 @@ enum { PAIRS_OF_CHUNK = 256 };
 #define PARALLEL 1e-3
 /* directions that lean so little over a triangle still lead away from it */
 #define LEAN 0.05
-/* substeps in which a pair is not looked at: at most, and where another feature is closer */
-#define NEAR_LAYER 0.1
-enum { LONGEST_WAIT = 8, OFF_WAIT = 3 };
+/* substeps in which a pair is not looked at where another feature is closer */
+enum { OFF_WAIT = 3 };
 
 void pel_contact_set_place_substep(pel_contact_set *set)
 {
@@ -292,16 +292,6 @@ static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel
     return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
-/* How long a pair need not be looked at: as long as it takes at most a fourth of its way to the layer, as fast as it
-   came since the last look. */
-static uint8_t wait_of(double room, double before, double least)
-{
-    if (!(room > least))
-        return 0;
-    double speed = fabs(before - room), count = room / (4 * speed);
-    return (uint8_t)(count < LONGEST_WAIT ? count : LONGEST_WAIT);
-}
-
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
     pel_contact_set *set = job->set;
@@ -326,7 +316,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
     thickness = set_obstacle_share(set, key, weights, normal, contact);
-    set->waits[c] = wait_of(key->gap - thickness, before - thickness, NEAR_LAYER * thickness);
+    set->waits[c] = (uint8_t)pel_contact_layer_wait(key->gap - thickness, before - thickness, thickness);
     if (contact->multiplier > 0)
         set->waits[c] = 0;
     if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
