@@ -101,6 +101,7 @@ typedef struct pel_conflict {
     int32_t vertices[4]; /* -1 = none */
     int32_t obstacle;    /* -1 = none */
     double time;         /* of impact, as part of the way */
+    bool ends_free;      /* only the straight way comes too near, not its end */
 } pel_conflict;
 
 /* where a pair that was found is a conflict */

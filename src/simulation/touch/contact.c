@@ -517,12 +517,13 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 /* relative to the mean edge: what goes farther in a part has no place for its impact */
 #define FAR_SHARE 0.25
 
-/* conflicts of what moves far */
+/* conflicts of what moves far, and of straight ways that cut where the surfaces went round each other */
 static int32_t count_far_conflicts(const pel_contact_set *contacts)
 {
     int32_t count = 0;
     for (size_t c = 0; c < contacts->conflict_count; c++)
-        count += pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
+        count += contacts->conflicts[c].ends_free ||
+                 pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
     return count;
 }
 
