@@ -27,6 +27,8 @@ enum { VELOCITY_SWEEPS = 4 };
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
  */
 #define NEAR_SHARE 0.5
+/* of the search, of the thickness */
+#define TOLERANCE_SHARE 1e-2
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
 
@@ -333,6 +335,22 @@ static double measure_start(const pel_contact_set *set, pel_collision *pair)
     return distance;
 }
 
+/* whether straight ways from start to end bring a pair within a distance, by the conservative test */
+static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
+{
+    const pel_ccd_batch batch = {.start = set->start[0],
+                                 .end = set->end[0],
+                                 .points = pair->vertices,
+                                 .query_count = 1,
+                                 .edge_edge = pair->edge_edge,
+                                 .min_separation = distance,
+                                 .tolerance = TOLERANCE_SHARE * set->least};
+    pel_ccd_statistics statistics = {0};
+    pel_ccd_hit hit;
+    int32_t number;
+    return pel_ccd_solve_batch(&batch, &number, &hit, &statistics) > 0;
+}
+
 /* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. Where two
    edges meet at an end or are parallel and hardly slide, vertices keep them apart. */
 static bool may_meet(const void *context, pel_collision *pair)
@@ -346,7 +364,8 @@ static bool may_meet(const void *context, pel_collision *pair)
         return false;
     double distance = measure_start(set, pair), way = pel_contact_longest_approach(set, pair);
     double thickness = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]);
-    if (distance > thickness + set->margin + way)
+    double reach = thickness + set->margin;
+    if (distance > reach + way || (distance > reach && !comes_within(set, pair, reach)))
         return false;
     return !pair->edge_edge || !hardly_slides(set, way) || !is_end_or_parallel(set, pair);
 }
@@ -449,7 +468,7 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
     query.min_separation = distance;
-    query.tolerance = 1e-2 * set->least;
+    query.tolerance = TOLERANCE_SHARE * set->least;
     query.near = pel_min(set->near, distance);
     query.method = set->def.method;
     return query;

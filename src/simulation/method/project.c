@@ -16,6 +16,8 @@
 /* sweeps over contacts after one over elements, and the correction at which they may end, of what loads have moved */
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.1
+/* of the thickness, of a correction by a tool */
+#define SQUEEZE_SHARE 0.01
 /* of the thickness: after larger corrections contacts are found anew between two sweeps */
 #define REFRESH_SHARE 0.25
 
@@ -64,14 +66,14 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
     }
 }
 
-/* whether the loads hardly changed */
-static bool sweep_once(pel_sim *sim, pel_contact_list *list, const pel_record *start, double *moved)
+/* m. What tools squeeze between them gets its load in small portions, each with a large correction: these are not over
+   where loads hardly change. */
+static double squeeze_tolerance(const pel_sim *sim)
 {
-    *moved = pel_contacts_project(list, sim->state->position_next, start);
-    return !(*moved > SWEEP_TOLERANCE * list->carried);
+    return sim->contacts != NULL ? SQUEEZE_SHARE * sim->contacts->def.thickness : HUGE_VAL;
 }
 
-/* one sweep over the elements, then over contacts */
+/* one sweep over the elements, then over contacts until their loads hardly change */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
@@ -80,24 +82,23 @@ static void sweep(pel_sim *sim, const pel_record *start)
     if (pairs != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
     double moved = 0;
-    for (int i = 0; i < SWEEP_LIMIT; i++) {
-        bool is_over = true;
+    bool is_over = false;
+    for (int i = 0; i < SWEEP_LIMIT && !is_over; i++) {
+        is_over = true;
         if (pairs != NULL) {
             if (moved > REFRESH_SHARE * sim->contacts->def.thickness)
                 pel_contact_set_refresh(sim->contacts, positions, start, false, false);
-            is_over = sweep_once(sim, pairs, start, &moved);
+            moved = pel_contacts_project(pairs, positions, start);
+            is_over = !(moved > SWEEP_TOLERANCE * pairs->carried);
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
         }
         if (sim->tools->solids != NULL) {
             if (i > 0)
                 pel_solids_refresh(sim, start, false);
-            {
-                double other;
-                is_over &= sweep_once(sim, &sim->tools->solids->list, start, &other);
-            }
+            pel_contact_list *solids = &sim->tools->solids->list;
+            double pushed = pel_contacts_project(solids, positions, start);
+            is_over &= !(pushed > SWEEP_TOLERANCE * solids->carried || pushed > squeeze_tolerance(sim));
         }
-        if (is_over)
-            break;
     }
 }
 

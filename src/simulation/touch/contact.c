@@ -510,9 +510,11 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* of a tool: shorter after each failure, and not repeated from the least on */
-#define STRIDE_SHARE 0.25
+/* of a tool: what the guard left of its way, less a little, and this share at least; not repeated from the least on */
+#define SAFE_SHARE 0.9
+#define STRIDE_SHARE 0.05
 #define LEAST_STRIDE 0.01
+enum { MOST_REPEATS = 3 };
 
 /* relative to the mean edge: what goes farther in a part has no place for its impact */
 #define FAR_SHARE 0.25
@@ -564,13 +566,17 @@ static pel_status guard(pel_sim *sim, pel_error *error)
 static bool shorten_strides(pel_sim *sim)
 {
     bool shortened = false;
-    for (int32_t i = 0; i < sim->tools->count && pel_sim_has_loop_contacts(sim); i++) {
+    bool may_repeat = pel_sim_has_loop_contacts(sim) && sim->part.repeat_count < MOST_REPEATS;
+    for (int32_t i = 0; i < sim->tools->count && may_repeat; i++) {
         pel_tool *tool = &sim->tools->items[i];
         if (!tool->is_held_back || tool->stride <= LEAST_STRIDE)
             continue;
-        tool->stride *= STRIDE_SHARE;
+        double whole = pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
+        double share = whole > 0 ? SAFE_SHARE * pel_tool_way(tool, &tool->pose_before, &tool->pose) / whole : 0;
+        tool->stride *= share > STRIDE_SHARE ? share : STRIDE_SHARE;
         shortened = true;
     }
+    sim->part.repeat_count += shortened;
     return shortened;
 }
 
