@@ -321,11 +321,8 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         set->waits[c] = 0;
     if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
         set->waits[c] = OFF_WAIT;
-    if (set->waits[c] > 0 || key->is_off) {
-        if (job->is_first)
-            pel_contact_switch_off(contact);
-        contact->separation = (pel_real)-HUGE_VAL;
-    }
+    if (set->waits[c] > 0 || key->is_off)
+        pel_contact_switch_off(contact);
 }
 
 static void refresh_chunk(void *context, int32_t chunk)
@@ -334,6 +331,9 @@ static void refresh_chunk(void *context, int32_t chunk)
     uint8_t *waits = job->set->waits;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
     for (int32_t c = begin; c < end && c < job->set->list.count; c++) {
+        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        if (!job->is_first && job->set->list.contacts[c].multiplier > 0)
+            continue;
         if (waits[c] > 0 && !job->looks_at_all)
             waits[c]--;
         else
@@ -354,22 +354,18 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     return false;
 }
 
-static void list_active(pel_contact_set *set, bool is_first)
+static void list_active(pel_contact_set *set)
 {
     pel_contact_list *list = &set->list;
     list->active = set->active;
     list->active_count = 0;
     for (int32_t c = 0; c < list->count; c++) {
-        pel_contact *contact = &list->contacts[c];
-        bool is_on = set->waits[c] == 0 && !set->keys[c].is_off;
-        if (is_on && is_again(set, c)) {
-            contact->separation = (pel_real)-HUGE_VAL;
-            if (is_first)
-                pel_contact_switch_off(contact);
-            is_on = false;
-        }
-        /* what has acted in this substep has to be taken back */
-        if (is_on || contact->multiplier > 0)
+        bool is_loaded = list->contacts[c].multiplier > 0;
+        if (!is_loaded && (set->waits[c] > 0 || set->keys[c].is_off))
+            continue;
+        if (is_again(set, c) && !is_loaded)
+            pel_contact_switch_off(&list->contacts[c]);
+        else
             set->active[list->active_count++] = c;
     }
 }
@@ -380,7 +376,7 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
     refresh_job job = {set, positions, start, looks_at_all, is_first};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
-    list_active(set, is_first);
+    list_active(set);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */

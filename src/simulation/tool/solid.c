@@ -336,12 +336,8 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool i
         is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
     if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT) {
-        /* what has acted in this substep is taken back by the next sweep */
-        contact->separation = (pel_real)-HUGE_VAL;
-        if (is_first) {
-            pel_contact_switch_off(contact);
-            pair->is_near = false;
-        }
+        pel_contact_switch_off(contact);
+        pair->is_near &= !is_first;
         return;
     }
     for (int c = 0; c < 3; c++) {
@@ -362,7 +358,8 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
             pair->wait--;
             continue;
         }
-        if (!is_first && !pair->is_near)
+        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
             continue;
         pair->is_near = true;
         if (pair->triangle < 0)

@@ -41,7 +41,7 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error);
 /* At the start of a substep of this length [s]: kept loads in the multipliers, and less slack. */
 void pel_solids_begin_substep(pel_sim *sim, double substep);
 /* Contacts at position_next and the present poses; multipliers are kept. start (vertex_count): positions at the start
-   of the substep. is_first: in this substep, nothing has acted yet. */
+   of the substep. is_first: in this substep, nothing has acted yet; else what carries a load stays as it is. */
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
 
 /* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */
