@@ -183,7 +183,7 @@ static pel_descent_problem make_problem(pel_minimise_context *context)
         .energy = energy_of,
         .context = context,
         .pool = sim->pool,
-        .held_share = LOAD_SHARE,
+        .held_share = pel_sim_has_velocity(sim) ? DYNAMIC_SHARE : LOAD_SHARE,
         .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->minimise->mean_edge,
         .short_move = SHORT_SHARE * sim->minimise->size,

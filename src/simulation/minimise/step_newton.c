@@ -516,7 +516,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
     const pel_sim_newton *newton = sim->minimise->newton;
     bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
-    double tolerance = pel_hypot(problem->tolerance, pel_minimise_held_share() * moments);
+    double tolerance = pel_hypot(problem->tolerance, problem->held_share * moments);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;
