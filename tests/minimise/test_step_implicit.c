@@ -325,6 +325,38 @@ static void test_slide(void **unused)
     }
 }
 
+/* A sheet that lies on a box rests: its steps need no linear system, and it stays where it is. */
+static void test_rests(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_solver_reading reading;
+    double before[3 * 49], after[3 * 49];
+    scene_begin(&scene, PEL_METHOD_IMPLICIT);
+    scene_body(&scene, make_sheet(6, 0));
+    scene_tool(&scene, PEL_TOOL_BOX);
+    for (int k = 0; k < 3; k++)
+        scene.tools[0].half_extents[k] = 4;
+    scene_move(&scene, 0, 0, 0, -4.0005, -4.0005, 1);
+    scene.gravity = -10;
+    scene.def.contact.friction = 0.3;
+    scene.def.contact.thickness = 5e-4;
+    scene.def.solver.dt = 0.01;
+    pel_sim *sim = scene_create(&scene);
+    run_steps(sim, 10);
+    pel_sim_get_positions(sim, 0, before);
+    for (int n = 0; n < 5; n++) {
+        run_steps(sim, 1);
+        pel_sim_get_solver(sim, &reading);
+        assert_true(reading.converged);
+        assert_int_equal(reading.iterations, 0);
+    }
+    pel_sim_get_positions(sim, 0, after);
+    for (int i = 0; i < 3 * 49; i++)
+        assert_near(after[i], before[i], 1e-9);
+    scene_end(&scene, sim);
+}
+
 /* A stiff sheet that falls flat stays where it falls, wherever in a step it meets the ground. */
 static void test_flat_fall(void **unused)
 {
@@ -893,17 +925,18 @@ static void test_budget(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),         cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_spin),          cmocka_unit_test(test_set_velocities),
-        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_load_in_time),
-        cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_flat_fall),     cmocka_unit_test(test_landing),
-        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_capsule),
-        cmocka_unit_test(test_light),         cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_collision),     cmocka_unit_test(test_collision_bits),
-        cmocka_unit_test(test_refined),       cmocka_unit_test(test_refined_bits),
-        cmocka_unit_test(test_refusal),       cmocka_unit_test(test_radial_damping),
-        cmocka_unit_test(test_budget),        cmocka_unit_test(test_crumple),
+        cmocka_unit_test(test_order),          cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_spin),           cmocka_unit_test(test_set_velocities),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_load_in_time),
+        cmocka_unit_test(test_driven_volume),  cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_rests),          cmocka_unit_test(test_flat_fall),
+        cmocka_unit_test(test_landing),        cmocka_unit_test(test_round_tool),
+        cmocka_unit_test(test_capsule),        cmocka_unit_test(test_light),
+        cmocka_unit_test(test_bits),           cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_collision_bits), cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_refined_bits),   cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_radial_damping), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_crumple),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

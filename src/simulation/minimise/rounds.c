@@ -173,6 +173,12 @@ static double find_external(pel_sim *sim, double time)
     return measure_external(sim, time, sim->state->position);
 }
 
+/* N, of the forces of a body at rest: in double, as all minimisation */
+static double rounding_force(const pel_sim *sim)
+{
+    return ROUNDING_ERRORS * DBL_EPSILON * sim->minimise->stiff_force;
+}
+
 static pel_descent_problem make_problem(pel_minimise_context *context)
 {
     const pel_sim *sim = context->sim;
@@ -187,6 +193,7 @@ static pel_descent_problem make_problem(pel_minimise_context *context)
         .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->minimise->mean_edge,
         .short_move = SHORT_SHARE * sim->minimise->size,
+        .rounding = rounding_force(sim),
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
@@ -306,12 +313,6 @@ static double acting_force(const pel_sim *sim, double loads)
 {
     double contact = pel_minimise_contacts_force(sim), held = sim->minimise->result.held_force;
     return sqrt(loads * loads + contact * contact + held * held);
-}
-
-/* N, of the forces of a body at rest: in double, as all minimisation */
-static double rounding_force(const pel_sim *sim)
-{
-    return ROUNDING_ERRORS * DBL_EPSILON * sim->minimise->stiff_force;
 }
 
 /* Relative to the acting forces, or to the rounding of the forces of a body where those are lost in it. If none acts
@@ -690,6 +691,7 @@ void pel_minimise_read_tools(pel_sim *sim)
 void pel_minimise_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
+    pel_sim_newton_choose(sim);
     sim->minimise->tool_way += sim->minimise->step_way;
     sim->minimise->acted = sim->minimise->step_acted;
     if (sim->part.at > 0) {
@@ -726,6 +728,8 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->acted, sizeof sim->minimise->acted);
     pel_transfer(at, &sim->minimise->tool_way, sizeof sim->minimise->tool_way);
     pel_transfer(at, &sim->minimise->accepted, sizeof sim->minimise->accepted);
+    if (sim->minimise->newton != NULL)
+        pel_transfer(at, &sim->minimise->newton->choice, sizeof sim->minimise->newton->choice);
 }
 
 void pel_minimise_forget(pel_sim *sim)
