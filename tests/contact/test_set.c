@@ -591,7 +591,7 @@ static void test_far_through(void **unused)
         assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
         assert_int_equal(pel_contact_set_add_way(set, &found, NULL), PEL_OK);
         pel_contact_set_begin_substep(set, 0.01);
-        pel_contact_set_refresh(set, a.next, a.rest, true);
+        pel_contact_set_refresh(set, a.next, a.rest, true, true);
         for (int32_t c = 0; c < set->list.count; c++) {
             const pel_contact *contact = &set->list.contacts[c];
             double gap = 0;
