@@ -187,7 +187,6 @@ typedef struct merger {
     pel_contact_set *set;
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
-    bool has_solids;              /* obstacles without a mesh make none */
     bool is_anew;                 /* what is not found again is forgotten */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
@@ -303,13 +302,13 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double thickness =
         pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
     key.slack = thickness > start ? thickness - start : 0;
-    if (m->is_anew && m->has_solids && is_at_end(set, pair))
+    if (m->is_anew && set->def.has_layers && is_at_end(set, pair))
         return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
         return;
-    if (key.obstacle >= 0 && m->has_solids && set->obstacles[key.obstacle].mesh == NULL)
+    if (m->is_anew && key.obstacle >= 0 && set->def.has_layers && set->obstacles[key.obstacle].mesh == NULL)
         return;
     bool known = take_over(m, &key);
     pel_contact contact;
@@ -362,7 +361,8 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
     query.end = (const double *)set->end;
     query.min_separation = distance;
     query.tolerance = 1e-2 * set->least;
-    query.near = pel_min(set->near, distance);
+    /* layers know where their pairs may touch */
+    query.near = set->def.has_layers ? pel_min(set->near, distance) : set->near;
     query.method = set->def.method;
     return query;
 }
@@ -428,19 +428,18 @@ void pel_contact_set_widen(pel_contact_set *set)
     set->was_widened = true;
 }
 
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error)
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error)
 {
     set->time = time;
     set->substep = 0;
-    if (!has_solids)
+    if (!set->def.has_layers)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = has_solids ? set->largest + set->margin : reach_of(set, longest_way(set));
+    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, longest_way(set));
     pel_collision_result found;
     pel_status status = search(set, pel_max(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
-    merger m = {
-        .set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids, .is_anew = true};
+    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true};
     return status == PEL_OK ? merge(&m, &found, error) : status;
 }
 

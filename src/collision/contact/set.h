@@ -63,6 +63,7 @@ typedef struct pel_contact_set_def {
     double thickness;                /* m, of groups that have none of their own: the unit of tolerances */
     double shortest_edge;            /* m, of the bodies */
     bool self, between;              /* which bodies meet: each itself, different ones */
+    bool has_layers;                 /* the solver sweeps over the contacts, and sees obstacles without a mesh itself */
     pel_ccd_method method;           /* of the search; the guard is always conservative */
     int32_t limit;                   /* the most contacts; others are left to the guard */
     int64_t memory_limit;            /* see pel_collider_def */
@@ -209,9 +210,9 @@ void pel_contact_set_calm(pel_contact_set *set);
 /* What strays from the way that was expected asks for a wider margin. */
 void pel_contact_set_widen(pel_contact_set *set);
 /* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
-   near as `least` [m] in any case, but for obstacles. Contacts of the last step that are found again keep their loads
-   and slacks, others are forgotten. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error);
+   near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
+   their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
    too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
    of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless

@@ -173,6 +173,7 @@ static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_
         .groups = groups,
         .self = def->self,
         .between = def->between,
+        .has_layers = sim->contact_in_loop && pel_sim_is_projected(sim),
         .method = def->method,
         .limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2),
         .memory_limit = def->memory_limit,
@@ -407,8 +408,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     expect_vertices(sim);
     sim->touch->found_at = 0;
     pel_contact_set_calm(sim->contacts);
-    /* the substeps see boxes as solids (tool/solid.h) */
-    return pel_contact_set_find(sim->contacts, least, sim->step.dt, pel_sim_is_projected(sim), error);
+    return pel_contact_set_find(sim->contacts, least, sim->step.dt, error);
 }
 
 bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
@@ -444,7 +444,7 @@ pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pe
     sim->touch->found_at = share;
     pel_contact_set_widen(contacts);
     double substep = contacts->list.substep;
-    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), true, error);
+    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), error);
     if (status == PEL_OK)
         pel_contact_set_recall_loads(contacts, substep);
     return status;
@@ -483,7 +483,7 @@ static void take_corrections(pel_sim *sim)
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = pel_sim_has_loop_contacts(sim);
+    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = contacts->def.has_layers;
     int limit = once ? 1 : has_layers ? LAYER_ROUNDS : ROUND_LIMIT;
     contacts->aim = has_layers ? CLEAR_SHARE * contacts->guarded : HUGE_VAL;
     for (int round = 0;; round++) {
@@ -563,7 +563,7 @@ static pel_status guard(pel_sim *sim, pel_error *error)
 static bool shorten_strides(pel_sim *sim)
 {
     bool shortened = false;
-    for (int32_t i = 0; i < sim->tools->count && pel_sim_has_loop_contacts(sim); i++) {
+    for (int32_t i = 0; i < sim->tools->count && sim->contacts->def.has_layers; i++) {
         pel_tool *tool = &sim->tools->items[i];
         if (!tool->is_held_back || tool->stride <= LEAST_STRIDE)
             continue;
