@@ -308,6 +308,9 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
     double x[4][3], weights[4], normal[3], before = key->gap, thickness;
+    /* what acts is taken back, if at all, the way that it acted: else energy would appear where normals turn */
+    if (!job->is_first && contact->multiplier > 0)
+        return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {

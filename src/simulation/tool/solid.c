@@ -351,6 +351,9 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
         pel_solid_pair *pair = &solids->pairs[c];
+        /* what acts is taken back, if at all, the way that it acted: else energy would appear where normals turn */
+        if (!is_first && solids->list.contacts[c].multiplier > 0)
+            continue;
         if (pair->triangle < 0)
             refresh_vertex(sim, start, pair, &solids->list.contacts[c]);
         else
