@@ -8,6 +8,7 @@
 
    The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
    both features; from then on the normal is followed. */
+#include "contact/layer.h"
 #include "contact/set.h"
 #include "contact/sweep.h"
 #include "math/extremes.h"
@@ -54,6 +55,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
 {
     double ratio = substep / set->list.substep, square = ratio * ratio;
     set->substep++;
+    set->elapsed += substep;
     pel_contact_set_place_substep(set);
     set->list.substep = substep;
     for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&set->list); i++) {
@@ -65,6 +67,13 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
     }
 }
 
+/* m, what is left of the slack of a pair: it goes evenly, for what is pushed out in one substep is thrown off */
+static double slack_of(const pel_contact_set *set, const pel_contact_key *key)
+{
+    double gain = set->largest * set->elapsed / PEL_CONTACT_RECOVERY_TIME;
+    return key->slack > gain ? key->slack - gain : 0;
+}
+
 void pel_contact_set_keep_loads(pel_contact_set *set)
 {
     double rate = 1 / (set->list.substep * set->list.substep);
@@ -74,7 +83,9 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
         key->load = rate * (double)(contact->multiplier < contact->earlier ? contact->multiplier : contact->earlier);
         for (int k = 0; k < 3; k++)
             key->drag[k] = rate * (double)contact->drag[k];
+        key->slack = slack_of(set, key);
     }
+    set->elapsed = 0;
 }
 
 typedef struct refresh_job {
@@ -239,7 +250,7 @@ static double set_obstacle_share(const pel_contact_set *set, const pel_contact_k
                                  const double normal[3], pel_contact *contact)
 {
     const int32_t *group = set->group_of_point;
-    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
+    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - slack_of(set, key);
     double separation = thickness, drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;

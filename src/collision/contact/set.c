@@ -250,13 +250,6 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
     return compliance;
 }
 
-/* its slack goes in time */
-static void recover(const pel_contact_set *set, pel_contact_key *key)
-{
-    double gain = set->largest * set->time / PEL_CONTACT_RECOVERY_TIME;
-    key->slack = key->slack > gain ? key->slack - gain : 0;
-}
-
 /* what a pair that was known keeps */
 static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_contact *contact, pel_contact_key *key)
 {
@@ -320,8 +313,6 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         const pel_contact *old = &set->list.contacts[m->old];
         keep_old(old, &set->keys[m->old], &contact, &key);
-        if (m->is_anew)
-            recover(set, &key);
         /* a layer that carries a load is as hard as it was */
         if (key.load > 0 && old->compliance < contact.compliance)
             contact.compliance = old->compliance;

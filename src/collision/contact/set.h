@@ -168,6 +168,7 @@ typedef struct pel_contact_set {
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
     double dt, time;                               /* s, of the step, to be brought; of the way from start to end */
+    double elapsed;                                /* s, in substeps since slacks were reduced; 0 between steps */
     double margin;                                 /* m, ways between start and end may be wrong by half of this */
     bool was_widened;                              /* in this step */
     double aim;                                    /* m, to be brought: how far corrections part a pair at most */
@@ -273,7 +274,7 @@ void pel_contact_set_place_substep(pel_contact_set *set);
 void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
 /* At the start of a substep of this length [s]: the points of obstacles at both its ends. */
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
-/* After the last substep: the loads in the multipliers are kept. */
+/* After the last substep: the loads in the multipliers are kept, and what is left of slacks. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
