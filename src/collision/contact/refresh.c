@@ -45,7 +45,8 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
-        contact->multiplier = contact->earlier = (pel_real)(square * set->keys[c].load);
+        contact->multiplier = (pel_real)(square * set->keys[c].load);
+        contact->earlier = (pel_real)(square * set->keys[c].earlier);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
     }
@@ -80,7 +81,8 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
-        key->load = rate * (double)(contact->multiplier < contact->earlier ? contact->multiplier : contact->earlier);
+        key->load = rate * (double)contact->multiplier;
+        key->earlier = rate * (double)contact->earlier;
         for (int k = 0; k < 3; k++)
             key->drag[k] = rate * (double)contact->drag[k];
         key->slack = slack_of(set, key);

@@ -259,6 +259,7 @@ static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_con
     key->has_pushed = own->has_pushed;
     key->slack = own->slack;
     key->load = own->load;
+    key->earlier = own->earlier;
     pel_vec3_copy(own->drag, key->drag);
 }
 
@@ -512,14 +513,16 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     pel_contact_set_place_substep(set);
     set->substep++;
     pel_contact_set_refresh(set, motion->next, motion->position, true, true);
-    for (int32_t c = 0; c < set->list.count; c++) {
-        set->list.contacts[c].compliance = 0;
+    for (int32_t c = 0; c < set->list.count; c++)
         if (!set->keys[c].is_impact)
             set->list.contacts[c].separation -= (pel_real)beyond_aim(set, &set->keys[c]);
-    }
+    /* what layers would give way by in no time at all: nothing */
+    double substep = set->list.substep;
+    set->list.substep = HUGE_VAL;
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;
+    set->list.substep = substep;
     set->way_is_searched = false;
     for (int32_t p = 0; p < set->vertex_count; p++)
         pel_vertex_position(motion->next, p, set->end[p]);

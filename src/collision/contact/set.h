@@ -94,7 +94,8 @@ typedef struct pel_contact_key {
     bool has_pushed; /* in any substep of this step */
     double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;      /* m, between the features, when it was looked at last */
-    double load, drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
+    double load, earlier, /* N, along the normal in the last substep and the one before */
+        drag[3];          /* N, across it: what acted last, and acts first in the next substep */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */

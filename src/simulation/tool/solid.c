@@ -182,6 +182,15 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
     return status;
 }
 
+bool pel_solids_carry(const pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        if (solids->pairs[c].load > 0)
+            return true;
+    return false;
+}
+
 void pel_solids_begin_substep(pel_sim *sim, double substep)
 {
     pel_sim_solids *solids = sim->tools->solids;
