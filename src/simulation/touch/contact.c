@@ -18,6 +18,7 @@
 #include "tool/contact_force.h"
 #include "tool/pose.h"
 #include "tool/reading.h"
+#include "tool/solid.h"
 #include "tool/tools.h"
 #include "touch/tangle.h"
 
@@ -448,6 +449,21 @@ pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pe
     if (status == PEL_OK)
         pel_contact_set_recall_loads(contacts, substep);
     return status;
+}
+
+void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        pel_contact_key *key = &contacts->keys[c];
+        int32_t first = contacts->group_of_point[key->points[0]], second = contacts->group_of_point[key->points[3]];
+        if (pel_min(first, second) != a || pel_max(first, second) != b)
+            continue;
+        key->load = key->earlier = 0;
+        memset(key->drag, 0, sizeof key->drag);
+    }
+    if (sim->tools->solids != NULL && b >= sim->model->body_count)
+        pel_solids_forget_loads(sim, a, b - sim->model->body_count);
 }
 
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
