@@ -44,7 +44,8 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
-        contact->multiplier = contact->earlier = (pel_real)(square * set->keys[c].load);
+        contact->multiplier = (pel_real)(square * set->keys[c].load);
+        contact->earlier = (pel_real)(square * set->keys[c].earlier);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
     }
@@ -54,6 +55,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
 {
     double ratio = substep / set->list.substep, square = ratio * ratio;
     set->substep++;
+    set->elapsed += substep;
     pel_contact_set_place_substep(set);
     set->list.substep = substep;
     for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&set->list); i++) {
@@ -65,16 +67,26 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
     }
 }
 
+/* m, what is left of the slack of a pair: it goes evenly, for what is pushed out in one substep is thrown off */
+static double slack_of(const pel_contact_set *set, const pel_contact_key *key)
+{
+    double gain = set->largest * set->elapsed / PEL_CONTACT_RECOVERY_TIME;
+    return key->slack > gain ? key->slack - gain : 0;
+}
+
 void pel_contact_set_keep_loads(pel_contact_set *set)
 {
     double rate = 1 / (set->list.substep * set->list.substep);
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
-        key->load = rate * (double)(contact->multiplier < contact->earlier ? contact->multiplier : contact->earlier);
+        key->load = rate * (double)contact->multiplier;
+        key->earlier = rate * (double)contact->earlier;
         for (int k = 0; k < 3; k++)
             key->drag[k] = rate * (double)contact->drag[k];
+        key->slack = slack_of(set, key);
     }
+    set->elapsed = 0;
 }
 
 typedef struct refresh_job {
@@ -239,7 +251,7 @@ static double set_obstacle_share(const pel_contact_set *set, const pel_contact_k
                                  const double normal[3], pel_contact *contact)
 {
     const int32_t *group = set->group_of_point;
-    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
+    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - slack_of(set, key);
     double separation = thickness, drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;
@@ -298,6 +310,9 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
     double x[4][3], weights[4], normal[3], before = key->gap, thickness;
+    /* what acts is taken back, if at all, the way that it acted: else energy would appear where normals turn */
+    if (!job->is_first && contact->multiplier > 0)
+        return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {

@@ -193,7 +193,6 @@ typedef struct merger {
     pel_contact_set *set;
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
-    bool has_solids;              /* obstacles without a mesh make none */
     bool is_anew;                 /* what is not found again is forgotten */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
@@ -257,13 +256,6 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
     return compliance;
 }
 
-/* its slack goes in time */
-static void recover(const pel_contact_set *set, pel_contact_key *key)
-{
-    double gain = set->largest * set->time / PEL_CONTACT_RECOVERY_TIME;
-    key->slack = key->slack > gain ? key->slack - gain : 0;
-}
-
 /* what a pair that was known keeps */
 static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_contact *contact, pel_contact_key *key)
 {
@@ -273,6 +265,7 @@ static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_con
     key->has_pushed = own->has_pushed;
     key->slack = own->slack;
     key->load = own->load;
+    key->earlier = own->earlier;
     pel_vec3_copy(own->drag, key->drag);
 }
 
@@ -384,7 +377,7 @@ static int32_t corner_of(const pel_collision *pair)
 static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
 {
     const pel_contact_set *set = m->set;
-    if (!m->has_solids || !m->is_anew || pair->edge_edge ||
+    if (!set->def.has_layers || !m->is_anew || pair->edge_edge ||
         !hardly_slides(set, pel_contact_longest_approach(set, pair)))
         return false;
     key->border = corner_of(pair);
@@ -428,8 +421,6 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         const pel_contact *old = &set->list.contacts[m->old];
         keep_old(old, &set->keys[m->old], &contact, &key);
-        if (m->is_anew)
-            recover(set, &key);
         /* a layer that carries a load is as hard as it was */
         if (key.load > 0 && old->compliance < contact.compliance)
             contact.compliance = old->compliance;
@@ -469,7 +460,8 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
     query.end = (const double *)set->end;
     query.min_separation = distance;
     query.tolerance = TOLERANCE_SHARE * set->least;
-    query.near = pel_min(set->near, distance);
+    /* layers know where their pairs may touch */
+    query.near = set->def.has_layers ? pel_min(set->near, distance) : set->near;
     query.method = set->def.method;
     return query;
 }
@@ -536,19 +528,18 @@ void pel_contact_set_widen(pel_contact_set *set)
     set->was_widened = true;
 }
 
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error)
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error)
 {
     set->time = time;
     set->substep = 0;
-    if (!has_solids)
+    if (!set->def.has_layers)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = has_solids ? set->largest + set->margin : reach_of(set, longest_way(set));
+    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, longest_way(set));
     pel_collision_result found;
-    pel_status status = search(set, pel_max(least, reach), has_solids ? may_meet : NULL, &found, error);
+    pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
-    merger m = {
-        .set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids, .is_anew = true};
+    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true};
     return status == PEL_OK ? merge(&m, &found, error) : status;
 }
 
@@ -630,14 +621,16 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     pel_contact_set_place_substep(set);
     set->substep++;
     pel_contact_set_refresh(set, motion->next, motion->position, true, true);
-    for (int32_t c = 0; c < set->list.count; c++) {
-        set->list.contacts[c].compliance = 0;
+    for (int32_t c = 0; c < set->list.count; c++)
         if (!set->keys[c].is_impact)
             set->list.contacts[c].separation -= (pel_real)beyond_aim(set, &set->keys[c]);
-    }
+    /* what layers would give way by in no time at all: nothing */
+    double substep = set->list.substep;
+    set->list.substep = HUGE_VAL;
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;
+    set->list.substep = substep;
     set->way_is_searched = false;
     for (int32_t p = 0; p < set->vertex_count; p++)
         pel_vertex_position(motion->next, p, set->end[p]);

@@ -182,6 +182,27 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
     return status;
 }
 
+bool pel_solids_carry(const pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        if (solids->pairs[c].load > 0)
+            return true;
+    return false;
+}
+
+void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        pel_solid_pair *pair = &solids->pairs[c];
+        if (pair->tool != tool || sim->model->body_of_slice[solids->list.contacts[c].vertices[0] / PEL_WIDTH] != body)
+            continue;
+        pair->load = pair->earlier = 0;
+        memset(pair->drag, 0, sizeof pair->drag);
+    }
+}
+
 void pel_solids_begin_substep(pel_sim *sim, double substep)
 {
     pel_sim_solids *solids = sim->tools->solids;

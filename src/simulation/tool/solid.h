@@ -38,6 +38,10 @@ void pel_solids_destroy(pel_sim *sim);
 /* At the start of a step, tools at their wanted poses: lists features that they may touch in it; those of the last step
    keep their loads. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_find(pel_sim *sim, pel_error *error);
+/* whether a contact carries a load from the substep before */
+bool pel_solids_carry(const pel_sim *sim);
+/* contacts of a body with a tool carry nothing any more */
+void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool);
 /* At the start of a substep of this length [s]: kept loads in the multipliers, and less slack. */
 void pel_solids_begin_substep(pel_sim *sim, double substep);
 /* Contacts at position_next and the present poses; multipliers are kept. start (vertex_count): positions at the start
