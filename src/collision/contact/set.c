@@ -21,7 +21,7 @@ enum { VELOCITY_SWEEPS = 4 };
 /* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
    shortest edge */
 #define LEAST_MARGIN 0.5
-#define MOST_MARGIN 0.1
+#define MOST_MARGIN 0.05
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
