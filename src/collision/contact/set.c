@@ -387,6 +387,7 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
             continue;
         if (take_over(m, key)) {
             twin->load += set->keys[m->old].load;
+            twin->earlier += set->keys[m->old].earlier;
             pel_vec3_add(twin->drag, set->keys[m->old].drag, twin->drag);
             m->old++;
         }
