@@ -266,20 +266,23 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     sim->touch->is_carried = false;
     /* first, so that readings of tools are complete even if other data are damaged */
     bool has_tools = pel_tools_restore(sim);
+    bool has_pairs = pel_touch_restore(sim) && !place.is_short && place.at == place.size;
     pel_ledger_follow(sim);
+    if (sim->contact_forces.is_short || place.is_full)
+        return pel_fail_memory(error);
     if (!has_tools)
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
+    if (!has_pairs)
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its pairs in contact are out of range");
     if (!pel_parts_restore(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its parts of a step are out of range");
-    if (!pel_touch_restore(sim) || place.is_short || (!place.is_full && place.at != place.size))
-        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
-                          "the snapshot is damaged: its pairs in contact are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its number of substeps is out of range");
-    return sim->contact_forces.is_short || place.is_full ? pel_fail_memory(error) : PEL_OK;
+    return PEL_OK;
 }
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
@@ -398,6 +401,8 @@ static pel_status carry_lists(const pel_sim *from, pel_sim *to, pel_error *error
     if (has_same_features(from, to)) {
         if (!pel_contact_set_take_over(to->contacts, from->contacts))
             return pel_fail_memory(error);
+        memcpy(to->touch->revisions, from->touch->revisions,
+               (size_t)to->model->body_count * sizeof *to->touch->revisions);
         to->touch->is_carried = true;
     }
     return pel_solids_carry(from, to, error);

@@ -319,14 +319,15 @@ bool pel_contacts_are_of_present(const pel_sim *sim)
 
 static bool is_present(const pel_sim *sim)
 {
-    return sim->contacts->collider != NULL && !sim->touch->is_loaded && pel_contacts_are_of_present(sim);
+    bool is_set = !sim->touch->is_loaded && !sim->touch->is_carried;
+    return sim->contacts->collider != NULL && is_set && pel_contacts_are_of_present(sim);
 }
 
 pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 {
     if (is_present(sim))
         return PEL_OK;
-    bool is_known = sim->touch->is_loaded && pel_contacts_are_of_present(sim);
+    bool is_same = pel_contacts_are_of_present(sim), is_known = sim->touch->is_loaded && is_same;
     pel_status status = set_triangles(sim, error);
     if (status == PEL_OK)
         status = pel_contact_surface_finish(sim->contacts, is_known, error);
@@ -336,7 +337,7 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
         return status;
     }
     /* numbers of features are of their surface */
-    if (!is_known && !sim->touch->is_carried)
+    if (!is_same)
         sim->contacts->list.count = 0;
     sim->touch->is_loaded = sim->touch->is_carried = false;
     if (is_known)

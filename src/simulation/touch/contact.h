@@ -21,7 +21,7 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
-    bool is_carried;    /* pairs of the set are of the present surface, which is to be set */
+    bool is_carried;    /* pairs and revisions are of another simulation, the surface of the set is not yet */
     double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
     void *before_event; /* (event_size) snapshot, of models that refine; else null */
     size_t event_size, event_room;
