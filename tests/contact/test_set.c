@@ -111,7 +111,7 @@ static void test_pairs(void **unused)
         add_sheet(&a, 7, 0, 0.01, &random);
         add_sheet(&a, 6, 0.025, 0.01, &random);
         pel_contact_set *set = create(&a);
-        assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
         /* half more than the thickness, and the tolerance of the search */
         int32_t count = check_pairs(&a, set, 1.5 * THICKNESS, 1.5 * THICKNESS + 0.02 * THICKNESS);
         most = count > most ? count : most;
@@ -151,7 +151,7 @@ static void test_box(void **unused)
     set->obstacles[0].before = pose_at(0, 0, 0);
     set->obstacles[0].pose = pose_at(0, 0, rise);
     pel_contact_set_place(set, a.rest, a.next);
-    assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
     assert_true(set->list.count >= 25);
     const pel_contact_motion motion = {a.rest, a.next, a.velocity, dt};
     pel_contacts_begin(&set->list, 0.01);
@@ -198,7 +198,7 @@ static void test_momentum(void **unused)
                 a.velocity[v][k] = (pel_real)(100 * way);
             }
     pel_contact_set *set = create(&a);
-    assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
     double before[2][3], after[2][3], energy[2] = {0, 0}, most = 0;
     static pel_record start[MOST_VERTICES];
     memcpy(start, a.next, sizeof start);
@@ -536,13 +536,13 @@ static void test_limit(void **unused)
     static arrays a;
     make_sheets(&a, 3, 7, 6, 0.025, 0.01);
     pel_contact_set *set = create(&a);
-    assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
     int32_t all = set->list.count;
     assert_true(all > 20);
     for (int32_t limit = all - 1; limit <= all + 1; limit++) {
         set->def.limit = limit;
         set->statistics.dropped = 0;
-        assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
         assert_int_equal(set->list.count, limit < all ? limit : all);
         assert_int_equal(set->statistics.dropped, all - set->list.count);
     }
@@ -587,11 +587,11 @@ static void test_far_through(void **unused)
                 a.next[v][2] -= (pel_real)down;
         pel_contact_set *set = create(&a);
         pel_collision_result found;
-        assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
         assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
         assert_int_equal(pel_contact_set_add_way(set, &found, NULL), PEL_OK);
         pel_contact_set_begin_substep(set, 0.01);
-        pel_contact_set_refresh(set, a.next, a.rest, true);
+        pel_contact_set_refresh(set, a.next, a.rest, true, true);
         for (int32_t c = 0; c < set->list.count; c++) {
             const pel_contact *contact = &set->list.contacts[c];
             double gap = 0;
@@ -624,7 +624,7 @@ static void test_seconds(void **unused)
     double began = pel_seconds();
     for (int i = 0; i < 10; i++) {
         pel_collision_result found;
-        assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+        assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
         assert_int_equal(pel_contact_set_search_way(set, &found, NULL), PEL_OK);
     }
     double passed = pel_seconds() - began;

@@ -60,7 +60,7 @@ static void test_damage(void **unused)
     add_obstacle(&a, &box, 0.2);
     pel_contact_set *set = create(&a);
     assert_true(pel_contact_set_is_valid(set));
-    assert_int_equal(pel_contact_set_find(set, 0, 0.01, false, NULL), PEL_OK);
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
     assert_true(pel_contact_set_is_valid(set));
     int32_t count = set->list.count, with_obstacle = 0;
     assert_true(count > 20);

@@ -314,6 +314,8 @@ typedef struct narrow {
     const pel_tree *tree;
     const pel_collision_query *query;
     bool edge_edge;
+    pel_pair_measure *measure; /* null = times of impact */
+    const void *context;
     const pel_pair *pairs;
     size_t pair_count;
     part *parts; /* (PARTS) */
@@ -361,6 +363,22 @@ static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t co
     return PEL_OK;
 }
 
+static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
+{
+    collision_list *list = &p->list;
+    if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)count,
+                     sizeof *list->collisions))
+        return PEL_OUT_OF_MEMORY;
+    for (int32_t i = 0; i < count; i++) {
+        pel_collision *c = &list->collisions[list->count];
+        *c = (pel_collision){.edge_edge = n->edge_edge, .first = pairs[i].first, .second = pairs[i].second};
+        set_points(n, pairs[i], c->vertices);
+        list->count += n->measure(n->context, c);
+    }
+    p->statistics.queries += count;
+    return PEL_OK;
+}
+
 static void solve_part(void *context, int32_t number)
 {
     narrow *n = context;
@@ -369,8 +387,11 @@ static void solve_part(void *context, int32_t number)
     p->list.count = 0;
     p->status = pel_pool_is_stopped(n->pool) ? PEL_STOPPED : PEL_OK;
     p->statistics = (pel_ccd_statistics){0};
-    for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK)
-        p->status = solve_block(n, n->pairs + i, (int32_t)(end - i < BLOCK ? end - i : BLOCK), p);
+    for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK) {
+        int32_t count = (int32_t)(end - i < BLOCK ? end - i : BLOCK);
+        p->status =
+            n->measure != NULL ? measure_block(n, n->pairs + i, count, p) : solve_block(n, n->pairs + i, count, p);
+    }
 }
 
 static bool comes_before(const pel_collision *a, const pel_collision *b)
@@ -384,19 +405,17 @@ static bool comes_before(const pel_collision *a, const pel_collision *b)
 PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
 
 /* solves the pairs of one kind and adds the hits */
-static pel_status solve_kind(pel_collider *collider, const pel_collision_query *query, bool edge_edge,
-                             const pel_pair_list *pairs, pel_ccd_statistics *statistics, pel_error *error)
+static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_list *pairs,
+                             pel_ccd_statistics *statistics, pel_error *error)
 {
     if (pairs->count == 0)
         return PEL_OK;
     collision_list *all = &collider->collisions;
-    narrow n = {.tree = collider->candidates->tree,
-                .query = query,
-                .edge_edge = edge_edge,
-                .pairs = pairs->pairs,
-                .pair_count = pairs->count,
-                .parts = collider->parts,
-                .pool = collider->pool};
+    n.tree = collider->candidates->tree;
+    n.pairs = pairs->pairs;
+    n.pair_count = pairs->count;
+    n.parts = collider->parts;
+    n.pool = collider->pool;
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
     size_t before = all->count;
     for (int i = 0; i < PARTS; i++) {
@@ -461,20 +480,19 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
     return status;
 }
 
-pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
-                               pel_error *error)
+pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, pel_pair_measure *measure,
+                             const void *context, pel_collision_result *result, pel_error *error)
 {
-    PEL_REFUSE_NULL(collider, error);
-    PEL_REFUSE_NULL(query, error);
-    PEL_REFUSE_NULL(result, error);
     *result = (pel_collision_result){0};
     collider->collisions.count = 0;
     pel_pair_list vertex_face, edge_edge;
     pel_status status = find_pairs(collider, query, &vertex_face, &edge_edge, error);
+    narrow n = {.query = query, .measure = measure, .context = context};
     if (status == PEL_OK)
-        status = solve_kind(collider, query, false, &vertex_face, &result->vertex_face, error);
+        status = solve_kind(collider, n, &vertex_face, &result->vertex_face, error);
+    n.edge_edge = true;
     if (status == PEL_OK)
-        status = solve_kind(collider, query, true, &edge_edge, &result->edge_edge, error);
+        status = solve_kind(collider, n, &edge_edge, &result->edge_edge, error);
     if (status != PEL_OK) {
         *result = (pel_collision_result){0};
         return status;
@@ -482,4 +500,13 @@ pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query
     result->collisions = collider->collisions.collisions;
     result->collision_count = (int64_t)collider->collisions.count;
     return PEL_OK;
+}
+
+pel_status pel_collider_detect(pel_collider *collider, const pel_collision_query *query, pel_collision_result *result,
+                               pel_error *error)
+{
+    PEL_REFUSE_NULL(collider, error);
+    PEL_REFUSE_NULL(query, error);
+    PEL_REFUSE_NULL(result, error);
+    return pel_collider_list(collider, query, NULL, NULL, result, error);
 }

@@ -16,6 +16,14 @@ void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups 
    results refer to it. */
 const pel_tree *pel_collider_tree(const pel_collider *collider);
 
+/* Whether a pair is to be listed: is given all but its hit, and fills that in. Runs on several threads at once. */
+typedef bool pel_pair_measure(const void *context, pel_collision *pair);
+
+/* pel_collider_detect with another narrow phase: of the pairs that it would look at those that a measure accepts. Its
+   statistics stay 0 but for the queries. */
+pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, pel_pair_measure *measure,
+                             const void *context, pel_collision_result *result, pel_error *error);
+
 /* Whether pel_collider_detect would find nothing on a way, as known from earlier searches: see pel_clearance_is_clear,
    pel_clearance_stays_clear, pel_clearance_go. query: distances only. */
 bool pel_collider_is_clear(pel_collider *collider, const pel_collision_query *query, const pel_clearance_way *way);

@@ -18,14 +18,18 @@ typedef struct check {
     const pel_collision_result *found;
 } check;
 
-double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit)
+static double distance_at(const double (*x)[3], const pel_collision *hit)
 {
-    const double(*x)[3] = (const double(*)[3])set->start;
     const int32_t *v = hit->vertices;
     double weights[4];
     double square = hit->edge_edge ? pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights)
                                    : pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights);
     return sqrt(square);
+}
+
+double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit)
+{
+    return distance_at((const double(*)[3])set->start, hit);
 }
 
 /* what both sides have in common brings them no nearer: closest points are means of the points of either side */
@@ -110,7 +114,8 @@ pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *co
 
 static pel_status add_hit(pel_contact_set *set, const pel_collision *hit, double time, pel_error *error)
 {
-    pel_conflict conflict = {.obstacle = -1, .time = time};
+    bool ends_free = distance_at((const double(*)[3])set->end, hit) > set->guarded;
+    pel_conflict conflict = {.obstacle = -1, .time = time, .ends_free = ends_free};
     for (int i = 0; i < 4; i++) {
         int32_t obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);
         conflict.vertices[i] = obstacle < 0 ? hit->vertices[i] : -1;

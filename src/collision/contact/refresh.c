@@ -8,6 +8,7 @@
 
    The side on which a pair touches is that of the start of the substep in which its closest points came to lie inside
    both features; from then on the normal is followed. */
+#include "contact/layer.h"
 #include "contact/set.h"
 #include "contact/sweep.h"
 #include "math/extremes.h"
@@ -22,9 +23,8 @@ enum { PAIRS_OF_CHUNK = 256 };
 #define PARALLEL 1e-3
 /* directions that lean so little over a triangle still lead away from it */
 #define LEAN 0.05
-/* substeps in which a pair is not looked at: at most, and where another feature is closer */
-#define NEAR_LAYER 0.1
-enum { LONGEST_WAIT = 8, OFF_WAIT = 3 };
+/* substeps in which a pair is not looked at where another feature is closer */
+enum { OFF_WAIT = 3 };
 
 void pel_contact_set_place_substep(pel_contact_set *set)
 {
@@ -44,7 +44,8 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
-        contact->multiplier = contact->earlier = (pel_real)(square * set->keys[c].load);
+        contact->multiplier = (pel_real)(square * set->keys[c].load);
+        contact->earlier = (pel_real)(square * set->keys[c].earlier);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
     }
@@ -54,6 +55,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
 {
     double ratio = substep / set->list.substep, square = ratio * ratio;
     set->substep++;
+    set->elapsed += substep;
     pel_contact_set_place_substep(set);
     set->list.substep = substep;
     for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&set->list); i++) {
@@ -65,16 +67,26 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
     }
 }
 
+/* m, what is left of the slack of a pair: it goes evenly, for what is pushed out in one substep is thrown off */
+static double slack_of(const pel_contact_set *set, const pel_contact_key *key)
+{
+    double gain = set->largest * set->elapsed / PEL_CONTACT_RECOVERY_TIME;
+    return key->slack > gain ? key->slack - gain : 0;
+}
+
 void pel_contact_set_keep_loads(pel_contact_set *set)
 {
     double rate = 1 / (set->list.substep * set->list.substep);
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
-        key->load = rate * (double)(contact->multiplier < contact->earlier ? contact->multiplier : contact->earlier);
+        key->load = rate * (double)contact->multiplier;
+        key->earlier = rate * (double)contact->earlier;
         for (int k = 0; k < 3; k++)
             key->drag[k] = rate * (double)contact->drag[k];
+        key->slack = slack_of(set, key);
     }
+    set->elapsed = 0;
 }
 
 typedef struct refresh_job {
@@ -239,7 +251,7 @@ static double set_obstacle_share(const pel_contact_set *set, const pel_contact_k
                                  const double normal[3], pel_contact *contact)
 {
     const int32_t *group = set->group_of_point;
-    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
+    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - slack_of(set, key);
     double separation = thickness, drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;
@@ -292,22 +304,15 @@ static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel
     return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
-/* How long a pair need not be looked at: as long as it takes at most a fourth of its way to the layer, as fast as it
-   came since the last look. */
-static uint8_t wait_of(double room, double before, double least)
-{
-    if (!(room > least))
-        return 0;
-    double speed = fabs(before - room), count = room / (4 * speed);
-    return (uint8_t)(count < LONGEST_WAIT ? count : LONGEST_WAIT);
-}
-
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
     pel_contact_set *set = job->set;
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
     double x[4][3], weights[4], normal[3], before = key->gap, thickness;
+    /* what acts is taken back, if at all, the way that it acted: else energy would appear where normals turn */
+    if (!job->is_first && contact->multiplier > 0)
+        return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
@@ -326,16 +331,13 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
     thickness = set_obstacle_share(set, key, weights, normal, contact);
-    set->waits[c] = wait_of(key->gap - thickness, before - thickness, NEAR_LAYER * thickness);
+    set->waits[c] = (uint8_t)pel_contact_layer_wait(key->gap - thickness, before - thickness, thickness);
     if (contact->multiplier > 0)
         set->waits[c] = 0;
     if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
         set->waits[c] = OFF_WAIT;
-    if (set->waits[c] > 0 || key->is_off) {
-        if (job->is_first)
-            pel_contact_switch_off(contact);
-        contact->separation = (pel_real)-HUGE_VAL;
-    }
+    if (set->waits[c] > 0 || key->is_off)
+        pel_contact_switch_off(contact);
 }
 
 static void refresh_chunk(void *context, int32_t chunk)
@@ -344,6 +346,9 @@ static void refresh_chunk(void *context, int32_t chunk)
     uint8_t *waits = job->set->waits;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
     for (int32_t c = begin; c < end && c < job->set->list.count; c++) {
+        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        if (!job->is_first && job->set->list.contacts[c].multiplier > 0)
+            continue;
         if (waits[c] > 0 && !job->looks_at_all)
             waits[c]--;
         else
@@ -364,22 +369,18 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     return false;
 }
 
-static void list_active(pel_contact_set *set, bool is_first)
+static void list_active(pel_contact_set *set)
 {
     pel_contact_list *list = &set->list;
     list->active = set->active;
     list->active_count = 0;
     for (int32_t c = 0; c < list->count; c++) {
-        pel_contact *contact = &list->contacts[c];
-        bool is_on = set->waits[c] == 0 && !set->keys[c].is_off;
-        if (is_on && is_again(set, c)) {
-            contact->separation = (pel_real)-HUGE_VAL;
-            if (is_first)
-                pel_contact_switch_off(contact);
-            is_on = false;
-        }
-        /* what has acted in this substep has to be taken back */
-        if (is_on || contact->multiplier > 0)
+        bool is_loaded = list->contacts[c].multiplier > 0;
+        if (!is_loaded && (set->waits[c] > 0 || set->keys[c].is_off))
+            continue;
+        if (is_again(set, c) && !is_loaded)
+            pel_contact_switch_off(&list->contacts[c]);
+        else
             set->active[list->active_count++] = c;
     }
 }
@@ -390,7 +391,7 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
     refresh_job job = {set, positions, start, looks_at_all, is_first};
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
-    list_active(set, is_first);
+    list_active(set);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */

@@ -141,7 +141,7 @@ static pel_status find_conflicts(pel_contact_set *set, const round_obstacle *rou
         if (corners[0] >= set->vertex_count || (body >= 0 && set->group_of_point[corners[0]] != body) ||
             !is_near(set, round, corners))
             continue;
-        pel_conflict conflict = {{corners[0], corners[1], corners[2], -1}, round->number, 0};
+        pel_conflict conflict = {.vertices = {corners[0], corners[1], corners[2], -1}, .obstacle = round->number};
         conflict.time = conflict_time(set, round, corners);
         if (conflict.time <= 1)
             status = pel_contact_add_conflict(set, &conflict, error);

@@ -21,12 +21,14 @@ enum { VELOCITY_SWEEPS = 4 };
 /* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
    shortest edge */
 #define LEAST_MARGIN 0.5
-#define MOST_MARGIN 0.05
+#define MOST_MARGIN 0.1
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
  */
 #define NEAR_SHARE 0.5
+/* of the search, of the thickness */
+#define TOLERANCE_SHARE 1e-2
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
 
@@ -138,7 +140,11 @@ static bool make_contact(const pel_contact_set *set, const pel_collision *pair, 
 
 static pel_contact_key make_key(const pel_contact_set *set, const pel_collision *hit)
 {
-    pel_contact_key key = {.edge_edge = hit->edge_edge, .first = hit->first, .second = hit->second, .obstacle = -1};
+    pel_contact_key key = {.edge_edge = hit->edge_edge,
+                           .first = hit->first,
+                           .second = hit->second,
+                           .obstacle = -1,
+                           .border = PEL_NO_BORDER};
     memcpy(key.points, hit->vertices, sizeof key.points);
     memcpy(key.place, hit->hit.weight, sizeof key.place);
     for (int i = 0; i < 4 && key.obstacle < 0; i++)
@@ -233,7 +239,6 @@ typedef struct merger {
     pel_contact_set *set;
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
-    bool has_solids;              /* obstacles without a mesh make none */
     bool is_anew;                 /* what is not found again is forgotten */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
@@ -297,13 +302,6 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
     return compliance;
 }
 
-/* its slack goes in time */
-static void recover(const pel_contact_set *set, pel_contact_key *key)
-{
-    double gain = set->largest * set->time / PEL_CONTACT_RECOVERY_TIME;
-    key->slack = key->slack > gain ? key->slack - gain : 0;
-}
-
 /* what a pair that was known keeps */
 static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_contact *contact, pel_contact_key *key)
 {
@@ -313,6 +311,7 @@ static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_con
     key->has_pushed = own->has_pushed;
     key->slack = own->slack;
     key->load = own->load;
+    key->earlier = own->earlier;
     pel_vec3_copy(own->drag, key->drag);
 }
 
@@ -328,15 +327,118 @@ static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
 #define INSIDE 1e-3
 /* of an edge: what slides less in a step crosses no edge that it meets at an end but near that end, where vertices keep
    it off */
-#define SLIDE_SHARE 0.05
+#define SLIDE_SHARE 0.35
+/* sine of the angle below which edges are parallel */
+#define PARALLEL 0.01
 
-/* closest points at `start` lie on an end of an edge, and hardly move in the step */
-static bool is_at_end(const pel_contact_set *set, const pel_collision *pair)
+/* features hardly slide along each other in the step, by which their points move against each other at most `way` [m]
+ */
+static bool hardly_slides(const pel_contact_set *set, double way)
+{
+    return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
+}
+
+/* whether closest points at `start` lie at an end of an edge, or edges are parallel */
+static bool is_end_or_parallel(const pel_contact_set *set, const pel_collision *pair)
 {
     const double *w = pair->hit.weight;
-    if (!pair->edge_edge || (w[0] > INSIDE && w[1] > INSIDE && w[2] < -INSIDE && w[3] < -INSIDE))
+    const double(*x)[3] = (const double(*)[3])set->start;
+    double u[3], v[3], cross[3];
+    if (w[0] < INSIDE || w[1] < INSIDE || w[2] > -INSIDE || w[3] > -INSIDE)
+        return true;
+    pel_vec3_subtract(x[pair->vertices[1]], x[pair->vertices[0]], u);
+    pel_vec3_subtract(x[pair->vertices[3]], x[pair->vertices[2]], v);
+    pel_vec3_cross(u, v, cross);
+    double square = pel_vec3_squared_length(u) * pel_vec3_squared_length(v);
+    return pel_vec3_squared_length(cross) < PARALLEL * PARALLEL * square;
+}
+
+/* closest points at `start` and the way between them; returns their distance [m] */
+static double measure_start(const pel_contact_set *set, pel_collision *pair)
+{
+    const double(*x)[3] = (const double(*)[3])set->start;
+    const int32_t *v = pair->vertices;
+    double *w = pair->hit.weight, way[3] = {0, 0, 0};
+    if (pair->edge_edge)
+        pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w);
+    else {
+        w[0] = 1;
+        pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w + 1);
+    }
+    for (int i = 0; i < 4; i++) {
+        w[i] *= i < (pair->edge_edge ? 2 : 1) ? 1 : -1;
+        pel_vec3_along(way, w[i], x[v[i]], way);
+    }
+    double distance = pel_vec3_length(way);
+    pel_vec3_scale(way, distance > 0 ? 1 / distance : 0, pair->hit.normal);
+    return distance;
+}
+
+/* whether straight ways from start to end bring a pair within a distance, by the conservative test */
+static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
+{
+    const pel_ccd_batch batch = {.start = set->start[0],
+                                 .end = set->end[0],
+                                 .points = pair->vertices,
+                                 .query_count = 1,
+                                 .edge_edge = pair->edge_edge,
+                                 .min_separation = distance,
+                                 .tolerance = TOLERANCE_SHARE * set->least};
+    pel_ccd_statistics statistics = {0};
+    pel_ccd_hit hit;
+    int32_t number;
+    return pel_ccd_solve_batch(&batch, &number, &hit, &statistics) > 0;
+}
+
+/* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. Where two
+   edges meet at an end or are parallel and hardly slide, vertices keep them apart. */
+static bool may_meet(const void *context, pel_collision *pair)
+{
+    const pel_contact_set *set = context;
+    const int32_t *group = set->group_of_point;
+    int32_t first = pel_contact_obstacle_of(set, pair->vertices[0]);
+    int32_t obstacle = first >= 0 ? first : pel_contact_obstacle_of(set, pair->vertices[3]);
+    /* the substeps see these as solids */
+    if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
-    return pel_contact_longest_approach(set, pair) + set->margin < SLIDE_SHARE * set->def.shortest_edge;
+    double distance = measure_start(set, pair), way = pel_contact_longest_approach(set, pair);
+    double thickness = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]);
+    double reach = thickness + set->margin;
+    if (distance > reach + way || (distance > reach && !comes_within(set, pair, reach)))
+        return false;
+    return !pair->edge_edge || !hardly_slides(set, way) || !is_end_or_parallel(set, pair);
+}
+
+/* the corner of a triangle that its vertex is before at `start`, PEL_NO_BORDER = none */
+static int32_t corner_of(const pel_collision *pair)
+{
+    for (int i = 1; i < 4; i++)
+        if (pair->hit.weight[i] < INSIDE - 1)
+            return pair->vertices[i];
+    return PEL_NO_BORDER;
+}
+
+/* A vertex in the loop before a corner that it is before in another triangle too, which takes its load: one of them is
+   enough, since it hardly slides in the step. */
+static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
+{
+    const pel_contact_set *set = m->set;
+    if (!set->def.has_layers || !m->is_anew || pair->edge_edge ||
+        !hardly_slides(set, pel_contact_longest_approach(set, pair)))
+        return false;
+    key->border = corner_of(pair);
+    for (int32_t i = m->count - 1; key->border >= 0 && i >= 0 && m->set->other_keys[i].first == key->first; i--) {
+        pel_contact_key *twin = &m->set->other_keys[i];
+        if (twin->border != key->border)
+            continue;
+        if (take_over(m, key)) {
+            twin->load += set->keys[m->old].load;
+            pel_vec3_add(twin->drag, set->keys[m->old].drag, twin->drag);
+            m->old++;
+        }
+        return true;
+    }
+    return false;
 }
 
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
@@ -349,13 +451,11 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double thickness =
         pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
     key.slack = thickness > start ? thickness - start : 0;
-    if (m->is_anew && m->has_solids && is_at_end(set, pair))
+    if (is_again(m, pair, &key))
         return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
-        return;
-    if (key.obstacle >= 0 && m->has_solids && set->obstacles[key.obstacle].mesh == NULL)
         return;
     bool known = take_over(m, &key);
     pel_contact contact;
@@ -367,8 +467,6 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         const pel_contact *old = &set->list.contacts[m->old];
         keep_old(old, &set->keys[m->old], &contact, &key);
-        if (m->is_anew)
-            recover(set, &key);
         /* a layer that carries a load is as hard as it was */
         if (key.load > 0 && old->compliance < contact.compliance)
             contact.compliance = old->compliance;
@@ -407,19 +505,21 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
     query.min_separation = distance;
-    query.tolerance = 1e-2 * set->least;
-    query.near = pel_min(set->near, distance);
+    query.tolerance = TOLERANCE_SHARE * set->least;
+    /* layers know where their pairs may touch */
+    query.near = set->def.has_layers ? pel_min(set->near, distance) : set->near;
     query.method = set->def.method;
     return query;
 }
 
-/* what comes within the distance between start and end */
-static pel_status search(pel_contact_set *set, double distance, pel_collision_result *found, pel_error *error)
+/* what comes within the distance between start and end; measure: see pel_collider_list */
+static pel_status search(pel_contact_set *set, double distance, pel_pair_measure *measure, pel_collision_result *found,
+                         pel_error *error)
 {
     double began = pel_seconds();
     set->way_is_searched = false;
     pel_collision_query query = query_of(set, distance);
-    pel_status status = pel_collider_detect(set->collider, &query, found, error);
+    pel_status status = pel_collider_list(set->collider, &query, measure, set, found, error);
     pel_contact_count_search(set, found);
     set->statistics.find_seconds += pel_seconds() - began;
     return status;
@@ -476,19 +576,18 @@ void pel_contact_set_widen(pel_contact_set *set)
     set->was_widened = true;
 }
 
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error)
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error)
 {
     set->time = time;
     set->substep = 0;
-    if (!has_solids)
+    if (!set->def.has_layers)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = has_solids ? set->largest + set->margin : reach_of(set, longest_way(set));
+    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, longest_way(set));
     pel_collision_result found;
-    pel_status status = search(set, pel_max(least, reach), &found, error);
+    pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
-    merger m = {
-        .set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids, .is_anew = true};
+    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true};
     return status == PEL_OK ? merge(&m, &found, error) : status;
 }
 
@@ -534,7 +633,7 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
         *found = set->on_way;
         return PEL_OK;
     }
-    pel_status status = search(set, set->largest, found, error);
+    pel_status status = search(set, set->largest, NULL, found, error);
     double began = pel_seconds();
     if (status == PEL_OK)
         status = pel_contact_find_conflicts(set, found, error);
@@ -570,14 +669,16 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     pel_contact_set_place_substep(set);
     set->substep++;
     pel_contact_set_refresh(set, motion->next, motion->position, true, true);
-    for (int32_t c = 0; c < set->list.count; c++) {
-        set->list.contacts[c].compliance = 0;
+    for (int32_t c = 0; c < set->list.count; c++)
         if (!set->keys[c].is_impact)
             set->list.contacts[c].separation -= (pel_real)beyond_aim(set, &set->keys[c]);
-    }
+    /* what layers would give way by in no time at all: nothing */
+    double substep = set->list.substep;
+    set->list.substep = HUGE_VAL;
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;
+    set->list.substep = substep;
     set->way_is_searched = false;
     for (int32_t p = 0; p < set->vertex_count; p++)
         pel_vertex_position(motion->next, p, set->end[p]);

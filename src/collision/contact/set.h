@@ -63,6 +63,7 @@ typedef struct pel_contact_set_def {
     double thickness;                /* m, of groups that have none of their own: the unit of tolerances */
     double shortest_edge;            /* m, of the bodies */
     bool self, between;              /* which bodies meet: each itself, different ones */
+    bool has_layers;                 /* the solver sweeps over the contacts, and sees obstacles without a mesh itself */
     pel_ccd_method method;           /* of the search; the guard is always conservative */
     int32_t limit;                   /* the most contacts; others are left to the guard */
     int64_t memory_limit;            /* see pel_collider_def */
@@ -93,7 +94,8 @@ typedef struct pel_contact_key {
     bool has_pushed; /* in any substep of this step */
     double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;      /* m, between the features, when it was looked at last */
-    double load, drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
+    double load, earlier, /* N, along the normal in the last substep and the one before */
+        drag[3];          /* N, across it: what acted last, and acts first in the next substep */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -101,6 +103,7 @@ typedef struct pel_conflict {
     int32_t vertices[4]; /* -1 = none */
     int32_t obstacle;    /* -1 = none */
     double time;         /* of impact, as part of the way */
+    bool ends_free;      /* only the straight way comes too near, not its end */
 } pel_conflict;
 
 /* where a pair that was found is a conflict */
@@ -167,6 +170,7 @@ typedef struct pel_contact_set {
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
     double dt, time;                               /* s, of the step, to be brought; of the way from start to end */
+    double elapsed;                                /* s, in substeps since slacks were reduced; 0 between steps */
     double margin;                                 /* m, ways between start and end may be wrong by half of this */
     bool was_widened;                              /* in this step */
     double aim;                                    /* m, to be brought: how far corrections part a pair at most */
@@ -209,9 +213,9 @@ void pel_contact_set_calm(pel_contact_set *set);
 /* What strays from the way that was expected asks for a wider margin. */
 void pel_contact_set_widen(pel_contact_set *set);
 /* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
-   near as `least` [m] in any case, but for obstacles. Contacts of the last step that are found again keep their loads
-   and slacks, others are forgotten. has_solids: obstacles without a mesh make none. Errors of pel_collider_detect. */
-pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, bool has_solids, pel_error *error);
+   near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
+   their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
+pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
    too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
    of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
@@ -280,12 +284,12 @@ void pel_contact_set_place_substep(pel_contact_set *set);
 void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
 /* At the start of a substep of this length [s]: the points of obstacles at both its ends. */
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
-/* After the last substep: the loads in the multipliers are kept. */
+/* After the last substep: the loads in the multipliers are kept, and what is left of slacks. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
-   what waits. is_first: in this substep, nothing has acted yet; else what has is taken back by the next sweep where it
-   is off now. */
+   what waits. is_first: in this
+   substep, nothing has acted yet; else what carries a load stays as it is. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at

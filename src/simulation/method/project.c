@@ -4,6 +4,7 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
 #include "tool/reading.h"
@@ -13,9 +14,11 @@
 
 #include <string.h>
 
-/* sweeps over contacts after one over elements, and the correction at which they may end, of what loads have moved */
+/* sweeps over contacts after one over elements, and the corrections at which they may end, of what loads have moved and
+   of the thickness: large loads are no excuse for gaps that the guard minds */
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.1
+#define DEPTH_TOLERANCE 0.01
 /* of the thickness: after larger corrections contacts are found anew between two sweeps */
 #define REFRESH_SHARE 0.25
 
@@ -64,14 +67,14 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
     }
 }
 
-/* whether the loads hardly changed */
-static bool sweep_once(pel_sim *sim, pel_contact_list *list, const pel_record *start, double *moved)
+/* whether a sweep has hardly changed the loads and the gaps */
+static bool has_settled(const pel_sim *sim, const pel_contact_list *list, double moved)
 {
-    *moved = pel_contacts_project(list, sim->state->position_next, start);
-    return !(*moved > SWEEP_TOLERANCE * list->carried);
+    double depth = sim->contacts != NULL ? DEPTH_TOLERANCE * sim->contacts->def.thickness : HUGE_VAL;
+    return !(moved > pel_min(SWEEP_TOLERANCE * list->carried, depth));
 }
 
-/* one sweep over the elements, then over contacts */
+/* one sweep over the elements, then over contacts until their loads hardly change */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
@@ -80,25 +83,41 @@ static void sweep(pel_sim *sim, const pel_record *start)
     if (pairs != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
     double moved = 0;
-    for (int i = 0; i < SWEEP_LIMIT; i++) {
-        bool is_over = true;
+    bool is_over = false;
+    for (int i = 0; i < SWEEP_LIMIT && !is_over; i++) {
+        is_over = true;
         if (pairs != NULL) {
             if (moved > REFRESH_SHARE * sim->contacts->def.thickness)
                 pel_contact_set_refresh(sim->contacts, positions, start, false, false);
-            is_over = sweep_once(sim, pairs, start, &moved);
+            moved = pel_contacts_project(pairs, positions, start);
+            is_over = has_settled(sim, pairs, moved);
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
         }
         if (sim->tools->solids != NULL) {
             if (i > 0)
                 pel_solids_refresh(sim, start, false);
-            {
-                double other;
-                is_over &= sweep_once(sim, &sim->tools->solids->list, start, &other);
-            }
+            pel_contact_list *solids = &sim->tools->solids->list;
+            is_over &= has_settled(sim, solids, pel_contacts_project(solids, positions, start));
         }
-        if (is_over)
-            break;
     }
+}
+
+/* whether contacts carry loads from the substep before */
+static bool is_pressed(const pel_sim *sim)
+{
+    const pel_contact_list *pairs = loop_contacts(sim);
+    for (int32_t i = 0; pairs != NULL && i < pel_contact_list_length(pairs); i++)
+        if (pel_contact_list_at(pairs, i)->multiplier > 0)
+            return true;
+    return sim->tools->solids != NULL && pel_solids_carry(sim);
+}
+
+static pel_substep_place place_of(const pel_sim *sim, int32_t number)
+{
+    int place = (number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0);
+    if (sim->solver.second_order && is_pressed(sim))
+        place |= PEL_SUBSTEP_PRESSED;
+    return (pel_substep_place)place;
 }
 
 static void run_substep(pel_sim *sim, int32_t number)
@@ -106,8 +125,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_state *state = sim->state;
     pel_projector *projector = sim->projector;
     int32_t count = sim->solver.substeps;
-    pel_substep_place place =
-        (pel_substep_place)((number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == count - 1 ? PEL_SUBSTEP_LAST : 0));
+    pel_substep_place place = place_of(sim, number);
     pel_contact_list *pairs = loop_contacts(sim);
     /* second order: forces belong to the end of a substep */
     double lead = sim->solver.second_order ? projector->substep : 0;
@@ -153,8 +171,11 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
         if (status == PEL_OK)
             status = pel_pool_check(sim->pool, error);
     }
-    if (pel_sim_has_loop_contacts(sim))
-        pel_contact_set_keep_loads(sim->contacts);
+    if (!pel_sim_has_loop_contacts(sim))
+        return status;
+    if (pel_contacts_stray(sim, sim->state->position_next, 1))
+        pel_contact_set_widen(sim->contacts);
+    pel_contact_set_keep_loads(sim->contacts);
     return status;
 }
 

@@ -79,7 +79,7 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
     pel_parts *parts = &pel_house_of(sim)->parts;
     sim->part.at = 0;
     sim->part.is_refused = false;
-    sim->part.conflict_count = 0;
+    sim->part.conflict_count = sim->part.repeat_count = 0;
     if (pel_sim_is_projected(sim))
         pel_substeps_follow(sim);
     sim->part.substeps = sim->solver.substeps;
@@ -131,7 +131,7 @@ void pel_parts_accept(pel_sim *sim)
     if (sim->part.step_size < PEL_PART_LIMIT)
         sum_readings(sim);
     sim->part.at += sim->part.step_size;
-    sim->part.conflict_count = 0;
+    sim->part.conflict_count = sim->part.repeat_count = 0;
     if (now->size == PEL_PART_LIMIT)
         return;
     now->calm++;

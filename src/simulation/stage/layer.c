@@ -1,9 +1,13 @@
 #include "stage/layer.h"
-#include "math/extremes.h"
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "model/shell.h"
+
+/* Without contact a tool sinks into a layer of this share of the sheet: less makes the force jump where a vertex comes
+   to a gliding tool (5 % of it at 0.25, 9 % at 0.1, in steps of 1 ms), more makes it too small (by 4 and 2 %). */
+#define SHEET_SHARE 0.25
 
 /* N/m, E A / thickness of the whole body */
 static double membrane_stiffness(const pel_body *body, double thickness)
@@ -56,9 +60,10 @@ pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error 
     sim->layers = pel_allocate((size_t)model->body_count, sizeof *sim->layers);
     if (sim->layers == NULL)
         return pel_fail_memory(error);
+    double relative = relative_thickness > 0 ? relative_thickness : pel_sim_def_default().contact.relative_thickness;
     for (int32_t b = 0; b < model->body_count; b++) {
         double sheet = sheet_thickness(&model->def.bodies[b], &model->bodies[b]);
-        pel_layer_set_thickness(sim, b, sheet > 0 ? sheet : relative_thickness * model->bodies[b].diameter);
+        pel_layer_set_thickness(sim, b, sheet > 0 ? SHEET_SHARE * sheet : relative * model->bodies[b].diameter);
     }
     return PEL_OK;
 }

@@ -39,11 +39,12 @@ enum { PEL_PART_LIMIT = 64 };
 
 /* the part of the step in progress */
 typedef struct pel_step_part {
-    int32_t at;             /* where it begins; 0 between steps */
-    int32_t step_size;      /* its size */
-    int32_t substeps;       /* of a whole step */
-    bool is_refused;        /* repeat it with a shorter step */
-    bool is_repeated;       /* repeat it, with shorter strides of tools */
+    int32_t at;        /* where it begins; 0 between steps */
+    int32_t step_size; /* its size */
+    int32_t substeps;  /* of a whole step */
+    bool is_refused;   /* repeat it with a shorter step */
+    bool is_repeated;  /* repeat it, with shorter strides of tools */
+    int32_t repeat_count;
     bool can_halve;         /* false = all steps are whole */
     int32_t conflict_count; /* of what moves far, when this part was refused last; 0 = it was not */
 } pel_step_part;

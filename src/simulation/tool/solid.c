@@ -193,6 +193,27 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
     return status;
 }
 
+bool pel_solids_carry(const pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        if (solids->pairs[c].load > 0)
+            return true;
+    return false;
+}
+
+void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        pel_solid_pair *pair = &solids->pairs[c];
+        if (pair->tool != tool || sim->model->body_of_slice[solids->list.contacts[c].vertices[0] / PEL_WIDTH] != body)
+            continue;
+        pair->load = pair->earlier = 0;
+        memset(pair->drag, 0, sizeof pair->drag);
+    }
+}
+
 void pel_solids_begin_substep(pel_sim *sim, double substep)
 {
     pel_sim_solids *solids = sim->tools->solids;
@@ -271,7 +292,8 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_soli
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
-    double distance = pel_solid_distance(&solid, local, normal);
+    double distance = pel_solid_distance(&solid, local, normal), last = pair->distance;
+    double thickness = sim->layers[sim->model->body_of_slice[v / PEL_WIDTH]].thickness;
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
     bool is_fast = way >= FAST_SHARE * least_half_width(&solid);
@@ -280,8 +302,12 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_soli
     find_slack(pair, distance, distance_before);
     if (is_fast && distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
-    else
+    else {
         set_plane(tool, x, normal, -(distance + pair->slack), contact);
+        pair->distance = distance;
+        pair->wait = contact->multiplier > 0 ? 0 : pel_contact_layer_wait(distance, last, thickness);
+        pair->is_near = pair->wait == 0;
+    }
 }
 
 /* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
@@ -342,10 +368,8 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool i
         is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
     if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT) {
-        /* what has acted in this substep is taken back by the next sweep */
-        contact->separation = (pel_real)-HUGE_VAL;
-        if (is_first)
-            pel_contact_switch_off(contact);
+        pel_contact_switch_off(contact);
+        pair->is_near &= !is_first;
         return;
     }
     for (int c = 0; c < 3; c++) {
@@ -362,6 +386,14 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
         pel_solid_pair *pair = &solids->pairs[c];
+        if (is_first && pair->wait > 0) {
+            pair->wait--;
+            continue;
+        }
+        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
+            continue;
+        pair->is_near = true;
         if (pair->triangle < 0)
             refresh_vertex(sim, start, pair, &solids->list.contacts[c]);
         else

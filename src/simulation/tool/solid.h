@@ -14,6 +14,9 @@ typedef struct pel_solid_pair {
     int32_t vertex;
     pel_solid solid; /* that the triangle is kept out of */
     bool is_known;   /* its slack is */
+    bool is_near;    /* it may touch in this substep */
+    int32_t wait;    /* substeps before which it is not looked at again */
+    double distance; /* m, of a vertex, at the last look */
     double slack;    /* m, by which it may be in the tool: it was so at the start */
     double load, earlier,
         drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
@@ -35,10 +38,14 @@ void pel_solids_destroy(pel_sim *sim);
 /* At the start of a step, tools at their wanted poses: lists features that they may touch in it; those of the last step
    keep their loads. PEL_OUT_OF_MEMORY. */
 pel_status pel_solids_find(pel_sim *sim, pel_error *error);
+/* whether a contact carries a load from the substep before */
+bool pel_solids_carry(const pel_sim *sim);
+/* contacts of a body with a tool carry nothing any more */
+void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool);
 /* At the start of a substep of this length [s]: kept loads in the multipliers, and less slack. */
 void pel_solids_begin_substep(pel_sim *sim, double substep);
 /* Contacts at position_next and the present poses; multipliers are kept. start (vertex_count): positions at the start
-   of the substep. is_first: in this substep, nothing has acted yet. */
+   of the substep. is_first: in this substep, nothing has acted yet; else what carries a load stays as it is. */
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
 
 /* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */

@@ -18,6 +18,7 @@
 #include "tool/contact_force.h"
 #include "tool/pose.h"
 #include "tool/reading.h"
+#include "tool/solid.h"
 #include "tool/tools.h"
 #include "touch/tangle.h"
 
@@ -173,6 +174,7 @@ static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_
         .groups = groups,
         .self = def->self,
         .between = def->between,
+        .has_layers = sim->contact_in_loop && pel_sim_is_projected(sim),
         .method = def->method,
         .limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2),
         .memory_limit = def->memory_limit,
@@ -415,8 +417,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     expect_vertices(sim);
     sim->touch->found_at = 0;
     pel_contact_set_calm(sim->contacts);
-    /* the substeps see boxes as solids (tool/solid.h) */
-    return pel_contact_set_find(sim->contacts, least, sim->step.dt, pel_sim_is_projected(sim), error);
+    return pel_contact_set_find(sim->contacts, least, sim->step.dt, error);
 }
 
 bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
@@ -452,10 +453,25 @@ pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pe
     sim->touch->found_at = share;
     pel_contact_set_widen(contacts);
     double substep = contacts->list.substep;
-    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), true, error);
+    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), error);
     if (status == PEL_OK)
         pel_contact_set_recall_loads(contacts, substep);
     return status;
+}
+
+void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    for (int32_t c = 0; c < contacts->list.count; c++) {
+        pel_contact_key *key = &contacts->keys[c];
+        int32_t first = contacts->group_of_point[key->points[0]], second = contacts->group_of_point[key->points[3]];
+        if (pel_min(first, second) != a || pel_max(first, second) != b)
+            continue;
+        key->load = key->earlier = 0;
+        memset(key->drag, 0, sizeof key->drag);
+    }
+    if (sim->tools->solids != NULL && b >= sim->model->body_count)
+        pel_solids_forget_loads(sim, a, b - sim->model->body_count);
 }
 
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
@@ -492,7 +508,7 @@ static void take_corrections(pel_sim *sim)
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = pel_sim_has_loop_contacts(sim);
+    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = contacts->def.has_layers;
     int limit = once ? 1 : has_layers ? LAYER_ROUNDS : ROUND_LIMIT;
     contacts->aim = has_layers ? CLEAR_SHARE * contacts->guarded : HUGE_VAL;
     for (int round = 0;; round++) {
@@ -519,19 +535,22 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* of a tool: shorter after each failure, and not repeated from the least on */
-#define STRIDE_SHARE 0.25
+/* of a tool: what the guard left of its way, less a little, and this share at least; not repeated from the least on */
+#define SAFE_SHARE 0.9
+#define STRIDE_SHARE 0.05
 #define LEAST_STRIDE 0.01
+enum { MOST_REPEATS = 3 };
 
 /* relative to the mean edge: what goes farther in a part has no place for its impact */
 #define FAR_SHARE 0.25
 
-/* conflicts of what moves far */
+/* conflicts of what moves far, and of straight ways that cut where the surfaces went round each other */
 static int32_t count_far_conflicts(const pel_contact_set *contacts)
 {
     int32_t count = 0;
     for (size_t c = 0; c < contacts->conflict_count; c++)
-        count += pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
+        count += contacts->conflicts[c].ends_free ||
+                 pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
     return count;
 }
 
@@ -572,13 +591,17 @@ static pel_status guard(pel_sim *sim, pel_error *error)
 static bool shorten_strides(pel_sim *sim)
 {
     bool shortened = false;
-    for (int32_t i = 0; i < sim->tools->count && pel_sim_has_loop_contacts(sim); i++) {
+    bool may_repeat = sim->contacts->def.has_layers && sim->part.repeat_count < MOST_REPEATS;
+    for (int32_t i = 0; i < sim->tools->count && may_repeat; i++) {
         pel_tool *tool = &sim->tools->items[i];
         if (!tool->is_held_back || tool->stride <= LEAST_STRIDE)
             continue;
-        tool->stride *= STRIDE_SHARE;
+        double whole = pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
+        double share = whole > 0 ? SAFE_SHARE * pel_tool_way(tool, &tool->pose_before, &tool->pose) / whole : 0;
+        tool->stride *= share > STRIDE_SHARE ? share : STRIDE_SHARE;
         shortened = true;
     }
+    sim->part.repeat_count += shortened;
     return shortened;
 }
 

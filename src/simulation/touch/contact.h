@@ -49,6 +49,8 @@ bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
 /* Finds pairs anew for the rest of the step. base (vertex_count): positions one substep before. Loads are kept. */
 pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
                                    pel_error *error);
+/* Between steps: contacts of these groups carry nothing any more, nor does a tool's with a body. */
+void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b);
 /* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* At the start of a substep of this length [s], after pel_tools_place. */

@@ -165,6 +165,7 @@ static void push(const encounter *e, double impulse)
     else
         push_tool(e, impulse);
     pel_vec3_along(pair->force, impulse / sim->step.dt, e->state->normal, pair->force);
+    pel_contacts_forget_loads(sim, e->groups[0], e->groups[1]);
     sim->present.has_force = false;
 }
 

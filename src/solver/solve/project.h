@@ -77,11 +77,13 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held);
 /* Before the substeps of a step: keyed numbers at a time, and directions that follow the state. */
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
 
-/* where a substep stands in its step; one may be both */
+/* where a substep stands in its step, one may be both; and whether contacts carried loads in the one before, so that it
+   is of first order */
 typedef enum pel_substep_place {
     PEL_SUBSTEP_BETWEEN = 0,
     PEL_SUBSTEP_FIRST = 1,
-    PEL_SUBSTEP_LAST = 2
+    PEL_SUBSTEP_LAST = 2,
+    PEL_SUBSTEP_PRESSED = 4
 } pel_substep_place;
 
 /* One substep from state->position and velocity (first) or from the end of the one before, in three parts: predict
