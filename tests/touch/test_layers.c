@@ -3,6 +3,7 @@
 #include "contact/set.h"
 #include "sim/contact_scene.h"
 #include "tool/solid.h"
+#include "tool/tool.h"
 
 /* A sheet that rests on a box: its layers carry the weight from step to step, and nothing moves. */
 static void test_rests_on_solid(void **unused)

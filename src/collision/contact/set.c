@@ -193,7 +193,8 @@ bool pel_contact_set_restore(pel_contact_set *set)
     bool is_whole = set->margin >= least && set->margin <= most_margin(set);
     for (int32_t c = 0; is_whole && c < set->list.count; c++) {
         const pel_contact_key *key = &set->keys[c];
-        is_whole = key->load >= 0 && key->slack >= 0 && isfinite(key->load + key->slack) &&
+        is_whole = key->load >= 0 && key->earlier >= 0 && key->slack >= 0 &&
+                   isfinite(key->load + key->earlier + key->slack) &&
                    isfinite(key->drag[0] + key->drag[1] + key->drag[2]) && set->list.contacts[c].compliance >= 0 &&
                    (c == 0 || compare_keys(key - 1, key) < 0);
     }

@@ -236,7 +236,7 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
 /* Whether the groups, and the contacts with their keys, are whole: sorted, each pair once, with points and obstacles
    that exist, unit normals, and weights that add up to nothing unless an obstacle has the rest. */
 bool pel_contact_set_is_valid(const pel_contact_set *set);
-/* Makes room for so many pairs from a snapshot, which come into `keys` (pair, load, drag, slack) and contacts
+/* Makes room for so many pairs from a snapshot, which come into `keys` (pair, loads, drag, slack) and contacts
    (compliance). False when out of memory. */
 bool pel_contact_set_expect(pel_contact_set *set, int32_t count);
 /* After these were loaded, with `margin`: false, and nothing kept, when the pairs are not in order or numbers are out

@@ -388,7 +388,7 @@ static bool has_same_features(const pel_sim *from, const pel_sim *to)
 {
     const pel_contact_set *a = from->contacts, *b = to->contacts;
     bool is_same = a != NULL && b != NULL && a->point_count == b->point_count &&
-                   a->obstacle_triangle_count == b->obstacle_triangle_count && pel_sim_has_loop_contacts(to) &&
+                   a->obstacle_triangle_count == b->obstacle_triangle_count && a->def.has_layers && b->def.has_layers &&
                    from->tools->count == to->tools->count && pel_contacts_are_of_present(from);
     for (int32_t t = 0; is_same && t < to->tools->count; t++)
         is_same = strcmp(from->tools->items[t].name, to->tools->items[t].name) == 0;
@@ -405,7 +405,7 @@ static pel_status carry_lists(const pel_sim *from, pel_sim *to, pel_error *error
                (size_t)to->model->body_count * sizeof *to->touch->revisions);
         to->touch->is_carried = true;
     }
-    return pel_solids_carry(from, to, error);
+    return pel_solids_take_over(to, from, error);
 }
 
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error)

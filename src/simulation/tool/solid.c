@@ -514,18 +514,18 @@ bool pel_solids_restore(pel_sim *sim)
     return true;
 }
 
-pel_status pel_solids_carry(const pel_sim *from, pel_sim *to, pel_error *error)
+pel_status pel_solids_take_over(pel_sim *sim, const pel_sim *from, pel_error *error)
 {
     const pel_sim_solids *old = from->tools->solids;
-    pel_sim_solids *solids = to->tools->solids;
+    pel_sim_solids *solids = sim->tools->solids;
     if (old == NULL || solids == NULL)
         return PEL_OK;
     if (!make_room(solids, (size_t)old->list.count))
         return pel_fail_memory(error);
     for (int32_t c = 0; c < old->list.count; c++) {
         pel_solid_pair pair = old->pairs[c];
-        pair.tool = pel_sim_find_tool(to, from->tools->items[pair.tool].name);
-        if (is_kept(&pair) && is_whole(to, &pair))
+        pair.tool = pel_sim_find_tool(sim, from->tools->items[pair.tool].name);
+        if (is_kept(&pair) && is_whole(sim, &pair))
             solids->pairs[solids->list.count++] = pair;
     }
     return PEL_OK;

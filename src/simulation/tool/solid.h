@@ -58,6 +58,6 @@ pel_transfer_part pel_solids_transfer;
 /* After it was loaded: false, and no pairs, when one is of something that does not exist. */
 bool pel_solids_restore(pel_sim *sim);
 /* Takes over the pairs of another simulation of the same surfaces, by the names of tools. PEL_OUT_OF_MEMORY. */
-pel_status pel_solids_carry(const pel_sim *from, pel_sim *to, pel_error *error);
+pel_status pel_solids_take_over(pel_sim *sim, const pel_sim *from, pel_error *error);
 
 #endif

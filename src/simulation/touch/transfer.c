@@ -88,7 +88,7 @@ void pel_touch_transfer_tangles(pel_cursor *at, const pel_sim *sim, int32_t unus
 
 /* of a pair that has them */
 typedef struct layer_numbers {
-    double load, drag[3], slack, compliance;
+    double load, earlier, drag[3], slack, compliance;
 } layer_numbers;
 
 /* of any pair: that it was known decides what it starts with */
@@ -101,7 +101,8 @@ enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2 };
 
 static bool has_numbers(const pel_contact_key *key)
 {
-    return key->load > 0 || key->slack > 0 || key->drag[0] != 0 || key->drag[1] != 0 || key->drag[2] != 0;
+    return key->load > 0 || key->earlier > 0 || key->slack > 0 || key->drag[0] != 0 || key->drag[1] != 0 ||
+           key->drag[2] != 0;
 }
 
 static void save_layer(pel_cursor *at, const pel_contact_key *key, const pel_contact *contact)
@@ -109,7 +110,8 @@ static void save_layer(pel_cursor *at, const pel_contact_key *key, const pel_con
     layer_name name = {key->first, key->second,
                        (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u)};
     layer_numbers numbers = {
-        key->load, {key->drag[0], key->drag[1], key->drag[2]}, key->slack, (double)contact->compliance};
+        .load = key->load, .earlier = key->earlier, .slack = key->slack, .compliance = (double)contact->compliance};
+    pel_vec3_copy(key->drag, numbers.drag);
     pel_transfer(at, &name, sizeof name);
     if (has_numbers(key))
         pel_transfer(at, &numbers, sizeof numbers);
@@ -127,7 +129,8 @@ static void load_layer(pel_cursor *at, pel_contact_key *key, pel_contact *contac
                              .second = name.second,
                              .obstacle = -1,
                              .slack = numbers.slack,
-                             .load = numbers.load};
+                             .load = numbers.load,
+                             .earlier = numbers.earlier};
     pel_vec3_copy(numbers.drag, key->drag);
     *contact = (pel_contact){.compliance = (pel_real)numbers.compliance};
 }
@@ -135,9 +138,9 @@ static void load_layer(pel_cursor *at, pel_contact_key *key, pel_contact *contac
 void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (!pel_sim_has_loop_contacts(sim) || !pel_sim_is_projected(sim))
-        return;
     pel_contact_set *set = sim->contacts;
+    if (set == NULL || !set->def.has_layers)
+        return;
     uint8_t was_widened = set->was_widened;
     int64_t count = set->list.count;
     pel_transfer(at, &set->margin, sizeof set->margin);
