@@ -88,10 +88,11 @@ PEL_API pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const doubl
 PEL_API uint64_t pel_sim_hash(const pel_sim *sim);
 
 /* Saves all data with which pel_sim_load continues with the same bits, including contact statistics and ledger, into a
-   buffer of pel_sim_save_size bytes (constant for one sim). pel_sim_load refuses (PEL_BAD_FORMAT, state unchanged) a
-   snapshot that is damaged, of another version or precision, or of other defs, with the parts that differ ("made with
-   other: gravity, tools"). Only a forged snapshot, with a valid checksum and numbers out of range, may change the state
-   before it is refused. */
+   buffer of pel_sim_save_size bytes. That is the size of the present state, which changes from step to step where
+   surfaces touch: ask before each pel_sim_save, and give pel_sim_load the size at that time. pel_sim_load refuses
+   (PEL_BAD_FORMAT, state unchanged) a snapshot that is damaged, of another version or precision, or of other defs, with
+   the parts that differ ("made with other: gravity, tools"). Only a forged snapshot, with a valid checksum and numbers
+   out of range, may change the state before it is refused. PEL_OUT_OF_MEMORY: load again before the next step. */
 PEL_API size_t pel_sim_save_size(const pel_sim *sim);
 PEL_API void pel_sim_save(const pel_sim *sim, void *bytes);
 PEL_API pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);

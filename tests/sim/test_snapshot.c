@@ -602,10 +602,11 @@ static void test_statistics(void **unused)
         pel_contact_statistics a, b;
         run_steps(made.sim, steps);
         run_steps(other.sim, 90);
-        void *bytes = malloc(pel_sim_save_size(made.sim));
+        size_t size = pel_sim_save_size(made.sim);
+        void *bytes = malloc(size);
         assert_non_null(bytes);
         pel_sim_save(made.sim, bytes);
-        assert_int_equal(pel_sim_load(other.sim, bytes, pel_sim_save_size(other.sim), NULL), PEL_OK);
+        assert_int_equal(pel_sim_load(other.sim, bytes, size, NULL), PEL_OK);
         for (int i = 0; i < 60; i++) {
             run_steps(made.sim, 1);
             run_steps(other.sim, 1);
@@ -632,10 +633,11 @@ static void test_substep_number(void **unused)
     made_sim made = make(s), other = make(s);
     run_steps(made.sim, 5);
     run_steps(other.sim, 2);
-    void *bytes = malloc(pel_sim_save_size(made.sim));
+    size_t size = pel_sim_save_size(made.sim);
+    void *bytes = malloc(size);
     assert_non_null(bytes);
     pel_sim_save(made.sim, bytes);
-    assert_int_equal(pel_sim_load(other.sim, bytes, pel_sim_save_size(other.sim), NULL), PEL_OK);
+    assert_int_equal(pel_sim_load(other.sim, bytes, size, NULL), PEL_OK);
     assert_true(made.sim->contacts->substep > 0);
     assert_int_equal(other.sim->contacts->substep, made.sim->contacts->substep);
     free(bytes);
@@ -651,21 +653,22 @@ static void test_memory_runs_out(void **unused)
     setup *s = make_springs();
     made_sim made = make(s);
     run_steps(made.sim, 10);
-    void *bytes = malloc(pel_sim_save_size(made.sim));
+    size_t size = pel_sim_save_size(made.sim);
+    void *bytes = malloc(size);
     assert_non_null(bytes);
     pel_sim_save(made.sim, bytes);
     run_steps(made.sim, 1);
     uint64_t hash = pel_sim_hash(made.sim);
     pel_status status = PEL_OUT_OF_MEMORY;
     for (long n = 1; status != PEL_OK; n++) {
-        assert_int_equal(pel_sim_load(made.sim, bytes, pel_sim_save_size(made.sim), NULL), PEL_OK);
+        assert_int_equal(pel_sim_load(made.sim, bytes, size, NULL), PEL_OK);
         failing_malloc_begin(n);
         status = pel_sim_step(made.sim, NULL);
         failing_malloc_end();
         assert_true(status == PEL_OK || status == PEL_OUT_OF_MEMORY);
         assert_true(n < 1000);
     }
-    assert_int_equal(pel_sim_load(made.sim, bytes, pel_sim_save_size(made.sim), NULL), PEL_OK);
+    assert_int_equal(pel_sim_load(made.sim, bytes, size, NULL), PEL_OK);
     run_steps(made.sim, 1);
     assert_true(pel_sim_hash(made.sim) == hash);
     free(bytes);

@@ -92,11 +92,12 @@ static void stop_often(const method_case *c, const uint64_t wanted[STEPS], int64
     pel_error error;
     pel_sim *sim = begin(&s, c, threads);
     uint64_t before = pel_sim_hash(sim);
-    size_t size = pel_sim_save_size(sim);
-    unsigned char *saved = malloc(2 * size);
+    unsigned char *saved = NULL;
     int stops = 0;
     for (int i = 0; i < STEPS; i++) {
         pel_status status = PEL_STOPPED;
+        size_t size = pel_sim_save_size(sim);
+        saved = realloc(saved, 2 * size);
         pel_sim_save(sim, saved);
         for (int64_t last = 0; status == PEL_STOPPED; last = stride + 2 * last) {
             s.patience = (patience){0, last};
@@ -106,6 +107,7 @@ static void stop_often(const method_case *c, const uint64_t wanted[STEPS], int64
             stops++;
             assert_non_null(strstr(error.what, "stopped"));
             assert_true(pel_sim_hash(sim) == before);
+            assert_int_equal(pel_sim_save_size(sim), size);
             pel_sim_save(sim, saved + size);
             assert_memory_equal(saved, saved + size, size);
         }

@@ -230,11 +230,12 @@ static uint64_t hash_of_run(int threads, int save_at)
     shake(sim, 0, 10, &random);
     shake(sim, 1, 10, &random);
     run_steps(sim, save_at);
-    void *snapshot = malloc(pel_sim_save_size(sim));
+    size_t size = pel_sim_save_size(sim);
+    void *snapshot = malloc(size);
     if (save_at > 0) {
         pel_sim_save(sim, snapshot);
         pel_sim *other = make_sim(&scene.def);
-        assert_int_equal(pel_sim_load(other, snapshot, pel_sim_save_size(other), NULL), PEL_OK);
+        assert_int_equal(pel_sim_load(other, snapshot, size, NULL), PEL_OK);
         pel_sim_destroy(sim);
         sim = other;
     }

@@ -41,7 +41,8 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     double square = substep * substep;
     pel_contacts_begin(&set->list, substep);
     set->list.active = NULL;
-    memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
+    if (set->list.count > 0)
+        memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);

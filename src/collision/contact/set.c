@@ -171,6 +171,53 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
     return pel_fail_memory(error);
 }
 
+bool pel_contact_set_expect(pel_contact_set *set, int32_t count)
+{
+    size_t needed = (size_t)count;
+    set->list.count = set->list.active_count = 0;
+    set->list.active = NULL;
+    return pel_reserve((void **)&set->list.contacts, &set->capacity, needed, sizeof *set->list.contacts) &&
+           pel_reserve((void **)&set->keys, &set->key_capacity, needed, sizeof *set->keys) &&
+           make_room(set, needed, NULL) == PEL_OK;
+}
+
+/* the most that surfaces which stray make of it [m] */
+static double most_margin(const pel_contact_set *set)
+{
+    return pel_max(MOST_MARGIN * set->def.shortest_edge, LEAST_MARGIN * set->largest);
+}
+
+bool pel_contact_set_restore(pel_contact_set *set)
+{
+    double least = LEAST_MARGIN * set->largest;
+    bool is_whole = set->margin >= least && set->margin <= most_margin(set);
+    for (int32_t c = 0; is_whole && c < set->list.count; c++) {
+        const pel_contact_key *key = &set->keys[c];
+        is_whole = key->load >= 0 && key->earlier >= 0 && key->slack >= 0 &&
+                   isfinite(key->load + key->earlier + key->slack) &&
+                   isfinite(key->drag[0] + key->drag[1] + key->drag[2]) && set->list.contacts[c].compliance >= 0 &&
+                   (c == 0 || compare_keys(key - 1, key) < 0);
+    }
+    if (is_whole)
+        return true;
+    set->list.count = 0;
+    set->margin = least;
+    return false;
+}
+
+bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from)
+{
+    size_t count = (size_t)from->list.count;
+    if (!pel_contact_set_expect(set, from->list.count))
+        return false;
+    set->list.count = from->list.count;
+    memcpy(set->keys, from->keys, count * sizeof *set->keys);
+    memcpy(set->list.contacts, from->list.contacts, count * sizeof *set->list.contacts);
+    set->margin = pel_min(pel_max(from->margin, LEAST_MARGIN * set->largest), most_margin(set));
+    set->was_widened = from->was_widened;
+    return true;
+}
+
 /* the merged list becomes the list */
 static void exchange_lists(pel_contact_set *set, int32_t count)
 {
@@ -519,6 +566,8 @@ void pel_contact_set_calm(pel_contact_set *set)
     if (!set->was_widened)
         set->margin = half > least ? half : least;
     set->was_widened = false;
+    for (int32_t c = 0; c < set->list.count; c++)
+        set->keys[c].has_pushed = false;
 }
 
 void pel_contact_set_widen(pel_contact_set *set)

@@ -129,7 +129,7 @@ typedef struct pel_zone {
 
 /* Pairs of triangles that intersect from the start on and are left alone (tangle.c). */
 typedef struct pel_tangles {
-    bool is_known; /* false = search again before the next step */
+    bool is_known; /* false = search again before the next step; its keys are made with the surface */
     int64_t count;
     pel_pair *pairs; /* (count) triangles of the surface */
     size_t capacity;
@@ -208,7 +208,7 @@ typedef struct pel_contact_set {
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
-/* Before a step: the margin gets smaller if it was not widened in the last one. */
+/* Before a step: nothing has pushed in it, and the margin gets smaller if it was not widened in the last one. */
 void pel_contact_set_calm(pel_contact_set *set);
 /* What strays from the way that was expected asks for a wider margin. */
 void pel_contact_set_widen(pel_contact_set *set);
@@ -236,6 +236,14 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
 /* Whether the groups, and the contacts with their keys, are whole: sorted, each pair once, with points and obstacles
    that exist, unit normals, and weights that add up to nothing unless an obstacle has the rest. */
 bool pel_contact_set_is_valid(const pel_contact_set *set);
+/* Makes room for so many pairs from a snapshot, which come into `keys` (pair, loads, drag, slack) and contacts
+   (compliance). False when out of memory. */
+bool pel_contact_set_expect(pel_contact_set *set, int32_t count);
+/* After these were loaded, with `margin`: false, and nothing kept, when the pairs are not in order or numbers are out
+   of range. */
+bool pel_contact_set_restore(pel_contact_set *set);
+/* Takes over the pairs and the margin of another set of the same points and triangles. False when out of memory. */
+bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */
@@ -326,6 +334,8 @@ pel_status pel_contact_guard(pel_contact_set *set, const pel_contact_motion *mot
 pel_status pel_tangles_list(const pel_contact_set *set, pel_tangles *tangles, pel_error *error);
 /* Finds them for the set. Errors as above. */
 pel_status pel_tangles_find(pel_contact_set *set, pel_error *error);
+/* Makes the keys of pairs from a snapshot, of the present surface; forgets what this does not have. */
+pel_status pel_tangles_recall(pel_contact_set *set, pel_error *error);
 /* true when the points are of a pair that is left alone: vertex and triangle, or two edges */
 bool pel_tangles_have(const pel_contact_set *set, const pel_collision *collision);
 

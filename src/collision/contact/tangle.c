@@ -97,6 +97,19 @@ pel_status pel_tangles_find(pel_contact_set *set, pel_error *error)
     return status;
 }
 
+pel_status pel_tangles_recall(pel_contact_set *set, pel_error *error)
+{
+    pel_tangles *tangles = &set->tangles;
+    for (int64_t i = 0; tangles->is_known && i < tangles->count; i++)
+        tangles->is_known = tangles->pairs[i].first >= 0 && tangles->pairs[i].first < set->triangle_count &&
+                            tangles->pairs[i].second >= 0 && tangles->pairs[i].second < set->triangle_count;
+    if (!tangles->is_known)
+        tangles->count = 0;
+    pel_status status = make_keys(set, error);
+    tangles->is_known &= status == PEL_OK;
+    return status;
+}
+
 static bool has_key(const pel_tangles *tangles, uint64_t key)
 {
     size_t low = 0, high = 9 * (size_t)tangles->count;

@@ -29,8 +29,8 @@ static size_t tool_bytes(const pel_run_state *run)
 pel_status pel_run_checkpoint_prepare(pel_run_state *run, pel_error *error)
 {
     run->checkpoint_size = sizeof(checkpoint_header) + tool_bytes(run) + pel_sim_save_size(run->sim) + sizeof(uint64_t);
-    run->checkpoint = pel_allocate(run->checkpoint_size, 1);
-    return run->checkpoint != NULL ? PEL_OK : pel_fail_memory(error);
+    bool has_room = pel_reserve((void **)&run->checkpoint, &run->checkpoint_room, run->checkpoint_size, 1);
+    return has_room ? PEL_OK : pel_fail_memory(error);
 }
 
 static void fill_buffer(pel_run_state *run)
@@ -76,9 +76,10 @@ static pel_status write_buffer(pel_run_state *run, const char *path, pel_error *
 pel_status pel_run_checkpoint_write(pel_run_state *run, bool numbered, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
-    pel_status status = PEL_OK;
-    fill_buffer(run);
-    if (numbered)
+    pel_status status = pel_run_checkpoint_prepare(run, error);
+    if (status == PEL_OK)
+        fill_buffer(run);
+    if (status == PEL_OK && numbered)
         status =
             write_buffer(run, pel_run_checkpoint_path(path, run->def->folder, pel_sim_step_count(run->sim)), error);
     if (status == PEL_OK)
@@ -133,7 +134,8 @@ static pel_status check(const pel_run_state *run, const char *path, const char *
         return refuse(path, "the checkpoint is damaged", "use an older one, or run from the beginning", error);
     if (strncmp(header->version, PEL_VERSION, sizeof header->version) != 0)
         return refuse_version(path, error);
-    if (header->fingerprint != run->fingerprint || size != run->checkpoint_size)
+    size_t at = sizeof *header + tool_bytes(run);
+    if (header->fingerprint != run->fingerprint || header->snapshot_at != at || size < at + sizeof hash)
         return refuse_scene(run, path, bytes, size - sizeof hash, (size_t)header->snapshot_at, error);
     return PEL_OK;
 }
@@ -148,9 +150,9 @@ pel_status pel_run_checkpoint_read(pel_run_state *run, const char *path, pel_err
         return status;
     status = check(run, path, bytes, size, &header, error);
     if (status == PEL_OK) {
-        const char *snapshot = bytes + sizeof header + tool_bytes(run);
+        size_t at = sizeof header + tool_bytes(run);
         memcpy(run->tool_force, bytes + sizeof header, tool_bytes(run));
-        status = pel_sim_load(run->sim, snapshot, pel_sim_save_size(run->sim), error);
+        status = pel_sim_load(run->sim, bytes + at, size - sizeof(uint64_t) - at, error);
         run->totals = header.totals;
         pel_sim_get_contact_statistics(run->sim, &run->contact_before);
         remember(run, path);

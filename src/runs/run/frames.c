@@ -140,12 +140,18 @@ static void write_job(void *context, int32_t slot)
         atomic_store(&frames->failed, true);
 }
 
+/* room for the present state; false when out of memory */
+static bool expect_state(pel_run_frames *frames, const pel_sim *sim)
+{
+    frames->snapshot_size = pel_sim_save_size(sim);
+    return pel_reserve((void **)&frames->frame.snapshot, &frames->snapshot_room, frames->snapshot_size, 1);
+}
+
 static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_error *error)
 {
     pel_run_frame *frame = &frames->frame;
-    frames->snapshot_size = pel_sim_save_size(sim);
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM_OF(frame->snapshot, frames->snapshot_size, 1),
-                          PEL_ROOM(frame->tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count)))
+    frame->tool_force = pel_allocate(PEL_TOOL_NUMBERS * (size_t)frames->tool_count, sizeof *frame->tool_force);
+    if (frame->tool_force == NULL || !expect_state(frames, sim))
         return pel_fail_memory(error);
     return pel_worker_create(1, write_job, frames, &frames->worker, error);
 }
@@ -237,6 +243,8 @@ pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_tota
     if (status != PEL_OK)
         return status;
     if (frames->worker != NULL) {
+        if (!expect_state(frames, sim))
+            return pel_fail_memory(error);
         keep_state(frames, sim, totals, tool_force);
         pel_worker_give(frames->worker);
         begin_interval(totals, sim, tool_force, frames->tool_count);

@@ -67,7 +67,7 @@ typedef struct pel_run_frames {
     _Atomic(bool) failed;         /* may be read at any time */
     pel_error error;              /* why */
     pel_worker *worker;           /* null = one thread does everything */
-    size_t snapshot_size;
+    size_t snapshot_size, snapshot_room;
     pel_run_frame frame;
     unsigned skips;        /* of kept.h */
     int64_t measured_step; /* of the measures in its row; -1 = none yet */

@@ -26,7 +26,7 @@ typedef struct pel_run_state {
     double *tool_force; /* (PEL_TOOL_NUMBERS x tool count) N, largest since the last frame, then largest over the run;
                            then the number of vertices that the tool touched at the latter */
     unsigned char *checkpoint; /* (checkpoint_size) buffer of a checkpoint */
-    size_t checkpoint_size;
+    size_t checkpoint_size, checkpoint_room;
     char checkpoint_path[PEL_RUN_FILE_SIZE]; /* the last good one; empty = none */
     int64_t checkpoint_step;
     double start;                          /* wall clock at the beginning of this call */

@@ -495,6 +495,9 @@ pel_status pel_sim_refine(pel_sim *sim, int32_t body, int32_t vertex, int32_t le
         return pel_fail(error, PEL_BAD_ARGUMENT, "vertex %d or level %d does not exist in body '%s'", (int)vertex,
                         (int)level, b->name);
     const pel_refined_body *own = &sim->active->bodies[body];
+    pel_status status = sim->guards != NULL ? sim->guards->prepare(sim, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
     if (sim->guards != NULL)
         sim->guards->before(sim);
     int32_t before = sim->refine[body].asked_level[vertex];

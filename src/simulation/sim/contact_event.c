@@ -9,11 +9,20 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "sim/snapshot.h"
 #include "touch/contact.h"
+
+static pel_status prepare(pel_sim *sim, pel_error *error)
+{
+    pel_touch *touch = sim->touch;
+    size_t size = touch->event_least + pel_snapshot_lists_size(sim);
+    return pel_reserve(&touch->before_event, &touch->event_room, size, 1) ? PEL_OK : pel_fail_memory(error);
+}
 
 static void save_before(pel_sim *sim)
 {
     sim->touch->event_size = pel_sim_save_size(sim);
+    PEL_ASSERT(sim->touch->event_size <= sim->touch->event_room);
     pel_sim_save(sim, sim->touch->before_event);
 }
 
@@ -66,8 +75,8 @@ pel_status pel_contacts_create_event(pel_sim *sim, pel_error *error)
         return PEL_OK;
     /* forces of the caller may come later */
     size_t forces = sim->loads->external == NULL ? (size_t)sim->model->vertex_count * sizeof *sim->loads->external : 0;
-    static const pel_event_guard guards = {save_before, accept};
+    static const pel_event_guard guards = {prepare, save_before, accept};
     sim->guards = &guards;
-    sim->touch->before_event = pel_allocate(pel_sim_save_size(sim) + forces, 1);
-    return sim->touch->before_event != NULL ? PEL_OK : pel_fail_memory(error);
+    sim->touch->event_least = pel_sim_save_size(sim) - pel_snapshot_lists_size(sim) + forces;
+    return prepare(sim, error);
 }

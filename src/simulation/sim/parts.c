@@ -33,19 +33,13 @@ void pel_parts_destroy(pel_sim *sim)
 }
 
 /* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
-   forces of the caller that come or go change its size. */
+   pairs in contact, and forces of the caller that come or go, change its size. */
 static pel_status save_before(pel_sim *sim, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
-    size_t size = pel_sim_save_size(sim);
-    if (parts->before == NULL || size != parts->before_size) {
-        void *before = pel_allocate(size, 1);
-        if (before == NULL)
-            return pel_fail_memory(error);
-        pel_free(parts->before);
-        parts->before = before;
-        parts->before_size = size;
-    }
+    parts->before_size = pel_sim_save_size(sim);
+    if (!pel_reserve(&parts->before, &parts->before_room, parts->before_size, 1))
+        return pel_fail_memory(error);
     pel_sim_save(sim, parts->before);
     return PEL_OK;
 }

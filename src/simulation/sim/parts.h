@@ -20,7 +20,7 @@ typedef struct pel_parts {
     bool divides; /* method and contacts allow steps in parts; then their sizes are in snapshots */
     bool is_kept; /* `before` is the state before the present step: it may be stopped on its way */
     void *before; /* (before_size) snapshot before a step in parts or a long one; null until there is one */
-    size_t before_size;
+    size_t before_size, before_room;
 } pel_parts;
 
 /* After contacts and restitution, before anything asks for the size of a snapshot. */

@@ -67,9 +67,10 @@ static pel_status follow_surface(pel_sim *sim, pel_error *error)
 {
     sim->present.has_force = false;
     sim->state_number++;
-    if (sim->active != NULL)
+    pel_status status = sim->guards != NULL ? sim->guards->prepare(sim, error) : PEL_OK;
+    if (status == PEL_OK && sim->active != NULL)
         pel_refine_step(sim);
-    return sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : PEL_OK;
+    return status == PEL_OK && sim->contacts != NULL ? pel_contacts_begin_step(sim, error) : status;
 }
 
 /* the new positions and velocities of the method */

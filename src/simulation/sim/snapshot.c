@@ -1,5 +1,6 @@
 /* Snapshots: a header with the fingerprint of the model and sim that it was made with and a checksum, then all that the
-   steps to come depend on. The size is fixed for one sim, so that it can be written without allocation. */
+   steps to come depend on: first what has the same size in all snapshots of one sim, then lists whose length is that of
+   the state. */
 #include "sim/snapshot.h"
 
 #include "adapt/criterion.h"
@@ -24,6 +25,7 @@
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/reading.h"
+#include "tool/solid.h"
 #include "tool/support.h"
 #include "tool/tools.h"
 #include "touch/contact.h"
@@ -32,7 +34,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 13 };
+enum { SNAPSHOT_VERSION = 14 };
 
 typedef struct header {
     char magic[8];
@@ -96,6 +98,15 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
         after[i](at, sim, 0);
 }
 
+static pel_transfer_part *const list_parts[] = {pel_touch_transfer_tangles, pel_touch_transfer_layers,
+                                                pel_solids_transfer};
+
+static void transfer_lists(pel_cursor *at, const pel_sim *sim)
+{
+    for (size_t i = 0; i < sizeof list_parts / sizeof *list_parts; i++)
+        list_parts[i](at, sim, 0);
+}
+
 static void transfer_fronts(pel_cursor *at, const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -103,14 +114,27 @@ static void transfer_fronts(pel_cursor *at, const pel_sim *sim)
             pel_refine_transfer(at, sim, b);
 }
 
-size_t pel_sim_save_size(const pel_sim *sim)
+size_t pel_snapshot_lists_size(const pel_sim *sim)
 {
-    if (sim == NULL)
-        return 0;
+    pel_cursor place = {.at = 0};
+    transfer_lists(&place, sim);
+    return place.at;
+}
+
+/* without lists: no snapshot is smaller */
+static size_t least_size(const pel_sim *sim)
+{
     pel_cursor place = {.at = sizeof(header)};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
     return place.at;
+}
+
+size_t pel_sim_save_size(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    return least_size(sim) + pel_snapshot_lists_size(sim);
 }
 
 static uint64_t checksum_of(const void *bytes, size_t size)
@@ -144,6 +168,7 @@ static size_t save(const pel_sim *sim, void *bytes)
     pel_cursor place = {.bytes = bytes, .at = sizeof head};
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
+    transfer_lists(&place, sim);
     PEL_ASSERT(place.at == head.size);
     return place.at;
 }
@@ -195,7 +220,7 @@ static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, h
         return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
                           "the snapshot was made with other: %s", parts);
     pel_status status = pel_sim_make_forces(sim, head->has_forces != 0, error);
-    if (status == PEL_OK && size != pel_sim_save_size(sim))
+    if (status == PEL_OK && size < least_size(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
     return status;
 }
@@ -216,7 +241,8 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     header head;
     memcpy(&head, bytes, sizeof head);
     /* the bytes are only read: the cursor copies out of them */
-    pel_cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true};
+    pel_cursor place = {
+        .bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true, .size = (size_t)head.size};
     sim->present.has_force = false;
     sim->state_number++;
     pel_minimise_forget(sim);
@@ -227,6 +253,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
                               "the snapshot is damaged: its surface does not match its positions");
     sim->contact_forces.is_short = false;
     transfer_sim(&place, sim);
+    transfer_lists(&place, sim);
     sim->tools->held_is_listed = false;
     pel_contact_records_forget(&sim->contact_forces);
     sim->state->step = head.step;
@@ -235,23 +262,27 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
                sizeof sim->loads->items[l].force);
     rest_unused_places(sim);
     pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
-    if (sim->contacts != NULL) {
-        sim->contacts->tangles.is_known = false;
-        sim->touch->is_loaded = true;
-    }
+    sim->touch->is_loaded = sim->contacts != NULL;
+    sim->touch->is_carried = false;
     /* first, so that readings of tools are complete even if other data are damaged */
     bool has_tools = pel_tools_restore(sim);
+    bool has_pairs = pel_touch_restore(sim) && !place.is_short && place.at == place.size;
     pel_ledger_follow(sim);
+    if (sim->contact_forces.is_short || place.is_full)
+        return pel_fail_memory(error);
     if (!has_tools)
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: a tool holds or touches a vertex that does not exist");
+    if (!has_pairs)
+        return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
+                          "the snapshot is damaged: its pairs in contact are out of range");
     if (!pel_parts_restore(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its parts of a step are out of range");
     if (sim->stepper->is_compliant && !pel_substeps_restore(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, damage_remedy,
                           "the snapshot is damaged: its number of substeps is out of range");
-    return sim->contact_forces.is_short ? pel_fail_memory(error) : PEL_OK;
+    return PEL_OK;
 }
 
 pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
@@ -298,7 +329,7 @@ static void carry(carrier *c, pel_transfer_part *part, int32_t from, int32_t to)
     }
     if (c->bytes == NULL)
         return;
-    pel_cursor save = {.bytes = c->bytes}, load = {.bytes = c->bytes, .load = true};
+    pel_cursor save = {.bytes = c->bytes}, load = {.bytes = c->bytes, .load = true, .size = old_size.at};
     part(&save, c->from, from);
     part(&load, c->to, to);
 }
@@ -352,6 +383,31 @@ static void carry_tool(carrier *c, int32_t from, int32_t to)
     }
 }
 
+/* features have the same numbers in both, and those of the old one are of its present surface */
+static bool has_same_features(const pel_sim *from, const pel_sim *to)
+{
+    const pel_contact_set *a = from->contacts, *b = to->contacts;
+    bool is_same = a != NULL && b != NULL && a->point_count == b->point_count &&
+                   a->obstacle_triangle_count == b->obstacle_triangle_count && a->def.has_layers && b->def.has_layers &&
+                   from->tools->count == to->tools->count && pel_contacts_are_of_present(from);
+    for (int32_t t = 0; is_same && t < to->tools->count; t++)
+        is_same = strcmp(from->tools->items[t].name, to->tools->items[t].name) == 0;
+    return is_same;
+}
+
+/* pairs keep their loads */
+static pel_status carry_lists(const pel_sim *from, pel_sim *to, pel_error *error)
+{
+    if (has_same_features(from, to)) {
+        if (!pel_contact_set_take_over(to->contacts, from->contacts))
+            return pel_fail_memory(error);
+        memcpy(to->touch->revisions, from->touch->revisions,
+               (size_t)to->model->body_count * sizeof *to->touch->revisions);
+        to->touch->is_carried = true;
+    }
+    return pel_solids_take_over(to, from, error);
+}
+
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error)
 {
     carrier c = {.from = from, .to = to};
@@ -387,6 +443,7 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
             to->touch->revisions[0] = -1;
         }
         rest_unused_places(to);
+        status = carry_lists(from, to, error);
     }
     if (status == PEL_OK && (c.is_full || to->contact_forces.is_short))
         status = pel_fail_memory(error);

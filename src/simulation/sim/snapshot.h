@@ -6,9 +6,12 @@
 
 /* pel_sim_save without the checksum, for pel_snapshot_rewind alone. */
 void pel_snapshot_keep(const pel_sim *sim, void *bytes);
+/* The bytes of a snapshot's lists, which have the length of the present state; the rest always has the same size. */
+size_t pel_snapshot_lists_size(const pel_sim *sim);
 /* Recomputes the checksum of a snapshot, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
-/* Whether the bytes are a whole snapshot of a simulation like this one; checksum: as pel_snapshot_seal has left it. */
+/* Whether the bytes are a whole snapshot of a simulation like this one, with lists as long; checksum: as
+ * pel_snapshot_seal has left it. */
 bool pel_snapshot_is_valid(const pel_sim *sim, const void *bytes);
 /* Restores a snapshot of the same simulation. Its defs must not have changed, except numbers that it reads in each
    step: those of loads and grasps, which have to be set again. Fingerprint and checksum are not checked. Errors of

@@ -63,6 +63,8 @@ typedef struct pel_present {
 
 /* What has to be asked around an event of refinement under contact (sim/contact_event.h). */
 typedef struct pel_event_guard {
+    /* before events: finds room for that data. PEL_OUT_OF_MEMORY */
+    pel_status (*prepare)(pel_sim *sim, pel_error *error);
     /* saves the data to revert an event */
     void (*before)(pel_sim *sim);
     /* true if the new surface of a body does not cut itself; otherwise nothing changes */

@@ -6,11 +6,24 @@
 
 void pel_transfer(pel_cursor *at, void *data, size_t size)
 {
+    bool is_short = at->load && size > at->size - at->at;
+    at->is_short |= is_short;
+    if (is_short)
+        return;
     if (at->bytes != NULL && at->load)
         memcpy(data, at->bytes + at->at, size);
     else if (at->bytes != NULL)
         memcpy(at->bytes + at->at, data, size);
     at->at += size;
+}
+
+void pel_transfer_count(pel_cursor *at, int64_t *count, size_t least)
+{
+    pel_transfer(at, count, sizeof *count);
+    if (!at->load || (!at->is_short && *count >= 0 && (uint64_t)*count <= (at->size - at->at) / least))
+        return;
+    at->is_short = true;
+    *count = 0;
 }
 
 void pel_transfer_motion(pel_cursor *at, const pel_sim *sim, int32_t unused)

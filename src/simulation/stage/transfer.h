@@ -10,9 +10,15 @@ struct pel_cursor {
     unsigned char *bytes; /* null = count */
     size_t at;
     bool load;
+    size_t size;   /* of all bytes, to load */
+    bool is_short; /* more was to be loaded than there is: it stays as it was */
+    bool is_full;  /* there was no memory for what was to be loaded */
 };
 
 void pel_transfer(pel_cursor *at, void *data, size_t size);
+/* The number of entries of a list that is as long as the present state needs, of at least so many bytes each. When it
+   loads: 0 if there cannot be so many. */
+void pel_transfer_count(pel_cursor *at, int64_t *count, size_t least);
 
 /* Passes one part of the state, of a body, load or tool where it is of one. Parts may be carried over one by one. */
 typedef void pel_transfer_part(pel_cursor *at, const pel_sim *sim, int32_t index);

@@ -3,6 +3,7 @@
 
 #include "base/assert.h"
 #include "tool/grip.h"
+#include "tool/solid.h"
 
 /* a plane stays with its triangle where that is still as it was; where it was refined, with the child at the point */
 static bool follow_plane(const pel_sim *sim, int32_t body, pel_contact_plane *plane)
@@ -74,6 +75,7 @@ static void extend_support(pel_sim *sim, int32_t body, pel_tool *tool)
 void pel_tools_update(pel_sim *sim, int32_t body)
 {
     PEL_ASSERT_INDEX(body, sim->model->body_count);
+    pel_solids_release(sim);
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
         follow_planes(sim, body, tool);

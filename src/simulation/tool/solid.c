@@ -11,6 +11,7 @@
 #include "tool/near.h"
 #include "tool/pose.h"
 #include "tool/press.h"
+#include "tool/reading.h"
 #include "tool/sagitta.h"
 
 #include <string.h>
@@ -76,13 +77,18 @@ static double compliance_of(const pel_sim *sim, const pel_contact *contact, int 
     return pel_contact_layer_compliance(&sim->layers[body], mass, speed, sim->step.dt);
 }
 
+static bool make_room(pel_sim_solids *solids, size_t count)
+{
+    return pel_reserve((void **)&solids->list.contacts, &solids->capacity, count, sizeof *solids->list.contacts) &&
+           pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count, sizeof *solids->pairs);
+}
+
 static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
 {
     PEL_ASSERT_INDEX(tool, sim->tools->count);
     pel_sim_solids *solids = sim->tools->solids;
     size_t count = (size_t)solids->list.count;
-    if (!pel_reserve((void **)&solids->list.contacts, &solids->capacity, count + 1, sizeof *solids->list.contacts) ||
-        !pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count + 1, sizeof *solids->pairs))
+    if (!make_room(solids, count + 1))
         return pel_fail_memory(error);
     solids->pairs[count] = (pel_solid_pair){.tool = tool, .triangle = triangle, .vertex = vertex};
     if (triangle >= 0)
@@ -121,14 +127,19 @@ static pel_status add_triangle(pel_sim *sim, int32_t tool, int32_t begin, int32_
     return status == PEL_OK ? add_pair(sim, tool, triangle, -1, error) : status;
 }
 
-/* pairs that carry a load or have slack, before new ones are listed */
+static bool is_kept(const pel_solid_pair *pair)
+{
+    return pair->load > 0;
+}
+
+/* before new ones are listed */
 static pel_status keep_pairs(pel_sim_solids *solids, pel_error *error)
 {
     if (!pel_reserve((void **)&solids->kept, &solids->kept_capacity, (size_t)solids->list.count, sizeof *solids->kept))
         return pel_fail_memory(error);
     solids->kept_count = 0;
     for (int32_t c = 0; c < solids->list.count; c++)
-        if (solids->pairs[c].load > 0)
+        if (is_kept(&solids->pairs[c]))
             solids->kept[solids->kept_count++] = solids->pairs[c];
     solids->list.count = 0;
     return PEL_OK;
@@ -404,4 +415,118 @@ void pel_solids_tally(pel_sim *sim, double rate)
         if (contact->multiplier > 0)
             pel_contact_take(sim, pair->tool, contact, rate);
     }
+}
+
+/* ---- from step to step ---- */
+
+void pel_solids_release(pel_sim *sim)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    const pel_refined_model *active = sim->active;
+    for (int32_t c = 0; solids != NULL && c < solids->list.count; c++)
+        for (int32_t r = 0; solids->pairs[c].triangle < 0 && r < active->released_count; r++)
+            if (solids->pairs[c].vertex == active->released[r])
+                solids->pairs[c].load = 0;
+}
+
+/* what a snapshot has of a pair */
+typedef struct pair_numbers {
+    int32_t tool, triangle, vertex, unused;
+    double slack, load, earlier, drag[3];
+} pair_numbers;
+
+static void save_pair(pel_cursor *at, const pel_solid_pair *pair)
+{
+    pair_numbers numbers = {.tool = pair->tool,
+                            .triangle = pair->triangle,
+                            .vertex = pair->vertex,
+                            .slack = pair->slack,
+                            .load = pair->load,
+                            .earlier = pair->earlier};
+    pel_vec3_copy(pair->drag, numbers.drag);
+    pel_transfer(at, &numbers, sizeof numbers);
+}
+
+static void load_pair(pel_cursor *at, pel_solid_pair *pair)
+{
+    pair_numbers numbers = {0};
+    pel_transfer(at, &numbers, sizeof numbers);
+    *pair = (pel_solid_pair){.tool = numbers.tool,
+                             .triangle = numbers.triangle,
+                             .vertex = numbers.vertex,
+                             .slack = numbers.slack,
+                             .load = numbers.load,
+                             .earlier = numbers.earlier};
+    pel_vec3_copy(numbers.drag, pair->drag);
+}
+
+static int64_t count_kept(const pel_sim_solids *solids)
+{
+    int64_t count = 0;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        count += is_kept(&solids->pairs[c]);
+    return count;
+}
+
+void pel_solids_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_sim_solids *solids = sim->tools->solids;
+    if (solids == NULL)
+        return;
+    int64_t count = count_kept(solids);
+    pel_transfer_count(at, &count, sizeof(pair_numbers));
+    if (at->load) {
+        at->is_short |= count > INT32_MAX;
+        solids->list.count = 0;
+        at->is_full |= !at->is_short && !make_room(solids, (size_t)count);
+        solids->list.count = at->is_short || at->is_full ? 0 : (int32_t)count;
+    }
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        if (at->load)
+            load_pair(at, &solids->pairs[c]);
+        else if (is_kept(&solids->pairs[c]))
+            save_pair(at, &solids->pairs[c]);
+    }
+}
+
+static bool is_whole(const pel_sim *sim, const pel_solid_pair *pair)
+{
+    const pel_model *model = sim->model;
+    if (pair->tool < 0 || pair->tool >= sim->tools->count || !presses(&sim->tools->items[pair->tool]))
+        return false;
+    if (!(pair->load >= 0 && pair->earlier >= 0 && pair->slack >= 0) ||
+        !isfinite(pair->load + pair->earlier + pair->slack + pair->drag[0] + pair->drag[1] + pair->drag[2]))
+        return false;
+    if (pair->triangle < 0)
+        return pair->triangle == -1 && pair->vertex >= 0 && pair->vertex < model->vertex_count;
+    return pair->vertex == -1 && pair->triangle < model->triangle_begin[model->body_count];
+}
+
+bool pel_solids_restore(pel_sim *sim)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; solids != NULL && c < solids->list.count; c++)
+        if (!is_whole(sim, &solids->pairs[c])) {
+            solids->list.count = 0;
+            return false;
+        }
+    return true;
+}
+
+pel_status pel_solids_take_over(pel_sim *sim, const pel_sim *from, pel_error *error)
+{
+    const pel_sim_solids *old = from->tools->solids;
+    pel_sim_solids *solids = sim->tools->solids;
+    if (old == NULL || solids == NULL)
+        return PEL_OK;
+    if (!make_room(solids, (size_t)old->list.count))
+        return pel_fail_memory(error);
+    for (int32_t c = 0; c < old->list.count; c++) {
+        pel_solid_pair pair = old->pairs[c];
+        pair.tool = pel_sim_find_tool(sim, from->tools->items[pair.tool].name);
+        if (is_kept(&pair) && is_whole(sim, &pair))
+            solids->pairs[solids->list.count++] = pair;
+    }
+    return PEL_OK;
 }

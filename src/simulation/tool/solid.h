@@ -6,7 +6,7 @@
 
 #include "contact/contact.h"
 #include "geom/solid.h"
-#include "stage/stage.h"
+#include "stage/transfer.h"
 
 typedef struct pel_solid_pair {
     int32_t tool;
@@ -50,5 +50,14 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
 
 /* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */
 void pel_solids_tally(pel_sim *sim, double rate);
+
+/* After an event of refinement: pairs of vertices whose places were given up are forgotten. */
+void pel_solids_release(pel_sim *sim);
+/* Pairs that carry a load: as many as there are at present. */
+pel_transfer_part pel_solids_transfer;
+/* After it was loaded: false, and no pairs, when one is of something that does not exist. */
+bool pel_solids_restore(pel_sim *sim);
+/* Takes over the pairs of another simulation of the same surfaces, by the names of tools. PEL_OUT_OF_MEMORY. */
+pel_status pel_solids_take_over(pel_sim *sim, const pel_sim *from, pel_error *error);
 
 #endif

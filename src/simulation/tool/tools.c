@@ -5,6 +5,7 @@
 #include "tool/grip.h"
 #include "tool/pose.h"
 #include "tool/press.h"
+#include "tool/solid.h"
 
 #include <string.h>
 
@@ -155,7 +156,8 @@ static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
     const pel_model *model = sim->model;
     if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || !is_flag(&tool->is_held_back) ||
-        (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
+        !(tool->stride > 0 && tool->stride <= 1) || (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 ||
+        tool->plane_count > PEL_PLANE_LIMIT)
         return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
         if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
@@ -165,12 +167,13 @@ static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 
 bool pel_tools_restore(pel_sim *sim)
 {
-    bool whole = true;
+    bool whole = pel_solids_restore(sim);
     for (int32_t t = 0; t < sim->tools->count; t++)
         whole = whole && is_whole_tool(sim, &sim->tools->items[t]);
     for (int32_t t = 0; !whole && t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
         tool->held_count = tool->plane_count = 0;
+        tool->stride = 1;
         tool->driven = tool->blocked = tool->is_held_back = false;
         tool->phase = PEL_GRASP_DONE;
     }

@@ -311,8 +311,7 @@ static pel_status set_triangles(pel_sim *sim, pel_error *error)
     return PEL_OK;
 }
 
-/* the collider has the present surface */
-static bool is_of_present(const pel_sim *sim)
+bool pel_contacts_are_of_present(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->touch->revisions[b] != pel_sim_surface_revision(sim, b))
@@ -322,22 +321,31 @@ static bool is_of_present(const pel_sim *sim)
 
 static bool is_present(const pel_sim *sim)
 {
-    return sim->contacts->collider != NULL && !sim->touch->is_loaded && is_of_present(sim);
+    bool is_set = !sim->touch->is_loaded && !sim->touch->is_carried;
+    return sim->contacts->collider != NULL && is_set && pel_contacts_are_of_present(sim);
 }
 
 pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 {
     if (is_present(sim))
         return PEL_OK;
-    bool is_known = sim->touch->is_loaded && is_of_present(sim);
+    bool is_same = pel_contacts_are_of_present(sim), is_known = sim->touch->is_loaded && is_same;
     pel_status status = set_triangles(sim, error);
     if (status == PEL_OK)
         status = pel_contact_surface_finish(sim->contacts, is_known, error);
-    if (status == PEL_OK)
-        sim->touch->is_loaded = false;
-    else if (!is_known)
-        sim->touch->revisions[0] = -1;
-    return status;
+    if (status != PEL_OK) {
+        if (!is_known)
+            sim->touch->revisions[0] = -1;
+        return status;
+    }
+    /* numbers of features are of their surface */
+    if (!is_same)
+        sim->contacts->list.count = 0;
+    sim->touch->is_loaded = sim->touch->is_carried = false;
+    if (is_known)
+        return pel_tangles_recall(sim->contacts, error);
+    sim->contacts->tangles.is_known &= sim->contacts->tangles.count == 0;
+    return PEL_OK;
 }
 
 /* ---- search ---- */
@@ -470,6 +478,7 @@ pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error)
 {
     pel_collision_result found;
     pel_contacts_place(sim);
+    sim->contacts->aim = HUGE_VAL;
     pel_status status = pel_contact_set_search_way(sim->contacts, &found, error);
     return status == PEL_OK ? pel_contact_set_add_way(sim->contacts, &found, error) : status;
 }
@@ -674,9 +683,7 @@ pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)
         return PEL_OK;
     pel_contacts_place_start(sim);
     pel_status status = pel_contacts_update_surface(sim, error);
-    if (status == PEL_OK && (!contacts->tangles.is_known || contacts->tangles.count > 0))
-        status = pel_tangles_find(contacts, error);
-    return status;
+    return status == PEL_OK && !contacts->tangles.is_known ? pel_tangles_find(contacts, error) : status;
 }
 
 /* ---- questions ---- */

@@ -21,9 +21,11 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    bool is_carried;    /* pairs and revisions are of another simulation, the surface of the set is not yet */
     double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
     void *before_event; /* (event_size) snapshot, of models that refine; else null */
-    size_t event_size;
+    size_t event_size, event_room;
+    size_t event_least;              /* of one without lists (sim/snapshot.h) */
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
 };
 
@@ -36,6 +38,8 @@ void pel_contacts_place(pel_sim *sim);
 void pel_contacts_place_start(pel_sim *sim);
 /* After refinement or a snapshot: the set takes the present surface, with the points at the start. */
 pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error);
+/* Whether the pairs of the set are of the present surface. */
+bool pel_contacts_are_of_present(const pel_sim *sim);
 /* Before the solver of a method with contacts in its loop: finds pairs that may touch in this step, and all pairs
    nearer than `least` [m], except with tools. */
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);

@@ -1,6 +1,7 @@
 /* What snapshots contain of contacts. */
 #include "touch/transfer.h"
 
+#include "base/memory.h"
 #include "touch/contact.h"
 
 void pel_touch_transfer_forces(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -51,4 +52,116 @@ void pel_touch_transfer_collider(pel_cursor *at, const pel_sim *sim, int32_t unu
     pel_transfer(at, sim->touch->revisions, (size_t)sim->model->body_count * sizeof *sim->touch->revisions);
     for (int i = 0; i < PEL_COLLIDER_PARTS; i++)
         pel_transfer(at, parts[i].data, parts[i].size);
+}
+
+/* ---- lists of the present length ---- */
+
+static void load_tangles(pel_cursor *at, pel_tangles *tangles, int64_t count)
+{
+    tangles->count = 0;
+    tangles->is_known = false;
+    if (!pel_reserve((void **)&tangles->pairs, &tangles->capacity, (size_t)count, sizeof *tangles->pairs))
+        at->is_full = true;
+    else
+        tangles->count = count;
+}
+
+/* The exact test would find the same pairs only where nothing was moved after it. */
+void pel_touch_transfer_tangles(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->contacts == NULL)
+        return;
+    pel_tangles *tangles = &sim->contacts->tangles;
+    int64_t count = tangles->is_known ? tangles->count : 0;
+    uint8_t is_known = tangles->is_known;
+    pel_transfer(at, &is_known, sizeof is_known);
+    pel_transfer_count(at, &count, sizeof *tangles->pairs);
+    if (at->load)
+        load_tangles(at, tangles, count);
+    if (at->is_full)
+        return;
+    pel_transfer(at, tangles->pairs, (size_t)count * sizeof *tangles->pairs);
+    if (at->load)
+        tangles->is_known = is_known == 1 && !at->is_short;
+}
+
+/* of a pair that has them */
+typedef struct layer_numbers {
+    double load, earlier, drag[3], slack, compliance;
+} layer_numbers;
+
+/* of any pair: that it was known decides what it starts with */
+typedef struct layer_name {
+    int32_t first, second;
+    uint32_t traits;
+} layer_name;
+
+enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2 };
+
+static bool has_numbers(const pel_contact_key *key)
+{
+    return key->load > 0 || key->earlier > 0 || key->slack > 0 || key->drag[0] != 0 || key->drag[1] != 0 ||
+           key->drag[2] != 0;
+}
+
+static void save_layer(pel_cursor *at, const pel_contact_key *key, const pel_contact *contact)
+{
+    layer_name name = {key->first, key->second,
+                       (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u)};
+    layer_numbers numbers = {
+        .load = key->load, .earlier = key->earlier, .slack = key->slack, .compliance = (double)contact->compliance};
+    pel_vec3_copy(key->drag, numbers.drag);
+    pel_transfer(at, &name, sizeof name);
+    if (has_numbers(key))
+        pel_transfer(at, &numbers, sizeof numbers);
+}
+
+static void load_layer(pel_cursor *at, pel_contact_key *key, pel_contact *contact)
+{
+    layer_name name = {0};
+    layer_numbers numbers = {0};
+    pel_transfer(at, &name, sizeof name);
+    if ((name.traits & LAYER_HAS_NUMBERS) != 0)
+        pel_transfer(at, &numbers, sizeof numbers);
+    *key = (pel_contact_key){.edge_edge = (name.traits & LAYER_EDGES) != 0,
+                             .first = name.first,
+                             .second = name.second,
+                             .obstacle = -1,
+                             .slack = numbers.slack,
+                             .load = numbers.load,
+                             .earlier = numbers.earlier};
+    pel_vec3_copy(numbers.drag, key->drag);
+    *contact = (pel_contact){.compliance = (pel_real)numbers.compliance};
+}
+
+void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    pel_contact_set *set = sim->contacts;
+    if (set == NULL || !set->def.has_layers)
+        return;
+    uint8_t was_widened = set->was_widened;
+    int64_t count = set->list.count;
+    pel_transfer(at, &set->margin, sizeof set->margin);
+    pel_transfer(at, &was_widened, sizeof was_widened);
+    pel_transfer_count(at, &count, sizeof(layer_name));
+    if (at->load) {
+        set->was_widened = was_widened == 1;
+        int32_t expected = count > INT32_MAX ? 0 : (int32_t)count;
+        at->is_short |= count > INT32_MAX;
+        at->is_full |= !pel_contact_set_expect(set, expected);
+        set->list.count = at->is_full ? 0 : expected;
+    }
+    for (int32_t c = 0; c < set->list.count; c++) {
+        if (at->load)
+            load_layer(at, &set->keys[c], &set->list.contacts[c]);
+        else
+            save_layer(at, &set->keys[c], &set->list.contacts[c]);
+    }
+}
+
+bool pel_touch_restore(const pel_sim *sim)
+{
+    return sim->contacts == NULL || pel_contact_set_restore(sim->contacts);
 }
