@@ -254,10 +254,14 @@ static void test_tools_come_and_go(void **unused)
         tool.keys = keys;
         tool.key_count = 2;
         assert_int_equal(pel_sim_add_tool(s.sim, &tool, &error), PEL_OK);
-        run_steps(s.sim, 40);
         pel_tool_reading reading;
-        pel_sim_get_tool(s.sim, 1, &reading);
-        assert_true(reading.force[0] > 0 && reading.contact_count > 0);
+        int pressed = 0;
+        for (int n = 0; n < 40; n++) {
+            run_steps(s.sim, 1);
+            pel_sim_get_tool(s.sim, 1, &reading);
+            pressed += reading.force[0] > 0 && reading.contact_count > 0;
+        }
+        assert_true(pressed > 10);
         assert_int_equal(pel_sim_remove_tool(s.sim, 0, NULL), PEL_OK);
         assert_string_equal(pel_sim_tool_name(s.sim, 0), "second");
         pel_tool_reading kept;
