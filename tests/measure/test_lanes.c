@@ -11,6 +11,8 @@
 #include "measure/volume.h"
 #include "pellicle/bending.h"
 
+#include <string.h>
+
 enum { TRIALS = 300 };
 
 /* float has 24 bits, and terms that cancel */
@@ -96,6 +98,26 @@ static void check_stress(int kind, random_state *random)
     }
 }
 
+/* the compliance is the inverse of the tangent */
+static void check_compliance(const pel_response *r)
+{
+    const pel_symmetric3 *m[2] = {&r->tangent, &r->compliance};
+    pel_lane rows[2][3][3];
+    for (int k = 0; k < 2; k++) {
+        const pel_lane full[3][3] = {
+            {m[k]->a11, m[k]->a12, m[k]->a13}, {m[k]->a12, m[k]->a22, m[k]->a23}, {m[k]->a13, m[k]->a23, m[k]->a33}};
+        memcpy(rows[k], full, sizeof full);
+    }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            pel_lane sum = pel_lane_splat(0);
+            for (int k = 0; k < 3; k++)
+                sum = sum + rows[0][i][k] * rows[1][k][j];
+            for (int lane = 0; lane < PEL_BLOCK; lane++)
+                assert_near((double)sum[lane], i == j, sizeof(pel_real) == 8 ? 1e-13 : 1e-4);
+        }
+}
+
 /* stress, tangent and its positive part of a strain */
 static void check_response(int kind, random_state *random)
 {
@@ -110,9 +132,12 @@ static void check_response(int kind, random_state *random)
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
     pel_strain s = {.strain = {load(strain[0]), load(strain[1]), load(strain[2])}};
     s.cauchy = (pel_symmetric2){one + two * s.strain.a, one + two * s.strain.b, s.strain.c};
-    s.area_ratio = pel_lane_sqrt(s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c);
+    s.area_square = s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c;
+    s.area_ratio = pel_lane_sqrt(s.area_square);
     pel_response r;
     pel_respond((pel_membrane_kind)kind, numbers, &s, &r);
+    if ((pel_membrane_law_traits((pel_membrane_kind)kind) & PEL_LAW_COMPLIANT) != 0)
+        check_compliance(&r);
     const pel_symmetric3 *m[2] = {&r.tangent, &r.positive};
     for (int i = 0; i < PEL_BLOCK; i++) {
         const double at[3] = {strain[0][i], strain[1][i], strain[2][i]};

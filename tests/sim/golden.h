@@ -25,6 +25,7 @@ static inline void run_case(const golden_case *given, int thread_count, bool is_
     body.volumetric_by_area = true;
     if (given->shell) {
         body.shell.membrane.on = true;
+        body.shell.membrane.kind = PEL_MEMBRANE_STVK;
         body.shell.membrane.young.value = 500;
         body.shell.membrane.poisson = 0.3;
         body.shell.membrane.thickness.value = 0.01;

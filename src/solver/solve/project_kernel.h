@@ -326,8 +326,24 @@ PEL_INLINE void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, p
    collapsed triangles are steep */
 PEL_INLINE pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
 {
-    pel_lane share = pel_lane_quotient(pel_lane_splat(1), sum_of_squares(t, a, b) * (t->pp + t->qq));
-    return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
+    const pel_lane one = pel_lane_splat(1), square = sum_of_squares(t, a, b) * (t->pp + t->qq);
+    /* the usual case, without the quotient and the root */
+    if (pel_lane_all(pel_lane_above(one, square)))
+        return one;
+    return pel_lane_sqrt(one / pel_lane_max(square, one));
+}
+
+/* the multipliers and the points of a triangle, not further than step_limit */
+PEL_INLINE void move_strained(const pel_batch *batch, int32_t block, int32_t lane, const triangle_lanes *t,
+                              const pel_lane old[3], const pel_lane change[3], pel_lane3 *ways)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane3 first = pel_lane3_combine(change[0], t->f.f1, change[2], t->f.f2);
+    pel_lane3 second = pel_lane3_combine(change[2], t->f.f1, change[1], t->f.f2);
+    pel_lane limit = step_limit(t, first, second);
+    for (int i = 0; i < 3; i++)
+        add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
+    move_triangle(t, limit, first, second, ways);
 }
 
 PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
@@ -351,12 +367,38 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
     pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
     pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
     solve_newton(&b, &g, change);
-    pel_lane3 first = pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2);
-    pel_lane3 second = pel_lane3_combine(change[2], t.f.f1, change[1], t.f.f2);
-    pel_lane limit = step_limit(&t, first, second);
+    move_strained(batch, block, lane, &t, old, change, ways);
+}
+
+/* the same step by the inverse of D: (G + a D^-1) dl = -D^-1 (a l + t), a = 1 / (area dt^2) */
+PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, int32_t lane,
+                                         const pel_record *positions, pel_lane3 *ways, pel_membrane_kind kind)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane numbers[PEL_LAW_NUMBERS], old[3];
+    load_law(batch, numbers);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
+    pel_strain s = pel_green_strain(&t.f);
+    pel_response r;
+    pel_respond(kind, numbers, &s, &r);
+    const pel_symmetric3 *d = &r.compliance;
+    pel_symmetric3 g = mobility_of(&t, &s);
+    pel_lane softness =
+        number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
     for (int i = 0; i < 3; i++)
-        add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
-    move_triangle(&t, limit, first, second, ways);
+        old[i] = multiplier_of(batch, block, 3, i, lane);
+    const pel_lane x = softness * old[0] + r.stress.a, y = softness * old[1] + r.stress.b,
+                   z = softness * old[2] + r.stress.c;
+    pel_lane change[3] = {-(d->a11 * x + d->a12 * y + d->a13 * z), -(d->a12 * x + d->a22 * y + d->a23 * z),
+                          -(d->a13 * x + d->a23 * y + d->a33 * z)};
+    g.a11 = g.a11 + softness * d->a11;
+    g.a12 = g.a12 + softness * d->a12;
+    g.a13 = g.a13 + softness * d->a13;
+    g.a22 = g.a22 + softness * d->a22;
+    g.a23 = g.a23 + softness * d->a23;
+    g.a33 = g.a33 + softness * d->a33;
+    solve_symmetric(&g, change);
+    move_strained(batch, block, lane, &t, old, change, ways);
 }
 
 /* the strain form of a law */
@@ -365,7 +407,9 @@ PEL_INLINE void project_strain(const pel_batch *batch, int32_t block, int32_t la
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     const int traits = pel_law_traits(kind);
-    if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
+    if ((traits & PEL_LAW_COMPLIANT) != 0)
+        project_strain_compliant(batch, block, lane, positions, ways, kind);
+    else if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         project_strain_newton(batch, block, lane, positions, ways, kind);
     else if ((traits & PEL_LAW_ALIGNED) == 0)
         project_strain_green(batch, block, lane, positions, ways);
