@@ -403,9 +403,11 @@ static const pel_def_row rows[] = {
      .doc = "contact between different bodies"},
     {"contact.thickness", CONTACT(thickness), .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE,
      .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled),
-     .doc = "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
-            "thickness of each. A number of metres, or `relative` and a factor on the diagonal of the bounding box of "
-            "all bodies (at most half the shortest edge)"},
+     .doc =
+         "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
+         "thickness of each. A number of metres; `shell`, so that each body has the thickness of its membrane (without "
+         "one an open surface that of its mass, others and tools relative 1e-4); or `relative` and a factor on the "
+         "diagonal of the bounding box of all bodies (at most half the shortest edge)"},
     {"contact.friction", CONTACT(friction), NUMBER, AT_LEAST(0), .preset = "0", WHEN(is_enabled),
      .doc = "Coulomb's coefficient of bodies and tools without their own; a pair has the geometric mean of both"},
     {"contact.restitution", CONTACT(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_enabled),
@@ -529,6 +531,7 @@ static const pel_def_row rows[] = {
     {NULL, TOOL_LIST(vertices, vertex_count)},
     {NULL, TOOL(center)},
     {NULL, CONTACT(enabled)},
+    {NULL, CONTACT(shell_thickness)},
     {NULL, CONTACT(relative_thickness), .initial = 1e-4},
 };
 
