@@ -75,7 +75,8 @@ static void check_contacts(const pel_contact_set *set, const pel_record *positio
     }
 }
 
-/* a sheet is pressed together along a direction in its plane and spread again, by small steps and jumps */
+/* a sheet of several chunks is pressed together along a direction in its plane and spread again, by small steps and
+   jumps, with one thread and with two */
 static void test_pressed_sheet(void **unused)
 {
     (void)unused;
@@ -88,12 +89,16 @@ static void test_pressed_sheet(void **unused)
                               .before = pose_at(0, 0, 2),
                               .pose = pose_at(0, 0, 2)};
     a = (arrays){0};
-    add_sheet(&a, 9, 0, 0.01, &random);
+    add_sheet(&a, 16, 0, 0.01, &random);
     add_obstacle(&a, &box, 0);
+    assert_true(a.triangle_count > PEL_HEIGHT_CHUNK);
     for (int32_t v = 0; v < a.vertex_count; v++)
         a.rest[v][0] += (pel_real)0.5;
     pel_contact_set *set = create(&a);
+    pel_pool *pool;
+    assert_int_equal(pel_pool_create(2, &pool, NULL), PEL_OK);
     for (int n = 0; n <= 400; n++) {
+        set->def.pool = n % 3 > 0 ? pool : NULL;
         double angle = 0.3, along = n <= 200 ? 1 - 0.00495 * n : 0.01 + 0.00495 * (n - 200);
         if (n % 50 == 49)
             along *= 0.5;
@@ -115,6 +120,7 @@ static void test_pressed_sheet(void **unused)
     /* much of the sheet was flat, and steps far from it measured nothing */
     assert_true(most > a.triangle_count / 3 && skipped > 20 && again > 20);
     pel_contact_set_destroy(set);
+    pel_pool_destroy(pool);
 }
 
 /* after a measurement any vertex may flatten a triangle alone, along any axis */

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the text of the project: words that must not stay, heap calls outside base/memory, long files and functions.
+"""Checks the text of the project: words that must not stay, heap calls outside base/memory, calls of fmin and fmax, long
+files and functions.
 
 usage: text.py ROOT
 """
@@ -16,6 +17,8 @@ WORDS = {
 }
 HEAP = r"\b(malloc|calloc|realloc|aligned_alloc|strdup|strndup|asprintf|getline)\s*\("
 HEAP_DOOR = "src/ground/base/memory.c"
+# compilers call these where -ffast-math is off
+EXTREMES = r"\bf(min|max)f?\s*\("
 
 
 def text_files(root):
@@ -35,6 +38,8 @@ def problems(name, text):
                 yield f"{name}:{number}: {why}: {line.strip()}"
         if name.startswith("src/") and name != HEAP_DOOR and re.search(HEAP, line.split("/*")[0]):
             yield f"{name}:{number}: heap use outside {HEAP_DOOR}: {line.strip()}"
+        if name.startswith("src/") and re.search(EXTREMES, line.split("/*")[0]):
+            yield f"{name}:{number}: a call of the C library in place of pel_min or pel_max: {line.strip()}"
     if not name.endswith((".c", ".h")):
         return
     if text.count("\n") > LONGEST_FILE:

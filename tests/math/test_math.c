@@ -1,6 +1,7 @@
 #include "check.h"
 #include "random.h"
 
+#include "math/extremes.h"
 #include "math/matrix2.h"
 #include "math/vec3.h"
 
@@ -80,12 +81,28 @@ static void test_singular_matrices(void **unused)
     assert_near(squared_distance(r, identity), 0, 0);
 }
 
+/* as fmin and fmax, whose NaN vanishes too; of two zeros the second */
+static void test_extremes(void **unused)
+{
+    (void)unused;
+    const double numbers[] = {0, -1, 1, 2.5, HUGE_VAL, -HUGE_VAL, (double)NAN, 1e-300};
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 8; k++) {
+            double a = numbers[i], b = numbers[k], least = pel_min(a, b), most = pel_max(a, b);
+            assert_true(isnan(a) && isnan(b) ? isnan(least) : least == fmin(a, b));
+            assert_true(isnan(a) && isnan(b) ? isnan(most) : most == fmax(a, b));
+        }
+    assert_true(signbit(pel_min(0, -0.0)) && !signbit(pel_min(-0.0, 0)));
+    assert_true(signbit(pel_max(0, -0.0)) && !signbit(pel_max(-0.0, 0)));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_vec3),
         cmocka_unit_test(test_nearest_rotation),
         cmocka_unit_test(test_singular_matrices),
+        cmocka_unit_test(test_extremes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,6 +11,14 @@
 #define YOUNG 1e5
 #define DENSITY 1000
 
+static pel_softness look(const pel_model *model, const pel_state *state, double time, pel_pool *pool,
+                         const pel_softness_scratch *scratch)
+{
+    pel_softness_progress progress = {0};
+    pel_softness_look(model, state, time, pool, pel_softness_size(model), scratch, &progress);
+    return progress.found;
+}
+
 static pel_softness find(const pel_model *model, double stretch, double time)
 {
     pel_state *state = make_state(model);
@@ -19,7 +27,7 @@ static pel_softness find(const pel_model *model, double stretch, double time)
     for (int32_t v = 0; v < model->vertex_count; v++)
         for (int c = 0; c < 3; c++)
             state->position[v][c] *= (pel_real)stretch;
-    pel_softness found = pel_softness_find(model, state, state->position, time, &scratch);
+    pel_softness found = look(model, state, time, NULL, &scratch);
     pel_softness_destroy(&scratch);
     pel_state_destroy(state);
     return found;
@@ -118,7 +126,7 @@ static void test_springs(void **unused)
     assert_int_equal(pel_softness_create(model, NULL, &scratch, NULL), PEL_OK);
     for (int i = 0; i < 2; i++) {
         state->factors[0][PEL_SPRING_STIFFNESS] = keys[i].value;
-        assert_rate(pel_softness_find(model, state, state->position, 0, &scratch).rate, 2 / 0.5 * keys[i].value);
+        assert_rate(look(model, state, 0, NULL, &scratch).rate, 2 / 0.5 * keys[i].value);
     }
     pel_softness_destroy(&scratch);
     pel_state_destroy(state);
@@ -245,6 +253,47 @@ static void test_iterations(void **unused)
         assert_near(pel_softness_after(pel_softness_share(0.3, n), n), 0.3, 1e-12);
 }
 
+/* springs, membrane, bending and fibres of a bent ball, at once and in parts, with one thread and two: the same bits */
+static void test_parts(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(9);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    pel_anisotropy_def fibres = pel_anisotropy_def_default();
+    fibres.mode = PEL_FIBRE_STRAIN;
+    fibres.kind = PEL_FIBRE_SQRT;
+    fibres.stiffness = 1e5;
+    fibres.direction = PEL_FIBRE_ALONG;
+    fibres.axis[0] = 1;
+    fibres.axis[1] = fibres.axis[2] = 0;
+    body.spring_stiffness.value = 7;
+    body.shell.bending.model = PEL_BENDING_HINGE;
+    body.shell.anisotropies = &fibres;
+    body.shell.anisotropy_count = 1;
+    pel_model *model = make_model(&body);
+    pel_state *state = make_state(model);
+    pel_softness_scratch scratch;
+    pel_pool *pool;
+    assert_int_equal(pel_softness_create(model, NULL, &scratch, NULL), PEL_OK);
+    assert_int_equal(pel_pool_create(2, &pool, NULL), PEL_OK);
+    for (int32_t v = 0; v < model->vertex_count; v++)
+        state->position[v][0] *= (pel_real)(1 + 0.3 * (double)state->position[v][1]);
+    const pel_softness whole = look(model, state, 0, NULL, &scratch);
+    const int64_t size = pel_softness_size(model);
+    assert_true(whole.rate > 0 && size > mesh->vertex_count + 2 * mesh->triangle_count);
+    for (int parts = 1; parts <= 20; parts++) {
+        pel_softness_progress progress = {0};
+        for (int part = 1; part <= parts; part++)
+            pel_softness_look(model, state, 0, parts % 2 ? pool : NULL, size * part / parts, &scratch, &progress);
+        assert_true(progress.done == size && progress.found.rate == whole.rate);
+    }
+    pel_pool_destroy(pool);
+    pel_softness_destroy(&scratch);
+    pel_state_destroy(state);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 static pel_status create(const void *model, pel_error *error)
 {
     pel_softness_scratch scratch = {0};
@@ -266,10 +315,10 @@ static void test_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_membranes),  cmocka_unit_test(test_large_strain), cmocka_unit_test(test_springs),
-        cmocka_unit_test(test_bending),    cmocka_unit_test(test_fibres),       cmocka_unit_test(test_pressure),
-        cmocka_unit_test(test_regions),    cmocka_unit_test(test_refined_part), cmocka_unit_test(test_iterations),
-        cmocka_unit_test(test_allocation),
+        cmocka_unit_test(test_membranes), cmocka_unit_test(test_large_strain), cmocka_unit_test(test_springs),
+        cmocka_unit_test(test_bending),   cmocka_unit_test(test_fibres),       cmocka_unit_test(test_pressure),
+        cmocka_unit_test(test_regions),   cmocka_unit_test(test_refined_part), cmocka_unit_test(test_iterations),
+        cmocka_unit_test(test_parts),     cmocka_unit_test(test_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "geom/wide4.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/geometry.h"
 
@@ -119,8 +120,8 @@ static double approach_of(const motion_job *job, int32_t target)
     for (int k = 0; k < 3; k++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int part = 0; part < PARTS; part++) {
-            low = fmin(low, job->low[target][part][k]);
-            high = fmax(high, job->high[target][part][k]);
+            low = pel_min(low, job->low[target][part][k]);
+            high = pel_max(high, job->high[target][part][k]);
             if (!job->is_finite[target][part])
                 return HUGE_VAL;
         }
@@ -134,7 +135,7 @@ static double longest_approach(motion_job *job, pel_pool *pool)
 {
     pel_pool_run(pool, PARTS, measure_part, job);
     double longest = approach_of(job, 0);
-    return job->target_count > 1 ? fmax(longest, approach_of(job, 1)) : longest;
+    return job->target_count > 1 ? pel_max(longest, approach_of(job, 1)) : longest;
 }
 
 /* m, approach of two points that brings a pair of this distance as near as `needed` */
@@ -164,7 +165,7 @@ bool pel_clearance_serves(pel_clearance *clearance, const double (*start)[3], co
 /* approach that brings the nearest of all pairs as near as `needed` */
 static double clear_room(const pel_clearance *clearance, double needed)
 {
-    return room_of(fmin(clearance->reach, clearance->nearest), needed);
+    return room_of(pel_min(clearance->reach, clearance->nearest), needed);
 }
 
 bool pel_clearance_is_clear(pel_clearance *clearance, const pel_clearance_way *way, double needed, pel_pool *pool)
@@ -213,13 +214,13 @@ static double nearest_distance(const pel_clearance *clearance, const pel_tree *t
     for (size_t i = 0; i < clearance->vertex_face.count; i++) {
         const pel_pair *pair = &clearance->vertex_face.pairs[i];
         const int32_t *c = tree->triangles[pair->second];
-        square = fmin(square, pel_closest_point_triangle(x[pair->first], x[c[0]], x[c[1]], x[c[2]], weights));
+        square = pel_min(square, pel_closest_point_triangle(x[pair->first], x[c[0]], x[c[1]], x[c[2]], weights));
     }
     for (size_t i = 0; i < clearance->edge_edge.count; i++) {
         int32_t a[2], b[2];
         pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].first, a);
         pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].second, b);
-        square = fmin(square, pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights));
+        square = pel_min(square, pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights));
     }
     return sqrt(square);
 }

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "collide/clearance.h"
 #include "geom/ccd.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "pellicle/parallel.h"
 
@@ -418,7 +419,7 @@ static pel_status solve_kind(pel_collider *collider, const pel_collision_query *
 /* m, pairs that stay farther apart are no hits */
 static double needed_distance(const pel_collision_query *query)
 {
-    return fmax(query->min_separation + query->tolerance, query->near);
+    return pel_max(query->min_separation + query->tolerance, query->near);
 }
 
 bool pel_collider_is_clear(pel_collider *collider, const pel_collision_query *query, const pel_clearance_way *way)

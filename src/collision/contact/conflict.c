@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 enum { HITS_OF_CHUNK = 64 };
 
@@ -34,7 +35,7 @@ static double longest_approach(const pel_contact_set *set, const pel_collision *
     for (int i = 0; i < 4; i++) {
         int32_t point = hit->vertices[i];
         double *longest = &side[i >= (hit->edge_edge ? 2 : 1)];
-        *longest = fmax(*longest, pel_vec3_distance(set->start[point], set->end[point]));
+        *longest = pel_max(*longest, pel_vec3_distance(set->start[point], set->end[point]));
     }
     return side[0] + side[1];
 }
@@ -44,7 +45,7 @@ static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision
 {
     pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
     double distance = pel_contact_start_distance(set, hit), approach = longest_approach(set, hit);
-    double separation = fmin(set->guarded, APPROACH * distance);
+    double separation = pel_min(set->guarded, APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)
         return impact;

@@ -25,6 +25,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <string.h>
 
@@ -144,7 +145,7 @@ static void join_conflict(pel_contact_set *set, const pel_conflict *conflict)
     for (int i = 0; i < count; i++) {
         double *impact =
             is_far ? &set->body_impacts[set->group_of_point[nodes[i]]] : &zones[zones[nodes[i]].leader].impact;
-        *impact = fmin(*impact, conflict->time);
+        *impact = pel_min(*impact, conflict->time);
     }
 }
 

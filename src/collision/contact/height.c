@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <float.h>
 #include <math.h>
@@ -82,65 +83,136 @@ void pel_contact_heights_set_surface(pel_contact_set *set)
     set->heights.slack = 0;
 }
 
-/* true if no vertex has moved by half of the slack since the last measurement: a width changes by at most twice the
-   largest displacement */
-static bool are_far_from_flat(const pel_contact_set *set, const pel_record *positions)
+/* ---- loops in chunks ---- */
+
+typedef struct height_job {
+    const pel_contact_set *set;
+    const pel_record *positions;
+} height_job;
+
+static void run_chunks(const pel_contact_set *set, int32_t count, pel_chunk_function *function, height_job *job)
 {
-    const pel_contact_heights *heights = &set->heights;
+    pel_pool_run(set->def.pool, (count + PEL_HEIGHT_CHUNK - 1) / PEL_HEIGHT_CHUNK, function, job);
+}
+
+static int32_t chunk_end(int32_t chunk, int32_t count)
+{
+    int32_t first = chunk * PEL_HEIGHT_CHUNK;
+    return count - first < PEL_HEIGHT_CHUNK ? count : first + PEL_HEIGHT_CHUNK;
+}
+
+/* the square of the largest way since the last measurement, and the largest coordinate then */
+static void measure_ways(void *context, int32_t chunk)
+{
+    const height_job *job = context;
+    const pel_contact_heights *heights = &job->set->heights;
     double most = 0, size = 0;
-    if (!(heights->slack > 0))
-        return false;
-    for (int32_t v = 0; v < set->vertex_count; v++) {
+    for (int32_t v = chunk * PEL_HEIGHT_CHUNK; v < chunk_end(chunk, job->set->vertex_count); v++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
-            double place = (double)heights->places[v][k], way = (double)positions[v][k] - place;
+            double place = (double)heights->places[v][k], way = (double)job->positions[v][k] - place;
             square += way * way;
             size = fabs(place) > size ? fabs(place) : size;
         }
         most = square > most ? square : most;
     }
+    heights->parts[chunk][0] = most;
+    heights->parts[chunk][1] = size;
+}
+
+/* true if no vertex has moved by half of the slack since the last measurement: a width changes by at most twice the
+   largest displacement */
+static bool are_far_from_flat(const pel_contact_set *set, height_job *job)
+{
+    const pel_contact_heights *heights = &set->heights;
+    double most = 0, size = 0;
+    if (!(heights->slack > 0))
+        return false;
+    run_chunks(set, set->vertex_count, measure_ways, job);
+    for (int32_t chunk = 0; chunk * PEL_HEIGHT_CHUNK < set->vertex_count; chunk++) {
+        most = pel_max(most, heights->parts[chunk][0]);
+        size = pel_max(size, heights->parts[chunk][1]);
+    }
     return 2 * (sqrt(most) + (double)FLT_EPSILON * size) < heights->slack;
 }
 
-static void keep_places(pel_contact_set *set, const pel_record *positions)
+static void keep_places(void *context, int32_t chunk)
 {
-    for (int32_t v = 0; v < set->vertex_count; v++)
+    const height_job *job = context;
+    const pel_contact_set *set = job->set;
+    for (int32_t v = chunk * PEL_HEIGHT_CHUNK; v < chunk_end(chunk, set->vertex_count); v++)
         for (int k = 0; k < 3; k++)
-            set->heights.places[v][k] = (float)positions[v][k];
+            set->heights.places[v][k] = (float)job->positions[v][k];
+}
+
+/* how far the triangle is above its bound; 0 where it may be too flat, or is not a number */
+static double room_of(const pel_contact_set *set, int32_t t, const pel_record *positions)
+{
+    double longest, area;
+    if (set->triangles[t][0] >= set->vertex_count)
+        return HUGE_VAL;
+    measure_squares(set->triangles[t], positions, &longest, &area);
+    double room = sqrt(area / longest) - (double)set->heights.bounds[t];
+    return room > 0 ? room : 0;
+}
+
+static void measure_rooms(void *context, int32_t chunk)
+{
+    const height_job *job = context;
+    double least = HUGE_VAL;
+    for (int32_t t = chunk * PEL_HEIGHT_CHUNK; t < chunk_end(chunk, job->set->triangle_count); t++) {
+        double room = room_of(job->set, t, job->positions);
+        least = room < least ? room : least;
+    }
+    job->set->heights.parts[chunk][0] = least;
+}
+
+/* ---- the list ---- */
+
+static pel_status add(pel_contact_heights *heights, int32_t t, double least, pel_error *error)
+{
+    size_t count = (size_t)heights->list.count;
+    if (!pel_reserve((void **)&heights->list.contacts, &heights->capacity, count + 1, sizeof *heights->list.contacts) ||
+        !pel_reserve((void **)&heights->triangles, &heights->triangle_capacity, count + 1, sizeof *heights->triangles))
+        return pel_fail_memory(error);
+    heights->list.contacts[count] = (pel_contact){.separation = (pel_real)least};
+    heights->triangles[count] = t;
+    heights->list.count++;
+    return PEL_OK;
+}
+
+/* the triangles of a chunk that are to be watched */
+static pel_status list_chunk(pel_contact_set *set, int32_t chunk, const pel_record *positions, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    int32_t end = chunk_end(chunk, set->triangle_count);
+    for (int32_t t = chunk * PEL_HEIGHT_CHUNK; status == PEL_OK && t < end; t++) {
+        if (room_of(set, t, positions) > 0)
+            continue;
+        double least = LEAST_SHARE * measure_triangle(set->triangles[t], set->def.rest).length;
+        if (measure_triangle(set->triangles[t], positions).length < WATCH * least)
+            status = add(&set->heights, t, least, error);
+    }
+    return status;
 }
 
 pel_status pel_contact_heights_find(pel_contact_set *set, const pel_record *position, pel_error *error)
 {
     pel_contact_heights *heights = &set->heights;
+    height_job job = {set, position};
+    pel_status status = PEL_OK;
     heights->list.count = 0;
-    if (are_far_from_flat(set, position))
+    if (are_far_from_flat(set, &job))
         return PEL_OK;
     heights->slack = HUGE_VAL;
-    keep_places(set, position);
-    for (int32_t t = 0; t < set->triangle_count; t++) {
-        const int32_t *v = set->triangles[t];
-        double longest, area;
-        if (v[0] >= set->vertex_count)
-            continue;
-        measure_squares(v, position, &longest, &area);
-        double room = sqrt(area / longest) - (double)heights->bounds[t];
-        heights->slack = room > 0 ? fmin(room, heights->slack) : 0;
-        if (room > 0)
-            continue;
-        double least = LEAST_SHARE * measure_triangle(v, set->def.rest).length;
-        if (!(measure_triangle(v, position).length < WATCH * least))
-            continue;
-        size_t count = (size_t)heights->list.count;
-        if (!pel_reserve((void **)&heights->list.contacts, &heights->capacity, count + 1,
-                         sizeof *heights->list.contacts) ||
-            !pel_reserve((void **)&heights->triangles, &heights->triangle_capacity, count + 1,
-                         sizeof *heights->triangles))
-            return pel_fail_memory(error);
-        heights->list.contacts[count] = (pel_contact){.separation = (pel_real)least};
-        heights->triangles[count] = t;
-        heights->list.count++;
+    run_chunks(set, set->vertex_count, keep_places, &job);
+    run_chunks(set, set->triangle_count, measure_rooms, &job);
+    for (int32_t chunk = 0; status == PEL_OK && chunk * PEL_HEIGHT_CHUNK < set->triangle_count; chunk++) {
+        heights->slack = pel_min(heights->slack, heights->parts[chunk][0]);
+        if (!(heights->parts[chunk][0] > 0))
+            status = list_chunk(set, chunk, position, error);
     }
-    return PEL_OK;
+    return status;
 }
 
 void pel_contact_heights_refresh(pel_contact_set *set, const pel_record *positions)

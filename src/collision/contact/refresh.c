@@ -10,6 +10,8 @@
    both features; from then on the normal is followed. */
 #include "contact/set.h"
 
+#include "math/extremes.h"
+
 enum { PAIRS_OF_CHUNK = 256 };
 
 /* weights of closest points inside a feature are farther from 0 than this */
@@ -129,7 +131,7 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
                                 pel_contact_key *key, double weights[4], double normal[3])
 {
     double w[3], u[3], v[3], way[3], square = pel_closest_point_triangle(x[0], x[1], x[2], x[3], w);
-    bool is_border = fmin(w[0], fmin(w[1], w[2])) <= INSIDE;
+    bool is_border = pel_min(w[0], pel_min(w[1], w[2])) <= INSIDE;
     weights[0] = 1;
     for (int i = 0; i < 3; i++)
         weights[i + 1] = -w[i];
@@ -158,7 +160,7 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
 {
     double w[4], u[3], v[3], cross[3], back[3];
     pel_closest_segment_segment(x[0], x[1], x[2], x[3], w);
-    double least = fmin(fmin(w[0], w[1]), fmin(w[2], w[3]));
+    double least = pel_min(pel_min(w[0], w[1]), pel_min(w[2], w[3]));
     pel_vec3_subtract(x[1], x[0], u);
     pel_vec3_subtract(x[3], x[2], v);
     pel_vec3_cross(u, v, cross);

@@ -1,6 +1,8 @@
 /* Spheres and capsules in the guard: a point or a segment that keeps its radius from the surface. */
 #include "contact/set.h"
 
+#include "math/extremes.h"
+
 /* a round obstacle on its way, with the box of all of it */
 typedef struct round_obstacle {
     int32_t number;
@@ -38,10 +40,10 @@ static void set_round(const pel_contact_set *set, int32_t number, round_obstacle
         pel_pose_to_world(&o->before, local, round->start[i]);
         pel_pose_to_world(&o->pose, local, round->end[i]);
         for (int k = 0; k < 3; k++) {
-            round->low[k] = fmin(round->low[k], fmin(round->start[i][k], round->end[i][k]) - grown);
-            round->high[k] = fmax(round->high[k], fmax(round->start[i][k], round->end[i][k]) + grown);
+            round->low[k] = pel_min(round->low[k], pel_min(round->start[i][k], round->end[i][k]) - grown);
+            round->high[k] = pel_max(round->high[k], pel_max(round->start[i][k], round->end[i][k]) + grown);
         }
-        round->longest = fmax(round->longest, pel_vec3_distance(round->start[i], round->end[i]));
+        round->longest = pel_max(round->longest, pel_vec3_distance(round->start[i], round->end[i]));
     }
 }
 
@@ -51,8 +53,8 @@ static bool is_near(const pel_contact_set *set, const round_obstacle *round, con
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int c = 0; c < 3; c++) {
             double a = set->start[corners[c]][k], b = set->end[corners[c]][k];
-            low = fmin(low, fmin(a, b));
-            high = fmax(high, fmax(a, b));
+            low = pel_min(low, pel_min(a, b));
+            high = pel_max(high, pel_max(a, b));
         }
         if (!(low <= round->high[k] && high >= round->low[k]))
             return false;
@@ -71,7 +73,7 @@ static void set_corners(const pel_contact_set *set, const int32_t corners[3], do
 static void note(bool hits, const pel_ccd_hit *hit, double *time)
 {
     if (hits)
-        *time = fmin(*time, hit->time_of_impact);
+        *time = pel_min(*time, hit->time_of_impact);
 }
 
 /* time at which the triangle comes within the separation of the axis, above 1 = never */
@@ -112,18 +114,18 @@ static double conflict_time(const pel_contact_set *set, const round_obstacle *ro
     double start[4][3], end[4][3], weights[5], approach = 0;
     set_corners(set, corners, start, end);
     for (int c = 1; c < 4; c++)
-        approach = fmax(approach, pel_vec3_distance(start[c], end[c]));
+        approach = pel_max(approach, pel_vec3_distance(start[c], end[c]));
     approach += round->longest;
     double gap =
         sqrt(pel_closest_segment_triangle(round->start[0], round->start[1], start[1], start[2], start[3], weights)) -
         round->radius;
-    double separation = fmin(set->guarded, 0.99 * gap);
+    double separation = pel_min(set->guarded, 0.99 * gap);
     if (approach == 0 || gap - 2 * approach > separation)
         return 2;
     double left = end_gap(round, end);
     /* touching from the start on: obstacles may begin a little in a body, and press it out */
     if (gap < TOUCHING * set->guarded && approach < round->radius)
-        return left >= fmin(gap, 0) ? 2 : 0;
+        return left >= pel_min(gap, 0) ? 2 : 0;
     /* what slides over a round obstacle ends as free as it began; only the straight way between cuts a corner */
     if (left >= separation)
         separation = (CHORD_SHARE - 1) * round->radius;

@@ -5,6 +5,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 
 #include <string.h>
 
@@ -33,8 +34,8 @@ static void set_distances(pel_contact_set *set)
 {
     set->least = HUGE_VAL;
     for (int32_t i = 0; i < set->def.body_count + set->def.obstacle_count; i++) {
-        set->least = fmin(set->least, set->groups[i].thickness);
-        set->largest = fmax(set->largest, set->groups[i].thickness);
+        set->least = pel_min(set->least, set->groups[i].thickness);
+        set->largest = pel_max(set->largest, set->groups[i].thickness);
     }
     set->guarded = GUARDED_SHARE * set->least;
     set->near = set->largest + NEAR_SHARE * set->def.shortest_edge;
@@ -75,8 +76,8 @@ void pel_contact_set_destroy(pel_contact_set *set)
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
                  set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
                  set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
-                 set->heights.places, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
-                 set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->heights.places, set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones,
+                 set->rings, set->wanted, set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
     pel_free(set);
 }
 
@@ -202,7 +203,7 @@ static bool take_over(merger *m, const pel_contact_key *key)
 static bool is_before_face(const pel_collision *pair)
 {
     const double *w = pair->hit.weight;
-    return !pair->edge_edge && fmax(w[1], fmax(w[2], w[3])) < -1e-6;
+    return !pair->edge_edge && pel_max(w[1], pel_max(w[2], w[3])) < -1e-6;
 }
 
 /* update the contact's location and keep its impulses; a time-of-impact location is kept */
@@ -212,7 +213,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     pel_contact_key key = make_key(set, pair);
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = pel_contact_start_distance(set, pair);
-    key.depth = fmax(0, (1 - RECOVERY_SHARE) * set->def.thickness - start);
+    key.depth = pel_max(0, (1 - RECOVERY_SHARE) * set->def.thickness - start);
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
@@ -302,12 +303,12 @@ static double longest_way(const pel_contact_set *set)
 /* m, within which a search before a step looks */
 static double reach_of(const pel_contact_set *set, double longest)
 {
-    return fmin(set->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest, 4 * set->largest);
+    return pel_min(set->largest * (1 + REACH_SHARE) + MOTION_SHARE * longest, 4 * set->largest);
 }
 
 bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *position, double least, double longest)
 {
-    const pel_collision_query query = query_of(set, fmax(least, reach_of(set, longest)));
+    const pel_collision_query query = query_of(set, pel_max(least, reach_of(set, longest)));
     /* a step after a snapshot was loaded decides like that of a run that went on */
     if (!set->was_clear)
         pel_collider_go(set->collider, &query, position);
@@ -326,7 +327,7 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, bool has_sol
     set->was_clear = false;
     double reach = reach_of(set, longest_way(set));
     pel_collision_result found;
-    pel_status status = search(set, fmax(least, reach), &found, error);
+    pel_status status = search(set, pel_max(least, reach), &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
     merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .has_solids = has_solids};
     return status == PEL_OK ? merge(&m, &found, error) : status;

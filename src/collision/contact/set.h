@@ -138,6 +138,7 @@ typedef struct pel_contact_heights {
     float *bounds;      /* (triangles of the surface) m, triangles below this height are candidates */
     double slack;       /* m, least height above its bound at the last measurement; 0 = measure all */
     float (*places)[3]; /* (vertex_count) m, vertex positions at the last measurement */
+    double (*parts)[2]; /* (chunks of the loops over vertices and triangles) scratch */
 } pel_contact_heights;
 
 typedef struct pel_contact_set {
@@ -261,6 +262,8 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
 void pel_contact_set_look_at_start(pel_contact_set *set);
 
 /* ---- height.c ---- */
+/* vertices or triangles of one chunk: some microseconds */
+enum { PEL_HEIGHT_CHUNK = 256 };
 /* to be called when the surface has changed */
 void pel_contact_heights_set_surface(pel_contact_set *set);
 /* At the start of a step: triangles that are nearly collapsed. PEL_OUT_OF_MEMORY. */

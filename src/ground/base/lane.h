@@ -186,20 +186,22 @@ static inline pel_lane pel_lane_abs(pel_lane a)
 
 /* ---- functions ---- */
 
-/* sum of c[i] z^i for count <= 16: pairs, pairs of pairs and so on, so that few operations wait for each other */
+/* sum of c[i] z^i for count <= 16: pairs, pairs of pairs and so on, so that few operations wait for each other. The
+   terms stay in registers only where the compiler unrolls these loops. */
 PEL_INLINE pel_lane pel_lane_polynomial(const pel_lane_number *c, int count, pel_lane z)
 {
     pel_lane term[16], power = z;
-    for (int i = 0; i < count; i++)
-        term[i] = pel_lane_splat(c[i]);
-    for (; count > 1; count = (count + 1) / 2) {
-        for (int i = 0; 2 * i < count; i++) {
-            term[i] = term[2 * i];
-            if (2 * i + 1 < count)
-                term[i] = term[i] + power * term[2 * i + 1];
-        }
+#pragma GCC unroll 16
+    for (int i = 0; i < 16; i++)
+        term[i] = pel_lane_splat(i < count ? c[i] : 0);
+#pragma GCC unroll 4
+    for (int step = 1; step < 16; step *= 2) {
+#pragma GCC unroll 8
+        for (int i = 0; i < 16; i += 2 * step)
+            if (i + step < count)
+                term[i] = term[i] + power * term[i + step];
         /* a power that no term needs could be denormal, which is slow */
-        if (count > 2)
+        if (2 * step < count)
             power = power * power;
     }
     return term[0];

@@ -109,11 +109,11 @@ double pel_memory_limit(void)
         limit = (double)pages * (double)size;
 #endif
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
-        limit = fmin(limit, (double)space.rlim_cur);
+        limit = limit < (double)space.rlim_cur ? limit : (double)space.rlim_cur;
     /* "max" where the group has no limit */
     FILE *file = fopen("/sys/fs/cgroup/memory.max", "r");
     if (file != NULL && fscanf(file, "%lf", &group) == 1)
-        limit = fmin(limit, group);
+        limit = limit < group ? limit : group;
     if (file != NULL)
         fclose(file);
     return limit;

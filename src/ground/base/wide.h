@@ -48,6 +48,12 @@ static inline void pel_record_set(pel_record *records, int32_t step, pel_record 
     *(pel_record *)(void *)((char *)records + (ptrdiff_t)step * 8) = record;
 }
 
+static inline pel_record pel_record_with(pel_record record, pel_real fourth)
+{
+    const pel_record other = {fourth, fourth, fourth, fourth};
+    return __builtin_shufflevector(record, other, 0, 1, 2, 7);
+}
+
 /* larger of two by component; b where a is NaN */
 static inline pel_record pel_record_max(pel_record a, pel_record b)
 {

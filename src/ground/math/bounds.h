@@ -2,6 +2,7 @@
 #ifndef PEL_MATH_BOUNDS_H
 #define PEL_MATH_BOUNDS_H
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 
 /* contains nothing: its low corner is above its high one */
@@ -15,8 +16,8 @@ static inline void pel_bounds_clear(double low[3], double high[3])
 static inline void pel_bounds_add(double low[3], double high[3], const double point[3])
 {
     for (int i = 0; i < 3; i++) {
-        low[i] = fmin(low[i], point[i]);
-        high[i] = fmax(high[i], point[i]);
+        low[i] = pel_min(low[i], point[i]);
+        high[i] = pel_max(high[i], point[i]);
     }
 }
 

@@ -19,6 +19,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "measure/element.h"
 
@@ -496,8 +497,8 @@ static int32_t piece_count_of(int32_t vertex_count)
 {
     if (vertex_count < 2 * PIECE_LEAST)
         return 1;
-    double size = fmin(fmax(vertex_count / 10.0, PIECE_LEAST), PIECE_MOST);
-    return 2 * (int32_t)(vertex_count / (2 * fmax(size, 4 * sqrt(vertex_count))) + 0.5);
+    double size = pel_min(pel_max(vertex_count / 10.0, PIECE_LEAST), PIECE_MOST);
+    return 2 * (int32_t)(vertex_count / (2 * pel_max(size, 4 * sqrt(vertex_count))) + 0.5);
 }
 
 /* vertices of the mesh are ordered in rings: pieces are runs of them; finer ones join a mesh vertex nearby */

@@ -1,5 +1,7 @@
 #include "def/row.h"
 
+#include "math/extremes.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -94,7 +96,7 @@ static void write_number(const pel_def_row *row, char *at, double raw)
         memcpy(at, &number, sizeof number);
     } else if (row->store == PEL_STORE_INT64) {
         /* 0 has a meaning of its own */
-        int64_t number = (int64_t)fmin(fmax(1, raw), 0x1p62);
+        int64_t number = (int64_t)pel_min(pel_max(1, raw), 0x1p62);
         memcpy(at, &number, sizeof number);
     } else if (row->store == PEL_STORE_BOOL) {
         *(bool *)at = raw != 0;

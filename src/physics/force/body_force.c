@@ -1,5 +1,6 @@
 #include "force/body_force.h"
 #include "base/assert.h"
+#include "math/extremes.h"
 
 #include <math.h>
 
@@ -67,7 +68,7 @@ double pel_longest_spring(const pel_model *model, const pel_record *position, pe
         int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
         pel_pool_run(pool, chunk_count, length_chunk, &loop);
         for (int32_t chunk = 0; chunk < chunk_count; chunk++)
-            most = fmax(most, longest[chunk]);
+            most = pel_max(most, longest[chunk]);
     }
     return most;
 }

@@ -1,6 +1,7 @@
 #include "force/pressure.h"
 
 #include "base/assert.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "model/state.h"
 
@@ -23,7 +24,7 @@ double pel_pressure_difference(const pel_shell *shell, double time, double load_
     case PEL_PRESSURE_GIVEN:
         return -outside;
     case PEL_PRESSURE_GAS:
-        return def->value * (pel_pow(fmax(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
+        return def->value * (pel_pow(pel_max(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
     case PEL_PRESSURE_VOLUME:
         return def->bulk *
                    (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio) -

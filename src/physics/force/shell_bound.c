@@ -1,5 +1,6 @@
 /* Upper bound of the stiffness of shells over the mass, for the limits of explicit methods. */
 #include "force/shell_body.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/element.h"
@@ -51,7 +52,7 @@ static double curve_size(const pel_curve *curve)
 {
     double size = curve->key_count > 0 ? 0 : 1;
     for (int32_t k = 0; k < curve->key_count; k++)
-        size = fmax(size, fabs(curve->keys[k].value));
+        size = pel_max(size, fabs(curve->keys[k].value));
     return size;
 }
 
@@ -62,7 +63,7 @@ static double pressure_size(const pel_shell *shell)
     double given = def->kind != PEL_PRESSURE_NONE ? fabs(def->outside.value) * curve_size(&shell->outside) : 0;
     if (def->kind != PEL_PRESSURE_VOLUME)
         return given;
-    return given + def->bulk * fmax(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
+    return given + def->bulk * pel_max(1, fabs(def->target.value) * curve_size(&shell->target) - 1);
 }
 
 static void add_pressure_norms(const pel_shell_body *own, int32_t t, const double x[3][3], double *sums)
@@ -131,7 +132,7 @@ static double body_bound(const pel_model *model, const pel_shell_body *own, doub
         add_hinge_norms(shell, model->rest, &hinge, own->first_place, sums);
     }
     for (int32_t v = 0; v < own->place_count; v++)
-        bound = fmax(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
+        bound = pel_max(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
     return bound + volume;
 }
 
@@ -140,6 +141,6 @@ double pel_shell_stiffness_bound(const pel_shell_forces *forces)
     double bound = 0;
     for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
         if (forces->bodies[b].shell != NULL)
-            bound = fmax(bound, body_bound(forces->model, &forces->bodies[b], forces->sums));
+            bound = pel_max(bound, body_bound(forces->model, &forces->bodies[b], forces->sums));
     return bound;
 }

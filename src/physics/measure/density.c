@@ -1,6 +1,7 @@
 /* Energy densities in double, with the strains and laws of the kernels. */
 #define PEL_LANE_DOUBLE
 #include "law/fibre.h"
+#include "math/extremes.h"
 #include "measure/element.h"
 #include "measure/fibre.h"
 #include "measure/membrane.h"
@@ -75,7 +76,7 @@ double pel_membrane_law_stiffness(const pel_membrane_law *law)
     double d[6];
     pel_membrane_law_response(law, rest, NULL, d, NULL);
     /* isotropic: size, stretch at equal size, shear in the orthonormal basis */
-    return fmax(fmax(d[0] + d[1], d[0] - d[1]), 2 * d[5]);
+    return pel_max(pel_max(d[0] + d[1], d[0] - d[1]), 2 * d[5]);
 }
 
 /* ---- fibres ---- */

@@ -1,6 +1,7 @@
 #define PEL_LANE_DOUBLE
 #include "measure/tangent.h"
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "measure/tangent_triangle.h"
 
@@ -104,7 +105,7 @@ double pel_line_tangent(const pel_line *line, const double *x, const pel_tangent
     set_line_gradient(line, squared ? 2 : inverse, y, point.gradient[0]);
     double stress = pel_strain_geometric(&point, request)[0];
     if (request->kind == PEL_TANGENT_POSITIVE)
-        stress = fmax(stress, 0);
+        stress = pel_max(stress, 0);
     pel_lead_matrix lead;
     pel_lead_clear(&lead, line->count);
     if (sum->hessian != NULL && squared)

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,7 +25,7 @@ double pel_curve_largest(const pel_curve *curve)
 {
     double largest = curve->key_count > 0 ? 0 : 1;
     for (int32_t k = 0; k < curve->key_count; k++)
-        largest = fmax(largest, curve->keys[k].value);
+        largest = pel_max(largest, curve->keys[k].value);
     return largest;
 }
 

@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -202,7 +203,7 @@ static pel_status pack_frames(pel_report_run *run, size_t limit, double *estimat
         *estimate = HUGE_VAL;
     if (status == PEL_OK)
         status = pel_report_pack_close(&run->pack, error);
-    *estimate = fmax(*estimate, (double)run->pack.size);
+    *estimate = pel_max(*estimate, (double)run->pack.size);
     free_encoder(&e);
     return status;
 }
@@ -236,7 +237,7 @@ static bool shrink_plan(pel_report_run *run, double estimate, double limit)
     *plan = (pel_report_plan){false, 8, plan->stride};
     if (plan->stride >= run->frames->frame_count)
         return false;
-    double factor = fmin(fmax(estimate / limit, 1.05), 1e6);
+    double factor = pel_min(pel_max(estimate / limit, 1.05), 1e6);
     double stride = ceil(plan->stride * factor);
     plan->stride = stride < run->frames->frame_count ? (int32_t)stride : run->frames->frame_count;
     return true;

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "mesh/figures.h"
 #include "results/common_mesh.h"
 
@@ -59,8 +60,8 @@ static void grow_range(pel_report_field *known, const pel_field *field, int32_t 
             squares += *value * *value;
         }
         double magnitude = field->component_count > 1 ? sqrt(squares) : value[-1];
-        known->magnitude_low = fmin(known->magnitude_low, magnitude);
-        known->magnitude_high = fmax(known->magnitude_high, magnitude);
+        known->magnitude_low = pel_min(known->magnitude_low, magnitude);
+        known->magnitude_high = pel_max(known->magnitude_high, magnitude);
     }
     known->frame_count++;
 }

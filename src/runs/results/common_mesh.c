@@ -24,6 +24,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -498,7 +499,7 @@ static pel_status lay_out_bodies(pel_common_mesh *common, pel_error *error)
         return status;
     double last = 0;
     for (int32_t row = 0; view.bodies != NULL && row < mesh->vertex_count; row++)
-        last = fmax(last, view.bodies[row]);
+        last = pel_max(last, view.bodies[row]);
     common->body_count = last < BODY_LIMIT ? (int32_t)last + 1 : 0;
     common->body_begin = pel_allocate((size_t)common->body_count + 1, sizeof *common->body_begin);
     status = common->body_begin != NULL ? count_body_vertices(common, &view, error) : pel_fail_memory(error);

@@ -3,6 +3,7 @@
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <string.h>
 
@@ -16,7 +17,7 @@ int32_t pel_export_part_count(const pel_mesh *mesh)
     const pel_field *body = pel_mesh_field(mesh, "body");
     double most = 0;
     for (int32_t v = 0; body != NULL && body->component_count == 1 && v < mesh->vertex_count; v++)
-        most = fmax(most, body->values[v]);
+        most = pel_max(most, body->values[v]);
     return most < MOST_PARTS ? (int32_t)most + 1 : 1;
 }
 

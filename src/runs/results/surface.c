@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "math/extremes.h"
 #include "observe/field.h"
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
@@ -97,9 +98,9 @@ static void fill_levels(const pel_run_surface *surface, const pel_sim *sim, doub
         const int32_t *v = surface->triangles + 3 * (size_t)t;
         double finest = 0;
         for (int i = 0; i < 3; i++)
-            finest = fmax(finest, surface->row_numbers[v[i]]);
+            finest = pel_max(finest, surface->row_numbers[v[i]]);
         for (int i = 0; i < 3; i++)
-            values[v[i]] = fmax(values[v[i]], finest);
+            values[v[i]] = pel_max(values[v[i]], finest);
     }
 }
 

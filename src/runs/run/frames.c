@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "observe/observe.h"
 #include "pellicle/parallel.h"
 #include "results/files.h"
@@ -120,8 +121,8 @@ static pel_status write_frame(pel_run_frames *frames, pel_error *error)
         return status;
     frames->frame_count = row->frame + 1;
     frames->last_time = frames->frame.time;
-    frames->max_displacement = fmax(frames->max_displacement, row->measures.max_displacement);
-    frames->unbalanced_force = fmax(frames->unbalanced_force, row->measures.unbalanced_force);
+    frames->max_displacement = pel_max(frames->max_displacement, row->measures.max_displacement);
+    frames->unbalanced_force = pel_max(frames->unbalanced_force, row->measures.unbalanced_force);
     if ((frames->skips & PEL_RUN_WARNINGS) == 0)
         pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
     atomic_store(&frames->max_force, row->measures.max_force);
@@ -269,8 +270,8 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
         if (frames->frame_count > totals->frame_count)
             begin_interval(totals, sim, tool_force, frames->tool_count);
     }
-    totals->max_displacement = fmax(totals->max_displacement, frames->max_displacement);
-    totals->unbalanced_force = fmax(totals->unbalanced_force, frames->unbalanced_force);
+    totals->max_displacement = pel_max(totals->max_displacement, frames->max_displacement);
+    totals->unbalanced_force = pel_max(totals->unbalanced_force, frames->unbalanced_force);
     /* after a failure reset the totals and add the counts before the failure again */
     pel_warning_tallies counted = frames->warnings;
     pel_warnings_merge(&totals->warnings, &counted);

@@ -1,5 +1,7 @@
 #include "run/plan.h"
 
+#include "math/extremes.h"
+
 #include <math.h>
 
 /* more steps than anyone can wait for, and still exact in a double */
@@ -8,7 +10,7 @@
 /* 1 .. STEP_LIMIT */
 static int64_t whole_steps(double steps)
 {
-    return (int64_t)llround(fmin(fmax(steps, 1), STEP_LIMIT));
+    return (int64_t)llround(pel_min(pel_max(steps, 1), STEP_LIMIT));
 }
 
 static double later_finite(double time, double candidate)
@@ -23,9 +25,9 @@ static double quantity_end(const pel_quantity *quantity)
 
 static double shell_end(const pel_shell_def *shell)
 {
-    double time = fmax(quantity_end(&shell->pressure.outside), quantity_end(&shell->pressure.target));
+    double time = pel_max(quantity_end(&shell->pressure.outside), quantity_end(&shell->pressure.target));
     for (int32_t i = 0; i < shell->anisotropy_count; i++)
-        time = fmax(time, quantity_end(&shell->anisotropies[i].rest_length));
+        time = pel_max(time, quantity_end(&shell->anisotropies[i].rest_length));
     return time;
 }
 
@@ -71,8 +73,8 @@ static double step_limit(const pel_scene *scene)
 {
     double dt = scene->sim.solver.dt, steps = scene->duration / dt;
     if (scene->frame_limit > 0)
-        steps = fmin(steps, (double)scene->frame_limit);
-    return scene->time_limit > 0 ? fmin(steps, scene->time_limit / dt) : steps;
+        steps = pel_min(steps, (double)scene->frame_limit);
+    return scene->time_limit > 0 ? pel_min(steps, scene->time_limit / dt) : steps;
 }
 
 pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames)
@@ -82,13 +84,13 @@ pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames)
     double spacing = output->every > 0 ? output->every / dt : (double)output->every_frame;
     pel_run_plan plan = {
         .dt = dt,
-        .steps_per_frame = fmin(fmax(spacing, 1), STEP_LIMIT),
+        .steps_per_frame = pel_min(pel_max(spacing, 1), STEP_LIMIT),
         .step_total = whole_steps(step_limit(scene)),
         .checkpoint_steps = output->checkpoint > 0 ? whole_steps(output->checkpoint / dt) : 0,
         .settled_time = settled_time(scene),
     };
     /* the division is rounded: walk to the first frame at the last step */
-    plan.frame_total = (int64_t)fmax((double)plan.step_total / plan.steps_per_frame - 2, 1);
+    plan.frame_total = (int64_t)pel_max((double)plan.step_total / plan.steps_per_frame - 2, 1);
     while (pel_run_plan_step(&plan, plan.frame_total) < plan.step_total)
         plan.frame_total++;
     plan.frame_end = max_frames > 0 && max_frames < plan.frame_total ? max_frames : plan.frame_total;

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "math/extremes.h"
 #include "pellicle/parallel.h"
 #include "pellicle/sim_adjoint.h"
 #include "results/files.h"
@@ -321,7 +322,7 @@ static void note_tools(pel_run_state *run)
         pel_sim_get_tool(run->sim, t, &reading);
         const double *f = reading.force;
         double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-        run->tool_force[t] = fmax(run->tool_force[t], force);
+        run->tool_force[t] = pel_max(run->tool_force[t], force);
         if (force > run->tool_force[count + t]) {
             run->tool_force[count + t] = force;
             run->tool_force[2 * count + t] = reading.contact_count;
@@ -403,7 +404,7 @@ static void note_volume(pel_run_totals *totals, double ratio)
         return;
     totals->rise_count++;
     totals->rise_sum += rise;
-    totals->rise_max = fmax(totals->rise_max, rise);
+    totals->rise_max = pel_max(totals->rise_max, rise);
 }
 
 static pel_status add_frame(pel_run_state *run, pel_error *error)
@@ -458,7 +459,7 @@ static pel_status keep_state(pel_run_state *run, pel_error *error)
         pel_log_line(run->def->log, "the state of step %" PRId64 " is not kept: %s", pel_sim_step_count(run->sim),
                      pel_error_text(&failure, text, sizeof text));
     double end = pel_seconds();
-    run->keep_at = end + fmax(run->def->keep_seconds, (end - now) / KEEP_SHARE);
+    run->keep_at = end + pel_max(run->def->keep_seconds, (end - now) / KEEP_SHARE);
     return PEL_OK;
 }
 

@@ -8,6 +8,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 #include "mesh/figures.h"
 #include "pellicle/measure.h"
 #include "pellicle/sim_reading.h"
@@ -286,7 +287,7 @@ static void fit_mesh(pel_mesh *mesh, double radius)
             mesh->positions[v][i] -= low[i] / 2 + high[i] / 2;
             squared += mesh->positions[v][i] * mesh->positions[v][i];
         }
-        most = fmax(most, sqrt(squared));
+        most = pel_max(most, sqrt(squared));
     }
     for (int32_t v = 0; most > 0 && v < mesh->vertex_count; v++)
         for (int i = 0; i < 3; i++)

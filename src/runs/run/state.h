@@ -2,6 +2,7 @@
 #ifndef PEL_RUN_STATE_H
 #define PEL_RUN_STATE_H
 
+#include "math/extremes.h"
 #include "pellicle/run.h"
 #include "pellicle/session.h"
 #include "run/frames.h"
@@ -53,7 +54,7 @@ static inline double pel_run_max_tool_force(const pel_run_state *run)
 {
     double largest = 0;
     for (int32_t t = 0; t < run->tool_count; t++)
-        largest = fmax(largest, run->tool_force[run->tool_count + t]);
+        largest = pel_max(largest, run->tool_force[run->tool_count + t]);
     return largest;
 }
 

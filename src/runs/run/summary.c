@@ -1,5 +1,6 @@
 #include "results/summary.h"
 #include "def/row.h"
+#include "math/extremes.h"
 #include "pellicle/sim_reading.h"
 #include "run/state.h"
 #include "scene/build.h"
@@ -45,7 +46,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
         .volume_ratio_final = run->measures.volume_ratio,
         .area_ratio_final = run->measures.area_ratio,
-        .max_displacement = fmax(totals->max_displacement, run->measures.max_displacement),
+        .max_displacement = pel_max(totals->max_displacement, run->measures.max_displacement),
         .residual_displacement = run->measures.max_displacement,
         .vertices_final = run->measures.vertex_count,
         .triangles_final = run->measures.triangle_count,

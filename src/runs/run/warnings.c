@@ -1,6 +1,7 @@
 #include "run/warnings.h"
 
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
@@ -61,7 +62,7 @@ void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame
     pel_warning_tally *tally = &tallies->of[kind];
     if (tally->count == 0 || frame < tally->first_frame)
         tally->first_frame = frame;
-    tally->worst = tally->count == 0 ? value : fmax(tally->worst, value);
+    tally->worst = tally->count == 0 ? value : pel_max(tally->worst, value);
     tally->count++;
 }
 
@@ -254,7 +255,7 @@ static void check_tools(pel_run_state *run, int64_t frame)
         pel_sim_get_tool(run->sim, t, &reading);
         is_held_back |= reading.is_held_back;
         lost_count += reading.lost_count;
-        most_lost = fmax(most_lost, (double)reading.lost_count);
+        most_lost = pel_max(most_lost, (double)reading.lost_count);
     }
     if (is_held_back)
         pel_warn(tallies, PEL_WARN_TOOL_HELD, frame, end);
@@ -326,8 +327,8 @@ static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;
     /* of tools and of unbalanced forces at a frame, such as a load that has just started */
-    double largest = fmax(run->totals.unbalanced_force, pel_run_max_tool_force(run));
-    double share = run->measures.unbalanced_force / fmax(largest, DBL_MIN);
+    double largest = pel_max(run->totals.unbalanced_force, pel_run_max_tool_force(run));
+    double share = run->measures.unbalanced_force / pel_max(largest, DBL_MIN);
     /* where nothing acts there is only rounding */
     bool acts = run->ledger.supplied > run->ledger.tolerance;
     if (pel_stepper_of(sim->solver.method)->relaxes && !sim->contact.enabled && acts && share > SETTLED_SHARE)
@@ -396,7 +397,7 @@ static void tell_coarseness(const text_context *at)
     snprintf(at->text, at->size,
              "the edges of body '%s' are %.3g m long on average, but its shell bends within a length of sqrt(R h) = "
              "%.3g m. subdivide the mesh (pellicle subdivide -n %.0f), or use bodies.%s.refine",
-             name, flagged->value, flagged->limit, fmax(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
+             name, flagged->value, flagged->limit, pel_max(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
 }
 
 static void tell_millimetres(const text_context *at)
@@ -600,7 +601,7 @@ static void tell_grasp(const text_context *at)
 static void tell_empty_grasp(const text_context *at)
 {
     const pel_sim_def *def = &at->run->scene->sim;
-    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    int32_t t = (int32_t)-pel_min(at->tally->worst, 0);
     snprintf(at->text, at->size,
              "the grasp of tool '%s' holds nothing in %" PRId64
              " steps: when it closed, no vertex was inside the tool or "
@@ -670,7 +671,7 @@ static void tell_coarse_contact(const text_context *at)
 static void tell_idle_tool(const text_context *at)
 {
     const pel_scene *scene = at->run->scene;
-    int32_t t = (int32_t)-fmin(at->tally->worst, 0);
+    int32_t t = (int32_t)-pel_min(at->tally->worst, 0);
     if (t >= scene->sim.tool_count)
         t = 0;
     const pel_tool_def *tool = scene->sim.tool_count > 0 ? &scene->sim.tools[t] : NULL;

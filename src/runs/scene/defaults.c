@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "keys/validate.h"
 #include "law/membrane.h"
+#include "math/extremes.h"
 #include "pellicle/preset.h"
 #include "stage/stepper.h"
 
@@ -309,8 +310,9 @@ static void take_time(const pel_scene_value *value, key_times *times)
     if (value == NULL || value->kind != PEL_SCENE_SCALAR || !pel_scene_parse_number(value->text, &time) ||
         !(time > 0) || !isfinite(time))
         return;
-    times->last = fmax(times->last, time);
-    times->step = times->step > 0 ? common_time(fmax(time, times->step), fmin(time, times->step), 1e-6 * time) : time;
+    times->last = pel_max(times->last, time);
+    times->step =
+        times->step > 0 ? common_time(pel_max(time, times->step), pel_min(time, times->step), 1e-6 * time) : time;
 }
 
 static void take_times(const pel_scene_value *value, key_times *times)
@@ -340,7 +342,7 @@ static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *
             take_times(find(root, parts[i]), &times);
     bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
     double last = times.last > 0 ? times.last : 1, step = times.last > 0 ? times.step : 1;
-    step = steps > 0 ? last / steps : fmax(step, last / MOST_STATIC_STEPS);
+    step = steps > 0 ? last / steps : pel_max(step, last / MOST_STATIC_STEPS);
     if (has_modes)
         last = positive_or_preset(reader, solver, "modes") * (step = dt > 0 ? dt : 1);
     else if (is_word(solver, "path", "arc-length"))
@@ -349,7 +351,7 @@ static pel_status imply_static_times(pel_scene_reader *reader, pel_scene_value *
         return PEL_OUT_OF_MEMORY;
     pel_status status = set_number(reader, solver, "dt", step);
     if (status == PEL_OK)
-        status = set_number(reader, root, "duration", fmax(last, dt));
+        status = set_number(reader, root, "duration", pel_max(last, dt));
     bool is_open = output->kind == PEL_SCENE_MAP && find(output, "every") == NULL;
     return status == PEL_OK && is_open ? set_text(reader, output, "every_frame", "1") : status;
 }

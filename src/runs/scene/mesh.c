@@ -2,6 +2,7 @@
 #include "scene/mesh.h"
 
 #include "keys/validate.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/import.h"
@@ -75,7 +76,7 @@ static pel_status read_axis(pel_scene_reader *reader, const pel_scene_value *val
     double largest = 0;
     pel_scene_value_numbers(axis_value, axis);
     for (int i = 0; i < 3; i++)
-        largest = fmax(largest, fabs(axis[i]));
+        largest = pel_max(largest, fabs(axis[i]));
     if (!(largest > 0)) {
         pel_scene_fail(reader, &axis_value->place, "the axis of rotation has no length");
         pel_fail_remedy(reader->error, "give a direction such as [0, 0, 1]");

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "base/room.h"
+#include "math/extremes.h"
 #include "pellicle/parallel.h"
 #include "study/worker.h"
 
@@ -116,7 +117,7 @@ static int32_t queue_length(const pel_study_worker *worker)
 {
     if (!(worker->seconds >= 0))
         return 1;
-    double count = 1 + floor(QUEUE_SECONDS / fmax(worker->seconds, 1e-6));
+    double count = 1 + floor(QUEUE_SECONDS / pel_max(worker->seconds, 1e-6));
     return count < PEL_STUDY_QUEUE ? (int32_t)count : PEL_STUDY_QUEUE;
 }
 

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/number.h"
 #include "io/csv.h"
+#include "math/extremes.h"
 #include "pellicle/run.h"
 
 #include <inttypes.h>
@@ -253,8 +254,8 @@ static void add_number(column_sum *sum, double value)
     if (sum->count == 0)
         *sum = (column_sum){.place = sum->place, .start = value, .least = value, .most = value};
     sum->end = value;
-    sum->least = fmin(sum->least, value);
-    sum->most = fmax(sum->most, value);
+    sum->least = pel_min(sum->least, value);
+    sum->most = pel_max(sum->most, value);
     sum->sum += value;
     sum->count++;
 }

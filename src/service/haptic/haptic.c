@@ -7,6 +7,7 @@
 #include "haptic/local_model.h"
 #include "haptic/loop.h"
 #include "haptic/proxy.h"
+#include "math/extremes.h"
 #include "tool/tool.h"
 
 #include <string.h>
@@ -67,7 +68,7 @@ pel_haptic_def pel_haptic_def_default(void)
 
 double pel_haptic_passive_stiffness(double device_damping, double coupling_damping, double rate)
 {
-    return fmax(2 * (device_damping - coupling_damping) * rate, 0);
+    return pel_max(2 * (device_damping - coupling_damping) * rate, 0);
 }
 
 /* ---- creation ---- */

@@ -6,6 +6,7 @@
 
 #include "haptic/local_model.h"
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "tool/near.h"
 #include "tool/pose.h"
@@ -162,7 +163,7 @@ static bool is_behind(const pel_tool *tool, const pel_solid *press, double corne
         double arm[3];
         pel_vec3_subtract(corners[c], tool->pose.position, arm);
         pel_vec3_subtract(arm, way, arm);
-        width = fmax(width, pel_vec3_squared_length(arm));
+        width = pel_max(width, pel_vec3_squared_length(arm));
     }
     double distance = pel_vec3_length(way), gap = distance - press->radius - sqrt(width);
     if (gap > reach)
@@ -279,7 +280,7 @@ static void learn(const pel_local_model *last, const pel_local_model *now, pel_s
     /* a small move tells little: it changes the estimate little */
     double little = TELLING_MOVE * now->reach * TELLING_MOVE * now->reach;
     double stiffness = (estimate->force_change + little * estimate->stiffness) / (estimate->depth_change + little);
-    estimate->stiffness = fmin(fmax(stiffness, estimate->least), estimate->most);
+    estimate->stiffness = pel_min(pel_max(stiffness, estimate->least), estimate->most);
 }
 
 /* ---- the model ---- */
@@ -333,7 +334,7 @@ void pel_local_model_take(pel_sim *sim, int32_t tool, double reach, const pel_lo
     if (last != NULL && pel_vec3_length(model->force) > 0)
         learn(last, model, estimate);
     /* planes lie at most twice the reach above the tool: farther up the model does not hold */
-    model->stiffness = fmax(estimate->stiffness, 0.5 * pel_vec3_length(model->force) / reach);
+    model->stiffness = pel_max(estimate->stiffness, 0.5 * pel_vec3_length(model->force) / reach);
     if (t->held_count > 0) {
         hold(model);
         return;

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -45,7 +46,7 @@ static void book(pel_haptic_latency *latency, int64_t late)
     int64_t bin = late / BIN;
     latency->bins[bin < PEL_HAPTIC_LATENCY_BINS ? bin : PEL_HAPTIC_LATENCY_BINS - 1]++;
     latency->count++;
-    latency->most = fmax(latency->most, (double)late / SECOND);
+    latency->most = pel_max(latency->most, (double)late / SECOND);
 }
 
 static void *run(void *argument)
@@ -60,7 +61,7 @@ static void *run(void *argument)
         book(latency, begin - due);
         loop->function(loop->context, latency);
         int64_t end = clock_now(), missed = (end - due) / loop->period;
-        latency->most_update = fmax(latency->most_update, (double)(end - begin) / SECOND);
+        latency->most_update = pel_max(latency->most_update, (double)(end - begin) / SECOND);
         /* skip missed updates, so that the loop does not rush to catch up */
         latency->missed_count += missed;
         due += (missed + 1) * loop->period;
@@ -104,7 +105,7 @@ double pel_haptic_latency_quantile(const pel_haptic_latency *latency, double sha
     for (int i = 0; i + 1 < PEL_HAPTIC_LATENCY_BINS; i++) {
         sum += (double)latency->bins[i];
         if (sum >= wanted && sum > 0)
-            return fmin((double)(i + 1) * BIN / SECOND, latency->most);
+            return pel_min((double)(i + 1) * BIN / SECOND, latency->most);
     }
     return latency->most;
 }

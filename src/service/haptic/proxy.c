@@ -1,5 +1,6 @@
 #include "haptic/proxy.h"
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 
 /* rounds of Newton's method and halvings of a step at most; 2 to 5 and none are usual */
@@ -65,7 +66,7 @@ void pel_proxy_set_model(pel_proxy *proxy, const pel_local_model *model)
     int32_t count = blended_planes(proxy, blend_share(proxy), planes);
     double most = 0;
     for (int32_t i = 0; i < count; i++)
-        most = fmax(most, planes[i].stiffness);
+        most = pel_max(most, planes[i].stiffness);
     proxy->old_count = 0;
     /* the stiffest ones; of equal ones the older */
     while (proxy->old_count < PEL_PROXY_OLD) {
@@ -184,10 +185,10 @@ static void observe(pel_proxy *proxy, const double move[3], bool touches)
     bool is_free = !proxy->touches && !touches;
     if (!is_free || proxy->energy > 0)
         proxy->energy += pel_vec3_dot(proxy->force, move) - proxy->taken * pel_vec3_squared_length(move);
-    proxy->most_energy = fmax(proxy->most_energy, proxy->energy);
+    proxy->most_energy = pel_max(proxy->most_energy, proxy->energy);
     /* energy taken by a contact is no credit for the next one */
     if (is_free)
-        proxy->energy = fmax(proxy->energy, 0);
+        proxy->energy = pel_max(proxy->energy, 0);
 }
 
 /* planes moved towards the point x by a distance, at most until x is on them */
@@ -198,7 +199,7 @@ static void ease(const pel_haptic_plane *planes, int32_t count, const double x[3
         double depth = plane_depth(&planes[i], x);
         eased[i] = planes[i];
         if (depth != 0)
-            eased[i].offset -= copysign(fmin(distance, fabs(depth)), depth);
+            eased[i].offset -= copysign(pel_min(distance, fabs(depth)), depth);
     }
 }
 
@@ -210,7 +211,7 @@ static void withdraw(pel_proxy *proxy, const pel_haptic_plane *planes, int32_t c
     pel_haptic_plane eased[PEL_PROXY_PLANES];
     double low = 0, high = 0;
     for (int32_t i = 0; i < count; i++)
-        high = fmax(high, fabs(plane_depth(&planes[i], x)));
+        high = pel_max(high, fabs(plane_depth(&planes[i], x)));
     for (int n = 0; n < BISECTIONS; n++) {
         double middle = 0.5 * (low + high);
         ease(planes, count, x, middle, eased);
@@ -246,7 +247,7 @@ static void add_coupling_damping(const pel_proxy *proxy, const double move[3], c
 static void limit(pel_proxy *proxy, double force[3])
 {
     double size = pel_vec3_length(force),
-           most = fmin(proxy->max_force, pel_vec3_length(proxy->force) + proxy->max_growth);
+           most = pel_min(proxy->max_force, pel_vec3_length(proxy->force) + proxy->max_growth);
     if (size <= most)
         return;
     pel_vec3_scale(force, most / size, force);

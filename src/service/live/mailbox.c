@@ -1,6 +1,7 @@
 #include "live/mailbox.h"
 
 #include "base/memory.h"
+#include "math/extremes.h"
 
 #include <errno.h>
 #include <math.h>
@@ -50,7 +51,7 @@ static struct timespec later(double seconds)
 
 bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *count)
 {
-    struct timespec end = later(fmax(seconds, 0));
+    struct timespec end = later(pel_max(seconds, 0));
     pthread_mutex_lock(&box->lock);
     int waited = seconds > 0 ? 0 : ETIMEDOUT;
     while (!atomic_load(&box->ended) && box->line_count == 0 && waited != ETIMEDOUT)

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "live/message.h"
+#include "math/extremes.h"
 #include "pellicle/observe.h"
 #include "pellicle/sim_surface.h"
 #include "stage/stepper.h"
@@ -230,7 +231,7 @@ static pel_status start_scene(pel_player *player, pel_error *error)
     if (status != PEL_OK)
         return status;
     bool rests = !pel_stepper_of(def.solver.method)->has_velocity;
-    player->step_seconds = rests ? fmin(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
+    player->step_seconds = rests ? pel_min(def.solver.dt, REST_STEP_SECONDS) : def.solver.dt;
     player->field = -1;
     player->changed = player->has_new_parameters = true;
     player->slow_seconds = player->longest_step = 0;
@@ -381,7 +382,7 @@ static void end_at_mark(pel_player *player, pel_status failed, double seconds, p
 static bool do_step(pel_player *player)
 {
     pel_error error;
-    double start = pel_seconds(), limit = fmax(STEP_SECONDS, STEP_RATIO * player->longest_step);
+    double start = pel_seconds(), limit = pel_max(STEP_SECONDS, STEP_RATIO * player->longest_step);
     player->step_end = pel_session_undo_count(player->session) > 0 ? start + limit : 0;
     pel_status repeated = pel_session_repeat(player->session, &error), status = repeated;
     if (status == PEL_OK)
@@ -394,7 +395,7 @@ static bool do_step(pel_player *player)
     player->answers |= player->touched;
     player->touched = false;
     if (status == PEL_OK) {
-        player->longest_step = fmax(seconds, STEP_DECAY * player->longest_step);
+        player->longest_step = pel_max(seconds, STEP_DECAY * player->longest_step);
         return true;
     }
     player->has_new_parameters = player->has_new_surface = true;
@@ -501,8 +502,8 @@ double pel_player_rest(const pel_player *player)
 {
     double now = pel_seconds(), rest = player->playing ? player->due - now : 0.1;
     if (player->changed && atomic_load(&player->box->wanted))
-        return fmin(rest, picture_due(player) - now);
-    return player->changed ? fmin(rest, 0.004) : fmin(rest, 0.1);
+        return pel_min(rest, picture_due(player) - now);
+    return player->changed ? pel_min(rest, 0.004) : pel_min(rest, 0.1);
 }
 
 bool pel_player_turn(pel_player *player, double rest)

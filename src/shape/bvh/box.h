@@ -37,7 +37,7 @@ static inline pel_corner pel_corner_min(pel_corner a, pel_corner b)
 #elif defined(__wasm_simd128__)
     return (pel_corner)wasm_f32x4_pmin((v128_t)b, (v128_t)a);
 #else
-    return (pel_corner){fminf(a[0], b[0]), fminf(a[1], b[1]), fminf(a[2], b[2]), 0};
+    return (pel_corner){a[0] < b[0] ? a[0] : b[0], a[1] < b[1] ? a[1] : b[1], a[2] < b[2] ? a[2] : b[2], 0};
 #endif
 }
 
@@ -48,7 +48,7 @@ static inline pel_corner pel_corner_max(pel_corner a, pel_corner b)
 #elif defined(__wasm_simd128__)
     return (pel_corner)wasm_f32x4_pmax((v128_t)b, (v128_t)a);
 #else
-    return (pel_corner){fmaxf(a[0], b[0]), fmaxf(a[1], b[1]), fmaxf(a[2], b[2]), 0};
+    return (pel_corner){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1], a[2] > b[2] ? a[2] : b[2], 0};
 #endif
 }
 

@@ -7,6 +7,7 @@
 #include "bvh/frame.h"
 
 #include "geom/wide4.h"
+#include "math/extremes.h"
 
 #include <stdatomic.h>
 
@@ -158,7 +159,7 @@ static wide_frame widen(const pel_frame *frame, double reach)
         const double *row = frame->matrix[k];
         wide.column[k] = (wide4){frame->matrix[0][k], frame->matrix[1][k], frame->matrix[2][k], 0};
         length[k] = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2]);
-        largest = fmax(largest, length[k]);
+        largest = pel_max(largest, length[k]);
     }
     double half = 0.5 * reach * (1 + FRAME_ERROR);
     wide.error = FRAME_ERROR * largest * (wide4){1, 1, 1, 0};

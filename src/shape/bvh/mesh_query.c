@@ -8,6 +8,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "bvh/search.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "mesh/edge_table.h"
 #include "pellicle/geometry.h"
@@ -145,9 +146,9 @@ static int32_t crosses(const pel_mesh_query *query, int32_t t, const double poin
     int32_t sum = passes(x[0], x[1], point) + passes(x[1], x[2], point) + passes(x[2], x[0], point);
     if (sum == 0)
         return 0;
-    if (point[0] >= fmax(x[0][0], fmax(x[1][0], x[2][0])))
+    if (point[0] >= pel_max(x[0][0], pel_max(x[1][0], x[2][0])))
         return 0;
-    if (point[0] < fmin(x[0][0], fmin(x[1][0], x[2][0])))
+    if (point[0] < pel_min(x[0][0], pel_min(x[1][0], x[2][0])))
         return sum;
     double normal[3], arm[3];
     pel_vec3_triangle_normal(x[0], x[1], x[2], normal);

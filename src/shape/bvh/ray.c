@@ -1,5 +1,7 @@
 #include "bvh/ray.h"
 
+#include "math/extremes.h"
+
 #include <math.h>
 
 enum { DEPTH_LIMIT = 128 };
@@ -72,8 +74,8 @@ static double entry(const cast *c, const pel_box *box)
             return HUGE_VAL;
         if (d == 0)
             continue;
-        from = fmax(from, (d > 0 ? low : high) / d);
-        to = fmin(to, (d > 0 ? high : low) / d);
+        from = pel_max(from, (d > 0 ? low : high) / d);
+        to = pel_min(to, (d > 0 ? high : low) / d);
     }
     return from <= to ? from : HUGE_VAL;
 }

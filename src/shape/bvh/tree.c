@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "mesh/edge_table.h"
 
 #include <string.h>
@@ -356,5 +357,5 @@ double pel_tree_cost(const pel_tree *tree)
     double sum = 0;
     for (int32_t n = 0; n < tree->node_count; n++)
         sum += pel_box_area(&tree->nodes[n]);
-    return sum / fmax(pel_box_area(&tree->nodes[0]), 1e-300);
+    return sum / pel_max(pel_box_area(&tree->nodes[0]), 1e-300);
 }

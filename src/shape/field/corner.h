@@ -17,6 +17,7 @@
 #define PEL_MEASURE_CORNER_H
 
 #include "base/assert.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/flat_triangle.h"
@@ -44,7 +45,7 @@ static inline pel_corner pel_corner_load(const pel_topology *topology, const dou
     corner.u_square = pel_vec3_squared_length(corner.u);
     corner.w_square = pel_vec3_squared_length(corner.w);
     double o_square = pel_vec3_squared_length(corner.o);
-    corner.flat = pel_area_is_flat(corner.twice_area, fmax(fmax(corner.u_square, corner.w_square), o_square));
+    corner.flat = pel_area_is_flat(corner.twice_area, pel_max(pel_max(corner.u_square, corner.w_square), o_square));
     return corner;
 }
 

@@ -1,6 +1,7 @@
 /* Areas, normals and curvatures around vertices. */
 #include "base/assert.h"
 #include "field/corner.h"
+#include "math/extremes.h"
 #include "pellicle/measure.h"
 
 /* What the angles at a vertex lack to those of a plane: 2 pi, or pi on the boundary. Pi is taken to twice the digits,
@@ -102,8 +103,8 @@ double pel_surface_gaussian_curvature(const pel_topology *topology, const double
 /* takes one more inner vertex into least, greatest and the integral of a quantity */
 static void include_value(double value, double area, bool first, double *least, double *integral, double *greatest)
 {
-    *least = first ? value : fmin(*least, value);
-    *greatest = first ? value : fmax(*greatest, value);
+    *least = first ? value : pel_min(*least, value);
+    *greatest = first ? value : pel_max(*greatest, value);
     *integral += area * value;
 }
 

@@ -8,6 +8,8 @@
 
 #include "pellicle/geometry.h"
 
+#include "math/extremes.h"
+
 typedef struct triangle {
     const double *corner[3];
     int axis; /* dropping this coordinate leaves a triangle with area; -1: it has none */
@@ -134,8 +136,10 @@ static bool flat_triangles_meet(const triangle *a, const triangle *b)
 static bool boxes_meet(const double a[3][3], const double b[3][3])
 {
     for (int k = 0; k < 3; k++) {
-        double a_low = fmin(fmin(a[0][k], a[1][k]), a[2][k]), a_high = fmax(fmax(a[0][k], a[1][k]), a[2][k]);
-        double b_low = fmin(fmin(b[0][k], b[1][k]), b[2][k]), b_high = fmax(fmax(b[0][k], b[1][k]), b[2][k]);
+        double a_low = pel_min(pel_min(a[0][k], a[1][k]), a[2][k]),
+               a_high = pel_max(pel_max(a[0][k], a[1][k]), a[2][k]);
+        double b_low = pel_min(pel_min(b[0][k], b[1][k]), b[2][k]),
+               b_high = pel_max(pel_max(b[0][k], b[1][k]), b[2][k]);
         if (a_low > b_high || b_low > a_high)
             return false;
     }

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/geometry.h"
 
@@ -180,11 +181,11 @@ static void try_axis(separation *best, const double direction[3])
         return;
     for (int i = 0; i < 3; i++) {
         double along = pel_vec3_dot(axis, best->triangle[i]);
-        low = fmin(low, along);
-        high = fmax(high, along);
+        low = pel_min(low, along);
+        high = pel_max(high, along);
         support += best->half[i] * fabs(axis[i]);
     }
-    double gap = fmax(low, -high) - support;
+    double gap = pel_max(low, -high) - support;
     if (!(gap > best->gap + 1e-9 * support))
         return;
     best->gap = gap;
@@ -217,7 +218,7 @@ static double box_depth(const pel_solid *solid, const double a[3], const double 
 {
     const double *half = solid->half_extents;
     for (int i = 0; i < 3; i++) {
-        double low = fmin(a[i], fmin(b[i], c[i])), high = fmax(a[i], fmax(b[i], c[i]));
+        double low = pel_min(a[i], pel_min(b[i], c[i])), high = pel_max(a[i], pel_max(b[i], c[i]));
         if (low >= half[i] || high <= -half[i])
             return 0;
     }
@@ -256,7 +257,7 @@ static bool is_deepest_at_corner(const pel_solid *solid, const double corner[3][
                     deepest = c;
             double depth = half[i] - side * corner[deepest][i], least = HUGE_VAL;
             for (int k = 0; k < 3; k++)
-                least = fmin(least, half[k] - fabs(corner[deepest][k]));
+                least = pel_min(least, half[k] - fabs(corner[deepest][k]));
             if (least >= depth)
                 return true;
         }

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,8 +16,8 @@ static void fill_bounds(const pel_mesh *mesh, const uint8_t *not_finite, pel_mes
         if (not_finite[v])
             continue;
         for (int i = 0; i < 3; i++) {
-            report->bounds_low[i] = first ? p[i] : fmin(report->bounds_low[i], p[i]);
-            report->bounds_high[i] = first ? p[i] : fmax(report->bounds_high[i], p[i]);
+            report->bounds_low[i] = first ? p[i] : pel_min(report->bounds_low[i], p[i]);
+            report->bounds_high[i] = first ? p[i] : pel_max(report->bounds_high[i], p[i]);
         }
         first = false;
     }
@@ -105,8 +106,8 @@ static void fill_edge_figures(const double *lengths, int32_t count, uint32_t *ta
     double sum = 0, shortest = lengths[0], longest = lengths[0];
     for (int32_t i = 0; i < count; i++) {
         sum += lengths[i];
-        shortest = fmin(shortest, lengths[i]);
-        longest = fmax(longest, lengths[i]);
+        shortest = pel_min(shortest, lengths[i]);
+        longest = pel_max(longest, lengths[i]);
     }
     report->edge_length_min = shortest;
     report->edge_length_max = longest;

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
@@ -165,7 +166,7 @@ static double angle_between(const double a[3], const double b[3])
     double scale = pel_vec3_length(a) * pel_vec3_length(b);
     if (!(scale > 0))
         return HUGE_VAL;
-    return pel_acos(fmin(fmax(pel_vec3_dot(a, b) / scale, -1), 1));
+    return pel_acos(pel_min(pel_max(pel_vec3_dot(a, b) / scale, -1), 1));
 }
 
 static fill_weight *weight_at(const fill_work *w, int32_t i, int32_t k)
@@ -194,12 +195,12 @@ static fill_weight weigh(const fill_work *w, const int32_t *loop, const int32_t 
     const fill_weight *left = weight_at(w, i, m), *right = weight_at(w, m, k);
     double normal[3], closing[3];
     area_vector(w, loop[i], loop[m], loop[k], normal);
-    double angle = fmax(left->angle, right->angle);
-    angle = fmax(angle, angle_across(w, loop, beyond, i, m, normal));
-    angle = fmax(angle, angle_across(w, loop, beyond, m, k, normal));
+    double angle = pel_max(left->angle, right->angle);
+    angle = pel_max(angle, angle_across(w, loop, beyond, i, m, normal));
+    angle = pel_max(angle, angle_across(w, loop, beyond, m, k, normal));
     if (i == 0 && k == count - 1 && beyond[0] >= 0) {
         area_vector(w, loop[0], loop[k], beyond[0], closing);
-        angle = fmax(angle, angle_between(normal, closing));
+        angle = pel_max(angle, angle_between(normal, closing));
     }
     double area = pel_vec3_length(normal) / 2;
     return (fill_weight){area > 0 ? angle : HUGE_VAL, left->area + right->area + area};
@@ -350,7 +351,7 @@ static pel_status fill_hole(fill_work *w, int32_t first, int32_t edge_limit)
     w->summary.filled_holes += filled;
     w->summary.left_holes += !filled;
     for (int32_t t = before; t < w->triangle_count; t++)
-        w->summary.quality_min = fmin(w->summary.quality_min, quality(w, w->triangles[t]));
+        w->summary.quality_min = pel_min(w->summary.quality_min, quality(w, w->triangles[t]));
     return PEL_OK;
 }
 

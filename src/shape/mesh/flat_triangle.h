@@ -2,6 +2,7 @@
 #ifndef PEL_MESH_FLAT_TRIANGLE_H
 #define PEL_MESH_FLAT_TRIANGLE_H
 
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/mesh_check.h"
 
@@ -19,7 +20,7 @@ static inline bool pel_triangle_is_flat(const double a[3], const double b[3], co
     double normal[3];
     pel_vec3_triangle_normal(a, b, c, normal);
     double ab = pel_vec3_distance(a, b), bc = pel_vec3_distance(b, c), ca = pel_vec3_distance(c, a);
-    double longest = fmax(fmax(ab, bc), ca);
+    double longest = pel_max(pel_max(ab, bc), ca);
     return pel_area_is_flat(pel_vec3_length(normal), longest * longest);
 }
 

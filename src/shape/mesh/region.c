@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "mesh/edge_table.h"
 #include "mesh/figures.h"
@@ -169,7 +170,7 @@ static double box_distance(const double low[3], const double high[3], const doub
 {
     double inside[3];
     for (int i = 0; i < 3; i++)
-        inside[i] = fmin(fmax(point[i], low[i]), high[i]);
+        inside[i] = pel_min(pel_max(point[i], low[i]), high[i]);
     return pel_vec3_distance(point, inside);
 }
 
@@ -270,7 +271,7 @@ static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, dou
         double greatest = -(double)HUGE_VAL;
         const double *values = pel_mesh_field(mesh, region->field)->values;
         for (int32_t v = 0; v < mesh->vertex_count; v++)
-            greatest = fmax(greatest, values[v]);
+            greatest = pel_max(greatest, values[v]);
         pel_fail(error, PEL_BAD_ARGUMENT, "the region is empty: field '%s' is nowhere above %g", region->field,
                  region->above);
         pel_fail_remedy(error, "its greatest value is %g", greatest);

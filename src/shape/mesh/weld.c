@@ -1,6 +1,7 @@
 #include "mesh/weld.h"
 
 #include "base/memory.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "mesh/union_find.h"
 
@@ -132,9 +133,9 @@ bool pel_weld_tolerance_allowed(const double (*points)[3], int32_t count, double
         for (int k = 0; k < 3; k++) {
             if (!isfinite(points[i][k]))
                 continue;
-            low[k] = fmin(low[k], points[i][k]);
-            high[k] = fmax(high[k], points[i][k]);
-            largest = fmax(largest, fabs(points[i][k]));
+            low[k] = pel_min(low[k], points[i][k]);
+            high[k] = pel_max(high[k], points[i][k]);
+            largest = pel_max(largest, fabs(points[i][k]));
         }
     }
     double diagonal = pel_vec3_distance(low, high);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "mesh/allocate.h"
 
@@ -94,7 +95,7 @@ static int32_t vertex_between(lattice *grid, const int32_t cell[3], int a, int b
         point_position(grid, to, q);
         pel_vec3_subtract(q, p, difference);
         /* away from the ends: no triangle without area */
-        pel_vec3_along(p, fmin(fmax(f / (f - g), 0.1), 0.9), difference, p);
+        pel_vec3_along(p, pel_min(pel_max(f / (f - g), 0.1), 0.9), difference, p);
         pel_vec3_copy(p, grid->mesh->positions[*vertex]);
     }
     return *vertex;

@@ -13,6 +13,7 @@
    them smoothly along the outline. */
 #include "primitive/lens.h"
 
+#include "math/extremes.h"
 #include "math/functions.h"
 
 #include <math.h>
@@ -139,7 +140,7 @@ static double radius_at_length(const pel_lens_profile *profile, double length)
     for (int i = 0; i < 8; i++) {
         double s = slope(profile->coefficients, r);
         r -= (length_to_radius(profile, r) - length) / sqrt(1 + s * s);
-        r = fmin(fmax(r, 0), profile->end);
+        r = pel_min(pel_max(r, 0), profile->end);
     }
     return r;
 }

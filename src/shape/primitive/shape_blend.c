@@ -4,6 +4,7 @@
 
    The tables are in units of the body: about 1 long, z up, faces look along -y. */
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "primitive/implicit.h"
@@ -88,10 +89,10 @@ static double part_distance(const blend_part *part, double side, const double po
         double turn = i == 0 ? side : 1;
         from[i] = (turn * point[i] - part->from[i]) / part->squash[i];
         along[i] = (part->to[i] - part->from[i]) / part->squash[i];
-        least = fmin(least, part->squash[i]);
+        least = pel_min(least, part->squash[i]);
     }
     double length = pel_vec3_squared_length(along);
-    double t = length > 0 ? fmin(fmax(pel_vec3_dot(from, along) / length, 0), 1) : 0;
+    double t = length > 0 ? pel_min(pel_max(pel_vec3_dot(from, along) / length, 0), 1) : 0;
     pel_vec3_along(from, -t, along, from);
     double distance = pel_vec3_normalize(from);
     for (int i = 0; i < 3; i++)
@@ -105,7 +106,7 @@ static double join(double a, double a_gradient[3], double b, double b_gradient[3
     double sign = part->carved ? -1 : 1;
     a *= sign;
     double width = part->blend, share = 0.5, dip = 0;
-    double apart = fmax(width - fabs(a - b), 0);
+    double apart = pel_max(width - fabs(a - b), 0);
     if (width > 0) {
         dip = apart * apart / (4 * width);
         share = 0.5 * apart / width;
@@ -116,7 +117,7 @@ static double join(double a, double a_gradient[3], double b, double b_gradient[3
     double weight = a < b ? share : 1 - share;
     for (int i = 0; i < 3; i++)
         a_gradient[i] = (1 - weight) * a_gradient[i] + sign * weight * b_gradient[i];
-    return sign * (fmin(a, b) - dip);
+    return sign * (pel_min(a, b) - dip);
 }
 
 static double body_distance(const void *inner, const double point[3], double gradient[3])
@@ -139,7 +140,7 @@ static void fit(pel_mesh *mesh, double size)
     double low[3], high[3], longest = 0;
     pel_mesh_box(mesh, low, high);
     for (int i = 0; i < 3; i++)
-        longest = fmax(longest, high[i] - low[i]);
+        longest = pel_max(longest, high[i] - low[i]);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         for (int i = 0; i < 3; i++)
             mesh->positions[v][i] = (mesh->positions[v][i] - 0.5 * (low[i] + high[i])) * size / longest;
@@ -157,7 +158,7 @@ pel_status pel_shape_blend(const pel_shape_def *def, pel_mesh **mesh, pel_error 
         return PEL_BAD_ARGUMENT;
     }
     const pel_implicit surface = {body_distance, body, {-0.8, -0.8, -0.8}, {0.8, 0.8, 0.8}};
-    double spacing = fmin(fmax(edge, finest_lattice), coarsest_lattice);
+    double spacing = pel_min(pel_max(edge, finest_lattice), coarsest_lattice);
     pel_status status = pel_implicit_march(&surface, spacing * body->extent, mesh, error);
     if (status == PEL_OK)
         status = pel_implicit_remesh(&surface, edge * body->extent, mesh, error);

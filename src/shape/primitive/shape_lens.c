@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "primitive/lens.h"
@@ -26,7 +27,7 @@ static void move_to_lens(const pel_lens_outline *outline, pel_mesh *mesh, double
         double *p = mesh->positions[v];
         double from_axis = sqrt(p[0] * p[0] + p[1] * p[1]), r, z;
         double along = length_of_angle(outline, pel_atan2(from_axis, p[2]));
-        along = fmin(fmax(along, 0), outline->length);
+        along = pel_min(pel_max(along, 0), outline->length);
         pel_lens_outline_point(outline, along, &r, &z);
         double scale = from_axis > 0 ? metre * r / from_axis : 0;
         pel_vec3_set(p, scale * p[0], scale * p[1], metre * z);

@@ -16,6 +16,7 @@
 
 #include "adapt/refine.h"
 #include "base/assert.h"
+#include "math/extremes.h"
 #include "tool/near.h"
 
 /* a tool is left at this multiple of the distance at which it is met */
@@ -23,7 +24,7 @@
 
 static void note(pel_verdict *verdict, double measure, double above, double below)
 {
-    verdict->strength = fmax(verdict->strength, measure / above);
+    verdict->strength = pel_max(verdict->strength, measure / above);
     verdict->warm |= measure >= below;
 }
 
@@ -59,7 +60,7 @@ static double edge_curvature(const sector *before, const sector *after)
     double flat = before->area * after->area + pel_vec3_dot(before->normal, after->normal);
     double sine = -2 * pel_vec3_dot(cross, after->next);
     /* a complete fold: as if it lacked a little */
-    return sine / fmax(flat, 1e-6 * before->area * after->area);
+    return sine / pel_max(flat, 1e-6 * before->area * after->area);
 }
 
 static double mean_curvature(const pel_refined_body *own, const pel_record *records, int32_t place,
@@ -114,7 +115,7 @@ static double fan_depth(const pel_sim *sim, const pel_refined_body *own, const p
             pel_vertex_position(sim->state->position, own->model_index[others[c]], x);
             pel_pose_to_local(&tool->pose, x, corners[c + 1]);
         }
-        deepest = fmax(deepest, pel_solid_depth(solid, corners[0], corners[1], corners[2], weights, normal));
+        deepest = pel_max(deepest, pel_solid_depth(solid, corners[0], corners[1], corners[2], weights, normal));
     }
     return deepest;
 }

@@ -1,6 +1,7 @@
 #include "adapt/energy.h"
 
 #include "base/assert.h"
+#include "math/extremes.h"
 #include "model/event_energy.h"
 
 #include <float.h>
@@ -99,7 +100,7 @@ static void set_direction(keeper *k, double share)
             direction[i][c] = (pel_real)each[c];
         }
         k->slope += pel_vec3_dot(force, each);
-        square = fmax(square, pel_vec3_squared_length(each));
+        square = pel_max(square, pel_vec3_squared_length(each));
     }
     k->largest = sqrt(square);
 }
@@ -138,10 +139,10 @@ static void set_range(keeper *k)
         int32_t place = place_at(k, i, true), slice = place / PEL_WIDTH, lane = place % PEL_WIDTH;
         for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++)
             if (model->neighbours[slot][lane] != place)
-                edge = fmin(edge, (double)model->rest_lengths[slot][lane]);
+                edge = pel_min(edge, (double)model->rest_lengths[slot][lane]);
         pel_vertex_position(k->sim->state->position, place, x);
         for (int c = 0; c < 3; c++)
-            far = fmax(far, fabs(x[c]));
+            far = pel_max(far, fabs(x[c]));
     }
     k->least = ROUNDINGS * far * (sizeof(pel_real) == 8 ? DBL_EPSILON : (double)FLT_EPSILON);
     k->most = MOST_MOVE * edge;
@@ -151,12 +152,12 @@ static void set_range(keeper *k)
 static bool improve(keeper *k, double target, double *energy)
 {
     double trial = (*energy - target) / k->slope, limit = k->most / k->largest;
-    trial = fmax(fmin(trial, limit), -limit);
+    trial = pel_max(pel_min(trial, limit), -limit);
     if (!(k->slope > 0 && fabs(trial) * k->largest > k->least))
         return false;
     move(k, trial);
     double tried = evaluate(k), way = way_of_parabola(k, *energy, target, trial, tried);
-    way = fmax(fmin(way, limit), -limit);
+    way = pel_max(pel_min(way, limit), -limit);
     move(k, way - trial);
     double reached = evaluate(k);
     if (fabs(reached - target) < fabs(*energy - target)) {

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
 
@@ -42,7 +43,7 @@ static void find_weights(const pel_load_def *def, int32_t vertex_count, double *
     for (int32_t v = 0; v < vertex_count; v++)
         weights[v] = def->vertices == NULL ? (def->weights != NULL ? def->weights[v] : 1) : -1;
     for (int32_t i = 0; def->vertices != NULL && i < def->vertex_count; i++)
-        weights[def->vertices[i]] = def->weights != NULL ? fmax(def->weights[i], 0) : 1;
+        weights[def->vertices[i]] = def->weights != NULL ? pel_max(def->weights[i], 0) : 1;
 }
 
 static void add_edge(pel_sim *sim, const pel_load_def *def, int32_t l, const int32_t corners[3], double weight)

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "model/quantity.h"
 #include "newton/run.h"
 
@@ -439,7 +440,7 @@ static bool find_free_motion(motion *m, double free[6])
     bool done[6] = {false};
     double largest = 0;
     for (int i = 0; i < 6; i++)
-        largest = fmax(largest, m->squares[i][i]);
+        largest = pel_max(largest, m->squares[i][i]);
     for (int round = 0; round < 6; round++) {
         int pivot = -1;
         for (int i = 0; i < 6; i++)

@@ -8,6 +8,7 @@
 #include "method/bending_weight.h"
 
 #include "force/pressure.h"
+#include "math/extremes.h"
 
 /* the paper's choice for all of its models */
 #define FIRST_WEIGHT 0.01
@@ -40,7 +41,7 @@ static void follow(pel_bending_control *control, double ratio)
         return;
     bool turned = change * control->change < 0;
     control->change = change;
-    control->weight = fmax(control->weight * (turned ? FALL : DRIFT), LEAST_WEIGHT);
+    control->weight = pel_max(control->weight * (turned ? FALL : DRIFT), LEAST_WEIGHT);
 }
 
 void pel_bending_weights_follow(pel_sim *sim)

@@ -283,7 +283,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 
 static void follow_surface(pel_sim *sim)
 {
-    sim->substeps->now.is_stale = true;
+    pel_substeps_follow_surface(sim);
     follow_held(sim);
 }
 

@@ -1,8 +1,11 @@
 /* Substeps of xpbd: the number at which it is not softer than the material (solve/softness.h), chosen at the start,
-   every 8 to 32 steps, and after refinement. */
+   every 8 to 32 steps, and after refinement. A look takes as long as some substeps, so it is spread over the last steps
+   before the choice. Springs with keys may stiffen within these steps: then it is done at once. Where the caller fixes
+   the number, only the start, live changes and springs with keys are looked at. */
 #include "method/softness.h"
 
 #include "base/status.h"
+#include "math/extremes.h"
 #include "solve/project.h"
 
 #include <math.h>
@@ -13,8 +16,7 @@
 #define PRESSURE_SQUARE 1.0
 /* fewer substeps are taken only below this share of the present ones: each change costs accuracy in time */
 #define KEEP_SHARE 0.75
-/* a rate that changed by less than this between two looks is looked at half as often (a look costs about a sweep over
-   each vertex's elements in double, some substeps) */
+/* a rate that changed by less than this between two looks is looked at half as often */
 #define CALM_CHANGE 0.05
 
 /* where something touches, substeps also bound how far it moves before it is met */
@@ -22,7 +24,7 @@ enum {
     LEAST_FREE = 4,
     LEAST_TOUCHING = 16,
     DEFAULT_MOST = 200,
-    INTERVAL = 8,
+    INTERVAL = 8, /* also the steps that a look is spread over */
     LONGEST_INTERVAL = 32,
     XPBD_ITERATIONS = 1,
     PBD_ITERATIONS = 5
@@ -64,20 +66,33 @@ static double longest_substep(const pel_sim *sim)
     double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
     double tau = found->rate > 0 ? sqrt(2 * share / found->rate) : HUGE_VAL;
     double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
-    return fmin(sim->solver.second_order ? 1.5 * tau : tau, pressure);
+    return pel_min(sim->solver.second_order ? 1.5 * tau : tau, pressure);
 }
 
 static int32_t needed_substeps(const pel_sim *sim)
 {
     double count = ceil(sim->solver.dt / longest_substep(sim));
-    return (int32_t)fmin(fmax(count, sim->substeps->least), INT32_MAX);
+    return (int32_t)pel_min(pel_max(count, sim->substeps->least), INT32_MAX);
 }
 
-static void find_softness(pel_sim *sim)
+/* goes on with the present look; true at its end */
+static bool look_on(pel_sim *sim, int64_t end)
 {
+    pel_substeps *substeps = sim->substeps;
     sim->present.has_force = false;
-    sim->substeps->now.found =
-        pel_softness_find(sim->model, sim->state, sim->state->position, pel_sim_time(sim), &sim->substeps->scratch);
+    pel_softness_look(sim->model, sim->state, pel_sim_time(sim), sim->pool, end, &substeps->scratch,
+                      &substeps->now.look);
+    if (end < pel_softness_size(sim->model))
+        return false;
+    substeps->now.found = substeps->now.look.found;
+    substeps->now.look.done = 0;
+    return true;
+}
+
+static void look_at_once(pel_sim *sim)
+{
+    sim->substeps->now.look.done = 0;
+    look_on(sim, pel_softness_size(sim->model));
 }
 
 static void note(pel_sim *sim)
@@ -86,7 +101,7 @@ static void note(pel_sim *sim)
     now->count = sim->solver.substeps;
     now->least = now->least > 0 && now->least < now->count ? now->least : now->count;
     now->most = now->most > now->count ? now->most : now->count;
-    now->softness = fmax(now->softness, pel_sim_softness(sim));
+    now->softness = pel_max(now->softness, pel_sim_softness(sim));
     int32_t needed = needed_substeps(sim);
     now->needed = now->needed > needed ? now->needed : needed;
 }
@@ -96,26 +111,31 @@ static int32_t clamp_substeps(const pel_sim *sim, int32_t count)
     return count < sim->solver.max_substeps ? count : sim->solver.max_substeps;
 }
 
+static bool has_keyed_springs(const pel_model *model)
+{
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].curves[PEL_SPRING_STIFFNESS].key_count > 0)
+            return true;
+    return false;
+}
+
 /* springs or pressure may change at any time */
 static bool has_keys(const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_shell *shell = model->bodies[b].shell;
-        if (model->bodies[b].curves[PEL_SPRING_STIFFNESS].key_count > 0 ||
-            (shell != NULL && shell->outside.key_count + shell->target.key_count > 0))
+        if (shell != NULL && shell->outside.key_count + shell->target.key_count > 0)
             return true;
     }
-    return false;
+    return has_keyed_springs(model);
 }
 
-/* looks again, and says when the next look is due */
-static void look(pel_sim *sim)
+/* says when the next look is to end */
+static void plan_next(pel_sim *sim, double rate_before)
 {
     pel_substeps_now *now = &sim->substeps->now;
-    double before = sim->substeps->now.found.rate;
-    find_softness(sim);
     bool is_calm =
-        !now->is_stale && !has_keys(sim->model) && fabs(sim->substeps->now.found.rate - before) <= CALM_CHANGE * before;
+        !now->is_stale && !has_keys(sim->model) && fabs(now->found.rate - rate_before) <= CALM_CHANGE * rate_before;
     now->interval = is_calm && now->interval > 0 ? 2 * now->interval : INTERVAL;
     now->interval = now->interval < LONGEST_INTERVAL ? now->interval : LONGEST_INTERVAL;
     now->next = sim->state->step + now->interval;
@@ -124,17 +144,18 @@ static void look(pel_sim *sim)
 
 static void choose_first(pel_sim *sim)
 {
-    look(sim);
+    look_at_once(sim);
+    plan_next(sim, 0);
     if (sim->substeps->is_automatic)
         sim->solver.substeps = clamp_substeps(sim, needed_substeps(sim));
     note(sim);
 }
 
-/* nothing needs the forces while substeps are chosen; with numbers in float there is too little room among them */
+/* nothing needs the forces while substeps are chosen */
 static pel_status create_scratch(pel_sim *sim, pel_error *error)
 {
-    double *lent = sizeof *sim->force >= 4 * sizeof *lent ? (double *)sim->force : NULL;
-    return pel_softness_create(sim->model, lent, &sim->substeps->scratch, error);
+    _Static_assert(sizeof *sim->force >= 2 * sizeof(double), "two numbers a vertex");
+    return pel_softness_create(sim->model, (double *)sim->force, &sim->substeps->scratch, error);
 }
 
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error)
@@ -152,12 +173,29 @@ void pel_substeps_destroy(pel_sim *sim)
     pel_softness_destroy(&sim->substeps->scratch);
 }
 
+/* the element that the present look has to come to; 0 = none is due */
+static int64_t look_end(const pel_sim *sim)
+{
+    const pel_substeps_now *now = &sim->substeps->now;
+    int64_t size = pel_softness_size(sim->model), passed = sim->state->step - (now->next - INTERVAL);
+    if (has_keyed_springs(sim->model))
+        return passed < INTERVAL ? 0 : size;
+    if (!sim->substeps->is_automatic || passed <= 0)
+        return 0;
+    return passed < INTERVAL ? size * passed / INTERVAL : size;
+}
+
 void pel_substeps_follow(pel_sim *sim)
 {
     pel_substeps *substeps = sim->substeps;
-    if (!sim->stepper->is_compliant || (!substeps->now.is_stale && sim->state->step < substeps->now.next))
+    double before = substeps->now.found.rate;
+    if (!sim->stepper->is_compliant)
         return;
-    look(sim);
+    if (substeps->now.is_stale)
+        look_at_once(sim);
+    else if (look_end(sim) == 0 || !look_on(sim, look_end(sim)))
+        return;
+    plan_next(sim, before);
     int32_t count = clamp_substeps(sim, needed_substeps(sim)), present = sim->solver.substeps;
     if (substeps->is_automatic && (count > present || count < KEEP_SHARE * present)) {
         sim->stepper->set_substeps(sim, count, false);
@@ -166,11 +204,16 @@ void pel_substeps_follow(pel_sim *sim)
     note(sim);
 }
 
+void pel_substeps_follow_surface(pel_sim *sim)
+{
+    sim->substeps->now.is_stale |= sim->substeps->is_automatic || sim->state->step == 0;
+}
+
 bool pel_substeps_restore(pel_sim *sim)
 {
     const pel_substeps_now *now = &sim->substeps->now;
     bool is_whole =
-        now->count > 0 && now->interval > 0 &&
+        now->count > 0 && now->interval > 0 && now->look.done >= 0 && now->look.done <= pel_softness_size(sim->model) &&
         (sim->substeps->is_automatic ? now->count <= sim->solver.max_substeps : now->count == sim->solver.substeps);
     if (!is_whole)
         return false;
@@ -196,6 +239,7 @@ void pel_substeps_carry(const pel_sim *from, pel_sim *to)
         choose_first(to);
     } else {
         *now = from->substeps->now;
+        now->look.done = 0;
         now->is_stale |= !is_as_soft(from, to);
         if (to->substeps->is_automatic && from->substeps->is_automatic)
             to->solver.substeps = clamp_substeps(to, now->count);
@@ -221,8 +265,8 @@ pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error)
     pel_status status = create_scratch(sim, error);
     if (status != PEL_OK)
         return status;
-    find_softness(sim);
-    *count = (int32_t)fmin(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
+    look_at_once(sim);
+    *count = (int32_t)pel_min(needed_substeps(sim) * finest_factor(sim->model), INT32_MAX);
     return PEL_OK;
 }
 
@@ -259,6 +303,13 @@ void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)
 void pel_substeps_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->stepper->is_compliant)
-        pel_transfer(at, &sim->substeps->now, sizeof sim->substeps->now);
+    const pel_softness_scratch *scratch = &sim->substeps->scratch;
+    size_t count = (size_t)sim->model->vertex_count;
+    if (!sim->stepper->is_compliant)
+        return;
+    pel_transfer(at, &sim->substeps->now, sizeof sim->substeps->now);
+    if (sim->substeps->is_automatic) {
+        pel_transfer(at, scratch->energy, count * sizeof *scratch->energy);
+        pel_transfer(at, scratch->excess, count * sizeof *scratch->excess);
+    }
 }

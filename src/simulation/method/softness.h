@@ -11,10 +11,11 @@ typedef struct pel_substeps_now {
     int32_t count, least, most;
     int32_t needed;     /* maximum over the run, without max_substeps */
     int32_t is_stale;   /* the surface or the state has changed: update before the next step */
-    int32_t interval;   /* steps from the last look to the next one */
-    int64_t next;       /* the step before which the next look is due */
+    int32_t interval;   /* steps from the end of the last look to that of the next one */
+    int64_t next;       /* the step before which the next look ends */
     double softness;    /* the largest so far */
     pel_softness found; /* at the last look */
+    pel_softness_progress look;
 } pel_substeps_now;
 
 struct pel_substeps {
@@ -31,8 +32,10 @@ pel_status pel_substeps_count(pel_sim *sim, int32_t *count, pel_error *error);
 /* Chooses the substeps for the state at the start. */
 pel_status pel_substeps_create(pel_sim *sim, pel_error *error);
 void pel_substeps_destroy(pel_sim *sim);
-/* Updates them at the start of a step when due. */
+/* Goes on with a look at the start of a step, and updates them when it ends. */
 void pel_substeps_follow(pel_sim *sim);
+/* After the surface has changed. */
+void pel_substeps_follow_surface(pel_sim *sim);
 /* After a snapshot was loaded; false when its numbers are out of range. */
 bool pel_substeps_restore(pel_sim *sim);
 /* Transfers the count and the tallies to a changed simulation; the next step updates them. */

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "contact/contact.h"
 #include "contact/set.h"
+#include "math/extremes.h"
 #include "pellicle/geometry.h"
 #include "stage/surface_view.h"
 #include "tool/pose.h"
@@ -59,7 +60,7 @@ static double find_nearest(const pel_solid *solid, const pel_minimise_contact *c
     if (constraint->points == 3)
         pel_closest_point_triangle(at, x[0], x[1], x[2], weights);
     else if (constraint->points == 1)
-        at[2] = fmin(fmax(x[0][2], -half), half);
+        at[2] = pel_min(pel_max(x[0][2], -half), half);
     else {
         pel_closest_segment_segment(x[0], x[1], low, high, on_axis);
         weights[0] = on_axis[0];
@@ -322,11 +323,12 @@ static double misfit_of(const pel_sim *sim, const pel_minimise_contact *constrai
 {
     pel_minimise_contact loaded = *constraint;
     double drag[3];
-    loaded.load = fmax(load, constraint->load);
+    loaded.load = pel_max(load, constraint->load);
     if (!find_drag(sim, &loaded, sim->minimise->position, drag))
         return 0;
     double length = pel_vec3_length(drag);
-    return fabs(fmin(length, constraint->friction * load) - fmin(length, constraint->friction * constraint->load));
+    return fabs(pel_min(length, constraint->friction * load) -
+                pel_min(length, constraint->friction * constraint->load));
 }
 
 static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_contact_change *sum)
@@ -335,7 +337,7 @@ static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_con
     pel_gap_sample meeting;
     double drag[3], change = 0;
     pel_minimise_contact_meet(sim, constraint, position, &meeting);
-    double load = fmax(0, constraint->load - constraint->stiffness * meeting.gap);
+    double load = pel_max(0, constraint->load - constraint->stiffness * meeting.gap);
     sum->misfit += misfit_of(sim, constraint, load);
     sum->limit += constraint->friction * load;
     if (find_drag(sim, constraint, position, drag)) {
@@ -345,9 +347,9 @@ static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_con
     } else {
         pel_vec3_set(constraint->drag, 0, 0, 0);
     }
-    change = fmax(change, fabs(load - constraint->load));
+    change = pel_max(change, fabs(load - constraint->load));
     constraint->load = load;
-    sum->gap = fmax(sum->gap, change / (constraint->stiffness * constraint->tolerance));
+    sum->gap = pel_max(sum->gap, change / (constraint->stiffness * constraint->tolerance));
 }
 
 pel_contact_change pel_minimise_contacts_update(pel_sim *sim)
@@ -393,7 +395,7 @@ static void balance(const pel_sim *sim, pel_minimise_contact *constraint, double
     double left[3], change[3], drag[3];
     if ((stiffness == NULL && meeting.gap > reach) || !find_left(sim, constraint, &meeting, stiffness, force, left))
         return;
-    double along = pel_vec3_dot(left, meeting.normal), load = fmax(0, constraint->load + along);
+    double along = pel_vec3_dot(left, meeting.normal), load = pel_max(0, constraint->load + along);
     pel_vec3_along(left, -along, meeting.normal, drag);
     pel_vec3_add(constraint->drag, drag, drag);
     limit_length(drag, constraint->friction * load);

@@ -7,6 +7,7 @@
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/constraint.h"
 #include "stage/accessors.h"
@@ -153,7 +154,7 @@ static pel_status add_side(const tool_search *search, int32_t t, int side, pel_e
         return PEL_OK;
     pel_gap_sample meeting;
     pel_minimise_contact_meet(sim, &constraint, sim->minimise->position, &meeting);
-    if (!presses && fmax(meeting.weights[0], meeting.weights[1]) > 1 - INSIDE)
+    if (!presses && pel_max(meeting.weights[0], meeting.weights[1]) > 1 - INSIDE)
         return PEL_OK;
     return add_feature(search, &constraint, presses ? known : 0, error);
 }
@@ -247,7 +248,7 @@ static pel_status add_flat(const tool_search *search, int32_t t, pel_error *erro
     double normal[3], *w = constraint.weights;
     double depth = pel_tool_triangle_depth(sim, tool, &grown, sim->state->position_next, t, w, normal);
     /* corners have their own */
-    if (status != PEL_OK || !(depth > 0) || fmax(w[0], fmax(w[1], w[2])) > 1 - 1e-6)
+    if (status != PEL_OK || !(depth > 0) || pel_max(w[0], pel_max(w[1], w[2])) > 1 - 1e-6)
         return status;
     double corner[3][3], axis[3];
     for (int i = 0; i < 3; i++) {

@@ -14,6 +14,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/constraint.h"
 #include "minimise/constraint_tool.h"
@@ -203,13 +204,13 @@ static int count_parts(const pel_sim *sim, double *longest)
         const pel_tool *tool = &sim->tools->items[i];
         double half[3];
         pel_solid_half_box(&tool->solid, half);
-        double limit = PART_SHARE * fmin(half[0], fmin(half[1], half[2]));
+        double limit = PART_SHARE * pel_min(half[0], pel_min(half[1], half[2]));
         double way = pel_tool_way(tool, &tool->pose_before, &tool->pose);
-        *longest = fmax(*longest, way);
+        *longest = pel_max(*longest, way);
         if (tool->press && tool->mesh == NULL)
-            most = fmax(most, way / limit);
+            most = pel_max(most, way / limit);
     }
-    return (int)ceil(fmin(most, MOST_PARTS));
+    return (int)ceil(pel_min(most, MOST_PARTS));
 }
 
 static void copy_position(const pel_record *from, int32_t v, double *to)
@@ -263,7 +264,7 @@ static bool go_back(pel_sim *sim)
                     continue;
                 if (pass == 1 && shares[v] < 1)
                     any |= go_back_to(sim, v, shares[v]);
-                shares[v] = pass == 0 ? fmin(shares[v], SAFE_SHARE * conflict->time) : 1;
+                shares[v] = pass == 0 ? pel_min(shares[v], SAFE_SHARE * conflict->time) : 1;
             }
         }
     return any;
@@ -296,7 +297,7 @@ static double deepest_gap(const pel_sim *sim)
     for (int32_t c = 0; c < minimise->count; c++) {
         pel_gap_sample meeting;
         pel_minimise_contact_meet(sim, &minimise->constraints[c], minimise->position, &meeting);
-        deepest = fmax(deepest, -meeting.gap / minimise->constraints[c].tolerance);
+        deepest = pel_max(deepest, -meeting.gap / minimise->constraints[c].tolerance);
     }
     return deepest;
 }
@@ -321,7 +322,7 @@ static double tolerance_of(const pel_sim *sim, double loads)
     double acting = acting_force(sim, loads), rounding = rounding_force(sim);
     if (acting == 0)
         acting = sim->minimise->step_acted;
-    return acting > 0 ? fmax(LOAD_SHARE * acting, fmin(rounding, LOST_SHARE * acting)) : rounding;
+    return acting > 0 ? pel_max(LOAD_SHARE * acting, pel_min(rounding, LOST_SHARE * acting)) : rounding;
 }
 
 double pel_minimise_tolerance(pel_sim *sim, double time)
@@ -353,7 +354,7 @@ static void remember_acting(pel_sim *sim, double loads, double first_residual)
     pel_minimise *minimise = sim->minimise;
     bool is_stressed = minimise->step_acted == 0 && first_residual > tolerance_of(sim, loads);
     double acting = acting_force(sim, loads);
-    minimise->step_acted = fmax(minimise->step_acted, acting == 0 && is_stressed ? first_residual : acting);
+    minimise->step_acted = pel_max(minimise->step_acted, acting == 0 && is_stressed ? first_residual : acting);
 }
 
 /* N, a body that tools push about freely resists them by forces that are too small to strain it, and rounding leaves
@@ -366,7 +367,7 @@ static double stuck_force(const pel_sim *sim)
 /* the friction that balances the forces is that of the loads which do */
 static bool slips_by_law(const pel_sim *sim, const pel_contact_change *change, double tolerance)
 {
-    return change->misfit <= fmax(FRICTION_SHARE * change->limit, fmax(tolerance, stuck_force(sim)));
+    return change->misfit <= pel_max(FRICTION_SHARE * change->limit, pel_max(tolerance, stuck_force(sim)));
 }
 
 /* not relative to the initial forces of the round: forces of closing gaps are far larger than all others */
@@ -425,8 +426,8 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         const pel_contact_change change = pel_minimise_contacts_update(sim);
         double error_of_gaps = change.gap;
         double allowed = minimise->penalty >= JAM_PENALTY ? JAM_GAP : 1;
-        if (round.converged && error_of_gaps > allowed && error_of_gaps > fmin(CLOSING * before, FAR))
-            minimise->penalty = fmin(STIFFENING * minimise->penalty, MOST_PENALTY);
+        if (round.converged && error_of_gaps > allowed && error_of_gaps > pel_min(CLOSING * before, FAR))
+            minimise->penalty = pel_min(STIFFENING * minimise->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
         /* nothing touches: continue to minimise until the forces balance */
@@ -437,7 +438,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
                 break;
             continue;
         }
-        closed = !again && fmax(error_of_gaps, deepest_gap(sim)) <= allowed;
+        closed = !again && pel_max(error_of_gaps, deepest_gap(sim)) <= allowed;
         sum->converged = closed && slips_by_law(sim, &change, problem.tolerance) && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
         if (sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline)
@@ -607,7 +608,7 @@ static double find_mean_edge(const pel_model *model)
             for (int i = 0; i < 3; i++)
                 sum += pel_vec3_distance(mesh->positions[mesh->triangles[t][i]],
                                          mesh->positions[mesh->triangles[t][(i + 1) % 3]]);
-        least = fmin(least, sum / (3.0 * mesh->triangle_count));
+        least = pel_min(least, sum / (3.0 * mesh->triangle_count));
     }
     return least;
 }
@@ -643,7 +644,7 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
     sim->contact_in_loop = true;
     minimise->mean_edge = find_mean_edge(sim->model);
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        minimise->size = fmax(minimise->size, sim->model->bodies[b].diameter);
+        minimise->size = pel_max(minimise->size, sim->model->bodies[b].diameter);
     minimise->stiff_force = find_stiff_force(sim, minimise->mean_edge);
     return PEL_OK;
 }
@@ -695,7 +696,7 @@ void pel_minimise_accept(pel_sim *sim)
     if (sim->part.at > 0) {
         part->iterations += accepted->iterations;
         part->evaluations += accepted->evaluations;
-        part->residual = fmax(part->residual, accepted->residual);
+        part->residual = pel_max(part->residual, accepted->residual);
         part->converged &= accepted->converged;
     }
     *accepted = *part;

@@ -22,6 +22,7 @@
 #include "boundary/hold.h"
 #include "boundary/loads.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "minimise/constraint.h"
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"
@@ -321,7 +322,7 @@ static double energy_noise(const pel_sim *sim)
     double farthest = 0;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
-            farthest = fmax(farthest, fabs((double)sim->state->position[v][k]));
+            farthest = pel_max(farthest, fabs((double)sim->state->position[v][k]));
     double rounding = DBL_EPSILON * farthest;
     return minimise->stiff_force / minimise->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
 }

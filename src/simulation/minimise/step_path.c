@@ -5,6 +5,7 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
@@ -205,9 +206,9 @@ static void take(pel_sim *sim, const pel_newton_result *result)
 static void adapt_length(pel_sim *sim)
 {
     pel_newton_path *path = &sim->path->path;
-    double change = sqrt(GOOD_ITERATIONS / fmax(path->iterations, 1));
-    path->length *= fmin(fmax(change, SHRINK), GROWTH);
-    path->length = fmin(path->length, MOST_SHARE * sim->minimise->size);
+    double change = sqrt(GOOD_ITERATIONS / pel_max(path->iterations, 1));
+    path->length *= pel_min(pel_max(change, SHRINK), GROWTH);
+    path->length = pel_min(path->length, MOST_SHARE * sim->minimise->size);
 }
 
 /* start from equilibrium without loads: bodies may be prestressed, or supports displaced */

@@ -20,6 +20,7 @@
 #include "boundary/loads.h"
 #include "contact/set.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "observe/observe.h"
 #include "solve/shell_stability.h"
@@ -356,7 +357,7 @@ static void follow_supply(pel_sim_ledger *sums)
     double supplied = fabs(sums->elastic_start) + fabs(sums->kinetic_start) + fabs(sums->work_tools) +
                       fabs(sums->work_loads) + fabs(sums->work_pressure) + fabs(sums->work_gravity) +
                       fabs(sums->work_material) + fabs(sums->work_setters);
-    sums->supplied = fmax(sums->supplied, supplied);
+    sums->supplied = pel_max(sums->supplied, supplied);
 }
 
 void pel_ledger_step(pel_sim *sim, double next)
@@ -435,9 +436,8 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
     double gained = ledger->elastic + ledger->kinetic - ledger->elastic_start - ledger->kinetic_start;
     /* modes are drawn: nothing supplies their energy */
     double left = sim->modes != NULL ? 0 : gained - work + ledger->dissipated_drag;
-    /* not fmax: the sign of a zero is up to the compiler there */
-    ledger->dissipated_solver = left < 0 ? -left : 0;
-    ledger->energy_error = left > 0 ? left : 0;
+    ledger->dissipated_solver = pel_max(-left, 0);
+    ledger->energy_error = pel_max(left, 0);
     ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding;
 }
 
@@ -466,13 +466,10 @@ static double rounding_of(const pel_sim *sim)
     pel_shell_stability_bound(sim->shells, &stability);
     for (int32_t v = 0; v < model->vertex_count; v++) {
         mass += (double)model->mass[v];
-        /* fmax is a call */
-        for (int c = 0; c < 3; c++) {
-            double far = fabs((double)model->rest[v][c]);
-            farthest = far > farthest ? far : farthest;
-        }
+        for (int c = 0; c < 3; c++)
+            farthest = pel_max(farthest, fabs((double)model->rest[v][c]));
     }
-    double share = fmax(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
+    double share = pel_max(ROUNDING_ERRORS * (double)PEL_REAL_EPSILON, ROUNDING_SHARE), shift = share * farthest;
     double weight = mass * sqrt(pel_vec3_dot(model->gravity, model->gravity));
     double slack = sim->contacts != NULL && sim->contact_in_loop ? PEL_SLACK_SHARE * sim->contacts->largest : 0;
     return 0.5 * mass * stability.stiffness_bound * shift * shift + weight * (shift + slack) +

@@ -3,6 +3,7 @@
 
 #include "boundary/forces.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "pellicle/sim_contact.h"
@@ -80,7 +81,7 @@ double pel_sim_max_speed(const pel_sim *sim)
         for (int32_t r = 0; r < count; r++) {
             double velocity[3];
             vertex_velocity(sim, pel_output_model_index(sim, b, r), velocity);
-            largest = fmax(largest, pel_vec3_squared_length(velocity));
+            largest = pel_max(largest, pel_vec3_squared_length(velocity));
         }
     }
     return sqrt(largest);
@@ -163,7 +164,7 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
         volume += body->closed ? body_volume : 0;
         rest_volume += body->closed ? body_rest_volume : 0;
         if (body->closed)
-            measures->least_volume_ratio = fmin(measures->least_volume_ratio, body_volume / body_rest_volume);
+            measures->least_volume_ratio = pel_min(measures->least_volume_ratio, body_volume / body_rest_volume);
         measures->vertex_count += pel_sim_vertex_count(sim, b);
         measures->triangle_count += pel_sim_triangle_count(sim, b);
     }

@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "bvh/ray.h"
+#include "math/extremes.h"
 #include "pellicle/sim_surface.h"
 #include "stage/stage.h"
 #include "stage/surface_view.h"
@@ -139,7 +140,7 @@ static void describe(const pel_sim *sim, const pel_picker *picker, const pel_ray
         hit->body++;
     hit->is_hit = true;
     hit->triangle = found->triangle - picker->first[hit->body];
-    hit->distance = fmax(found->distance * pel_vec3_length(ray->direction), 0);
+    hit->distance = pel_max(found->distance * pel_vec3_length(ray->direction), 0);
     const int32_t *corners = picker->triangles[found->triangle];
     const double(*x)[3] = (const double(*)[3])picker->positions;
     double first[3], second[3];
@@ -158,7 +159,7 @@ static void describe(const pel_sim *sim, const pel_picker *picker, const pel_ray
 /* The ray with a direction of length 1; lengths that overflow when squared are scaled before. */
 static pel_status make_ray(const double origin[3], const double direction[3], pel_ray *ray, pel_error *error)
 {
-    double largest = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2]))), scaled[3];
+    double largest = pel_max(fabs(direction[0]), pel_max(fabs(direction[1]), fabs(direction[2]))), scaled[3];
     bool is_finite = true;
     for (int k = 0; k < 3; k++)
         is_finite &= isfinite(origin[k]) && isfinite(direction[k]);

@@ -13,6 +13,7 @@
    so any stiffness is stable. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "pellicle/live.h"
 #include "stage/surface_view.h"
 #include "tool/reading.h"
@@ -61,7 +62,7 @@ static double nearest_corner(const pel_sim *sim, const pel_pick_hit *hit)
     double least = HUGE_VAL, x[3];
     for (int c = 0; c < 3; c++) {
         pel_vertex_position(sim->state->position, pel_output_model_index(sim, hit->body, hit->vertices[c]), x);
-        least = fmin(least, pel_vec3_distance(x, hit->point));
+        least = pel_min(least, pel_vec3_distance(x, hit->point));
     }
     return least;
 }
@@ -111,8 +112,8 @@ pel_status pel_drag_begin(pel_sim *sim, const pel_pick_hit *hit, double stiffnes
     pel_vec3_copy(hit->point, key.position);
     pel_tool_def def = pel_tool_def_default();
     def.name = made->name;
-    def.radius = fmax(reach, REACH_MARGIN * nearest_corner(sim, hit));
-    def.radius = fmax(def.radius, 1e-9 * sim->model->bodies[hit->body].diameter);
+    def.radius = pel_max(reach, REACH_MARGIN * nearest_corner(sim, hit));
+    def.radius = pel_max(def.radius, 1e-9 * sim->model->bodies[hit->body].diameter);
     def.body = hit->body;
     def.press = false;
     def.grasp = true;
@@ -141,7 +142,7 @@ static void learn(pel_drag *drag, const pel_tool_reading *now)
     pel_vec3_subtract(now->force, drag->force_before, change);
     double square = pel_vec3_squared_length(way);
     if (drag->has_moved && square > 0) {
-        double secant = fmax(-pel_vec3_dot(change, way) / square, 0);
+        double secant = pel_max(-pel_vec3_dot(change, way) / square, 0);
         bool rises_at_once = pel_sim_has_velocity(drag->sim) && secant > drag->surface;
         double share = rises_at_once ? 1 : pel_sim_has_velocity(drag->sim) ? SLOW_SHARE : SECANT_SHARE;
         if (isfinite(secant))
@@ -156,7 +157,7 @@ static void learn(pel_drag *drag, const pel_tool_reading *now)
 static double swing(pel_drag *drag, int axis, double force)
 {
     double dt = drag->sim->solver.dt, k = drag->stiffness;
-    double mass = fmax(MASS_RATIO * drag->held_mass, STIFF_RATIO * drag->surface * dt * dt);
+    double mass = pel_max(MASS_RATIO * drag->held_mass, STIFF_RATIO * drag->surface * dt * dt);
     double damping = 2 * sqrt(k * mass);
     drag->velocity[axis] = (mass * drag->velocity[axis] + dt * force) / (mass + dt * damping + dt * dt * k);
     return dt * drag->velocity[axis];
@@ -255,13 +256,13 @@ double pel_drag_suit_stiffness(const pel_sim *sim)
         const char *name = bodies[b].name;
         double springs = 0, home = 0, low[3], high[3];
         pel_mesh_box(bodies[b].mesh, low, high);
-        double size = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+        double size = pel_max(high[0] - low[0], pel_max(high[1] - low[1], high[2] - low[2]));
         double by_young = sheet_stiffness(sim, name, "membrane.young", "membrane.thickness") +
                           sheet_stiffness(sim, name, "springs.young", "springs.thickness") +
                           filling_stiffness(sim, name, PATCH_SHARE * size);
         read_number(sim, name, "volumetric.stiffness", &home);
         read_number(sim, name, "springs.stiffness", &springs);
-        most = fmax(most, fmax(by_young, 4 * (springs + home)));
+        most = pel_max(most, pel_max(by_young, 4 * (springs + home)));
     }
     return most > 0 ? most : 1;
 }

@@ -5,6 +5,7 @@
 #include "boundary/edge_load.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
+#include "math/extremes.h"
 #include "method/bending_weight.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"
@@ -113,10 +114,10 @@ static double position_bound(const pel_model *model)
 {
     double size = 0, far = 0;
     for (int32_t b = 0; b < model->body_count; b++)
-        size = fmax(size, model->bodies[b].diameter);
+        size = pel_max(size, model->bodies[b].diameter);
     for (int32_t v = 0; v < model->vertex_count; v++)
         for (int i = 0; i < 3; i++)
-            far = fmax(far, fabs((double)model->rest[v][i]));
+            far = pel_max(far, fabs((double)model->rest[v][i]));
     return 2 * far + BOUND_SIZES * size;
 }
 

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "bvh/mesh_query.h"
+#include "math/extremes.h"
 #include "tool/pose.h"
 #include "tool/start.h"
 
@@ -125,7 +126,7 @@ static pel_status create_mesh(pel_tool *tool, const pel_mesh *mesh, pel_error *e
 {
     double radius = 0;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
-        radius = fmax(radius, pel_vec3_length(mesh->positions[v]));
+        radius = pel_max(radius, pel_vec3_length(mesh->positions[v]));
     tool->solid = (pel_solid){.shape = PEL_TOOL_SPHERE, .radius = radius};
     return pel_mesh_create((const double *)mesh->positions, mesh->vertex_count, (const int32_t *)mesh->triangles,
                            mesh->triangle_count, &tool->mesh, error);

@@ -1,6 +1,8 @@
 /* Poses of tools: between their keys, between two poses, and the return to the keys after a tool was held back. */
 #include "tool/pose.h"
 
+#include "math/extremes.h"
+
 #include <string.h>
 
 /* turns of a key at most: angles of more lose their digits */
@@ -117,8 +119,8 @@ static pel_pose catch_up(const pel_tool *tool, double time, double dt)
 {
     pel_pose wanted = pel_tool_pose_at(tool, time), last = pel_tool_pose_at(tool, time - dt), pose;
     double behind = pel_tool_way(tool, &tool->pose, &wanted), stride = 2 * pel_tool_way(tool, &last, &wanted);
-    double share = behind > CAUGHT_UP * pel_tool_size(tool) ? fmax(stride / behind, 0.125) : 1;
-    pel_pose_between(&tool->pose, &wanted, fmin(share, 1), &pose);
+    double share = behind > CAUGHT_UP * pel_tool_size(tool) ? pel_max(stride / behind, 0.125) : 1;
+    pel_pose_between(&tool->pose, &wanted, pel_min(share, 1), &pose);
     return pose;
 }
 

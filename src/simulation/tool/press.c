@@ -16,6 +16,7 @@
 #include "base/assert.h"
 #include "base/lane.h"
 #include "contact/set.h"
+#include "math/extremes.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
 #include "tool/sagitta.h"
@@ -69,7 +70,7 @@ static bool oppose_across(const double vector[3], const double normal[3], double
     double length = pel_vec3_length(back);
     if (!(length > 0) || !(limit > 0))
         return false;
-    pel_vec3_scale(back, -fmin(1, limit / length), back);
+    pel_vec3_scale(back, -pel_min(1, limit / length), back);
     return true;
 }
 
@@ -303,7 +304,7 @@ static bool press_triangle(pel_sim *sim, pel_tool *tool, int32_t t, double toler
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool)
 {
     double tolerance = DEPTH_TOLERANCE * pel_tool_size(tool);
-    return sim->contacts != NULL ? fmin(tolerance, 0.1 * sim->contacts->least) : tolerance;
+    return sim->contacts != NULL ? pel_min(tolerance, 0.1 * sim->contacts->least) : tolerance;
 }
 
 /* One sweep over the near triangles. A triangle that was looked at since its corners moved last is as it was: moved_at
@@ -357,7 +358,7 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
 {
     double half[3];
     pel_solid_half_box(&tool->solid, half);
-    double limit = 0.5 * fmin(half[0], fmin(half[1], half[2]));
+    double limit = 0.5 * pel_min(half[0], pel_min(half[1], half[2]));
     bool moved = false;
     for (int32_t p = 0; p < tool->plane_before_count; p++) {
         const pel_contact_plane *plane = &tool->planes_before[p];

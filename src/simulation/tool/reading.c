@@ -6,6 +6,7 @@
 
 #include "base/assert.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "tool/press.h"
 
 #include <string.h>
@@ -39,7 +40,7 @@ static void hold_against(const pel_sim *sim, const pel_tool *tool, int32_t v, co
 {
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     double square = pel_vec3_squared_length(push), pressing[3], across[3];
-    double along = square > 0 ? fmin(pel_vec3_dot(force, push) / square, 0) : 0;
+    double along = square > 0 ? pel_min(pel_vec3_dot(force, push) / square, 0) : 0;
     double friction = pel_sim_friction(sim, tool, v);
     pel_vec3_scale(push, along, pressing);
     pel_vec3_subtract(force, pressing, across);

@@ -9,6 +9,7 @@
 #include "tool/sagitta.h"
 
 #include "base/assert.h"
+#include "math/extremes.h"
 #include "tool/pose.h"
 
 /* r^2 over that at rest: edges stretch between pressed vertices */
@@ -46,7 +47,7 @@ pel_solid pel_tool_triangle_solid(const pel_sim *sim, const pel_tool *tool, int3
         return solid;
     double circle = circle_square(sim, corners), square = solid.radius * solid.radius;
     double ratio = solid.radius / sqrt(circle);
-    double share = fmin(fmax((ratio - LEAST_RATIO) / (FULL_RATIO - LEAST_RATIO), 0), 1);
+    double share = pel_min(pel_max((ratio - LEAST_RATIO) / (FULL_RATIO - LEAST_RATIO), 0), 1);
     if (share > 0)
         solid.radius -= share * (solid.radius - sqrt(square - STRETCH * circle));
     return solid;

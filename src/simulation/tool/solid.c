@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
@@ -97,7 +98,7 @@ static double fastest_way(const pel_sim *sim)
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
         double velocity[3];
         pel_vertex_position(sim->state->velocity, v, velocity);
-        square = fmax(square, pel_vec3_squared_length(velocity));
+        square = pel_max(square, pel_vec3_squared_length(velocity));
     }
     return sim->step.dt * sqrt(square);
 }
@@ -150,7 +151,7 @@ static double least_half_width(const pel_solid *solid)
 {
     double half[3];
     pel_solid_half_box(solid, half);
-    return fmin(half[0], fmin(half[1], half[2]));
+    return pel_min(half[0], pel_min(half[1], half[2]));
 }
 
 /* the half space beyond the surface point that was closest at the start of the substep, for points that pass through
@@ -194,7 +195,7 @@ static bool is_passed(const pel_sim *sim, const pel_record *start, const pel_sol
     double way = 0;
     for (int c = 0; c < 3; c++) {
         start_in_tool(tool, start, sim->model->triangles[t][c], before[c]);
-        way = fmax(way, pel_vec3_distance(local[c], before[c]));
+        way = pel_max(way, pel_vec3_distance(local[c], before[c]));
     }
     pel_solid reach = pair->solid;
     if (way < FAST_SHARE * reach.radius)
@@ -231,7 +232,7 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, const 
     double depth = pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
     if (pel_solid_is_round(solid) && is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
         return;
-    if (!(depth > 0) || fmax(weights[0], fmax(weights[1], weights[2])) > CORNER_WEIGHT)
+    if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT)
         return;
     for (int c = 0; c < 3; c++) {
         contact->weights[c] = (pel_real)weights[c];

@@ -6,6 +6,7 @@
 #include "base/assert.h"
 #include "base/status.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "pellicle/geometry.h"
 
@@ -134,11 +135,11 @@ static double find_directions(const overlap *o, double directions[DIRECTION_LIMI
     for (int32_t i = 0; i < pel_surface_count(model, o->body); i++) {
         load_corners(o, pel_surface_triangle(model, o->body, i), corner);
         for (int c = 0; c < 3; c++)
-            farthest = fmax(farthest, pel_vec3_distance(center, corner[c]));
+            farthest = pel_max(farthest, pel_vec3_distance(center, corner[c]));
         double square = pel_closest_point_triangle(center, corner[0], corner[1], corner[2], weights);
         for (int k = 0; k < 3 && square < least; k++)
             nearest[k] = weights[0] * corner[0][k] + weights[1] * corner[1][k] + weights[2] * corner[2][k] - center[k];
-        least = fmin(least, square);
+        least = pel_min(least, square);
         double depth = o->tool->mesh == NULL ? depth_at(o, &o->tool->pose, corner, out) : 0;
         if (depth > deepest) {
             deepest = depth;
@@ -204,7 +205,7 @@ pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *
         double deepest = 0, corner[3][3], out[3];
         for (int32_t i = 0; pel_tool_acts_on(tool, b) && i < pel_surface_count(sim->model, b); i++) {
             load_corners(&o, pel_surface_triangle(sim->model, b, i), corner);
-            deepest = fmax(deepest, depth_at(&o, &tool->pose, corner, out));
+            deepest = pel_max(deepest, depth_at(&o, &tool->pose, corner, out));
         }
         bool is_inside = pel_tool_acts_on(tool, b) && sim->model->bodies[b].closed &&
                          pel_tool_is_enclosed(sim, tool->pose.position, b);

@@ -8,6 +8,7 @@
 #include "contact/sweep.h"
 #include "geom/wide4.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 #include "observe/ledger.h"
 #include "observe/observe.h"
 #include "pellicle/sim_surface.h"
@@ -110,7 +111,7 @@ static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortes
     const pel_contact_def *def = &sim->touch->def;
     *thickness = def->thickness;
     if (!(*thickness > 0))
-        *thickness = fmin(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
+        *thickness = pel_min(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
     if (*thickness > 0)
         return PEL_OK;
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", shortest->vertex,
@@ -232,7 +233,7 @@ static void grow_tools(pel_sim *sim)
     for (int32_t i = 0; i < sim->tools->count; i++)
         for (int32_t b = 0; b < sim->model->body_count; b++) {
             double thickness = pel_contact_thickness(sim->contacts, b, sim->model->body_count + i);
-            sim->tools->items[i].press_margin = fmax(sim->tools->items[i].press_margin, thickness);
+            sim->tools->items[i].press_margin = pel_max(sim->tools->items[i].press_margin, thickness);
         }
 }
 

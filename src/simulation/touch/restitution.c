@@ -19,6 +19,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "observe/ledger.h"
 #include "stage/rigid_motion.h"
 #include "tool/tool.h"
@@ -183,16 +184,16 @@ static double lost_energy(pel_sim *sim)
 static void part(encounter *e, double speed, bool presses)
 {
     double wanted = e->restitution * e->state->approach, risen = 2 * fall(e) * e->state->risen;
-    double aim = sqrt(fmax(0, wanted * wanted - risen)), free = mobility(e);
+    double aim = sqrt(pel_max(0, wanted * wanted - risen)), free = mobility(e);
     double gain = 0.5 * (aim * aim - speed * speed) / free;
     if (presses && aim <= speed)
         return;
     if (gain > 0) {
-        double lost = fmax(0, lost_energy(e->sim));
+        double lost = pel_max(0, lost_energy(e->sim));
         if (presses && lost < gain)
             return;
         if (lost < gain)
-            aim = sqrt(fmax(speed * speed + 2 * free * lost, 0));
+            aim = sqrt(pel_max(speed * speed + 2 * free * lost, 0));
     }
     push(e, (aim - speed) / free);
 }
@@ -204,7 +205,7 @@ static void meet(encounter *e, const pel_pair_force *pair)
     pel_vec3_copy(pair->load, state->normal);
     pel_vec3_normalize(state->normal);
     pel_vec3_scale(pair->point, 1 / pair->load_size, state->point);
-    double way = fmax(0, pair->approach / pair->load_size), speed = -parting(e->before, state->point, state->normal);
+    double way = pel_max(0, pair->approach / pair->load_size), speed = -parting(e->before, state->point, state->normal);
     double square = speed * fabs(speed) + 2 * fall(e) * way;
     if (square > state->approach * state->approach)
         state->approach = sqrt(square);
@@ -248,7 +249,7 @@ static double restitution_of(const pel_sim *sim, int32_t group)
 /* below 0 where neither has any */
 static double restitution_of_pair(const pel_sim *sim, int32_t a, int32_t b)
 {
-    return fmax(restitution_of(sim, a), restitution_of(sim, b));
+    return pel_max(restitution_of(sim, a), restitution_of(sim, b));
 }
 
 static bool is_used(const pel_sim *sim)

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -155,7 +156,7 @@ static void add_scaled(const pel_eigen *eigen, double *x, double factor, const d
 static double measure(pel_eigen *eigen, const pel_eigen_def *def, const double *x)
 {
     def->metric(def->context, x, eigen->measured);
-    return sqrt(fmax(dot(eigen, x, eigen->measured), 0));
+    return sqrt(pel_max(dot(eigen, x, eigen->measured), 0));
 }
 
 /* Takes the vector behind the basis into it, orthogonal and of length 1; false where it depends on the basis. Its

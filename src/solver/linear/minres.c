@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 
 #include <math.h>
@@ -80,7 +81,7 @@ static void go_on(const pel_minres *minres, const pel_pcg_def *def, pel_pool *po
     for (int32_t i = 0; i < minres->unknown_count; i++)
         l->v.next[i] = l->product[i] - l->delta / l->gamma * l->v.now[i] - older * l->v.before[i];
     def->precondition(def->preconditioner, pool, l->v.next, l->product);
-    l->gamma_next = sqrt(fmax(dot(minres, l->product, l->v.next), 0));
+    l->gamma_next = sqrt(pel_max(dot(minres, l->product, l->v.next), 0));
 }
 
 static double begin(const pel_minres *minres, const pel_pcg_def *def, pel_pool *pool, const double *right, lanczos *l)

@@ -11,6 +11,7 @@
    piece takes over. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "newton/run.h"
 
@@ -62,7 +63,7 @@ static double load_at(const pel_newton_kink *kink, double share)
 /* what it pushes more than in the piece of the matrix, where it acts without a sign or not at all */
 static double excess(const pel_newton_kink *kink, double load)
 {
-    return fmax(0, load) - (kink->acts ? load : 0);
+    return pel_max(0, load) - (kink->acts ? load : 0);
 }
 
 static bool has_changed(const pel_newton_kink *kink)
@@ -312,7 +313,7 @@ static double find_least(const line *l)
     double at = high, slope = high_slope;
     for (int n = 0; n < EVALUATIONS && high_slope > 0 && fabs(slope) > -FLAT * begin; n++) {
         double cut = low_slope / (low_slope - high_slope);
-        at = low + (high - low) * fmin(fmax(cut, LEAST_CUT), 1 - LEAST_CUT);
+        at = low + (high - low) * pel_min(pel_max(cut, LEAST_CUT), 1 - LEAST_CUT);
         slope = slope_at(l, at);
         if (slope > 0) {
             high = at;

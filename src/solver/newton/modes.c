@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "linear/eigen.h"
 #include "linear/pcg.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -254,8 +255,8 @@ static double rounding_force(const pel_modes *modes)
     for (int32_t v = 0; v < modes->pattern->vertex_count; v++) {
         const double *diagonal = matrix->values + matrix->block_start[pel_matrix_block(matrix, v, v)];
         for (int k = 0; k < 3; k++) {
-            stiffness = fmax(stiffness, diagonal[4 * k]);
-            far = fmax(far, fabs((double)modes->system.model->rest[v][k]));
+            stiffness = pel_max(stiffness, diagonal[4 * k]);
+            far = pel_max(far, fabs((double)modes->system.model->rest[v][k]));
         }
     }
     return ROUNDING * stiffness * far;
@@ -266,9 +267,9 @@ static double longest_factor(const pel_modes *modes, const double *step)
 {
     double longest = 0, far = 0;
     for (int32_t u = 0; u < 3 * modes->pattern->vertex_count; u++) {
-        longest = fmax(longest, fabs(step[u]));
-        far = fmax(far,
-                   fabs((double)modes->system.model->rest[u / 3][u % 3] - (double)modes->system.model->rest[0][u % 3]));
+        longest = pel_max(longest, fabs(step[u]));
+        far = pel_max(
+            far, fabs((double)modes->system.model->rest[u / 3][u % 3] - (double)modes->system.model->rest[0][u % 3]));
     }
     return far / longest;
 }
@@ -290,7 +291,7 @@ static pel_status prepare_buckling(pel_modes *modes, const pel_newton_problem *p
     pel_newton_frames_turn(&problem->frames, modes->vectors);
     for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
         modes->right[u] = modes->fixed[u] ? 0 : modes->vectors[u] - modes->right[u];
-        most = u < 3 * modes->pattern->vertex_count ? fmax(most, fabs(modes->right[u])) : most;
+        most = u < 3 * modes->pattern->vertex_count ? pel_max(most, fabs(modes->right[u])) : most;
     }
     if (!(most > rounding_force(modes)))
         return pel_modes_fail_unloaded(error);
@@ -359,7 +360,7 @@ static void take_vector(pel_modes *modes, int32_t number)
     double most = 0, component = 0;
     for (int32_t v = 0; v < modes->pattern->vertex_count; v++) {
         const double *x = from + 3 * (size_t)v;
-        most = fmax(most, sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+        most = pel_max(most, sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
         /* the first of several that rounding makes larger or smaller */
         for (int k = 0; k < 3; k++)
             component = fabs(x[k]) > 1.001 * fabs(component) ? x[k] : component;

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "force/pressure.h"
 #include "math/bounds.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -342,7 +343,7 @@ static double find_zero_slope(slope_point low, slope_point high, double flat, sl
     double at = high.share, slope = high.slope;
     for (int n = 0; n < SEARCHES && fabs(slope) > flat; n++) {
         double width = high.share - low.share, cut = low.slope / (low.slope - high.slope);
-        at = low.share + width * fmin(fmax(cut, LEAST_CUT), 1 - LEAST_CUT);
+        at = low.share + width * pel_min(pel_max(cut, LEAST_CUT), 1 - LEAST_CUT);
         slope = slope_of_share(context, at);
         slope_point *moved = slope > 0 ? &high : &low, *kept = slope > 0 ? &low : &high;
         *moved = (slope_point){at, slope};
@@ -411,7 +412,7 @@ static double find_least(energy_point a, energy_point b)
     double way = b.share - a.share, d = a.slope + b.slope - 3 * (b.energy - a.energy) / way;
     double root = sqrt(d * d - a.slope * b.slope), cut = (b.slope + root - d) / (b.slope - a.slope + 2 * root);
     double least = isfinite(cut) ? b.share - cut * way : 0;
-    return fmin(fmax(least, LEAST_CUT * b.share), MOST_CUT * b.share);
+    return pel_min(pel_max(least, LEAST_CUT * b.share), MOST_CUT * b.share);
 }
 
 /* where a run stands along its step; forces without a potential have the work of the mean of both ends */
@@ -556,7 +557,7 @@ static bool go_full_steps(newton_run *run)
         }
         since = result->residual < best ? 0 : since + 1;
         keep_best(run, best);
-        best = fmin(best, result->residual);
+        best = pel_min(best, result->residual);
         if (!has_kinks(run) && since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
         if (!find_full_step(run))
@@ -588,7 +589,7 @@ static bool find_shifted_step(newton_run *run, double most)
             return true;
         if (run->status != PEL_OK)
             return false;
-        run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
+        run->shift = pel_max(GROW * run->shift, LEAST_SHIFT * most);
     }
     return false;
 }
@@ -613,7 +614,7 @@ static bool go_downhill(newton_run *run, double most)
         }
         memcpy(run->unknowns, newton->start, bytes);
         pel_newton_evaluate(run);
-        run->shift = fmax(GROW * run->shift, LEAST_SHIFT * most);
+        run->shift = pel_max(GROW * run->shift, LEAST_SHIFT * most);
         if (run->result->iterations >= run->limit)
             return false;
     }

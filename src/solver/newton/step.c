@@ -1,6 +1,7 @@
 /* What the runs of Newton's method are made of: energy, forces and matrix of a problem, its linear systems, steps. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "newton/run.h"
 
 #include <math.h>
@@ -387,7 +388,7 @@ double pel_newton_longest_move(const pel_newton *newton)
 {
     double longest = 0;
     for (int32_t v = 0; v < newton->pattern->vertex_count; v++)
-        longest = fmax(longest, pel_vec3_length(newton->step + 3 * (size_t)v));
+        longest = pel_max(longest, pel_vec3_length(newton->step + 3 * (size_t)v));
     return longest;
 }
 

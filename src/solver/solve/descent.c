@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 #include <math.h>
 #include <string.h>
@@ -176,7 +177,7 @@ static double farthest_move(const pel_descent *descent)
 {
     double largest = 0;
     for (size_t i = 0; i < descent->size; i += 3)
-        largest = fmax(largest, dot(3, descent->direction + i, descent->direction + i));
+        largest = pel_max(largest, dot(3, descent->direction + i, descent->direction + i));
     return sqrt(largest);
 }
 
@@ -214,7 +215,7 @@ static double shorter(const descent_point *from, const descent_point *to)
     double length = bend > 0 ? -0.5 * from->slope * to->length * to->length / bend : 0.5 * to->length;
     if (!isfinite(length))
         length = 0.1 * to->length;
-    return fmin(fmax(length, 0.1 * to->length), 0.5 * to->length);
+    return pel_min(pel_max(length, 0.1 * to->length), 0.5 * to->length);
 }
 
 /* goes downhill along the direction; false when no length was good enough, and then the trial means nothing */
@@ -222,7 +223,7 @@ static bool search(pel_descent *descent, const pel_descent_problem *problem, des
                    int32_t *evaluations)
 {
     double longest = longest_length(descent, problem->longest_move);
-    descent_point to = look(descent, problem, fmin(first, longest));
+    descent_point to = look(descent, problem, pel_min(first, longest));
     ++*evaluations;
     int trial = 0;
     for (; trial < MOST_TRIALS && !is_low_enough(from, &to) && !pel_pool_is_stopped(problem->pool);
@@ -281,7 +282,7 @@ static void find_residual(pel_descent *descent, const pel_descent_problem *probl
 
 static void iterate(pel_descent *descent, const pel_descent_problem *problem, pel_descent_result *result)
 {
-    double rough = fmin(problem->reduction * result->residual, problem->enough);
+    double rough = pel_min(problem->reduction * result->residual, problem->enough);
     descent_point at = {0, result->energy, 0};
     while (!result->converged && !result->stuck && result->iterations < problem->iterations &&
            !pel_pool_is_stopped(problem->pool)) {

@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 
 #include <math.h>
@@ -35,7 +36,8 @@ static pel_status build(pel_projector *projector, pel_error *error)
     const pel_solver_def *solver = &projector->solver;
     size_t count = (size_t)model->vertex_count;
     projector->base = pel_allocate_aligned(count, sizeof *projector->base);
-    bool made = projector->base != NULL;
+    projector->restraints = pel_allocate(count, sizeof *projector->restraints);
+    bool made = projector->base != NULL && projector->restraints != NULL;
     if (solver->second_order) {
         projector->touches = pel_allocate((size_t)model->body_count, sizeof *projector->touches);
         projector->older_position = pel_allocate_aligned(count, sizeof *projector->older_position);
@@ -71,8 +73,8 @@ void pel_projector_destroy(pel_projector *projector)
 {
     if (projector == NULL)
         return;
-    PEL_FREE_ALL(projector->base, projector->older_position, projector->older_velocity, projector->reaction,
-                 projector->is_fixed, projector->touches);
+    PEL_FREE_ALL(projector->base, projector->restraints, projector->older_position, projector->older_velocity,
+                 projector->reaction, projector->is_fixed, projector->touches);
     pel_free(projector);
 }
 
@@ -145,6 +147,7 @@ typedef struct vertex_job {
     bool is_moving;         /* velocities are still to be taken from the substep before */
     bool second_order;      /* there is a past */
     pel_real rate;          /* of velocities by ways, drag included */
+    pel_real drag, share;   /* of all vertices, where none has its own, see pel_restraint */
 } vertex_job;
 
 /* y and u of a vertex, see project.h */
@@ -166,42 +169,11 @@ static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x
     return (launch){third * (4 * x - x1), third * (4 * speed - v1)};
 }
 
-/* damping of the motion along the volumetric spring, implicit: v -= (1 - 1 / (1 + tau w d')) (v.e) e / |e|^2 */
-static pel_record damp_radially(pel_record velocity, pel_record offset, double rate)
-{
-    double along = 0, square = 0;
-    for (int i = 0; i < 3; i++) {
-        along += (double)velocity[i] * (double)offset[i];
-        square += (double)offset[i] * (double)offset[i];
-    }
-    double change = square > 0 ? rate / (1 + rate) * along / square : 0;
-    return velocity - (pel_real)change * offset;
-}
-
 /* The drag of everything [1/s] as far as it is taken up by the mass. In second order it has to be: a factor on the
    velocities, of which the last two count, would act one and a half times. */
 static double massive_drag(const pel_projector *projector)
 {
     return projector->solver.second_order ? projector->solver.drag : 0;
-}
-
-/* drag and volumetric spring as a larger mass, see project.h */
-static pel_record hold_back(const vertex_job *job, int32_t v, const double *factors, pel_record x, const launch *from,
-                            pel_record push, pel_real *w)
-{
-    const pel_model *model = job->projector->model;
-    pel_record velocity = from->velocity;
-    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
-    if (radial > 0)
-        velocity = damp_radially(velocity, x - model->rest[v], job->projector->tau * (double)*w * radial);
-    double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * *w);
-    pel_real drag = (pel_real)((rate + massive_drag(job->projector)) * job->projector->tau);
-    pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * *w) *
-                                 job->projector->tau * job->projector->tau);
-    pel_real share = 1 / (1 + drag + spring);
-    *w *= share;
-    return share *
-           (from->base + (pel_real)job->projector->tau * velocity + push + drag * from->base + spring * model->rest[v]);
 }
 
 /* drag or a volumetric spring of its own */
@@ -210,59 +182,117 @@ static bool is_held(const pel_model *model, int32_t v)
     return model->damping[v] + model->rest[v][3] + model->volumetric_damping[v] > 0;
 }
 
+/* Drag and volumetric spring as a larger mass, see project.h; `along` is the damping along the spring, implicit. They
+   are the same in all substeps of one length. */
+static pel_restraint restraint_of(const pel_projector *projector, int32_t v, const double *factors)
+{
+    const pel_model *model = projector->model;
+    const pel_real w = model->inverse_mass[v];
+    const double tau = projector->tau;
+    double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w);
+    double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
+    radial = radial > 0 ? tau * (double)w * radial : 0;
+    pel_real drag = (pel_real)((rate + massive_drag(projector)) * tau);
+    pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * w) * tau * tau);
+    return (pel_restraint){drag, spring, 1 / (1 + drag + spring), (pel_real)(radial / (1 + radial))};
+}
+
+/* v -= (1 - 1 / (1 + tau w d')) (v.e) e / |e|^2 */
+static pel_record damp_along(pel_record velocity, pel_record offset, double share)
+{
+    double along = 0, square = 0;
+    for (int i = 0; i < 3; i++) {
+        along += (double)velocity[i] * (double)offset[i];
+        square += (double)offset[i] * (double)offset[i];
+    }
+    double change = square > 0 ? share * along / square : 0;
+    return velocity - (pel_real)change * offset;
+}
+
+static pel_record hold_back(const vertex_job *job, int32_t v, pel_record x, const launch *from, pel_record push)
+{
+    const pel_restraint r = job->projector->restraints[v];
+    const pel_record rest = job->projector->model->rest[v];
+    pel_record velocity = from->velocity;
+    if (r.along > 0)
+        velocity = damp_along(velocity, x - rest, (double)r.along);
+    return r.share *
+           (from->base + (pel_real)job->projector->tau * velocity + push + r.drag * from->base + r.spring * rest);
+}
+
 /* of the substep that ends at x */
 static pel_record velocity_of(const vertex_job *job, int32_t v, pel_record x)
 {
-    pel_record velocity = job->rate * (x - job->projector->base[v]);
-    velocity[3] = 0;
-    return velocity;
+    return pel_record_with(job->rate * (x - job->projector->base[v]), 0);
 }
 
-static void predict_vertex(const vertex_job *job, int32_t v, const double *factors)
+/* is_plain: not the first substep, of first order, without restraints and reactions; a constant at each call, so that
+   the branches vanish */
+static inline __attribute__((always_inline)) void predict_vertex(const vertex_job *job, int32_t v, bool is_plain)
 {
-    const pel_model *model = job->projector->model;
+    pel_projector *projector = job->projector;
     pel_state *state = job->state;
-    bool held = job->is_held != NULL && job->is_held[v];
-    pel_real w = held ? 0 : model->inverse_mass[v], tau = (pel_real)job->projector->tau;
-    pel_record x = job->first ? state->position[v] : state->position_next[v], speed;
-    if (job->is_moving)
+    bool held = job->is_held != NULL && job->is_held[v], first = !is_plain && job->first;
+    pel_real w = held ? 0 : projector->model->inverse_mass[v], tau = (pel_real)projector->tau;
+    pel_record x = first ? state->position[v] : state->position_next[v], speed;
+    if (is_plain || job->is_moving)
         speed = velocity_of(job, v, x);
     else
-        speed = job->first ? state->velocity[v] : state->velocity_next[v];
+        speed = first ? state->velocity[v] : state->velocity_next[v];
     launch from = {x, speed};
-    if (state->older_position != NULL)
+    if (!is_plain && state->older_position != NULL)
         from = second_order_launch(job, v, x, speed);
     if (!(w > 0))
         from = (launch){x, speed - speed};
     pel_record force = job->force[v], push = tau * tau * w * force;
     pel_record next = from.base + tau * from.velocity + push;
-    if (job->projector->reaction != NULL && job->projector->is_fixed[v])
-        job->projector->reaction[v] += force;
+    if (!is_plain && projector->reaction != NULL && projector->is_fixed[v])
+        projector->reaction[v] += force;
     job->force[v] = (pel_record){0};
-    bool is_dragged = w > 0 && massive_drag(job->projector) > 0;
-    if (is_dragged || (job->projector->is_held && is_held(model, v)))
-        next = hold_back(job, v, factors, x, &from, push, &w);
-    next[3] = w;
-    state->position_next[v] = next;
-    job->projector->base[v] = from.base;
+    if (!is_plain && projector->is_held && w > 0) {
+        next = hold_back(job, v, x, &from, push);
+        w *= projector->restraints[v].share;
+    } else if (!is_plain && job->drag > 0 && w > 0) {
+        next = job->share * (next + job->drag * from.base);
+        w *= job->share;
+    }
+    state->position_next[v] = pel_record_with(next, w);
+    projector->base[v] = from.base;
+}
+
+static int32_t vertex_chunk_end(const vertex_job *job, int32_t chunk)
+{
+    int32_t first = chunk * VERTEX_CHUNK, count = job->projector->model->vertex_count;
+    return count - first < VERTEX_CHUNK ? count : first + VERTEX_CHUNK;
+}
+
+static void restraint_chunk(void *context, int32_t chunk)
+{
+    const vertex_job *job = context;
+    const pel_projector *projector = job->projector;
+    for (int32_t v = chunk * VERTEX_CHUNK; v < vertex_chunk_end(job, chunk); v++)
+        projector->restraints[v] =
+            restraint_of(projector, v, job->state->factors[projector->model->body_of_slice[v / PEL_WIDTH]]);
 }
 
 static void predict_chunk(void *context, int32_t chunk)
 {
     const vertex_job *job = context;
-    const pel_model *model = job->projector->model;
-    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    end = end < model->vertex_count ? end : model->vertex_count;
-    for (int32_t v = first; v < end; v++)
-        predict_vertex(job, v, job->state->factors[model->body_of_slice[v / PEL_WIDTH]]);
+    const pel_projector *projector = job->projector;
+    bool is_plain = job->is_moving && projector->reaction == NULL && !projector->is_held;
+    for (int32_t v = chunk * VERTEX_CHUNK; v < vertex_chunk_end(job, chunk); v++) {
+        if (is_plain)
+            predict_vertex(job, v, true);
+        else
+            predict_vertex(job, v, false);
+    }
 }
 
 static void measure_velocity_chunk(void *context, int32_t chunk)
 {
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
-    int32_t first = chunk * VERTEX_CHUNK, end = first + VERTEX_CHUNK;
-    for (int32_t v = first; v < end && v < projector->model->vertex_count; v++) {
+    for (int32_t v = chunk * VERTEX_CHUNK; v < vertex_chunk_end(job, chunk); v++) {
         job->state->velocity_next[v] = velocity_of(job, v, job->state->position_next[v]);
         if (job->is_held == NULL || !job->is_held[v])
             job->state->position_next[v][3] = projector->model->inverse_mass[v];
@@ -304,6 +334,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     whole.dt = projector->whole_dt;
     whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
     projector->is_held = false;
+    projector->held_tau = 0;
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);
     for (int32_t b = 0; b < projector->model->body_count; b++)
@@ -312,7 +343,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
-    double ratio = fmin(projector->substep / projector->whole_substep, 1);
+    double ratio = pel_min(projector->substep / projector->whole_substep, 1);
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau, ratio * ratio);
@@ -323,6 +354,7 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
 {
     bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
     double drag = projector->solver.drag - massive_drag(projector);
+    const pel_real massive = (pel_real)(massive_drag(projector) * projector->tau);
     return (vertex_job){
         .projector = projector,
         .state = state,
@@ -332,6 +364,8 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
         .is_moving = !first && !second_order,
         .second_order = second_order && (!first || state->older_is_known),
         .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->tau),
+        .drag = massive,
+        .share = 1 / (1 + massive),
     };
 }
 
@@ -353,6 +387,9 @@ void pel_project_predict(pel_projector *projector, pel_state *state, pel_record 
     if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
         memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
     vertex_job job = make_job(projector, state, force, boundary, place);
+    if (projector->is_held && projector->held_tau != projector->tau)
+        run_over_vertices(projector, restraint_chunk, &job);
+    projector->held_tau = projector->tau;
     run_over_vertices(projector, predict_chunk, &job);
     for (int32_t i = 0; i < boundary->held_count; i++) {
         const double *x = boundary->target[i];

@@ -28,15 +28,24 @@
 #include "model/state.h"
 #include "pellicle/solver.h"
 
+/* Drag and volumetric spring of a vertex in a substep, as shares of its mass: tau d w and tau^2 k' w. */
+typedef struct pel_restraint {
+    pel_real drag, spring;
+    pel_real share; /* of the inverse mass that is left */
+    pel_real along; /* share of the velocity along the spring that its damping takes */
+} pel_restraint;
+
 typedef struct pel_projector {
     const pel_model *model;
     pel_batches *batches; /* not owned */
     pel_solver_def solver;
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
-    bool is_held;                                /* a vertex has drag or a volumetric spring of its own */
+    bool is_held;                                /* a vertex has drag or a volumetric spring */
     double substep, tau;                         /* s; tau of the present substep */
     double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
+    pel_restraint *restraints;                   /* (vertex_count) where is_held */
+    double held_tau;                             /* s, of the restraints; 0 = none are known */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
     uint8_t *touches;                            /* (body_count) second order: scratch */
     pel_record *reaction;                        /* (vertex_count) see pel_projector_record_reactions; null = none */
@@ -58,9 +67,9 @@ void pel_projector_set_substeps(pel_projector *projector, pel_state *state, int3
    in parts as in whole steps, and what holds it feels the same force. */
 void pel_projector_set_time(pel_projector *projector, pel_state *state, double dt, int32_t substeps);
 
-/* From now on substeps record the force [N] that the body exerts on what holds each vertex that is pinned or held: the
-   multipliers of its constraints and the forces given, summed over substeps (pel_projector_reaction gives the mean).
-   PEL_OUT_OF_MEMORY. */
+/* From now on substeps record the force [N] that the body exerts on what holds each vertex that is pinned or held:
+   the multipliers of its constraints and the forces given, summed over substeps (pel_projector_reaction gives the
+   mean). PEL_OUT_OF_MEMORY. */
 pel_status pel_projector_record_reactions(pel_projector *projector, pel_error *error);
 /* After other vertices are held than before, or other elements are there: is_held (vertex_count), null = none. */
 void pel_projector_hold(pel_projector *projector, const uint8_t *is_held);

@@ -12,6 +12,7 @@
    the inward speed grows by depth over dt. All triangles, sweeps, substeps and steps together give no vertex more than
    max_step of an edge a step. Only fibres that are shorter than at rest drive: outside pressure shortens them, and so
    does going in, up to the mirror image of the cap; the stretch beyond it does not count. */
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "solve/project.h"
 
@@ -38,8 +39,8 @@ static void find_depths(const pel_batch *batch, const pel_anisotropy_def *def, i
     double size = pel_vec3_length(normal);
     double most = def->max_step * edge;
     for (int k = 0; k < 3; k++) {
-        double inward = size > 0 ? fmax(-dt * pel_vec3_dot(v[k], normal) / size, 0) : 0;
-        depth[k] = strain < 0 && size > 0 ? fmax(fmin(def->strength * strain * strain, most - inward), 0) : 0;
+        double inward = size > 0 ? pel_max(-dt * pel_vec3_dot(v[k], normal) / size, 0) : 0;
+        depth[k] = strain < 0 && size > 0 ? pel_max(pel_min(def->strength * strain * strain, most - inward), 0) : 0;
     }
 }
 

@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "force/body_force.h"
+#include "math/extremes.h"
 
 #include <math.h>
 
@@ -75,7 +76,7 @@ static double power_step(power_iteration *at, pel_record *product)
             work += u * k;
             mass += inverse_mass > 0 ? u * u / inverse_mass : 0;
             product[v][c] = (pel_real)(inverse_mass * k);
-            largest = fmax(largest, fabs(inverse_mass * k));
+            largest = pel_max(largest, fabs(inverse_mass * k));
         }
     }
     for (int32_t v = 0; v < model->vertex_count; v++)
@@ -89,7 +90,7 @@ static double smallest_edge(const pel_model *model)
     double edge = HUGE_VAL;
     for (int32_t b = 0; b < model->body_count; b++)
         if (model->bodies[b].shell != NULL)
-            edge = fmin(edge, model->bodies[b].shell->mean_edge);
+            edge = pel_min(edge, model->bodies[b].shell->mean_edge);
     return edge;
 }
 
@@ -115,7 +116,7 @@ pel_status pel_shell_stability_refine(const pel_model *model, const pel_state *s
             value = power_step(&at, product);
         }
         /* the quotient comes from below */
-        stability->stiffness = fmin(MARGIN * value, stability->stiffness_bound);
+        stability->stiffness = pel_min(MARGIN * value, stability->stiffness_bound);
     }
     PEL_FREE_ALL(product, at.mode, at.force, at.moved);
     return status;

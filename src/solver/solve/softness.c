@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "measure/element.h"
 #include "model/shell.h"
@@ -11,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { POWER_STEPS = 12, STRAIN_COUNT = 3, BINS_PER_OCTAVE = 8, BIN_COUNT = 128 };
+enum { POWER_STEPS = 12, STRAIN_COUNT = 3, BINS_PER_OCTAVE = 8, BIN_COUNT = 128, SAMPLE_CHUNK = 256 };
 
 /* share of the energy of a level that may lie above its rate */
 #define LEFT_OUT 0.05
@@ -25,14 +26,14 @@ enum { POWER_STEPS = 12, STRAIN_COUNT = 3, BINS_PER_OCTAVE = 8, BIN_COUNT = 128 
 pel_status pel_softness_create(const pel_model *model, double *lent, pel_softness_scratch *scratch, pel_error *error)
 {
     size_t count = (size_t)model->vertex_count;
-    double *own = lent == NULL ? pel_allocate(4 * count, sizeof *own) : NULL, *room = lent != NULL ? lent : own;
+    double *own = pel_allocate((lent == NULL ? 4 : 2) * count, sizeof *own);
     *scratch = (pel_softness_scratch){.own = own};
-    if (room == NULL)
+    if (own == NULL)
         return pel_fail_memory(error);
-    scratch->energy = room;
-    scratch->excess = room + count;
-    scratch->mean = room + 2 * count;
-    scratch->sum = room + 3 * count;
+    scratch->energy = own;
+    scratch->excess = own + count;
+    scratch->mean = lent != NULL ? lent : own + 2 * count;
+    scratch->sum = scratch->mean + count;
     return PEL_OK;
 }
 
@@ -62,14 +63,15 @@ static void clear(const pel_model *model, const pel_softness_scratch *scratch)
     memset(scratch->excess, 0, (size_t)model->vertex_count * sizeof *scratch->excess);
 }
 
-/* energy: of the element in a uniform strain; rate: mobility times stiffness */
-static void add_element(const pel_softness_scratch *scratch, const int32_t *vertices, int count, double energy,
-                        double rate)
+/* What an element adds at each of its vertices. energy: of the element in a uniform strain; excess: the energy times
+   the rate, which is mobility times stiffness. */
+typedef struct sample {
+    double energy, excess;
+} sample;
+
+static sample make_sample(double energy, double rate)
 {
-    for (int k = 0; k < count && energy > 0 && rate > 0; k++) {
-        scratch->energy[vertices[k]] += energy;
-        scratch->excess[vertices[k]] += energy * rate;
-    }
+    return energy > 0 && rate > 0 ? (sample){energy, energy * rate} : (sample){0};
 }
 
 /* mean rate of the elements at each vertex and its neighbours by triangles, 0 where there are none */
@@ -99,7 +101,7 @@ static int bin_of(double rate, double largest)
     int exponent;
     double mantissa = frexp(largest / rate, &exponent); /* 0.5 <= mantissa < 1 */
     double bin = BINS_PER_OCTAVE * (exponent - 1) + (2 * mantissa - 1) * BINS_PER_OCTAVE;
-    return (int)fmin(bin, BIN_COUNT - 1);
+    return (int)pel_min(bin, BIN_COUNT - 1);
 }
 
 /* the first rate, and the last, of a bin */
@@ -117,7 +119,7 @@ static double level_rate(const pel_model *model, int32_t body, int32_t level, co
     double largest = 0, sum = 0, energies[BIN_COUNT] = {0};
     for (int32_t v = first; v < end; v++)
         if (level_of(model, body, v) == level)
-            largest = fmax(largest, scratch->mean[v]);
+            largest = pel_max(largest, scratch->mean[v]);
     for (int32_t v = first; v < end && largest > 0; v++) {
         double rate = scratch->mean[v];
         if (!(rate > 0) || level_of(model, body, v) != level)
@@ -140,30 +142,32 @@ static double worst_rate(const pel_model *model, int32_t body, const pel_softnes
     double rate = 0;
     find_means(model, body, scratch);
     for (int32_t level = 0; level <= (front != NULL ? front->forest->depth : 0); level++)
-        rate = fmax(rate, level_rate(model, body, level, scratch));
+        rate = pel_max(rate, level_rate(model, body, level, scratch));
     return rate;
 }
 
 /* ---- springs ---- */
 
-static void add_springs(const pel_model *model, const pel_state *state, int32_t body,
-                        const pel_softness_scratch *scratch)
+/* those at a vertex together */
+static sample sample_springs(const pel_model *model, const pel_state *state, int32_t body, int32_t v)
 {
     PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *b = &model->bodies[body];
     double factor = state->factors[body][PEL_SPRING_STIFFNESS];
-    for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH && b->uniform_spring != 0; v++) {
-        int32_t slice = v / PEL_WIDTH, lane = v % PEL_WIDTH;
-        for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
-            int32_t ends[2] = {v, model->neighbours[slot][lane]};
-            if (ends[1] == v)
-                continue;
-            double k = factor * (b->uniform_spring > 0 ? b->uniform_spring : (double)model->stiffnesses[slot][lane]);
-            double length = (double)model->rest_lengths[slot][lane];
-            double mobility = (double)model->inverse_mass[v] + (double)model->inverse_mass[ends[1]];
-            add_element(scratch, ends, 1, k * length * length, k * mobility);
-        }
+    int32_t slice = v / PEL_WIDTH, lane = v % PEL_WIDTH;
+    sample sum = {0};
+    for (int32_t slot = model->slot_begin[slice]; slot < model->slot_end[slice]; slot++) {
+        int32_t other = model->neighbours[slot][lane];
+        if (other == v)
+            continue;
+        double k = factor * (b->uniform_spring > 0 ? b->uniform_spring : (double)model->stiffnesses[slot][lane]);
+        double length = (double)model->rest_lengths[slot][lane];
+        double mobility = (double)model->inverse_mass[v] + (double)model->inverse_mass[other];
+        sample spring = make_sample(k * length * length, k * mobility);
+        sum.energy += spring.energy;
+        sum.excess += spring.excess;
     }
+    return sum;
 }
 
 /* ---- membranes ---- */
@@ -177,7 +181,7 @@ static bool find_rotation(const double f[6], double r[6])
         c12 += f[2 * i] * f[2 * i + 1];
         c22 += f[2 * i + 1] * f[2 * i + 1];
     }
-    double ratio = sqrt(fmax(c11 * c22 - c12 * c12, 0)), trace = sqrt(c11 + c22 + 2 * ratio);
+    double ratio = sqrt(pel_max(c11 * c22 - c12 * c12, 0)), trace = sqrt(c11 + c22 + 2 * ratio);
     if (!(ratio > LEAST_AREA_RATIO))
         return false;
     /* U = (C + J) / trace and its inverse */
@@ -271,25 +275,21 @@ static double largest_product(double h[STRAIN_COUNT][STRAIN_COUNT], double g[STR
     return value;
 }
 
-static void add_membrane(const pel_model *model, const pel_shell *shell, const pel_record *positions,
-                         const pel_softness_scratch *scratch)
+static sample sample_membrane(const pel_model *model, const pel_shell *shell, int32_t t, const pel_record *positions)
 {
-    for (int32_t t = 0; t < shell->triangle_count && shell->has_membrane; t++) {
-        const int32_t *corners = shell->corners[t];
-        const pel_rest_triangle rest = pel_shell_rest(shell, t);
-        double x[3][3], f[6], r[6], modes[STRAIN_COUNT][6];
-        double h[STRAIN_COUNT][STRAIN_COUNT], g[STRAIN_COUNT][STRAIN_COUNT];
-        pel_load_points(positions, corners, 3, x);
-        pel_deformation_gradient(&rest, (const double(*)[3])x, f);
-        if (!(rest.area > 0) || !find_rotation(f, r))
-            continue;
-        const pel_membrane_law law = pel_shell_law(shell, t);
-        find_modes(r, modes);
-        find_tangent(&law, f, modes, h);
-        find_mobility(model, corners, &rest, g);
-        double energy = rest.area * (h[0][0] + h[1][1] + h[2][2]);
-        add_element(scratch, corners, 3, energy, rest.area * largest_product(h, g));
-    }
+    const int32_t *corners = shell->corners[t];
+    const pel_rest_triangle rest = pel_shell_rest(shell, t);
+    double x[3][3], f[6], r[6], modes[STRAIN_COUNT][6];
+    double h[STRAIN_COUNT][STRAIN_COUNT], g[STRAIN_COUNT][STRAIN_COUNT];
+    pel_load_points(positions, corners, 3, x);
+    pel_deformation_gradient(&rest, (const double(*)[3])x, f);
+    if (!(rest.area > 0) || !find_rotation(f, r))
+        return (sample){0};
+    const pel_membrane_law law = pel_shell_law(shell, t);
+    find_modes(r, modes);
+    find_tangent(&law, f, modes, h);
+    find_mobility(model, corners, &rest, g);
+    return make_sample(rest.area * (h[0][0] + h[1][1] + h[2][2]), rest.area * largest_product(h, g));
 }
 
 /* ---- bending and fibres ---- */
@@ -311,38 +311,31 @@ static double hinge_mobility(const pel_model *model, const pel_shell *shell, con
 }
 
 /* weighted with the energy of a uniform curvature, which goes with D and area */
-static void add_bending(const pel_model *model, const pel_shell *shell, const pel_record *positions,
-                        const pel_softness_scratch *scratch)
+static sample sample_hinge(const pel_model *model, const pel_shell *shell, int32_t i, const pel_record *positions)
 {
     bool is_angle = shell->bending->is_angle;
-    for (int32_t i = 0; i < shell->hinge_count; i++) {
-        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
-        const pel_bending_isometric isometric = pel_shell_isometric(model->rest, &hinge);
-        double factor = is_angle ? pel_shell_angle(shell, model->rest, &hinge).factor : isometric.factor;
-        /* the factor of the isometric stencil is 3 over the area */
-        double stiffness = hinge.stiffness * (is_angle ? factor : factor / 3);
-        double energy = factor > 0 ? hinge.stiffness / isometric.factor : 0;
-        add_element(scratch, hinge.vertices, 4, energy,
-                    stiffness * hinge_mobility(model, shell, &hinge, &isometric, positions));
-    }
+    const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+    const pel_bending_isometric isometric = pel_shell_isometric(model->rest, &hinge);
+    double factor = is_angle ? pel_shell_angle(shell, model->rest, &hinge).factor : isometric.factor;
+    /* the factor of the isometric stencil is 3 over the area */
+    double stiffness = hinge.stiffness * (is_angle ? factor : factor / 3);
+    return make_sample(factor > 0 ? hinge.stiffness / isometric.factor : 0,
+                       stiffness * hinge_mobility(model, shell, &hinge, &isometric, positions));
 }
 
-static void add_fibres(const pel_model *model, const pel_shell *shell, const pel_shell_region *region,
-                       const pel_softness_scratch *scratch)
+static sample sample_fibre(const pel_model *model, const pel_shell *shell, const pel_shell_region *region, int32_t i)
 {
-    for (int32_t i = 0; i < region->fibre_count && region->def.mode != PEL_FIBRE_CAVE; i++) {
-        const pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, i);
-        const int32_t *corners = shell->corners[fibre.triangle];
-        const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
-        const double *inverse = rest.inverse, *d = fibre.direction;
-        double c[3] = {inverse[0] * d[0] + inverse[1] * d[1], inverse[2] * d[1], 0}, mobility = 0;
-        c[2] = -c[0] - c[1];
-        for (int k = 0; k < 3; k++)
-            mobility += (double)model->inverse_mass[corners[k]] * c[k] * c[k];
-        bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
-        double stiffness = (squared ? 4 : 1) * rest.area * region->def.stiffness * fibre.weight;
-        add_element(scratch, corners, 3, stiffness, stiffness * mobility);
-    }
+    const pel_shell_fibre fibre = pel_shell_fibre_of(shell, region, i);
+    const int32_t *corners = shell->corners[fibre.triangle];
+    const pel_rest_triangle rest = pel_shell_rest(shell, fibre.triangle);
+    const double *inverse = rest.inverse, *d = fibre.direction;
+    double c[3] = {inverse[0] * d[0] + inverse[1] * d[1], inverse[2] * d[1], 0}, mobility = 0;
+    c[2] = -c[0] - c[1];
+    for (int k = 0; k < 3; k++)
+        mobility += (double)model->inverse_mass[corners[k]] * c[k] * c[k];
+    bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
+    double stiffness = (squared ? 4 : 1) * rest.area * region->def.stiffness * fibre.weight;
+    return make_sample(stiffness, stiffness * mobility);
 }
 
 /* ---- pressure ---- */
@@ -375,42 +368,143 @@ static double pressure_rate(const pel_model *model, int32_t body, const pel_reco
     return slope > 0 ? slope * sum : 0;
 }
 
-/* ---- all bodies ---- */
+/* ---- looks ---- */
 
-static double body_rate(const pel_model *model, const pel_state *state, int32_t body, const pel_record *positions,
-                        const pel_softness_scratch *scratch)
+/* kinds of elements of a body, each with means of its own; from FIBRES on one for each region */
+enum { SPRINGS, MEMBRANE, BENDING, FIBRES };
+
+static int32_t kind_count(const pel_model *model, int32_t body)
 {
     PEL_ASSERT_INDEX(body, model->body_count);
     const pel_shell *shell = model->bodies[body].shell;
-    clear(model, scratch);
-    add_springs(model, state, body, scratch);
-    double rate = worst_rate(model, body, scratch);
-    if (shell == NULL)
-        return rate;
-    clear(model, scratch);
-    add_membrane(model, shell, positions, scratch);
-    rate = fmax(rate, worst_rate(model, body, scratch));
-    clear(model, scratch);
-    add_bending(model, shell, positions, scratch);
-    rate = fmax(rate, worst_rate(model, body, scratch));
-    for (int32_t r = 0; r < shell->region_count; r++) {
-        clear(model, scratch);
-        add_fibres(model, shell, &shell->regions[r], scratch);
-        rate = fmax(rate, worst_rate(model, body, scratch));
-    }
-    return rate;
+    return shell != NULL ? FIBRES + shell->region_count : MEMBRANE;
 }
 
-pel_softness pel_softness_find(const pel_model *model, const pel_state *state, const pel_record *positions, double time,
-                               const pel_softness_scratch *scratch)
+static int32_t element_count(const pel_model *model, int32_t body, int32_t kind)
 {
-    pel_softness found = {0};
-    for (int32_t b = 0; b < model->body_count; b++) {
-        found.rate = fmax(found.rate, body_rate(model, state, b, positions, scratch));
-        if (model->bodies[b].shell != NULL)
-            found.pressure = fmax(found.pressure, pressure_rate(model, b, positions, time, scratch));
+    PEL_ASSERT_INDEX(body, model->body_count);
+    const pel_body *b = &model->bodies[body];
+    if (kind == SPRINGS)
+        return b->uniform_spring != 0 ? (b->slice_end - b->slice_begin) * PEL_WIDTH : 0;
+    if (kind == MEMBRANE)
+        return b->shell->has_membrane ? b->shell->triangle_count : 0;
+    if (kind == BENDING)
+        return b->shell->hinge_count;
+    const pel_shell_region *region = &b->shell->regions[kind - FIBRES];
+    return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
+}
+
+/* elements of one kind from `first` on */
+typedef struct sample_job {
+    const pel_model *model;
+    const pel_state *state;
+    const pel_record *positions;
+    sample *samples; /* (count) */
+    int32_t body, kind, first, count;
+} sample_job;
+
+static sample take_sample(const sample_job *job, int32_t i)
+{
+    const pel_body *b = &job->model->bodies[job->body];
+    if (job->kind == SPRINGS)
+        return sample_springs(job->model, job->state, job->body, b->slice_begin * PEL_WIDTH + i);
+    if (job->kind == MEMBRANE)
+        return sample_membrane(job->model, b->shell, i, job->positions);
+    if (job->kind == BENDING)
+        return sample_hinge(job->model, b->shell, i, job->positions);
+    return sample_fibre(job->model, b->shell, &b->shell->regions[job->kind - FIBRES], i);
+}
+
+static void sample_chunk(void *context, int32_t chunk)
+{
+    const sample_job *job = context;
+    int32_t begin = chunk * SAMPLE_CHUNK, end = job->count - begin < SAMPLE_CHUNK ? job->count : begin + SAMPLE_CHUNK;
+    for (int32_t i = begin; i < end; i++)
+        job->samples[i] = take_sample(job, job->first + i);
+}
+
+/* returns their number */
+static int vertices_of(const sample_job *job, int32_t i, int32_t vertices[4])
+{
+    const pel_body *b = &job->model->bodies[job->body];
+    const int32_t *corners;
+    pel_shell_hinge hinge;
+    int count = 3;
+    if (job->kind == SPRINGS) {
+        vertices[0] = b->slice_begin * PEL_WIDTH + i;
+        return 1;
     }
-    return found;
+    if (job->kind == BENDING) {
+        hinge = pel_shell_hinge_of(b->shell, i);
+        corners = hinge.vertices;
+        count = 4;
+    } else if (job->kind == MEMBRANE) {
+        corners = b->shell->corners[i];
+    } else {
+        corners = b->shell->corners[pel_shell_fibre_of(b->shell, &b->shell->regions[job->kind - FIBRES], i).triangle];
+    }
+    memcpy(vertices, corners, (size_t)count * sizeof *corners);
+    return count;
+}
+
+/* samples on all threads, sums in the order of the elements */
+static void add_samples(sample_job *job, pel_pool *pool, const pel_softness_scratch *scratch)
+{
+    pel_pool_run(pool, (job->count + SAMPLE_CHUNK - 1) / SAMPLE_CHUNK, sample_chunk, job);
+    for (int32_t i = 0; i < job->count; i++) {
+        int32_t vertices[4], count = vertices_of(job, job->first + i, vertices);
+        for (int k = 0; k < count; k++) {
+            scratch->energy[vertices[k]] += job->samples[i].energy;
+            scratch->excess[vertices[k]] += job->samples[i].excess;
+        }
+    }
+}
+
+/* the elements begin .. end - 1 of a kind; after the last one its rate counts */
+static void look_at(sample_job job, int32_t begin, int32_t end, pel_pool *pool, const pel_softness_scratch *scratch,
+                    pel_softness *found)
+{
+    job.samples = (sample *)scratch->mean;
+    if (begin == 0)
+        clear(job.model, scratch);
+    for (job.first = begin; job.first < end; job.first += job.count) {
+        job.count = end - job.first < job.model->vertex_count ? end - job.first : job.model->vertex_count;
+        add_samples(&job, pool, scratch);
+    }
+    if (end == element_count(job.model, job.body, job.kind))
+        found->rate = pel_max(found->rate, worst_rate(job.model, job.body, scratch));
+}
+
+int64_t pel_softness_size(const pel_model *model)
+{
+    int64_t size = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t kind = 0; kind < kind_count(model, b); kind++)
+            size += element_count(model, b, kind);
+    return size;
+}
+
+void pel_softness_look(const pel_model *model, const pel_state *state, double time, pel_pool *pool, int64_t end,
+                       const pel_softness_scratch *scratch, pel_softness_progress *progress)
+{
+    const pel_record *positions = state->position;
+    int64_t first = 0;
+    if (progress->done == 0)
+        progress->found = (pel_softness){0};
+    for (int32_t b = 0; b < model->body_count; b++)
+        for (int32_t kind = 0; kind < kind_count(model, b); kind++) {
+            int64_t count = element_count(model, b, kind), stop = end < first + count ? end : first + count;
+            const sample_job job = {.model = model, .state = state, .positions = positions, .body = b, .kind = kind};
+            if (progress->done < stop)
+                look_at(job, (int32_t)(progress->done - first), (int32_t)(stop - first), pool, scratch,
+                        &progress->found);
+            progress->done = progress->done > stop ? progress->done : stop;
+            first += count;
+        }
+    for (int32_t b = 0; b < model->body_count && end == first; b++)
+        if (model->bodies[b].shell != NULL)
+            progress->found.pressure =
+                pel_max(progress->found.pressure, pressure_rate(model, b, positions, time, scratch));
 }
 
 double pel_softness_after(double share, int32_t iterations)

@@ -21,6 +21,7 @@
 #ifndef PEL_SOLVE_SOFTNESS_H
 #define PEL_SOLVE_SOFTNESS_H
 
+#include "base/pool.h"
 #include "model/state.h"
 
 /* numbers of one model at one state [1/s2] */
@@ -29,22 +30,33 @@ typedef struct pel_softness {
     double pressure; /* stiffness over mass of forces that stay at their start during a substep (gas, target volume) */
 } pel_softness;
 
-/* Room for pel_softness_find on a model, refined ones included. */
+/* Room for looks at a model, refined ones included. */
 typedef struct pel_softness_scratch {
-    double *energy, *excess; /* (vertex_count) of the elements at a vertex; excess: energy times rate */
-    double *mean;            /* (vertex_count) of the rate, around a vertex */
-    double *sum;             /* (vertex_count) */
-    double *own;             /* these arrays, where the caller lent none; else null */
+    double *energy, *excess; /* (vertex_count) of the elements at a vertex; excess: energy times rate. They stay from
+                                one part of a look to the next */
+    double *mean;            /* (vertex_count) of the rate, around a vertex; with sum also the samples of a part */
+    double *sum;             /* (vertex_count) right behind mean */
+    double *own;             /* what the caller did not lend */
 } pel_softness_scratch;
 
-/* lent: room of the caller for 4 vertex_count numbers, which a search overwrites and which has to live on; null = it
-   makes its own. PEL_OUT_OF_MEMORY. */
+/* A look in parts, which are spread over steps. The elements of a part count as they are then. */
+typedef struct pel_softness_progress {
+    int64_t done; /* elements; 0 begins a look */
+    pel_softness found;
+} pel_softness_progress;
+
+/* lent: room of the caller for 2 vertex_count numbers, which each part of a look overwrites and which has to live on;
+   null = it makes its own. PEL_OUT_OF_MEMORY. */
 pel_status pel_softness_create(const pel_model *model, double *lent, pel_softness_scratch *scratch, pel_error *error);
 void pel_softness_destroy(pel_softness_scratch *scratch);
 
-/* Rates of springs and shells at positions (vertex_count) and a time, with the present factors of keyed parameters. */
-pel_softness pel_softness_find(const pel_model *model, const pel_state *state, const pel_record *positions, double time,
-                               const pel_softness_scratch *scratch);
+/* elements of a whole look */
+int64_t pel_softness_size(const pel_model *model);
+/* Goes on with a look at springs and shells at state->position, with the present factors of keyed parameters, up to the
+   element `end`; at pel_softness_size, progress->found is complete. time [s]: of keyed pressure. pool: null = one
+   thread; same bits for any number. */
+void pel_softness_look(const pel_model *model, const pel_state *state, double time, pel_pool *pool, int64_t end,
+                       const pel_softness_scratch *scratch, pel_softness_progress *progress);
 
 /* Softness of `iterations` sweeps in a substep whose tau^2 rate / 2 is `share`. */
 double pel_softness_after(double share, int32_t iterations);

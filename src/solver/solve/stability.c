@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "measure/spring.h"
 
 #include <math.h>
@@ -38,12 +39,6 @@ static double spring_stiffness(const pel_model *model, int32_t slot, int32_t lan
     return uniform ? factors->spring : factors->spring * (double)model->stiffnesses[slot][lane];
 }
 
-/* as fmax, which is a call */
-static double larger(double a, double b)
-{
-    return b > a ? b : a;
-}
-
 /* stiffness of all springs of each vertex of a slice */
 static void sum_springs(const pel_model *model, int32_t slice, const body_factors *factors, double sums[PEL_WIDTH])
 {
@@ -68,9 +63,9 @@ void pel_stability_bound(const pel_model *model, pel_stability *stability)
             double stiffness = 2 * sums[lane] + factors.volumetric * (double)model->rest[v][3];
             double drag = factors.damping * (double)model->damping[v];
             double radial = drag + factors.volumetric_damping * (double)model->volumetric_damping[v];
-            stability->stiffness_bound = larger(stability->stiffness_bound, inverse_mass * stiffness);
-            stability->drag = larger(stability->drag, inverse_mass * drag);
-            stability->radial_drag = larger(stability->radial_drag, inverse_mass * radial);
+            stability->stiffness_bound = pel_max(stability->stiffness_bound, inverse_mass * stiffness);
+            stability->drag = pel_max(stability->drag, inverse_mass * drag);
+            stability->radial_drag = pel_max(stability->radial_drag, inverse_mass * radial);
         }
     }
     stability->stiffness = stability->stiffness_bound;
@@ -152,7 +147,7 @@ pel_status pel_stability_refine(const pel_model *model, pel_stability *stability
     pel_free(u);
     pel_free(next);
     /* the quotient converges from below: keep a margin for the remaining error */
-    stability->stiffness = fmin(1.001 * value, stability->stiffness_bound);
+    stability->stiffness = pel_min(1.001 * value, stability->stiffness_bound);
     return PEL_OK;
 }
 
@@ -161,7 +156,7 @@ double pel_stability_alpha(const pel_stability *stability, double stiffness, dou
     if (!keep_velocity)
         return 2 / (dt * dt * stiffness);
     double drag = dt * stability->radial_drag;
-    return fmin(1 / drag, 2 / (dt * dt * stiffness + 2 * drag));
+    return pel_min(1 / drag, 2 / (dt * dt * stiffness + 2 * drag));
 }
 
 double pel_stability_dt(const pel_stability *stability, double stiffness, bool symplectic)
@@ -173,5 +168,5 @@ double pel_stability_dt(const pel_stability *stability, double stiffness, bool s
     double creeping = HUGE_VAL;
     if (drag * drag > 4 * stiffness)
         creeping = 4 / (drag + sqrt(drag * drag - 4 * stiffness));
-    return fmin(oscillating, creeping);
+    return pel_min(oscillating, creeping);
 }

@@ -4,6 +4,7 @@
 #include "solve/step.h"
 
 #include "force/body_force.h"
+#include "math/extremes.h"
 
 #include <math.h>
 
@@ -158,8 +159,8 @@ static void sweep_all(const pel_model *model, pel_state *state, const pel_step *
         int32_t chunk_count = pel_slice_chunk_count(body->slice_begin, body->slice_end);
         pel_pool_run(step->pool, chunk_count, function, &run);
         for (int32_t chunk = 0; chunk < chunk_count; chunk++) {
-            result->longest = fmax(result->longest, step->longest[chunk]);
-            result->way = fmax(result->way, step->ways != NULL ? step->ways[chunk] : 0);
+            result->longest = pel_max(result->longest, step->longest[chunk]);
+            result->way = pel_max(result->way, step->ways != NULL ? step->ways[chunk] : 0);
         }
     }
     result->diverged = isinf(result->longest);
