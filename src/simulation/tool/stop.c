@@ -16,6 +16,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "math/extremes.h"
 #include "tool/contact_force.h"
 #include "tool/press.h"
 #include "tool/sagitta.h"
@@ -48,8 +49,8 @@ static void place(const pel_sim *sim, const pel_tool *tool, const pel_solid *sol
     point_of(stop, sim->state->position, before);
     pel_rotate(tool->pose.rotation, local, stop->normal);
     pel_pose_to_local(&tool->pose_before, before, at);
-    double start = fmax(0, -pel_solid_distance(solid, at, away));
-    stop->offset = pel_vec3_dot(stop->normal, point) + fmax(0, depth - start);
+    double start = pel_max(0, -pel_solid_distance(solid, at, away));
+    stop->offset = pel_vec3_dot(stop->normal, point) + pel_max(0, depth - start);
     /* the way of the tool's point that is now there, from where the surface was */
     pel_pose_to_local(&tool->pose, point, at);
     pel_pose_to_world(&tool->pose_before, at, at);
@@ -140,7 +141,7 @@ static double relax(pel_sim *sim, const pel_tool *tool, pel_stop *stop)
 {
     double point[3], way[3], slip[3], friction = pel_sim_friction(sim, tool, stop->vertices[0]);
     point_of(stop, sim->state->position_next, point);
-    double change = fmax(stop->offset - pel_vec3_dot(stop->normal, point), -stop->push);
+    double change = pel_max(stop->offset - pel_vec3_dot(stop->normal, point), -stop->push);
     stop->push += change;
     pel_vec3_scale(stop->normal, change, way);
     if (friction > 0) {
@@ -164,8 +165,8 @@ static void solve(pel_sim *sim, const pel_tool *tool)
     for (int n = 0; n < SWEEP_LIMIT; n++) {
         double change = 0, most = 0;
         for (int32_t i = 0; i < stops->count; i++) {
-            change = fmax(change, relax(sim, tool, &stops->items[i]));
-            most = fmax(most, stops->items[i].push);
+            change = pel_max(change, relax(sim, tool, &stops->items[i]));
+            most = pel_max(most, stops->items[i].push);
         }
         if (change <= SWEEP_TOLERANCE * most)
             return;
