@@ -26,7 +26,7 @@ typedef enum pel_law_trait {
     PEL_LAW_BY_AREA = 1,          /* a function of tr C and J: P = 2 psi_t F + psi_J dJ/dF, finite at J = 0 */
     PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
     PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
-    PEL_LAW_COMPLIANT = 128,      /* D is positive definite at any strain, and the response has its inverse */
+    PEL_LAW_COMPLIANT = 128,      /* D has an inverse in closed form (pel_compliance) at any strain */
     /* numbers of a material that some laws read; all read young and thickness */
     PEL_LAW_READS_POISSON = 8,
     PEL_LAW_READS_MOONEY_RATIO = 16,

@@ -37,27 +37,13 @@ PEL_INLINE pel_lane pel_logarithm_over(pel_lane x)
                            pel_lane_log1p(x) / pel_lane_select(is_small, one, x));
 }
 
-/* scale (C x C - part C (x) C); a collapsed triangle counts as a wider one, because its D has no inverse */
-PEL_INLINE pel_symmetric3 pel_neo_hookean_compliance(const pel_strain *s, pel_lane scale, pel_lane part)
-{
-    const pel_lane two = pel_lane_splat(2), bound = PEL_CONSTANT(PEL_LEAST_AREA_RATIO);
-    pel_lane wider = pel_lane_where(pel_lane_above(bound * bound, s->area_square), bound);
-    pel_lane a = s->cauchy.a + wider, b = s->cauchy.b + wider, c = s->cauchy.c;
-    pel_lane shared = scale * part, along = scale - shared, twice = two * c, product = a * b, square = c * c;
-    return (pel_symmetric3){
-        along * a * a,     scale * square - shared * product,
-        along * a * twice, along * b * b,
-        along * b * twice, two * scale * product + (two * scale - pel_lane_splat(4) * shared) * square,
-    };
-}
-
 PEL_INLINE void pel_law_neo_hookean(const pel_lane *numbers, const pel_strain *s, pel_response *r)
 {
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), half = PEL_CONSTANT(0.5);
     const pel_lane nu = numbers[0], most = one - nu;
     pel_square_area area = pel_square_area_of(s);
-    pel_lane d = most + nu * area.excess, bulk = nu * area.square;
-    /* c / J^2, exactly 1 at rest; quotients are what takes long here */
+    pel_lane bulk = nu * area.square, d = most + nu * (area.square - one), wide = d + two * bulk;
+    /* c / J^2, exactly 1 at rest */
     pel_lane pull = most / (d * area.square), c = pull * area.square, over = two * numbers[1] * c;
     pel_lane j = pel_lane_sqrt(area.square), below = pel_lane_min(s->area_ratio - j, pel_lane_splat(0));
     pel_isotropic f;
@@ -69,7 +55,9 @@ PEL_INLINE void pel_law_neo_hookean(const pel_lane *numbers, const pel_strain *s
     f.jj = pull * (one + two * bulk * over);
     pel_respond_isotropic(s, j, &f, r);
     r->stress = (pel_symmetric2){one - pull * s->cauchy.b, one - pull * s->cauchy.a, pull * s->cauchy.c};
-    r->compliance = pel_neo_hookean_compliance(s, numbers[1] * d, bulk / (d + two * bulk));
+    /* one quotient: they are what takes long */
+    pel_lane inverse = one / (d * wide);
+    r->compliance = (pel_compliance){numbers[1] * d, bulk * d * inverse, most * wide * inverse};
 }
 
 static inline pel_membrane_law pel_law_neo_hookean_of(const pel_membrane_material *material)

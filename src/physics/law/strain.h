@@ -36,12 +36,18 @@ typedef struct pel_strain {
     pel_lane area_square;  /* J^2 */
 } pel_strain;
 
+/* Laws with PEL_LAW_COMPLIANT: t = I - c C^-1, and the tangent is positive definite with the inverse
+   scale (C x C - part C (x) C), (C x C) t = C t C. */
+typedef struct pel_compliance {
+    pel_lane scale, part, c;
+} pel_compliance;
+
 typedef struct pel_response {
     pel_lane energy;
     pel_symmetric2 stress;            /* t: second Piola-Kirchhoff stress */
     pel_symmetric3 tangent, positive; /* D and its positive semi-definite part */
-    pel_symmetric3 compliance;        /* laws with PEL_LAW_COMPLIANT: the inverse of D, which is positive definite */
-    pel_lane by_trace, by_area;       /* laws of tr C and J: psi_t and psi_J, P = 2 psi_t F + psi_J dJ/dF */
+    pel_compliance compliance;
+    pel_lane by_trace, by_area; /* laws of tr C and J: psi_t and psi_J, P = 2 psi_t F + psi_J dJ/dF */
 } pel_response;
 
 /* ---- invariants ---- */
