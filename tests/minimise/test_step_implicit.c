@@ -1,4 +1,5 @@
 /* Steps in time by Newton's method: order, conservation, and contact. */
+#include "minimise/constraint.h"
 #include "pellicle/geometry.h"
 #include "pellicle/shape.h"
 #include "sim/contact_scene.h"
@@ -323,6 +324,45 @@ static void test_slide(void **unused)
         assert_near(way / (0.5 * gravity * (sine - mu * cosine) * time * time), 1, i == 2 ? 0.025 : 0.004);
         scene_end(&scene, sim);
     }
+}
+
+/* A sheet that lies on a box rests: its steps need no linear system, and it stays where it is. */
+static void test_rests(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_solver_reading reading;
+    double before[3 * 49], after[3 * 49];
+    scene_begin(&scene, PEL_METHOD_IMPLICIT);
+    scene_body(&scene, make_sheet(6, 0));
+    scene_tool(&scene, PEL_TOOL_BOX);
+    for (int k = 0; k < 3; k++)
+        scene.tools[0].half_extents[k] = 4;
+    scene_move(&scene, 0, 0, 0, -4.0005, -4.0005, 1);
+    scene.gravity = -10;
+    scene.def.contact.friction = 0.3;
+    scene.def.contact.thickness = 5e-4;
+    scene.def.solver.dt = 0.01;
+    pel_sim *sim = scene_create(&scene);
+    run_steps(sim, 1);
+    /* the next step may begin with the loads of this one */
+    double sum = pel_minimise_contacts_sum(sim);
+    assert_true(sum > 0);
+    assert_near(pel_minimise_contacts_sum_kept(sim) / sum, 1, 1e-12);
+    pel_minimise_contacts_take_kept(sim);
+    assert_near(pel_minimise_contacts_sum(sim) / sum, 1, 1e-12);
+    run_steps(sim, 9);
+    pel_sim_get_positions(sim, 0, before);
+    for (int n = 0; n < 5; n++) {
+        run_steps(sim, 1);
+        pel_sim_get_solver(sim, &reading);
+        assert_true(reading.converged);
+        assert_int_equal(reading.iterations, 0);
+    }
+    pel_sim_get_positions(sim, 0, after);
+    for (int i = 0; i < 3 * 49; i++)
+        assert_near(after[i], before[i], 1e-9);
+    scene_end(&scene, sim);
 }
 
 /* A stiff sheet that falls flat stays where it falls, wherever in a step it meets the ground. */
@@ -893,17 +933,18 @@ static void test_budget(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),         cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_spin),          cmocka_unit_test(test_set_velocities),
-        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_load_in_time),
-        cmocka_unit_test(test_driven_volume), cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_flat_fall),     cmocka_unit_test(test_landing),
-        cmocka_unit_test(test_round_tool),    cmocka_unit_test(test_capsule),
-        cmocka_unit_test(test_light),         cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_collision),     cmocka_unit_test(test_collision_bits),
-        cmocka_unit_test(test_refined),       cmocka_unit_test(test_refined_bits),
-        cmocka_unit_test(test_refusal),       cmocka_unit_test(test_radial_damping),
-        cmocka_unit_test(test_budget),        cmocka_unit_test(test_crumple),
+        cmocka_unit_test(test_order),          cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_spin),           cmocka_unit_test(test_set_velocities),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_load_in_time),
+        cmocka_unit_test(test_driven_volume),  cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_rests),          cmocka_unit_test(test_flat_fall),
+        cmocka_unit_test(test_landing),        cmocka_unit_test(test_round_tool),
+        cmocka_unit_test(test_capsule),        cmocka_unit_test(test_light),
+        cmocka_unit_test(test_bits),           cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_collision_bits), cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_refined_bits),   cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_radial_damping), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_crumple),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

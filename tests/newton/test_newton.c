@@ -287,6 +287,58 @@ static void test_crossed_kinks(void **unused)
     assert_true(systems[1] < systems[0] / 2);
 }
 
+/* L-BFGS between systems ends where Newton's method alone does, with fewer matrices; with a volume, which the factor
+   lacks. */
+static void test_quasi(void **unused)
+{
+    (void)unused;
+    int systems[2] = {0, 0};
+    for (int has_volume = 0; has_volume < 2; has_volume++) {
+        double ends[2][3 * 64];
+        for (int quasi = 0; quasi < 2; quasi++) {
+            sheet s = make_ball_of(has_volume ? 1e3 : 0);
+            walls w = {0};
+            pel_newton_terms terms = terms_of(&w);
+            pel_newton_problem problem = problem_of(&s, &terms);
+            pel_newton_result result;
+            for (int32_t v = 0; v < s.model->vertex_count; v++)
+                s.points[v][2] += 0.3 * sin(5 * s.points[v][0]);
+            problem.is_quasi = problem.is_in_motion = quasi == 1;
+            problem.keeps_factor = true;
+            assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+            assert_true(result.converged && s.count <= 3 * 64);
+            systems[quasi] += w.systems;
+            memcpy(ends[quasi], s.unknowns, (size_t)s.count * sizeof(double));
+            free_sheet(&s);
+        }
+        for (int i = 0; i < 3 * 42; i++)
+            assert_near(ends[1][i], ends[0][i], sizeof(pel_real) == 8 ? 1e-7 : 1e-3);
+    }
+    assert_true(systems[1] < systems[0]);
+}
+
+/* A body that rests needs no system; a light one beside it that does not rest gets one. */
+static void test_rest(void **unused)
+{
+    (void)unused;
+    for (int moves = 0; moves < 2; moves++) {
+        sheet s = make_ball_of(0);
+        walls w = {0};
+        pel_newton_terms terms = terms_of(&w);
+        pel_newton_problem problem = problem_of(&s, &terms);
+        pel_newton_result result;
+        /* below the tolerance, but all that acts */
+        for (int32_t v = 0; moves == 1 && v < s.model->vertex_count; v++)
+            s.points[v][2] += s.stiffness[v] > 0 ? 1e-3 * problem.tolerance : 0;
+        problem.rest_share = 1e-4;
+        problem.rounding = 1e-6 * problem.tolerance;
+        assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+        assert_true(result.converged);
+        assert_int_equal(result.iterations, moves);
+        free_sheet(&s);
+    }
+}
+
 /* A pressure on an open sheet has no potential: steps that go by an energy would see one that does not fall. */
 static void test_open_pressure(void **unused)
 {
@@ -431,9 +483,14 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_couplings),          cmocka_unit_test(test_kinks),
-        cmocka_unit_test(test_crossed_kinks),      cmocka_unit_test(test_open_pressure),
-        cmocka_unit_test(test_deadline),           cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_couplings),
+        cmocka_unit_test(test_kinks),
+        cmocka_unit_test(test_crossed_kinks),
+        cmocka_unit_test(test_open_pressure),
+        cmocka_unit_test(test_deadline),
+        cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_quasi),
+        cmocka_unit_test(test_rest),
         cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -245,7 +245,8 @@ static void test_stops_within_steps(void **unused)
     int whole = asked.count;
     assert_true(summary.steps > 1 && whole > 2 * summary.steps);
     int64_t steps = summary.steps;
-    for (int stop = 1; stop < whole; stop += whole / 3) {
+    /* the last question follows the last step */
+    for (int stop = 1; stop < whole - 1; stop += whole / 3) {
         asked = (asking){0, stop};
         pel_error error;
         assert_int_equal(pel_run(scene, &def, &summary, &error), PEL_STOPPED);

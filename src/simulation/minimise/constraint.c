@@ -2,6 +2,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "base/sort.h"
 #include "base/status.h"
 #include "contact/contact.h"
 #include "contact/set.h"
@@ -414,6 +415,83 @@ void pel_minimise_contacts_estimate(pel_sim *sim, double *force, double reach, c
             balance(sim, &minimise->constraints[c], reach + minimise->constraints[c].tolerance, stiffness, force);
 }
 
+/* ---- from step to step ---- */
+
+static bool is_before(const pel_minimise_load *a, const pel_minimise_load *b)
+{
+    for (int i = 0; i < PEL_MINIMISE_PAIR; i++)
+        if (a->pair[i] != b->pair[i])
+            return a->pair[i] < b->pair[i];
+    return false;
+}
+
+PEL_DEFINE_SORT(sort_loads, pel_minimise_load, is_before)
+
+/* what has room in snapshots: one for each vertex */
+void pel_minimise_contacts_keep(pel_sim *sim)
+{
+    pel_minimise *minimise = sim->minimise;
+    minimise->kept_count = 0;
+    for (int32_t c = 0; c < minimise->count && minimise->kept_count < sim->model->vertex_count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        if (!(constraint->load > 0))
+            continue;
+        pel_minimise_load *kept = &minimise->kept[minimise->kept_count++];
+        memcpy(kept->pair, constraint->pair, sizeof kept->pair);
+        kept->load = constraint->load;
+        pel_vec3_copy(constraint->drag, kept->drag);
+    }
+    sort_loads(minimise->kept, (size_t)minimise->kept_count);
+}
+
+/* null = nothing was kept */
+static const pel_minimise_load *find_kept(const pel_minimise *minimise, const pel_minimise_contact *constraint)
+{
+    pel_minimise_load wanted;
+    memcpy(wanted.pair, constraint->pair, sizeof wanted.pair);
+    int32_t low = 0, high = minimise->kept_count;
+    while (low < high) {
+        int32_t middle = (low + high) / 2;
+        if (is_before(&minimise->kept[middle], &wanted))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    bool is_found = low < minimise->kept_count && !is_before(&wanted, &minimise->kept[low]);
+    return is_found ? &minimise->kept[low] : NULL;
+}
+
+double pel_minimise_contacts_sum_kept(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    double sum = 0;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        const pel_minimise_load *kept = find_kept(minimise, &minimise->constraints[c]);
+        sum += kept != NULL ? kept->load : 0;
+    }
+    return sum;
+}
+
+double pel_minimise_contacts_sum(const pel_sim *sim)
+{
+    double sum = 0;
+    for (int32_t c = 0; c < sim->minimise->count; c++)
+        sum += sim->minimise->constraints[c].load;
+    return sum;
+}
+
+void pel_minimise_contacts_take_kept(pel_sim *sim)
+{
+    static const pel_minimise_load none = {.load = 0};
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        pel_minimise_contact *constraint = &minimise->constraints[c];
+        const pel_minimise_load *found = find_kept(minimise, constraint), *kept = found != NULL ? found : &none;
+        constraint->load = kept->load;
+        pel_vec3_along(kept->drag, -pel_vec3_dot(kept->drag, constraint->normal), constraint->normal, constraint->drag);
+    }
+}
+
 double pel_minimise_contacts_force(const pel_sim *sim)
 {
     const pel_minimise *minimise = sim->minimise;
@@ -443,6 +521,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_conta
         .friction = (double)contact->friction,
         .tool = key->obstacle,
         .number = number,
+        .pair = {key->edge_edge, key->obstacle, key->points[0], key->points[1], key->points[2], key->points[3]},
     };
     for (int i = 0; i < 4; i++) {
         constraint->vertices[i] = contact->vertices[i];

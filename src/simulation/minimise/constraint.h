@@ -23,6 +23,12 @@ pel_contact_change pel_minimise_contacts_update(pel_sim *sim);
 /* Loads that best balance `force`, the forces of the bodies at the end of the step, which is overwritten. stiffness
    (vertex_count): N/m of the springs of inertia, whose forces are in `force`; null = none. */
 void pel_minimise_contacts_estimate(pel_sim *sim, double *force, double reach, const double *stiffness);
+/* Keeps loads and drags for the next step, which begins with those of the same pairs. */
+void pel_minimise_contacts_keep(pel_sim *sim);
+void pel_minimise_contacts_take_kept(pel_sim *sim);
+/* N, sums of the loads that were kept for the present constraints, and of their own */
+double pel_minimise_contacts_sum_kept(const pel_sim *sim);
+double pel_minimise_contacts_sum(const pel_sim *sim);
 /* N, root of the sum of squares of the constraint forces on vertices */
 double pel_minimise_contacts_force(const pel_sim *sim);
 /* Constraints of surfaces from the list of contacts, after those of tools, with the loads stored by their keys. */

@@ -56,6 +56,9 @@ static pel_status add(const tool_search *search, pel_minimise_contact *constrain
 {
     pel_sim *sim = search->sim;
     double point[3];
+    const int32_t pair[] = {
+        2, constraint->tool, constraint->number, constraint->points, constraint->end, constraint->vertices[0]};
+    memcpy(constraint->pair, pair, sizeof pair);
     pel_minimise_contact_point(constraint, sim->minimise->position, point);
     find_drift(&sim->tools->items[search->tool], point, constraint->drift);
     if (known > 0) {

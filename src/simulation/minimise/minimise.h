@@ -22,6 +22,15 @@
 #include "stage/stage.h"
 #include "stage/transfer.h"
 
+/* Numbers that name a pair. */
+enum { PEL_MINIMISE_PAIR = 6 };
+
+/* what a pair carried at the end of a step */
+typedef struct pel_minimise_load {
+    int32_t pair[PEL_MINIMISE_PAIR];
+    double load, drag[3]; /* N */
+} pel_minimise_load;
+
 /* Where something touches, or may soon. Slack is in the gap: nothing has to be corrected after the step. */
 typedef struct pel_minimise_contact {
     int32_t vertices[4];
@@ -36,7 +45,8 @@ typedef struct pel_minimise_contact {
     int32_t tool;   /* -1 = none */
     int32_t points; /* vertices of a feature whose gap to a round tool is recomputed as it moves; 0 = a plane */
     int32_t end;    /* of the capsule that a triangle has its gap to: -1, 1; 0 = middle of a sphere */
-    int32_t number; /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
+    int32_t pair[PEL_MINIMISE_PAIR]; /* names it over steps: kind, tool, features */
+    int32_t number;                  /* of tools: the triangle, or -1 - vertex; of surfaces: in the list of contacts */
 } pel_minimise_contact;
 
 typedef struct pel_minimise_context pel_minimise_context;
@@ -50,24 +60,29 @@ typedef struct pel_sim_newton pel_sim_newton;
 
 struct pel_minimise {
     pel_minimise_run *run;
-    pel_descent *minimiser;      /* of the method descent, else null */
-    pel_sim_newton *newton;      /* of the others, else null */
-    pel_tangent *tangent;        /* of the method descent where the state is float: energies in double; else null */
-    double *position;            /* (3 vertex_count) m, at the end of the step: position_next is their rounding */
-    double *force;               /* (3 vertex_count) N, scratch */
-    pel_record *record;          /* (vertex_count) scratch: positions for batches of elements */
-    pel_record *external;        /* (vertex_count) forces that stay during a step */
-    double mean_edge;            /* m */
-    double size;                 /* m, of the largest body */
-    double stiff_force;          /* N, moves every vertex by an edge, by the bound of the stiffness */
-    double acted, step_acted;    /* N, largest force that has acted since the start: before the step in progress, and in
-                                    it. The first is in snapshots */
-    double stiffness;            /* 1/s2, bound of the stiffness of the bodies over mass */
-    const double *inertia;       /* (vertex_count) N/m, springs that inertia is; null = none */
-    double penalty;              /* stiffness of constraints relative to bodies and inertia */
-    double force_time;           /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
-    int32_t stray_body;          /* has got away by the last step (pel_minimise_find_stray); -1 = none */
-    double stray_way;            /* m */
+    pel_descent *minimiser;   /* of the method descent, else null */
+    pel_sim_newton *newton;   /* of the others, else null */
+    pel_tangent *tangent;     /* of the method descent where the state is float: energies in double; else null */
+    double *position;         /* (3 vertex_count) m, at the end of the step: position_next is their rounding */
+    double *force;            /* (3 vertex_count) N, scratch */
+    pel_record *record;       /* (vertex_count) scratch: positions for batches of elements */
+    pel_record *external;     /* (vertex_count) forces that stay during a step */
+    double mean_edge;         /* m */
+    double size;              /* m, of the largest body */
+    double stiff_force;       /* N, moves every vertex by an edge, by the bound of the stiffness */
+    double acted, step_acted; /* N, largest force that has acted since the start: before the step in progress, and in
+                                 it. The first is in snapshots */
+    double stiffness;         /* 1/s2, bound of the stiffness of the bodies over mass */
+    const double *inertia;    /* (vertex_count) N/m, springs that inertia is; null = none */
+    /* in snapshots, for steps in time: what the next one begins with */
+    pel_minimise_load *kept; /* (kept_count, room for vertex_count) ascending by pair */
+    int32_t kept_count;
+    bool prefers_kept;  /* to loads that balance the forces at the start of a step: they were nearer to its end */
+    double begun[2];    /* N, sums of the latter and of kept loads when the step began; not in snapshots */
+    double penalty;     /* stiffness of constraints relative to bodies and inertia */
+    double force_time;  /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
+    int32_t stray_body; /* has got away by the last step (pel_minimise_find_stray); -1 = none */
+    double stray_way;   /* m */
     double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
                                     sum is in snapshots */
     pel_descent_result result;   /* of the step at work */

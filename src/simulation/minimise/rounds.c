@@ -4,8 +4,9 @@
    start of the step: equilibrium is reached over several steps.
 
    With tools or contact the energy is minimised under their constraints (minimise.h), in rounds: minimise, update the
-   multipliers, search for new contacts. After a collision during a step, the next round starts there. Multipliers are
-   not part of the state: a step computes its initial ones from the balance of forces at its start. */
+   multipliers, search for new contacts. After a collision during a step, the next round starts there. A step in time
+   begins with the multipliers that the same pairs had at the end of the step before, which are a part of the state;
+   others, and the first one that touches, with those that balance the forces at its start. */
 #include "minimise/rounds.h"
 
 #include "base/assert.h"
@@ -56,10 +57,14 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 /* and at most this multiple of the tolerance: loads from positions far from equilibrium are useless */
 #define ROUGH_SHARE 1e3
 /* Stiffness of constraints relative to the bound of bodies and inertia. It grows when a round closes gaps by less than
-   CLOSING, or leaves them open by more than FAR tolerances. */
+   CLOSING, or leaves them open by more than FAR tolerances; the next step in time begins with SOFTENING of it. */
 #define PENALTY 0.1
 #define MOST_PENALTY 100
 #define STIFFENING 4.0
+#define SOFTENING 0.5
+/* Loads of the step before may have been this many times farther from those at its end than an estimate: the estimate
+   is either exact or useless. */
+#define FAVOUR 4
 #define CLOSING 0.3
 #define FAR 20
 /* Where surfaces press from all sides, some gaps do not close under any load: under constraints this stiff they may
@@ -174,6 +179,12 @@ static double find_external(pel_sim *sim, double time)
     return measure_external(sim, time, sim->state->position);
 }
 
+/* N, of the forces of a body at rest: in double, as all minimisation */
+static double rounding_force(const pel_sim *sim)
+{
+    return ROUNDING_ERRORS * DBL_EPSILON * sim->minimise->stiff_force;
+}
+
 static pel_descent_problem make_problem(pel_minimise_context *context)
 {
     const pel_sim *sim = context->sim;
@@ -184,10 +195,11 @@ static pel_descent_problem make_problem(pel_minimise_context *context)
         .energy = energy_of,
         .context = context,
         .pool = sim->pool,
-        .held_share = LOAD_SHARE,
+        .held_share = pel_sim_has_velocity(sim) ? DYNAMIC_SHARE : LOAD_SHARE,
         .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->minimise->mean_edge,
         .short_move = SHORT_SHARE * sim->minimise->size,
+        .rounding = rounding_force(sim),
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : iterations,
         .gradient_only = sim->solver.gradient_only,
     };
@@ -307,12 +319,6 @@ static double acting_force(const pel_sim *sim, double loads)
 {
     double contact = pel_minimise_contacts_force(sim), held = sim->minimise->result.held_force;
     return sqrt(loads * loads + contact * contact + held * held);
-}
-
-/* N, of the forces of a body at rest: in double, as all minimisation */
-static double rounding_force(const pel_sim *sim)
-{
-    return ROUNDING_ERRORS * DBL_EPSILON * sim->minimise->stiff_force;
 }
 
 /* Relative to the acting forces, or to the rounding of the forces of a body where those are lost in it. If none acts
@@ -493,6 +499,30 @@ static void estimate_loads(pel_minimise_context *context, double reach)
     pel_minimise_contacts_estimate(sim, sim->minimise->force, reach, stiffness);
 }
 
+/* Loads that balance the forces at the start of a step are exact where inertia and weight make them: sheets, free
+   bodies; those of the step before are better where bodies are stiff. Steps in time begin with what was better last. */
+static void begin_loads(pel_minimise_context *context, double reach)
+{
+    pel_sim *sim = context->sim;
+    pel_minimise *minimise = sim->minimise;
+    estimate_loads(context, reach);
+    minimise->begun[0] = pel_minimise_contacts_sum(sim);
+    minimise->begun[1] = pel_minimise_contacts_sum_kept(sim);
+    if (pel_sim_has_velocity(sim) && minimise->prefers_kept)
+        pel_minimise_contacts_take_kept(sim);
+}
+
+/* After an accepted step. What rests keeps its loads: updates without steps would add up. */
+static void keep_loads(pel_sim *sim)
+{
+    pel_minimise *minimise = sim->minimise;
+    double sum = pel_minimise_contacts_sum(sim);
+    if (minimise->result.iterations == 0)
+        return;
+    minimise->prefers_kept = fabs(minimise->begun[1] - sum) < FAVOUR * fabs(minimise->begun[0] - sum);
+    pel_minimise_contacts_keep(sim);
+}
+
 static pel_status minimise_under_constraints(pel_minimise_context *context, double loads, pel_error *error)
 {
     pel_sim *sim = context->sim;
@@ -507,14 +537,14 @@ static pel_status minimise_under_constraints(pel_minimise_context *context, doub
     pel_tools_move(sim, context->time);
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
-    sim->minimise->penalty = PENALTY;
+    sim->minimise->penalty = pel_sim_has_velocity(sim) ? pel_max(PENALTY, SOFTENING * sim->minimise->penalty) : PENALTY;
     for (int part = 1; status == PEL_OK && part <= part_count; part++) {
         set_poses(sim, (double)part / part_count);
         status = find_constraints(sim, false, &again, error);
         if (status != PEL_OK)
             break;
         if (part == 1 && (sim->minimise->count > 0 || pel_sim_has_velocity(sim)))
-            estimate_loads(context, way / part_count);
+            begin_loads(context, way / part_count);
         status = minimise_in_rounds(context, loads, part == part_count, error);
         if (!pel_sim_all_inside(sim))
             return status;
@@ -637,7 +667,8 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
     minimise->stray_body = -1;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(minimise->position, 3 * count), PEL_ROOM(minimise->force, 3 * count),
                           PEL_ROOM_ALIGNED(minimise->record, count), PEL_ROOM_ALIGNED(minimise->external, count),
-                          PEL_ROOM(minimise->constraint_of_vertex, count), PEL_ROOM(minimise->shares, count)))
+                          PEL_ROOM(minimise->constraint_of_vertex, count), PEL_ROOM(minimise->shares, count),
+                          PEL_ROOM(minimise->kept, count)))
         return pel_fail_memory(error);
     for (size_t v = 0; v < count; v++)
         minimise->shares[v] = 1;
@@ -651,6 +682,7 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
 
 void pel_minimise_follow_surface(pel_sim *sim)
 {
+    sim->minimise->kept_count = 0;
     pel_stability stability;
     if (sim->shells != NULL && pel_sim_has_velocity(sim))
         return;
@@ -669,7 +701,8 @@ void pel_minimise_destroy(pel_sim *sim)
     pel_sim_newton_destroy(sim);
     pel_tangent_destroy(minimise->tangent);
     PEL_FREE_ALL(minimise->position, minimise->force, minimise->record, minimise->external,
-                 minimise->constraint_of_vertex, minimise->shares, minimise->constraints, minimise->others);
+                 minimise->constraint_of_vertex, minimise->shares, minimise->kept, minimise->constraints,
+                 minimise->others);
     pel_free(minimise);
 }
 
@@ -691,6 +724,8 @@ void pel_minimise_read_tools(pel_sim *sim)
 void pel_minimise_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
+    pel_sim_newton_choose(sim);
+    keep_loads(sim);
     sim->minimise->tool_way += sim->minimise->step_way;
     sim->minimise->acted = sim->minimise->step_acted;
     if (sim->part.at > 0) {
@@ -719,6 +754,15 @@ void pel_minimise_get_solver(const pel_sim *sim, pel_solver_reading *reading)
 
 /* ---- snapshots ---- */
 
+/* numbers of a damaged snapshot must not lead out of arrays */
+static void check_loaded(pel_minimise *minimise, int32_t vertex_count)
+{
+    if (minimise->kept_count < 0 || minimise->kept_count > vertex_count)
+        minimise->kept_count = 0;
+    if (minimise->newton != NULL && PEL_IS_NO_CHOICE(minimise->newton->choice.way, PEL_WAY_COUNT))
+        minimise->newton->choice = (pel_newton_choice){.way = PEL_QUASI};
+}
+
 void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
@@ -727,6 +771,14 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->acted, sizeof sim->minimise->acted);
     pel_transfer(at, &sim->minimise->tool_way, sizeof sim->minimise->tool_way);
     pel_transfer(at, &sim->minimise->accepted, sizeof sim->minimise->accepted);
+    pel_transfer(at, sim->minimise->kept, (size_t)sim->model->vertex_count * sizeof *sim->minimise->kept);
+    pel_transfer(at, &sim->minimise->kept_count, sizeof sim->minimise->kept_count);
+    pel_transfer(at, &sim->minimise->prefers_kept, sizeof sim->minimise->prefers_kept);
+    pel_transfer(at, &sim->minimise->penalty, sizeof sim->minimise->penalty);
+    if (sim->minimise->newton != NULL)
+        pel_transfer(at, &sim->minimise->newton->choice, sizeof sim->minimise->newton->choice);
+    if (at->load && at->bytes != NULL)
+        check_loaded(sim->minimise, sim->model->vertex_count);
 }
 
 void pel_minimise_forget(pel_sim *sim)

@@ -21,6 +21,12 @@
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
 #define NEAR_TOLERANCES 10
+/* of the forces on a body that may be left where it stays as it is: a tenth of the tolerance */
+#define REST_SHARE 1e-4
+/* steps between tries of the way that has cost more; the first try */
+enum { TRY_STEPS = 24, FIRST_TRY = 4 };
+/* of the cost of a step in its mean */
+#define MEAN_SHARE 0.5
 /* of a run of a step in time, without constraints and with them */
 enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40 };
 
@@ -79,6 +85,22 @@ void pel_sim_newton_begin(pel_sim *sim)
     if (sim->solver.budget > 0)
         sim->deadline = sim->clock() + sim->solver.budget;
     sim->loads->edge_load_work = 0;
+}
+
+void pel_sim_newton_choose(pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    if (newton == NULL || newton->point_stiffness == NULL)
+        return;
+    pel_newton_choice *choice = &newton->choice;
+    double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
+    newton->work += (int64_t)work;
+    cost[choice->way] += (cost[choice->way] > 0 ? MEAN_SHARE : 1) * (work - cost[choice->way]);
+    bool knows = cost[PEL_QUASI] > 0 && cost[PEL_SYSTEMS] > 0;
+    int32_t cheaper = knows ? cost[PEL_SYSTEMS] < cost[PEL_QUASI] : choice->way;
+    bool tries = ++choice->age >= (knows ? TRY_STEPS : FIRST_TRY);
+    choice->way = tries ? 1 - cheaper : cheaper;
+    choice->age = tries ? 0 : choice->age;
 }
 
 void pel_sim_newton_follow_surface(pel_sim *sim)
@@ -516,7 +538,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
     const pel_sim_newton *newton = sim->minimise->newton;
     bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
-    double tolerance = pel_hypot(problem->tolerance, pel_minimise_held_share() * moments);
+    double tolerance = pel_hypot(problem->tolerance, problem->held_share * moments);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;
@@ -540,7 +562,10 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
-        .moves = is_dynamic && !problem->goes_on,
+        .is_quasi = is_dynamic && !is_exact && newton->lead == NULL && newton->choice.way == PEL_QUASI,
+        .is_in_motion = is_dynamic && !is_exact,
+        .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
+        .rounding = is_exact ? 0 : problem->rounding,
         .is_dynamic = is_dynamic,
     };
 }

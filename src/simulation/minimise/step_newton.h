@@ -9,6 +9,16 @@
 /* of a state of rest, at most */
 enum { PEL_STATIC_ITERATIONS = 200 };
 
+/* Whether steps in time go by L-BFGS between systems (newton/quasi.c), or by systems alone. Which is cheaper is not
+   known beforehand: by up to 4 times one or the other, the first for shells with a volume, the second for stiff sheets.
+ */
+typedef enum pel_newton_way { PEL_QUASI, PEL_SYSTEMS, PEL_WAY_COUNT } pel_newton_way;
+typedef struct pel_newton_choice {
+    double cost[PEL_WAY_COUNT]; /* mean of late steps, in evaluations; 0 = not known */
+    int32_t way;                /* of the next step */
+    int32_t age;                /* steps since the other way was tried */
+} pel_newton_choice;
+
 struct pel_sim_newton {
     double *unknowns;         /* (unknown_count) positions at the end of the step, and the xi of edges */
     double *target;           /* (unknown_count) of fixed ones */
@@ -30,6 +40,8 @@ struct pel_sim_newton {
     const struct pel_implicit_scheme *scheme; /* of the last step in time */
     struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
+    pel_newton_choice choice;                 /* in snapshots */
+    int64_t work;                             /* of the solver when the step began */
     bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
     bool goes_on;                             /* the unknowns belong to the step in progress */
     const pel_newton_lead *lead;              /* of a step beside another simulation (step_beside.c); null = none */
@@ -52,6 +64,8 @@ bool pel_sim_newton_group_is_held(const pel_sim *sim, int32_t group);
 bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body);
 /* Before the first run of a step, which goes the same way after a snapshot. */
 void pel_sim_newton_begin(pel_sim *sim);
+/* After an accepted step: the way of the next one. */
+void pel_sim_newton_choose(pel_sim *sim);
 /* pel_descent_run by Newton's method. PEL_OUT_OF_MEMORY. */
 pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error);

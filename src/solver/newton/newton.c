@@ -18,6 +18,8 @@ enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
 enum { SHORT_STEPS = 4 };
 /* evaluations along a step: for its slope to be zero, for its energy to fall */
 enum { SEARCHES = 12, CUTS = 12 };
+/* of steps, that L-BFGS goes by */
+enum { PAIRS = 6 };
 /* Line search: a slope below STEEP of the initial one counts as zero; a slope steeper than FLAT of it extends the step,
    up to MOST_SHARE times. A step that is too long is reduced to between LEAST_CUT and MOST_CUT of it. */
 #define STEEP 0.2
@@ -182,16 +184,19 @@ static bool make_room(pel_newton *newton)
     newton->stresses = pel_allocate((size_t)pattern->stress_limit + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
     newton->frame = pel_allocate(nodes, sizeof *newton->frame);
-    double **vectors[] = {
-        &newton->gradient,    &newton->right,   &newton->step,        &newton->start, &newton->start_gradient,
-        &newton->masses,      &newton->walked,  &newton->move,        &newton->path,  &newton->load,
-        &newton->answer,      &newton->balance, &newton->way,         &newton->begin, &newton->part_start,
-        &newton->part_walked, &newton->best,    &newton->best_walked, &newton->first, &newton->left,
-        &newton->product,     &newton->sum};
+    double **vectors[] = {&newton->gradient,    &newton->right,          &newton->step,
+                          &newton->start,       &newton->start_gradient, &newton->masses,
+                          &newton->walked,      &newton->move,           &newton->path,
+                          &newton->load,        &newton->answer,         &newton->balance,
+                          &newton->way,         &newton->begin,          &newton->part_start,
+                          &newton->part_walked, &newton->best,           &newton->best_walked,
+                          &newton->first,       &newton->left,           &newton->product,
+                          &newton->sum,         &newton->before_walked,  &newton->before_gradient,
+                          &newton->before_terms};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
-    return room;
+    return room && pel_pairs_create(&newton->pairs, PAIRS, count, NULL) == PEL_OK;
 }
 
 void pel_newton_rebuild(pel_newton *newton)
@@ -235,7 +240,9 @@ void pel_newton_destroy(pel_newton *newton)
                  newton->stresses, newton->fixed, newton->walked, newton->move, newton->frame, newton->path,
                  newton->load, newton->answer, newton->balance, newton->way, newton->begin, newton->part_start,
                  newton->part_walked, newton->best, newton->best_walked, newton->first, newton->left, newton->product,
-                 newton->sum, newton->plain, newton->coupled);
+                 newton->sum, newton->plain, newton->coupled, newton->before_walked, newton->before_gradient,
+                 newton->before_terms, newton->volumes);
+    pel_pairs_release(&newton->pairs);
     pel_free(newton);
 }
 
@@ -533,6 +540,20 @@ static bool take_step(newton_run *run)
     return false;
 }
 
+/* A step with the factor that there is, as far as the energy falls. False where the next one needs another factor. */
+static bool go_quasi_step(newton_run *run)
+{
+    if (!run->problem->is_quasi || !pel_newton_is_at_targets(run) || !pel_newton_quasi_pays(run))
+        return false;
+    pel_newton_find_quasi_step(run);
+    int32_t systems = run->result->iterations;
+    bool falls = slope_of(run->newton, run->newton->gradient) < 0;
+    bool goes = falls && go_by_energy(run, pel_newton_find_share(run->newton));
+    run->result->iterations = systems;
+    run->quasi_steps = goes ? run->quasi_steps : INT32_MAX;
+    return goes;
+}
+
 /* Full steps of mixed integration points, or as far as the energy falls under constraints. False where they lead
    nowhere. */
 static bool go_full_steps(newton_run *run)
@@ -540,15 +561,16 @@ static bool go_full_steps(newton_run *run)
     pel_newton_result *result = run->result;
     double best = HUGE_VAL;
     int since = 0, short_steps = 0;
-    bool is_evaluated = false;
+    bool is_evaluated = false, is_first = true;
     for (;;) {
         run->kind = PEL_TANGENT_EXACT;
         if (!is_evaluated)
             pel_newton_evaluate(run);
         if (!pel_newton_is_finite(run))
             return false;
-        if (result->iterations == 0)
+        if (is_first)
             result->first_residual = result->residual;
+        is_first = false;
         if (pel_newton_has_converged(run) || result->iterations >= run->limit)
             return true;
         if (is_late(run)) {
@@ -560,6 +582,11 @@ static bool go_full_steps(newton_run *run)
         best = pel_min(best, result->residual);
         if (!has_kinks(run) && since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
+        if (go_quasi_step(run)) {
+            is_evaluated = true;
+            since = 0;
+            continue;
+        }
         if (!find_full_step(run))
             return false;
         bool is_short =
@@ -786,6 +813,11 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
         leave_balance(&run);
     pel_newton_frames_turn_back(&problem->frames, newton->gradient);
     return run.status;
+}
+
+int64_t pel_newton_work(const pel_newton *newton)
+{
+    return newton->work;
 }
 
 void pel_newton_forget(pel_newton *newton)

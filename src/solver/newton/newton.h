@@ -82,8 +82,12 @@ typedef struct pel_newton_problem {
     double (*clock)(void); /* s; null = no deadline */
     double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
     bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
-    bool moves;            /* has not converged before one step: forces below the tolerance move what is light */
-    bool is_dynamic;       /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
+    bool is_in_motion;     /* the positive part of a tangent serves as well as one that float does not carry */
+    bool is_quasi;         /* steps of L-BFGS between those of Newton's method, with the last factor (quasi.c) */
+    double rest_share; /* Has converged before one step only where each body rests: forces below the tolerance move what
+                          is light. This share of the forces that act on a body, or `rounding` [N]; 0 = off */
+    double rounding;
+    bool is_dynamic; /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 
 typedef struct pel_newton_result {
@@ -181,6 +185,9 @@ pel_status pel_newton_run_beside(pel_newton *newton, const pel_newton_problem *p
    PEL_BAD_ARGUMENT where the balance is not stable; PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *problem, double *unknowns, double *gradient,
                               double *multipliers, double *held, pel_error *error);
+
+/* What the runs so far have cost, in evaluations: the same for any number of threads. */
+int64_t pel_newton_work(const pel_newton *newton);
 
 /* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does
    not depend on the runs before. */

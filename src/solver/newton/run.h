@@ -3,6 +3,7 @@
 #define PEL_NEWTON_RUN_H
 
 #include "linear/minres.h"
+#include "linear/pairs.h"
 #include "newton/newton.h"
 
 /* (skew.c) */
@@ -63,6 +64,15 @@ struct pel_newton {
     double *plain;                        /* values of the matrix without terms, for steps that foresee others */
     size_t plain_capacity;
     bool has_plain;
+    pel_pairs pairs;                         /* of steps with one factor (quasi.c) */
+    double *before_terms;                    /* (unknown_count) gradient without terms, of a run's start */
+    double *before_walked, *before_gradient; /* (unknown_count) where the last of them began; free unknowns */
+    bool has_before;
+    int64_t work;         /* of all runs, in evaluations */
+    int32_t volume_count; /* of the first terms that the factor lacks */
+    double *volumes;      /* (volume_count x unknown_count) responses to their gradients */
+    size_t volume_capacity;
+    double volume_weights[PEL_NEWTON_VOLUMES];
     double *masses;     /* (unknown_count) kg, 0 on edges */
     uint8_t *fixed;     /* (unknown_count) */
     double size;        /* m, of the model */
@@ -89,7 +99,10 @@ typedef struct newton_run {
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
     bool has_best;
-    bool reuses; /* the matrix of the elements is newton->plain */
+    bool rests;          /* at the last evaluation, where it was asked */
+    int32_t quasi_steps; /* with the present factor (quasi.c) */
+    double quasi_goal;   /* N, residual at which they have been worth their price */
+    bool reuses;         /* the matrix of the elements is newton->plain */
 } newton_run;
 
 /* a run with all loads at once */
@@ -129,6 +142,15 @@ void pel_newton_add_product(void *context, pel_pool *pool, const double *x, doub
 bool pel_newton_solve_symmetric(newton_run *run);
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run);
+
+/* ---- quasi.c ---- */
+/* Begins with a factor that was just made. False without memory. */
+bool pel_newton_meet_volumes(newton_run *run);
+void pel_newton_forget_pairs(pel_newton *newton);
+/* whether a step with the present factor is worth its price */
+bool pel_newton_quasi_pays(const newton_run *run);
+/* newton->step from the gradient of the last evaluation, by the factor and the pairs */
+void pel_newton_find_quasi_step(newton_run *run);
 
 /* ---- kinks.c ---- */
 /* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */

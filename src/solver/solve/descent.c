@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "linear/pairs.h"
 #include "math/extremes.h"
 
 #include <math.h>
@@ -19,15 +20,13 @@ enum { PAIR_COUNT = 8, MOST_TRIALS = 30 };
 
 struct pel_descent {
     int32_t vertex_count, movable_count;
-    int32_t *movable;                    /* (movable_count) vertices that may move: padding and free places are many */
-    size_t size;                         /* 3 movable_count */
-    double *x, *gradient;                /* (size) accepted */
-    double *trial, *trial_gradient;      /* (size) */
-    double *direction;                   /* (size) */
-    double *spread;                      /* (3 vertex_count) scratch: a vector over all vertices */
-    double *step_pairs, *gradient_pairs; /* (PAIR_COUNT x size) */
-    double inverse_products[PAIR_COUNT];
-    int32_t pair_count, newest;
+    int32_t *movable;               /* (movable_count) vertices that may move: padding and free places are many */
+    size_t size;                    /* 3 movable_count */
+    double *x, *gradient;           /* (size) accepted */
+    double *trial, *trial_gradient; /* (size) */
+    double *direction;              /* (size) */
+    double *spread;                 /* (3 vertex_count) scratch: a vector over all vertices */
+    pel_pairs pairs;
     double *position, *force; /* (3 vertex_count) arguments of the energy */
     double last_length;       /* of gradient descent: the step that was taken last, over the gradient */
 };
@@ -45,11 +44,11 @@ pel_status pel_descent_create(int32_t vertex_count, pel_descent **descent, pel_e
         return pel_fail_memory(error);
     size_t size = 3 * (size_t)vertex_count;
     made->vertex_count = vertex_count;
-    if (!PEL_ALLOCATE_ALL(
-            PEL_ROOM(made->movable, vertex_count), PEL_ROOM(made->x, size), PEL_ROOM(made->gradient, size),
-            PEL_ROOM(made->trial, size), PEL_ROOM(made->trial_gradient, size), PEL_ROOM(made->direction, size),
-            PEL_ROOM(made->spread, size), PEL_ROOM(made->position, size), PEL_ROOM(made->force, size),
-            PEL_ROOM(made->step_pairs, PAIR_COUNT * size), PEL_ROOM(made->gradient_pairs, PAIR_COUNT * size))) {
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->movable, vertex_count), PEL_ROOM(made->x, size),
+                          PEL_ROOM(made->gradient, size), PEL_ROOM(made->trial, size),
+                          PEL_ROOM(made->trial_gradient, size), PEL_ROOM(made->direction, size),
+                          PEL_ROOM(made->spread, size), PEL_ROOM(made->position, size), PEL_ROOM(made->force, size)) ||
+        pel_pairs_create(&made->pairs, PAIR_COUNT, size, NULL) != PEL_OK) {
         pel_descent_destroy(made);
         return pel_fail_memory(error);
     }
@@ -62,17 +61,9 @@ void pel_descent_destroy(pel_descent *descent)
     if (descent == NULL)
         return;
     PEL_FREE_ALL(descent->x, descent->gradient, descent->trial, descent->trial_gradient, descent->direction,
-                 descent->step_pairs, descent->gradient_pairs, descent->position, descent->force, descent->movable,
-                 descent->spread);
+                 descent->position, descent->force, descent->movable, descent->spread);
+    pel_pairs_release(&descent->pairs);
     pel_free(descent);
-}
-
-static double dot(size_t size, const double *a, const double *b)
-{
-    double sum = 0;
-    for (size_t i = 0; i < size; i++)
-        sum += a[i] * b[i];
-    return sum;
 }
 
 /* a vector over movable vertices into one over all of them */
@@ -95,30 +86,6 @@ static double evaluate(pel_descent *descent, const pel_descent_problem *problem,
 
 /* ---- directions ---- */
 
-static void keep_pair(pel_descent *descent)
-{
-    double step_square = 0, change_square = 0, product = 0;
-    for (size_t i = 0; i < descent->size; i++) {
-        double s = descent->trial[i] - descent->x[i], y = descent->trial_gradient[i] - descent->gradient[i];
-        step_square += s * s;
-        change_square += y * y;
-        product += s * y;
-    }
-    /* only what curves upward keeps the direction downhill */
-    if (!(product > 1e-12 * sqrt(step_square * change_square)))
-        return;
-    int32_t at = (descent->newest + 1) % PAIR_COUNT;
-    double *s = descent->step_pairs + (size_t)at * descent->size;
-    double *y = descent->gradient_pairs + (size_t)at * descent->size;
-    for (size_t i = 0; i < descent->size; i++) {
-        s[i] = descent->trial[i] - descent->x[i];
-        y[i] = descent->trial_gradient[i] - descent->gradient[i];
-    }
-    descent->inverse_products[at] = 1 / product;
-    descent->newest = at;
-    descent->pair_count += descent->pair_count < PAIR_COUNT;
-}
-
 static void precondition(pel_descent *descent, const pel_descent_problem *problem, double *d)
 {
     memset(descent->spread, 0, 3 * (size_t)descent->vertex_count * sizeof *descent->spread);
@@ -136,11 +103,8 @@ static void apply_guess(pel_descent *descent, const pel_descent_problem *problem
         precondition(descent, problem, d);
         return;
     }
-    if (descent->pair_count == 0)
-        return;
-    const double *newest = descent->gradient_pairs + (size_t)descent->newest * size;
-    double scale = 1 / (descent->inverse_products[descent->newest] * dot(size, newest, newest));
-    for (size_t i = 0; i < size; i++)
+    double scale = pel_pairs_scale(&descent->pairs, size);
+    for (size_t i = 0; i < size && scale > 0; i++)
         d[i] *= scale;
 }
 
@@ -148,26 +112,14 @@ static void apply_guess(pel_descent *descent, const pel_descent_problem *problem
 static void find_direction(pel_descent *descent, const pel_descent_problem *problem)
 {
     size_t size = descent->size;
-    double *d = descent->direction, factors[PAIR_COUNT];
+    double *d = descent->direction;
     for (size_t i = 0; i < size; i++)
         d[i] = -descent->gradient[i];
     if (problem->gradient_only)
         return;
-    for (int32_t k = 0; k < descent->pair_count; k++) {
-        int32_t at = (descent->newest - k + PAIR_COUNT) % PAIR_COUNT;
-        const double *s = descent->step_pairs + (size_t)at * size, *y = descent->gradient_pairs + (size_t)at * size;
-        factors[at] = descent->inverse_products[at] * dot(size, s, d);
-        for (size_t i = 0; i < size; i++)
-            d[i] -= factors[at] * y[i];
-    }
+    pel_pairs_begin(&descent->pairs, size, d);
     apply_guess(descent, problem, d);
-    for (int32_t k = descent->pair_count - 1; k >= 0; k--) {
-        int32_t at = (descent->newest - k + PAIR_COUNT) % PAIR_COUNT;
-        const double *s = descent->step_pairs + (size_t)at * size, *y = descent->gradient_pairs + (size_t)at * size;
-        double factor = factors[at] - descent->inverse_products[at] * dot(size, y, d);
-        for (size_t i = 0; i < size; i++)
-            d[i] += factor * s[i];
-    }
+    pel_pairs_end(&descent->pairs, size, d);
 }
 
 /* ---- line search ---- */
@@ -177,7 +129,7 @@ static double farthest_move(const pel_descent *descent)
 {
     double largest = 0;
     for (size_t i = 0; i < descent->size; i += 3)
-        largest = pel_max(largest, dot(3, descent->direction + i, descent->direction + i));
+        largest = pel_max(largest, pel_pairs_dot(3, descent->direction + i, descent->direction + i));
     return sqrt(largest);
 }
 
@@ -193,7 +145,7 @@ static descent_point look(pel_descent *descent, const pel_descent_problem *probl
     for (size_t i = 0; i < descent->size; i++)
         descent->trial[i] = descent->x[i] + length * descent->direction[i];
     descent_point point = {length, evaluate(descent, problem, descent->trial, descent->trial_gradient), 0};
-    point.slope = dot(descent->size, descent->trial_gradient, descent->direction);
+    point.slope = pel_pairs_dot(descent->size, descent->trial_gradient, descent->direction);
     return point;
 }
 
@@ -250,7 +202,7 @@ static bool search(pel_descent *descent, const pel_descent_problem *problem, des
 
 static double first_length(const pel_descent *descent, const pel_descent_problem *problem)
 {
-    if (!problem->gradient_only && (descent->pair_count > 0 || problem->precondition != NULL))
+    if (!problem->gradient_only && (descent->pairs.count > 0 || problem->precondition != NULL))
         return 1;
     /* twice the last one, or a tenth of the longest move */
     if (problem->gradient_only && descent->last_length > 0)
@@ -275,7 +227,7 @@ static void find_residual(pel_descent *descent, const pel_descent_problem *probl
         for (int c = 0; problem->held[v] && c < 3; c++)
             square += descent->force[3 * (size_t)v + (size_t)c] * descent->force[3 * (size_t)v + (size_t)c];
     result->held_force = sqrt(square);
-    result->residual = sqrt(dot(descent->size, descent->gradient, descent->gradient));
+    result->residual = sqrt(pel_pairs_dot(descent->size, descent->gradient, descent->gradient));
     double held = problem->held_share * result->held_force;
     result->converged = result->residual <= sqrt(problem->tolerance * problem->tolerance + held * held);
 }
@@ -291,18 +243,19 @@ static void iterate(pel_descent *descent, const pel_descent_problem *problem, pe
             result->converged = result->is_near = true;
             break;
         }
-        at.slope = dot(descent->size, descent->gradient, descent->direction);
+        at.slope = pel_pairs_dot(descent->size, descent->gradient, descent->direction);
         bool found =
             at.slope < 0 && search(descent, problem, &at, first_length(descent, problem), &result->evaluations);
         if (!found) {
             /* once more along the gradient before giving up */
-            result->stuck = descent->pair_count == 0 && !(descent->last_length > 0);
-            descent->pair_count = 0;
+            result->stuck = descent->pairs.count == 0 && !(descent->last_length > 0);
+            pel_pairs_forget(&descent->pairs);
             descent->last_length = 0;
             continue;
         }
         if (!problem->gradient_only)
-            keep_pair(descent);
+            pel_pairs_keep(&descent->pairs, descent->size, (const double *const[]){descent->x, descent->trial},
+                           (const double *const[]){descent->gradient, descent->trial_gradient});
         descent->last_length = at.length;
         accept_trial(descent);
         result->iterations++;
@@ -325,7 +278,7 @@ void pel_descent_run(pel_descent *descent, const pel_descent_problem *problem, d
     }
     descent->size = 3 * (size_t)descent->movable_count;
     if (!problem->goes_on) {
-        descent->pair_count = descent->newest = 0;
+        pel_pairs_forget(&descent->pairs);
         descent->last_length = 0;
     }
     *result = (pel_descent_result){.evaluations = 1};

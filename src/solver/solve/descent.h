@@ -27,6 +27,7 @@ typedef struct pel_descent_problem {
     double held_share;    /* that tolerance grows, as the root of the sum of squares, by this share of held_force */
     double inertia_share; /* (Newton's method) that tolerance grows by this share of inertia_force */
     double reduction;     /* also converged at this share of the initial residual; 0 = off */
+    double rounding;      /* (Newton's method) N, that rounding leaves of the forces of a body at rest */
     double enough;        /* N, when it is no more than this */
     double short_move;    /* m, preconditioned: it has converged where no vertex would go farther than this */
     int32_t iterations;   /* at most */
