@@ -18,6 +18,7 @@ static pel_model *make_model(int32_t frequency, pel_bending_model bending, bool 
     body.mesh = mesh;
     body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e6;
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;

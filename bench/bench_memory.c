@@ -34,6 +34,7 @@ static pel_model *make_model(const pel_mesh *mesh, pel_bending_model bending)
     body.thickness.value = 0.01;
     body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e5;
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;

@@ -80,6 +80,7 @@ static void time_model(const char *name, pel_bending_model bending, int32_t freq
     body.mass = 1000;
     body.thickness.value = 1e-3;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e6;
     body.shell.membrane.thickness.value = 1e-2;
     body.shell.bending.model = bending;
@@ -149,6 +150,7 @@ static void time_statics(int32_t frequency, int threads)
     body.mass = 7800;
     body.thickness.value = 5e-4;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 2e10;
     body.shell.membrane.poisson = 0.3;
     body.shell.membrane.thickness.value = 5e-4;

@@ -131,6 +131,7 @@ int main(int argc, char **argv)
     bench_moved("pbd stvk + hinge at rest", frequency, PEL_METHOD_PBD, stvk, PEL_BENDING_HINGE, threads, 0);
     bench("xpbd stvk + isometric", frequency, PEL_METHOD_XPBD, stvk, PEL_BENDING_ISOMETRIC, threads);
     bench("xpbd stvk + hinge", frequency, PEL_METHOD_XPBD, stvk, PEL_BENDING_HINGE, threads);
+    bench("xpbd neo-hookean + hinge", frequency, PEL_METHOD_XPBD, PEL_MEMBRANE_NEO_HOOKEAN, PEL_BENDING_HINGE, threads);
     bench("xpbd mooney-rivlin + hinge", frequency, PEL_METHOD_XPBD, PEL_MEMBRANE_MOONEY_RIVLIN, PEL_BENDING_HINGE,
           threads);
     return 0;

@@ -69,6 +69,7 @@ static void time_model(const char *name, int32_t frequency, pel_bending_model be
     body.mesh = mesh;
     body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e6;
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;

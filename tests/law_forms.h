@@ -24,13 +24,13 @@ static inline bool law_is_incompressible(const pel_membrane_material *m)
     return pel_membrane_law_of(m).poisson == 0.5;
 }
 
-/* square of the thickness stretch of a neo-Hookean sheet, from zero normal stress, by bisection of its logarithm */
+/* square of the thickness stretch of a neo-Hookean sheet, by bisection of the normal stress times J */
 static inline double law_thickness(double poisson, double area_ratio)
 {
     double low = -60, high = 60;
     for (int i = 0; i < 200; i++) {
-        double u = 0.5 * (low + high);
-        double stress = (1 - 2 * poisson) * (exp(u) - 1) + poisson * (2 * log(area_ratio) + u);
+        double u = 0.5 * (low + high), volume = area_ratio * exp(0.5 * u);
+        double stress = (1 - 2 * poisson) * (exp(u) - 1) + poisson * (volume * volume - 1);
         *(stress > 0 ? &high : &low) = u;
     }
     return exp(low);

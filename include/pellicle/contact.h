@@ -24,7 +24,9 @@ typedef struct pel_contact_def {
     bool self;                 /* contact within a body */
     bool between;              /* contact between bodies */
     double thickness;          /* m, default of bodies and tools; a pair keeps half of each thickness as distance;
-                                  0 = relative_thickness */
+                                  0 = shell_thickness, else relative_thickness */
+    bool shell_thickness;      /* a body has the mean thickness of its membrane, without one an open surface that of its
+                                  mass; others and tools have relative_thickness */
     double relative_thickness; /* times the diagonal of the bounding box of all bodies, at most half the shortest edge,
                                   see pel_sim_contact_thickness */
     double friction; /* Coulomb's coefficient, default of bodies and tools; a pair has the geometric mean of both (the

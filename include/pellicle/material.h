@@ -14,14 +14,16 @@
                   of the first rest axis: drops rigid motion, but depends on the choice of that axis
    mooney-rivlin  c1 (I1 - 3) + c2 (I2 - 3),             I1 = tr C + 1/J^2, I2 = J^2 + tr C / J^2
                   incompressible: c1 + c2 = E h / 6, c2 = mooney_ratio c1, poisson is not read
-   neo-hookean    mu/2 (tr C + c - 3 - 2 ln J3) + lambda3/2 ln^2 J3,  J3 = J sqrt c, lambda3 = 2 mu nu / (1 - 2 nu)
-                  the solid in plane stress: the square c of the thickness stretch follows from zero normal stress; with
-                  poisson 0.5 the incompressible one. 0 <= poisson <= 0.5
+   neo-hookean    mu/2 (tr C + c - 3 - 2 ln J3) + lambda3/4 (J3^2 - 1 - 2 ln J3),  J3 = J sqrt c,
+                  lambda3 = 2 mu nu / (1 - 2 nu): the solid in plane stress, whose thickness stretch squared is
+                  c = (1 - nu) / (1 - 2 nu + nu J^2); with poisson 0.5 the incompressible one. 0 <= poisson <= 0.5.
+                  The default: it resists compression to any extent, where stvk softens below a stretch of 0.58
    gent           -mu Jm/2 ln(1 - (I1 - 3) / Jm),        mu = E h / 3, Jm = extension_limit
                   incompressible, poisson is not read. Beyond 0.99 Jm the energy continues as its parabola there, beyond
                   2 Jm as its tangent
    fung           E h/b (exp(b w / (E h)) - 1),          w = the energy of stvk, b = stiffening
-   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Gent 1996, Fung 1967; theory page sections 3 and 17.
+   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Ciarlet 1988, Gent 1996, Fung 1967; theory page sections
+   3 and 17.
 
    Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. Incompressible laws and
    neo-hookean are infinite there: below J = 0.01 they continue as their tangents in J, so that a squeezed triangle is

@@ -64,6 +64,10 @@ PEL_API void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_stat
 /* m, default thickness of bodies and tools; 0 without contact */
 PEL_API double pel_sim_contact_thickness(const pel_sim *sim);
 
+/* The contact thickness of a body [m]: its own, that of its membrane (pel_contact_def.shell_thickness) or the above; 0
+   without contact, or without such a body. */
+PEL_API double pel_sim_body_contact_thickness(const pel_sim *sim, int32_t body);
+
 /* Number of intersecting pairs of triangles of the present surfaces and tools, by the exact test
    (pel_mesh_self_intersections); excludes spheres and capsules. PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error);

@@ -167,16 +167,17 @@ static pel_status check_vibration(lab_experiment *experiment)
     enum { STEPS = 10000 };
     lab_trial trial;
     double start = 0, worst = 0, *x = NULL;
-    pel_status status = lab_open_trial("validation",
-                                       "version: 1\n"
-                                       "bodies:\n"
-                                       "  - mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.1 }\n"
-                                       "    membrane: { young: 1.0e6, poisson: 0.3, thickness: 0.002 }\n"
-                                       "    mass: { density: 1000 }\n"
-                                       "    bending: { model: midedge }\n"
-                                       "solver: { method: implicit, dt: 0.0005 }\n"
-                                       "stop: { frames: 10000 }\n",
-                                       NULL, &trial, experiment->error);
+    pel_status status =
+        lab_open_trial("validation",
+                       "version: 1\n"
+                       "bodies:\n"
+                       "  - mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.1 }\n"
+                       "    membrane: { material: stvk, young: 1.0e6, poisson: 0.3, thickness: 0.002 }\n"
+                       "    mass: { density: 1000 }\n"
+                       "    bending: { model: midedge }\n"
+                       "solver: { method: implicit, dt: 0.0005 }\n"
+                       "stop: { frames: 10000 }\n",
+                       NULL, &trial, experiment->error);
     if (status == PEL_OK) {
         size_t count = (size_t)pel_sim_vertex_count(trial.sim, 0);
         x = calloc(3 * count, sizeof *x);

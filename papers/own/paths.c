@@ -139,7 +139,7 @@ static void write_scene(const char *file, const char *rim, const char *rest, cha
              "version: 1\n"
              "bodies:\n"
              "  - mesh: { file: \"%s\" }\n"
-             "    membrane: { young: 1.0e9, poisson: 0.3, thickness: 0.008 }\n"
+             "    membrane: { material: stvk, young: 1.0e9, poisson: 0.3, thickness: 0.008 }\n"
              "    bending: { model: midedge }\n"
              "    supports:\n"
              "      - { at: { vertices: [%s] } }\n"

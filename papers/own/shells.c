@@ -12,7 +12,7 @@ static const char balloon[] = "version: 1\n"
                               "bodies:\n"
                               "  - name: ball\n"
                               "    mesh: { shape: geodesic-sphere, frequency: 16 }\n"
-                              "    membrane: { young: 1, poisson: 0.3, thickness: 0.01 }\n"
+                              "    membrane: { material: stvk, young: 1, poisson: 0.3, thickness: 0.01 }\n"
                               "    bending: {}\n"
                               "    pressure: { inside: 1.0e-6 }\n"
                               "solver: { method: descent }\n"
@@ -62,6 +62,7 @@ static pel_status create_model(const pressed_ball *ball, pel_model **model)
     body.spring_stiffness.value = body.spring_damping.value = 0;
     body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1e6;
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;

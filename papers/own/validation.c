@@ -210,7 +210,7 @@ static pel_status write_strip(int n, const char *mesh, const char *model, const 
         "bodies:\n"
         "  - name: strip\n"
         "    mesh: { shape: grid, nx: %d, ny: %d, size_x: %.17g, size_y: 1, diagonals: %s, translate: [%.17g, 0, 0] }\n"
-        "    membrane: { young: 1.2e6, poisson: 0, thickness: 0.1 }\n"
+        "    membrane: { material: stvk, young: 1.2e6, poisson: 0, thickness: 0.1 }\n"
         "    mass: { density: 1000 }\n"
         "    bending: { model: %s }\n"
         "    %s\n"
@@ -278,7 +278,7 @@ static pel_status write_plate(const lab_experiment *experiment, int n, const cha
              "bodies:\n"
              "  - name: plate\n"
              "    mesh: { shape: grid, nx: %d, ny: %d, diagonals: %s }\n"
-             "    membrane: { young: 1.0e9, poisson: 0.3, thickness: 0.01 }\n"
+             "    membrane: { material: stvk, young: 1.0e9, poisson: 0.3, thickness: 0.01 }\n"
              "    mass: { density: 1000 }\n"
              "    bending: { model: %s }\n"
              "    pinned: { vertices: [%s] }\n"
@@ -339,7 +339,7 @@ static void place_roof(double u, double v, double x[3])
 static pel_status write_roof(const lab_experiment *experiment, int n, const char *mesh, const char *model, char *text)
 {
     return write_shell(experiment, "roof", n, n, mesh, model, place_roof,
-                       "    membrane: { young: 4.32e8, poisson: 0, thickness: 0.25 }\n"
+                       "    membrane: { material: stvk, young: 4.32e8, poisson: 0, thickness: 0.25 }\n"
                        "    mass: { density: 360 }\n"
                        "    supports:\n"
                        "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, fix: [y, z] }\n"
@@ -361,7 +361,7 @@ static pel_status write_cylinder(const lab_experiment *experiment, int n, const 
                                  char *text)
 {
     return write_shell(experiment, "cylinder", n, n, mesh, model, place_cylinder,
-                       "    membrane: { young: 3.0e6, poisson: 0.3, thickness: 3 }\n"
+                       "    membrane: { material: stvk, young: 3.0e6, poisson: 0.3, thickness: 3 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
                        "      - { at: { box: { min: [-1, -999, -999], max: [1.0e-4, 999, 999] } }, fix: [y, z] }\n"
@@ -387,7 +387,7 @@ static pel_status write_hemisphere(const lab_experiment *experiment, int n, cons
                                    char *text)
 {
     return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                       "    membrane: { young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+                       "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
                        "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
@@ -403,7 +403,7 @@ static pel_status write_deep_hemisphere(const lab_experiment *experiment, int n,
                                         char *text)
 {
     return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                       "    membrane: { young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+                       "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
                        "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
@@ -428,7 +428,7 @@ static pel_status write_annulus(const lab_experiment *experiment, int n, const c
                                 char *text)
 {
     return write_shell(experiment, "annulus", n / 8, n, mesh, model, place_annulus,
-                       "    membrane: { young: 2.1e7, poisson: 0, thickness: 0.03 }\n"
+                       "    membrane: { material: stvk, young: 2.1e7, poisson: 0, thickness: 0.03 }\n"
                        "    mass: { density: 1000 }\n"
                        "    supports:\n"
                        "      - { at: { box: { min: [5, -0.01, -1], max: [11, -1.0e-3, 1] } }, rotation: fixed }\n"

@@ -25,16 +25,22 @@ typedef struct source {
 #define SHEAR(value) EXACT(3 * (value))
 
 static const source sources[] = {
-    {"lens-capsule", PEL_MEMBRANE_STVK, EXACT(MPA(1.5)), EXACT(0.47), {UM(11), UM(15)}, {1000, 1100}, 0},
-    {"skin", PEL_MEMBRANE_STVK, EXACT(129e3), {0.45, 0.5}, {1e-3, 4e-3}, {1093, 1190}, 0},
+    {"lens-capsule", PEL_MEMBRANE_NEO_HOOKEAN, EXACT(MPA(1.5)), EXACT(0.47), {UM(11), UM(15)}, {1000, 1100}, 0},
+    {"skin", PEL_MEMBRANE_NEO_HOOKEAN, EXACT(129e3), {0.45, 0.5}, {1e-3, 4e-3}, {1093, 1190}, 0},
     {"rubber", PEL_MEMBRANE_MOONEY_RIVLIN, SHEAR(MPA(0.39)), EXACT(0.5), {UM(500), UM(2000)}, {910, 950}, 0.1},
     /* s+ of 3 bar, s- a tenth of it */
     {"latex-balloon", PEL_MEMBRANE_MOONEY_RIVLIN, SHEAR(3.3e5), EXACT(0.5), {UM(200), UM(300)}, {910, 950}, 0.1},
     {"silicone", PEL_MEMBRANE_NEO_HOOKEAN, {117e3, 119e3}, {0.48, 0.5}, {1e-3, 3e-3}, EXACT(1070), 0},
-    {"paper", PEL_MEMBRANE_STVK, {GPA(2), GPA(4)}, {0.25, 0.35}, EXACT(UM(100)), EXACT(0.08 / UM(100)), 0},
-    {"polyester-film", PEL_MEMBRANE_STVK, {KPSI(710), KPSI(740)}, EXACT(0.38), {UM(22.9), MIL(0.92)}, EXACT(1390), 0},
-    {"aluminium-foil", PEL_MEMBRANE_STVK, {GPA(69), GPA(71)}, EXACT(0.33), EXACT(UM(16)), EXACT(2700), 0},
-    {"steel-sheet", PEL_MEMBRANE_STVK, EXACT(GPA(210)), EXACT(0.3), EXACT(UM(500)), {7850, WEIGHT(78.5)}, 0},
+    {"paper", PEL_MEMBRANE_NEO_HOOKEAN, {GPA(2), GPA(4)}, {0.25, 0.35}, EXACT(UM(100)), EXACT(0.08 / UM(100)), 0},
+    {"polyester-film",
+     PEL_MEMBRANE_NEO_HOOKEAN,
+     {KPSI(710), KPSI(740)},
+     EXACT(0.38),
+     {UM(22.9), MIL(0.92)},
+     EXACT(1390),
+     0},
+    {"aluminium-foil", PEL_MEMBRANE_NEO_HOOKEAN, {GPA(69), GPA(71)}, EXACT(0.33), EXACT(UM(16)), EXACT(2700), 0},
+    {"steel-sheet", PEL_MEMBRANE_NEO_HOOKEAN, EXACT(GPA(210)), EXACT(0.3), EXACT(UM(500)), {7850, WEIGHT(78.5)}, 0},
 };
 enum { SOURCE_COUNT = sizeof sources / sizeof *sources };
 

@@ -96,6 +96,25 @@ static void check_stress(int kind, random_state *random)
     }
 }
 
+/* the inverse of the tangent, scale (C x C - part C (x) C), of a strain vector */
+static void check_compliance(const pel_response *r, const pel_symmetric2 *c)
+{
+    const pel_symmetric3 *m = &r->tangent;
+    const pel_lane rows[3][3] = {{m->a11, m->a12, m->a13}, {m->a12, m->a22, m->a23}, {m->a13, m->a23, m->a33}};
+    for (int i = 0; i < 3; i++) {
+        const pel_lane t11 = rows[i][0], t22 = rows[i][1], t12 = rows[i][2], two = pel_lane_splat(2);
+        pel_lane shared = r->compliance.part * (c->a * t11 + c->b * t22 + two * c->c * t12);
+        const pel_lane strain[3] = {
+            c->a * c->a * t11 + c->c * c->c * t22 + two * c->a * c->c * t12 - shared * c->a,
+            c->c * c->c * t11 + c->b * c->b * t22 + two * c->b * c->c * t12 - shared * c->b,
+            two * (c->a * c->c * t11 + c->b * c->c * t22 + (c->a * c->b + c->c * c->c) * t12 - shared * c->c)};
+        for (int j = 0; j < 3; j++)
+            for (int lane = 0; lane < PEL_BLOCK; lane++)
+                assert_near((double)(r->compliance.scale * strain[j])[lane], i == j,
+                            sizeof(pel_real) == 8 ? 1e-13 : 1e-4);
+    }
+}
+
 /* stress, tangent and its positive part of a strain */
 static void check_response(int kind, random_state *random)
 {
@@ -110,9 +129,12 @@ static void check_response(int kind, random_state *random)
     const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2);
     pel_strain s = {.strain = {load(strain[0]), load(strain[1]), load(strain[2])}};
     s.cauchy = (pel_symmetric2){one + two * s.strain.a, one + two * s.strain.b, s.strain.c};
-    s.area_ratio = pel_lane_sqrt(s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c);
+    s.area_square = s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c;
+    s.area_ratio = pel_lane_sqrt(s.area_square);
     pel_response r;
     pel_respond((pel_membrane_kind)kind, numbers, &s, &r);
+    if ((pel_membrane_law_traits((pel_membrane_kind)kind) & PEL_LAW_COMPLIANT) != 0)
+        check_compliance(&r, &s.cauchy);
     const pel_symmetric3 *m[2] = {&r.tangent, &r.positive};
     for (int i = 0; i < PEL_BLOCK; i++) {
         const double at[3] = {strain[0][i], strain[1][i], strain[2][i]};

@@ -16,7 +16,7 @@ def sheet(young=1e4, force=1.0, gravity=(0, 0, -0.3), bending="hinge"):
                 "name": "sheet",
                 "mesh": GRID,
                 "mass": {"density": 1000, "thickness": 0.01},
-                "membrane": {"young": young, "poisson": 0.3, "thickness": 0.01},
+                "membrane": {"material": "stvk", "young": young, "poisson": 0.3, "thickness": 0.01},
                 "bending": {"model": bending},
                 "pinned": {"box": {"min": [-0.21, -1, -1], "max": [-0.19, 1, 1]}},
             }
@@ -104,7 +104,7 @@ class AdjointOfSteps(unittest.TestCase):
             "name": "strip",
             "mesh": {"shape": "grid", "nx": 4, "ny": 2, "size_x": 0.4, "size_y": 0.2},
             "mass": {"per_vertex": 0.002},
-            "membrane": {"young": young, "poisson": 0.3, "thickness": 0.01},
+            "membrane": {"material": "stvk", "young": young, "poisson": 0.3, "thickness": 0.01},
             "bending": {"model": "midedge"},
             "angular_velocity": [1, 2, 0],
         }

@@ -112,7 +112,7 @@ class Calibration(unittest.TestCase):
                     "name": "sheet",
                     "mesh": {"shape": "grid", "nx": 8, "ny": 6, "size_x": 0.4, "size_y": 0.3},
                     "mass": {"density": 1000, "thickness": 0.01},
-                    "membrane": {"young": 1e4, "poisson": 0.3, "thickness": 0.01},
+                    "membrane": {"material": "stvk", "young": 1e4, "poisson": 0.3, "thickness": 0.01},
                     "bending": {"model": "hinge"},
                     "volumetric": {"stiffness": 0.001},
                     "pinned": {"box": {"min": [-0.21, -1, -1], "max": [-0.19, 1, 1]}},

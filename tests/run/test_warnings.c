@@ -464,6 +464,31 @@ static void test_grasp_empty(void **unused)
     assert_null(find_warning(&summary, "grasp-empty"));
 }
 
+/* sheets nearer than the thickness of the shells are told, with a thickness that they keep */
+static void test_close_start(void **unused)
+{
+    (void)unused;
+    const char *const scene =
+        "version: 1\nbodies:\n"
+        "  - { name: low, mesh: { shape: grid, nx: 3, ny: 3 }, membrane: { young: 1e4, thickness: 0.002 } }\n"
+        "  - { name: high, mesh: { shape: grid, nx: 3, ny: 3, translate: [0.01, 0.02, 0.001] },\n"
+        "      membrane: { young: 1e4, thickness: 0.004 } }\n"
+        "contact: { thickness: shell }\nsolver: { dt: 1.0e-3 }\nstop: { frames: 2 }\n";
+    const char *override = "contact.thickness=0.001";
+    pel_run_summary summary;
+    run_scene(scene, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "close-start");
+    assert_non_null(warning);
+    assert_int_equal(warning->first_frame, 0);
+    assert_non_null(strstr(warning->text, "body 'low' and body 'high' start 0.001 m apart"));
+    assert_non_null(strstr(warning->text, "thickness of 0.003 m"));
+    assert_non_null(strstr(warning->text, "contact: { thickness: 0.001 }"));
+    check_contains("warned", "summary.json", "\"thickness_of\": {\"low\": 0.002, \"high\": 0.004}");
+    check_contains("warned", "scene.yaml", "# contact thickness of 'high': 0.004 m\n");
+    run_scene(scene, &override, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "close-start"));
+}
+
 /* a tool that moves beside the body is told, with where it ends and where the body is; one that stands still is not,
  * nor one that presses */
 static void test_idle_tool(void **unused)
@@ -720,6 +745,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_grasp_empty),
+        cmocka_unit_test(test_close_start),
         cmocka_unit_test(test_idle_tool),
         cmocka_unit_test(test_held_in_place),
         cmocka_unit_test(test_coarse_contact),

@@ -532,6 +532,7 @@ static void test_sim_calls(void **unused)
     GIVES(pel_sim_model(NULL) == NULL && pel_sim_alpha(NULL) == 0 && pel_sim_alpha_limit(NULL) == 0);
     GIVES(pel_sim_hash(NULL) == 0 && pel_sim_save_size(NULL) == 0 && pel_sim_max_speed(NULL) == 0);
     GIVES(pel_sim_tool_count(NULL) == 0 && pel_sim_support_count(NULL) == 0 && !pel_sim_has_shells(NULL));
+    GIVES(pel_sim_body_contact_thickness(NULL, 0) == 0);
     GIVES(pel_sim_contact_thickness(NULL) == 0 && pel_sim_softness(NULL) == 0 && pel_sim_volume_ratio(NULL) == 0);
     GIVES(pel_sim_get_modes(NULL, some) == 0 && pel_sim_analysis(NULL) == PEL_ANALYSIS_NONE);
     GIVES(pel_sim_mode_value(NULL) == 0);

@@ -182,7 +182,10 @@ static void test_implied(void **unused)
                   (const char *const[]){"density: 5\n", "      thickness: 0.5\n    springs", "material: stvk\n",
                                         "mooney_ratio: 0.2\n", "poisson: 0.5\n      thickness: 0.5\n", NULL});
     check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    springs: {stiffness: 2}\n",
-                  (const char *const[]){"density: 1000\n      thickness: 0.25\n", "stiffness: 2\n", NULL});
+                  (const char *const[]){"density: 1000\n      thickness: 0.25\n", "stiffness: 2\n",
+                                        "material: neo-hookean\n", NULL});
+    const pel_body_def fresh = pel_body_def_default();
+    assert_true(fresh.shell.membrane.kind == PEL_MEMBRANE_NEO_HOOKEAN);
     check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    mass: {total: 2}\nsolver: {method: explicit}\n",
                   (const char *const[]){"total: 2\n", "method: explicit\n", NULL});
     check_implied("version: 1\nbodies: [{mesh: {shape: grid}}]\nstop: {time: 2, frames: 1000}\n",

@@ -13,6 +13,7 @@ typedef struct golden_case {
     pel_solver_def solver;
     uint64_t early, hash; /* after a fifth of the time, and at the end */
     bool contact, shell, refines;
+    pel_membrane_kind law; /* of the shell; stvk unless given */
 } golden_case;
 
 static inline void run_case(const golden_case *given, int thread_count, bool is_whole, uint64_t hashes[2])
@@ -25,6 +26,7 @@ static inline void run_case(const golden_case *given, int thread_count, bool is_
     body.volumetric_by_area = true;
     if (given->shell) {
         body.shell.membrane.on = true;
+        body.shell.membrane.kind = given->law;
         body.shell.membrane.young.value = 500;
         body.shell.membrane.poisson = 0.3;
         body.shell.membrane.thickness.value = 0.01;

@@ -12,6 +12,7 @@ static pel_body_def shell_body(const pel_mesh *mesh)
     body.mass = 1000;
     body.thickness.value = 0.01;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = 1000;
     body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = PEL_BENDING_HINGE;

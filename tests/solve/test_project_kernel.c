@@ -232,13 +232,17 @@ static void test_strain_forms_reach_the_stress(void **unused)
             random_points(&random, &s, 0.12, n % 2 == 1);
             set_law(&s.batch, (pel_membrane_kind)kind);
             set_rest_triangles(&s, rest);
-            bool quadratic = (pel_membrane_law_traits((pel_membrane_kind)kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
+            const int traits = pel_membrane_law_traits((pel_membrane_kind)kind);
             double square_time = random_between(&random, 0.1, 1);
             s.batch.law.square_time = (pel_real)square_time;
             s.batch.law.inverse_square = (pel_real)(1 / square_time);
-            for (int lane = 0; lane < PEL_BLOCK; lane++)
+            for (int lane = 0; lane < PEL_BLOCK; lane++) {
+                double stiffness = rest[lane].area;
+                if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
+                    stiffness *= s.batch.law.modulus;
                 s.numbers[3 * PEL_BLOCK + lane] =
-                    (pel_real)(quadratic ? 1 / rest[lane].area : s.batch.law.modulus * rest[lane].area);
+                    (pel_real)(pel_law_has_compliance(traits) ? 1 / stiffness : stiffness);
+            }
             for (int i = 0; i < 60; i++)
                 project(&s);
             pel_membrane_material material = material_of((pel_membrane_kind)kind);

@@ -29,6 +29,7 @@ static pel_body_def pressed_body(const pel_mesh *mesh, double young, double thic
     body.mass = 1000;
     body.thickness.value = thickness;
     body.shell.membrane.on = true;
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.young.value = young;
     body.shell.membrane.thickness.value = thickness;
     body.shell.bending.model = PEL_BENDING_HINGE;

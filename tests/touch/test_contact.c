@@ -272,6 +272,38 @@ static void assert_refused(contact_scene *scene, const char *what)
     assert_null(sim);
 }
 
+/* a body has the thickness of its membrane, or its own; a filled one the relative one; refused beyond the edges */
+static void test_shell_thickness(void **unused)
+{
+    (void)unused;
+    for (int own = 0; own < 2; own++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene_body(&scene, make_sphere(4));
+        scene_body(&scene, make_moved_sphere(4, 2.5, 0, 0));
+        scene.bodies[0].shell.membrane.on = true;
+        scene.bodies[0].shell.membrane.young.value = 1e4;
+        scene.bodies[0].shell.membrane.thickness.value = 0.02;
+        scene.bodies[0].contact_thickness = own ? 0.03 : -1;
+        scene.def.contact.shell_thickness = true;
+        pel_sim *sim = scene_create(&scene);
+        assert_near(pel_sim_body_contact_thickness(sim, 0), own ? 0.03 : 0.02, 0);
+        assert_true(pel_sim_body_contact_thickness(sim, 1) == pel_sim_contact_thickness(sim));
+        assert_true(pel_sim_body_contact_thickness(sim, 2) == 0 && pel_sim_body_contact_thickness(sim, -1) == 0);
+        scene_end(&scene, sim);
+    }
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_XPBD);
+    scene_body(&scene, make_sphere(4));
+    scene.bodies[0].shell.membrane.on = true;
+    scene.bodies[0].shell.membrane.young.value = 1e4;
+    scene.bodies[0].shell.membrane.thickness.value = 1;
+    pel_sim *sim = scene_create(&scene);
+    scene.def.contact.shell_thickness = true;
+    assert_refused(&scene, "of the shell is more than the shortest edge");
+    scene_end(&scene, sim);
+}
+
 static void test_bad_input(void **unused)
 {
     (void)unused;
@@ -547,6 +579,7 @@ int main(void)
         cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_tangled_start),
         cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_shell_thickness),
         cmocka_unit_test(test_bad_input),
         cmocka_unit_test(test_limit),
         cmocka_unit_test(test_memory_limit),

@@ -149,8 +149,10 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
         return;
     pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
     double stiffness = rest.area * sheet.young * sheet.thickness;
-    bool constant = (pel_membrane_law_traits(p->body->shell->law.kind) & PEL_LAW_CONSTANT_TANGENT) != 0;
-    *pel_batch_number(batch, i, 3) = (pel_real)(constant ? 1 / stiffness : batch->law.modulus * stiffness);
+    int traits = pel_membrane_law_traits(p->body->shell->law.kind);
+    if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
+        stiffness *= batch->law.modulus;
+    *pel_batch_number(batch, i, 3) = (pel_real)(pel_law_has_compliance(traits) ? 1 / stiffness : stiffness);
 }
 
 static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)

@@ -212,7 +212,8 @@ static const pel_def_row rows[] = {
     {"bodies[].membrane.preset", .forms = PEL_FORM_WORD,
      .doc = "a material of `pellicle presets`; other keys of `membrane` override its numbers"},
     {"bodies[].membrane.material", MEMBRANE(kind), .forms = PEL_FORM_WORD, .words = pel_membrane_words,
-     .preset = "stvk", WHEN(has_membrane), IMPLYING, .doc = "constitutive law"},
+     .preset = "neo-hookean", .initial = PEL_MEMBRANE_NEO_HOOKEAN, WHEN(has_membrane), IMPLYING,
+     .doc = "constitutive law; default: neo-hookean, which resists compression to any extent"},
     {"bodies[].membrane.young", MEMBRANE(young), FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
      WHEN(has_membrane), IMPLYING, .doc = "Young's modulus"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
@@ -402,9 +403,11 @@ static const pel_def_row rows[] = {
      .doc = "contact between different bodies"},
     {"contact.thickness", CONTACT(thickness), .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE,
      .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled),
-     .doc = "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
-            "thickness of each. A number of metres, or `relative` and a factor on the diagonal of the bounding box of "
-            "all bodies (at most half the shortest edge)"},
+     .doc =
+         "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
+         "thickness of each. A number of metres; `shell`, so that each body has the thickness of its membrane (without "
+         "one an open surface that of its mass, others and tools relative 1e-4); or `relative` and a factor on the "
+         "diagonal of the bounding box of all bodies (at most half the shortest edge)"},
     {"contact.friction", CONTACT(friction), NUMBER, AT_LEAST(0), .preset = "0", WHEN(is_enabled),
      .doc = "Coulomb's coefficient of bodies and tools without their own; a pair has the geometric mean of both"},
     {"contact.restitution", CONTACT(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_enabled),
@@ -528,6 +531,7 @@ static const pel_def_row rows[] = {
     {NULL, TOOL_LIST(vertices, vertex_count)},
     {NULL, TOOL(center)},
     {NULL, CONTACT(enabled)},
+    {NULL, CONTACT(shell_thickness)},
     {NULL, CONTACT(relative_thickness), .initial = 1e-4},
 };
 

@@ -62,6 +62,8 @@ PEL_INLINE pel_lane press_membrane(const pel_batch *batch, int32_t block, const 
     pel_lane modulus = number[3];
     if ((pel_law_traits(kind) & PEL_LAW_CONSTANT_TANGENT) != 0)
         modulus = pel_lane_splat((pel_real)batch->law.modulus) / number[3];
+    else if ((pel_law_traits(kind) & PEL_LAW_COMPLIANT) != 0)
+        modulus = pel_lane_splat(1) / number[3];
     pel_lane energy = pel_membrane_stress(kind, law, &f, stress), scale = -modulus;
     force[0] = pel_lane3_combine(scale * number[0], stress[0], scale * number[1], stress[1]);
     force[1] = pel_lane3_scale(stress[1], scale * number[2]);

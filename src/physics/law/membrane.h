@@ -26,6 +26,7 @@ typedef enum pel_law_trait {
     PEL_LAW_BY_AREA = 1,          /* a function of tr C and J: P = 2 psi_t F + psi_J dJ/dF, finite at J = 0 */
     PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
     PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
+    PEL_LAW_COMPLIANT = 128,      /* D has an inverse in closed form (pel_compliance) at any strain */
     /* numbers of a material that some laws read; all read young and thickness */
     PEL_LAW_READS_POISSON = 8,
     PEL_LAW_READS_MOONEY_RATIO = 16,
@@ -50,6 +51,13 @@ pel_membrane_law pel_membrane_law_of(const pel_membrane_material *material);
 
 /* pel_law_trait of a kind, combined */
 int pel_membrane_law_traits(pel_membrane_kind kind);
+
+/* elements have a compliance: a law with a constant tangent 1 / (area young thickness), a compliant one
+   1 / (area modulus) */
+static inline bool pel_law_has_compliance(int traits)
+{
+    return (traits & (PEL_LAW_CONSTANT_TANGENT | PEL_LAW_COMPLIANT)) != 0;
+}
 
 /* words of scenes, by kind; null after the last */
 extern const char *const pel_membrane_words[];

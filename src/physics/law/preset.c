@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#define STVK PEL_MEMBRANE_STVK
 #define MOONEY PEL_MEMBRANE_MOONEY_RIVLIN
 #define NEO_HOOKEAN PEL_MEMBRANE_NEO_HOOKEAN
 
@@ -10,14 +9,14 @@
    not state the number itself. */
 static const pel_material_preset presets[] = {
     {"lens-capsule",
-     {STVK, 1.5e6, 0.47, 15e-6, 0, 0, 0},
+     {NEO_HOOKEAN, 1.5e6, 0.47, 15e-6, 0, 0, 0},
      1050,
      "capsule of a human eye lens in old age, front pole",
      "young, poisson: Fisher 1969, J. Physiol. 201:1 (6 MPa in childhood, 3 at 60 years, 1.5 in extreme old age; "
      "0.47 at all ages); thickness: Barraquer et al. 2006, IOVS 47:2053 (11 to 15 um at the front pole, rising with "
      "age); density: illustrative"},
     {"skin",
-     {STVK, 1.29e5, 0.48, 1.5e-3, 0, 0, 0},
+     {NEO_HOOKEAN, 1.29e5, 0.48, 1.5e-3, 0, 0, 0},
      1100,
      "skin of the forearm, small strains",
      "young: Diridollou et al. 2000, Skin Res. Technol. 6:214 (129 +- 88 kPa by suction, 10 men); thickness, density: "
@@ -44,24 +43,24 @@ static const pel_material_preset presets[] = {
      "young, density: order of magnitude, what makers of such rubbers state (69 kPa at 100 % stretch, which neo-Hooke "
      "gives for a shear modulus of 39 kPa; 1.07 g/cm3); poisson: nearly incompressible; thickness: illustrative"},
     {"paper",
-     {STVK, 3e9, 0.3, 1e-4, 0, 0, 0},
+     {NEO_HOOKEAN, 3e9, 0.3, 1e-4, 0, 0, 0},
      800,
      "office paper, 80 g/m2, as if it were isotropic",
      "density: 80 g/m2 at 0.1 mm; young: order of magnitude, machine-made paper is stiffer along the machine and "
      "softer across; poisson: illustrative"},
     {"polyester-film",
-     {STVK, 4.9e9, 0.38, 23e-6, 0, 0, 0},
+     {NEO_HOOKEAN, 4.9e9, 0.38, 23e-6, 0, 0, 0},
      1390,
      "biaxially drawn PET film",
      "all: data sheet H-37232-3 of Mylar 92A, DuPont Teijin Films (710 and 740 kpsi along and across: 4.9 and 5.1 GPa; "
      "0.38 before it yields; 1.390 g/cm3; gauge 92 is 23 um)"},
     {"aluminium-foil",
-     {STVK, 7e10, 0.33, 16e-6, 0, 0, 0},
+     {NEO_HOOKEAN, 7e10, 0.33, 16e-6, 0, 0, 0},
      2700,
      "household foil; elastic only, it has no creases that stay",
      "young, poisson, density: as handbooks give them for aluminium; thickness: standard household foil, 0.016 mm"},
     {"steel-sheet",
-     {STVK, 2.1e11, 0.3, 5e-4, 0, 0, 0},
+     {NEO_HOOKEAN, 2.1e11, 0.3, 5e-4, 0, 0, 0},
      7850,
      "half a millimetre of structural steel",
      "young, poisson: EN 1993-1-1, 3.2.6; density: EN 1991-1-1, table A.4 (77 to 78.5 kN/m3); thickness: illustrative"},

@@ -33,18 +33,28 @@ typedef struct pel_strain {
     pel_symmetric2 strain; /* s: the Green strain (C - I) / 2, or the strain of the triangle factor of F */
     pel_symmetric2 cauchy; /* C = F^T F */
     pel_lane area_ratio;   /* J = sqrt det C, from the area itself: exact for needles */
+    pel_lane area_square;  /* J^2 */
 } pel_strain;
+
+/* Laws with PEL_LAW_COMPLIANT: t = I - c C^-1, and the tangent is positive definite with the inverse
+   scale (C x C - part C (x) C), (C x C) t = C t C. */
+typedef struct pel_compliance {
+    pel_lane scale, part, c;
+} pel_compliance;
 
 typedef struct pel_response {
     pel_lane energy;
     pel_symmetric2 stress;            /* t: second Piola-Kirchhoff stress */
     pel_symmetric3 tangent, positive; /* D and its positive semi-definite part */
-    pel_lane by_trace, by_area;       /* laws of tr C and J: psi_t and psi_J, P = 2 psi_t F + psi_J dJ/dF */
+    pel_compliance compliance;
+    pel_lane by_trace, by_area; /* laws of tr C and J: psi_t and psi_J, P = 2 psi_t F + psi_J dJ/dF */
 } pel_response;
 
 /* ---- invariants ---- */
 
-/* Barriers are tangents below a J of 0.01, and have no effect above 1000. */
+#define PEL_LEAST_AREA_RATIO 0.01
+
+/* Barriers are tangents below this J, and have no effect above 1000. */
 typedef struct pel_area {
     pel_lane ratio, bounded; /* J, and J within these bounds */
     pel_lane excess;         /* bounded J^2 - 1 */
@@ -58,7 +68,7 @@ PEL_INLINE pel_area pel_area_of(const pel_strain *s)
     const pel_lane one = pel_lane_splat(1), half = PEL_CONSTANT(0.5), two = pel_lane_splat(2), four = pel_lane_splat(4);
     pel_area area;
     area.ratio = s->area_ratio;
-    area.bounded = pel_lane_min(pel_lane_max(area.ratio, PEL_CONSTANT(0.01)), pel_lane_splat(1000));
+    area.bounded = pel_lane_min(pel_lane_max(area.ratio, PEL_CONSTANT(PEL_LEAST_AREA_RATIO)), pel_lane_splat(1000));
     area.is_low = pel_lane_above(area.bounded, area.ratio);
     area.trace = s->strain.a + s->strain.b;
     pel_lane shear = half * s->strain.c;
@@ -66,6 +76,23 @@ PEL_INLINE pel_area pel_area_of(const pel_strain *s)
     /* from the strains it is exact near rest */
     pel_lane fine = two * area.trace + four * area.determinant;
     pel_lane coarse = (area.bounded - one) * (area.bounded + one);
+    area.excess = pel_lane_select(pel_lane_above(PEL_CONSTANT(0.1), pel_lane_abs(coarse)), fine, coarse);
+    return area;
+}
+
+/* the same for laws that read no J but J^2 */
+typedef struct pel_square_area {
+    pel_lane square, excess; /* J^2 within the bounds, and J^2 - 1 */
+} pel_square_area;
+
+PEL_INLINE pel_square_area pel_square_area_of(const pel_strain *s)
+{
+    const pel_lane one = pel_lane_splat(1), two = pel_lane_splat(2), half = PEL_CONSTANT(0.5);
+    const pel_lane least = PEL_CONSTANT(PEL_LEAST_AREA_RATIO * PEL_LEAST_AREA_RATIO);
+    pel_square_area area;
+    area.square = pel_lane_min(pel_lane_max(s->area_square, least), PEL_CONSTANT(1e6));
+    pel_lane shear = half * s->strain.c, determinant = s->strain.a * s->strain.b - shear * shear;
+    pel_lane fine = two * (s->strain.a + s->strain.b) + pel_lane_splat(4) * determinant, coarse = area.square - one;
     area.excess = pel_lane_select(pel_lane_above(PEL_CONSTANT(0.1), pel_lane_abs(coarse)), fine, coarse);
     return area;
 }

@@ -56,7 +56,8 @@ double pel_membrane_law_response(const pel_membrane_law *law, const double strai
 {
     pel_strain s = {.strain = {strain[0], strain[1], strain[2]}};
     s.cauchy = (pel_symmetric2){1 + 2 * strain[0], 1 + 2 * strain[1], strain[2]};
-    s.area_ratio = sqrt(pel_lane_max(s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c, 0));
+    s.area_square = pel_lane_max(s.cauchy.a * s.cauchy.b - s.cauchy.c * s.cauchy.c, 0);
+    s.area_ratio = sqrt(s.area_square);
     pel_response at;
     pel_respond(law->kind, law->numbers, &s, &at);
     if (stress != NULL) {

@@ -26,7 +26,8 @@ PEL_INLINE pel_strain pel_green_strain(const pel_gradient *f)
     s.cauchy = (pel_symmetric2){pel_lane3_dot(f->f1, f->f1), pel_lane3_dot(f->f2, f->f2), pel_lane3_dot(f->f1, f->f2)};
     s.strain = (pel_symmetric2){half * (s.cauchy.a - one), half * (s.cauchy.b - one), s.cauchy.c};
     pel_lane3 normal = pel_lane3_cross(f->f1, f->f2);
-    s.area_ratio = pel_lane_sqrt(pel_lane3_dot(normal, normal));
+    s.area_square = pel_lane3_dot(normal, normal);
+    s.area_ratio = pel_lane_sqrt(s.area_square);
     return s;
 }
 
@@ -51,6 +52,7 @@ PEL_INLINE pel_strain pel_factor_strain(const pel_factor *r)
 {
     const pel_lane one = pel_lane_splat(1);
     pel_strain s = {.strain = {r->a - one, r->c - one, r->b}, .area_ratio = r->a * r->c};
+    s.area_square = s.area_ratio * s.area_ratio;
     s.cauchy = (pel_symmetric2){r->a * r->a, r->b * r->b + r->c * r->c, r->a * r->b};
     return s;
 }

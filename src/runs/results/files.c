@@ -5,6 +5,7 @@
 #include "io/file.h"
 #include "io/pvd.h"
 #include "pellicle/results.h"
+#include "pellicle/sim_contact.h"
 #include "results/folder.h"
 
 #include <inttypes.h>
@@ -20,18 +21,23 @@ const char *pel_run_file_name(pel_run_file file)
     return (unsigned)file < PEL_RUN_FILE_COUNT ? names[file] : NULL;
 }
 
-pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *finished, pel_error *error)
+pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *sim, bool finished,
+                                   pel_error *error)
 {
     pel_file_writer writer;
     char path[PEL_RUN_FILE_SIZE];
     pel_status status = pel_file_writer_open(&writer, pel_run_path(path, folder, PEL_RUN_SCENE), error);
     if (status != PEL_OK)
         return status;
+    const pel_model *model = pel_sim_model(sim);
     pel_file_writer_write(&writer, text, strlen(text));
     pel_file_writer_printf(&writer, "# program: pellicle %s\n", PEL_VERSION);
-    if (finished != NULL)
-        pel_file_writer_printf(&writer, "# state_hash: %016" PRIx64 " (step %" PRId64 ")\n", pel_sim_hash(finished),
-                               pel_sim_step_count(finished));
+    for (int32_t b = 0; pel_sim_contact_thickness(sim) > 0 && b < pel_model_body_count(model); b++)
+        pel_file_writer_printf(&writer, "# contact thickness of '%s': %.6g m\n", pel_model_body_name(model, b),
+                               pel_sim_body_contact_thickness(sim, b));
+    if (finished)
+        pel_file_writer_printf(&writer, "# state_hash: %016" PRIx64 " (step %" PRId64 ")\n", pel_sim_hash(sim),
+                               pel_sim_step_count(sim));
     return pel_file_writer_commit(&writer, error);
 }
 

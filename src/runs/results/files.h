@@ -7,9 +7,10 @@
 
 #include <stddef.h>
 
-/* scene.yaml: the resolved scene, the program's version, and the hash of the state when the run is finished (else
-   null). PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
-pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *finished, pel_error *error);
+/* scene.yaml: the resolved scene, the program's version, the contact thickness of each body and, when the run is
+   finished, the hash of the state. PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
+pel_status pel_results_write_scene(const char *folder, const char *text, const pel_sim *sim, bool finished,
+                                   pel_error *error);
 
 /* frames.pvd: frames 0 .. count - 1 with their times (count) [s], and the files of tools that are there. The same
    errors. */

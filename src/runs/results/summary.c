@@ -71,6 +71,10 @@ static void write_contact(pel_json *json, const pel_sim *sim)
                   {"tools_held", s.tools_held},   {"tangled", s.tangled}};
     open_inline(json, "contact", '{');
     pel_json_number(json, "thickness", pel_sim_contact_thickness(sim));
+    pel_json_open(json, "thickness_of", '{');
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
+        pel_json_number(json, pel_model_body_name(pel_sim_model(sim), b), pel_sim_body_contact_thickness(sim, b));
+    pel_json_close(json, '}');
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
         pel_json_integer(json, counts[i].name, counts[i].count);
     pel_json_number(json, "cubics_saved", s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);

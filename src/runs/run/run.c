@@ -271,7 +271,7 @@ static void release(pel_run_state *run)
 
 static pel_status write_scene(const pel_run_state *run, bool finished, pel_error *error)
 {
-    return pel_results_write_scene(run->def->folder, pel_scene_text(run->scene), finished ? run->sim : NULL, error);
+    return pel_results_write_scene(run->def->folder, pel_scene_text(run->scene), run->sim, finished, error);
 }
 
 /* about the bytes of checkpoint, final.ply, frames.pvd and summary.json */
@@ -611,6 +611,29 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     return status == PEL_OK ? later : status;
 }
 
+/* bodies that the first lines of a run name */
+enum { MOST_NAMED = 8 };
+
+/* what a scene leaves to defaults and the numbers of a run depend on: laws and contact thickness */
+static void tell_start(const pel_run_state *run)
+{
+    const pel_model_def *model = &run->scene->model;
+    double common = pel_sim_contact_thickness(run->sim);
+    for (int32_t b = 0; b < model->body_count && b < MOST_NAMED; b++) {
+        const pel_membrane_def *membrane = &model->bodies[b].shell.membrane;
+        char contact[48] = "";
+        if (common > 0)
+            snprintf(contact, sizeof contact, "contact thickness %.3g m", pel_sim_body_contact_thickness(run->sim, b));
+        if (membrane->on || common > 0)
+            pel_log_line(run->def->log, "body '%s': %s%s%s", model->bodies[b].name,
+                         membrane->on ? pel_membrane_kind_name(membrane->kind) : "",
+                         membrane->on && common > 0 ? ", " : "", contact);
+    }
+    if (model->body_count > MOST_NAMED)
+        pel_log_line(run->def->log, "%d further bodies: see scene.yaml and summary.json",
+                     (int)(model->body_count - MOST_NAMED));
+}
+
 pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_kept *kept, pel_run_summary *summary,
                         pel_error *error)
 {
@@ -638,6 +661,8 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
         status = open_folder(&run, cause);
     if (status == PEL_OK)
         pel_warnings_tell(&run, false);
+    if (status == PEL_OK)
+        tell_start(&run);
     if (status == PEL_OK)
         status = finish(&run, simulate(&run, cause), summary, cause);
     if (status == PEL_OK)

@@ -7,6 +7,7 @@
 #include "pellicle/session.h"
 #include "run/frames.h"
 #include "run/kept.h"
+#include "touch/tangle.h"
 
 #include <math.h>
 
@@ -39,6 +40,7 @@ typedef struct pel_run_state {
     pel_sim_ledger ledger;                 /* the same */
     pel_contact_statistics contact_before; /* before the last step */
     pel_flagged_body flagged[PEL_WARN_COUNT];
+    pel_start_gap start_gap;    /* of the warning about it */
     bool told[PEL_WARN_COUNT];  /* to the log */
     int64_t intersection_count; /* pairs of triangles at the end; -1 = not known */
     /* beside.c: of def->beside, each (count); null = none */

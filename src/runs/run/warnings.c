@@ -13,6 +13,7 @@
 #include "pellicle/topology.h"
 #include "run/state.h"
 #include "stage/stepper.h"
+#include "touch/tangle.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -53,6 +54,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
     [PEL_WARN_HELD_IN_PLACE] = "held-in-place",     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
+    [PEL_WARN_CLOSE_START] = "close-start",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -197,10 +199,22 @@ static void check_filling(pel_run_state *run, int32_t b)
         flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
 }
 
+/* elements nearer to each other than the thickness; intersections that the scene accepts are another matter */
+static pel_status check_start(pel_run_state *run, pel_error *error)
+{
+    const pel_contact_def *contact = &run->scene->sim.contact;
+    if (!contact->enabled || contact->allow_tangled || run->def->resume != NULL)
+        return PEL_OK;
+    pel_status status = pel_contacts_find_start_gap(run->sim, &run->start_gap, error);
+    if (status == PEL_OK && run->start_gap.count > 0)
+        pel_warn(&run->totals.warnings, PEL_WARN_CLOSE_START, 0, run->start_gap.gap);
+    return status;
+}
+
 pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 {
     double softness = pel_sim_softness(run->sim);
-    pel_status status = PEL_OK;
+    pel_status status = check_start(run, error);
     if (softness > SOFTNESS_LIMIT)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
     for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
@@ -676,6 +690,20 @@ static void tell_idle_tool(const text_context *at)
         high[2]);
 }
 
+static void tell_close_start(const text_context *at)
+{
+    const pel_start_gap *gap = &at->run->start_gap;
+    char first[PEL_NAME_SIZE + 16], second[PEL_NAME_SIZE + 16];
+    pel_contacts_name_group(at->run->sim, gap->groups[0], first, sizeof first);
+    pel_contacts_name_group(at->run->sim, gap->groups[1], second, sizeof second);
+    bool same = gap->groups[0] == gap->groups[1];
+    snprintf(
+        at->text, at->size,
+        "%s%s%s%s start %.3g m apart, nearer than their contact thickness of %.3g m: contact pushes them apart. use "
+        "contact: { thickness: %.3g }, or a larger gap",
+        same ? "parts of " : "", first, same ? "" : " and ", same ? "" : second, gap->gap, gap->thickness, gap->gap);
+}
+
 static void tell_unsettled(const text_context *at)
 {
     snprintf(at->text, at->size,
@@ -703,6 +731,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
+    [PEL_WARN_CLOSE_START] = tell_close_start,
 };
 
 /* created energy is compared with all energy supplied until the end of the run */
@@ -740,7 +769,7 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 static bool is_of_scene(int kind)
 {
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
-           kind == PEL_WARN_HELD_IN_PLACE;
+           kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

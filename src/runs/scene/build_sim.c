@@ -278,16 +278,21 @@ static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *v
     return PEL_OK;
 }
 
-/* "relative 1e-4" */
-static pel_status read_relative(pel_scene_reader *reader, const pel_scene_value *value, double *relative)
+/* "shell", or "relative 1e-4" */
+static pel_status read_thickness(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact)
 {
     static const char word[] = "relative ";
     const char *text = value->text, *end = text + strlen(text), *number = text + strlen(word);
-    bool fine = strncmp(text, word, strlen(word)) == 0;
-    if (fine && pel_number_parse(number, end, relative) == end && *relative > 0 && isfinite(*relative))
+    double *relative = &contact->relative_thickness;
+    contact->shell_thickness = strcmp(text, "shell") == 0;
+    bool fine = contact->shell_thickness ||
+                (strncmp(text, word, strlen(word)) == 0 && pel_number_parse(number, end, relative) == end &&
+                 *relative > 0 && isfinite(*relative));
+    if (fine)
         return PEL_OK;
     pel_scene_fail(reader, &value->place, "`thickness` '%.80s' is not a thickness", text);
-    pel_fail_remedy(reader->error, "give a number of metres, or `relative` and a number, such as relative 1e-4");
+    pel_fail_remedy(reader->error,
+                    "give a number of metres, `shell`, or `relative` and a number, such as relative 1e-4");
     return PEL_BAD_SCENE;
 }
 
@@ -301,7 +306,7 @@ static pel_status read_contact(pel_scene_reader *reader, const pel_scene_value *
     const pel_scene_value *thickness = pel_scene_value_entry(value, "thickness");
     pel_status status = pel_scene_read_members(&part, PEL_DEF_CONTACT, contact);
     if (status == PEL_OK && thickness->form == PEL_FORM_TEXT)
-        status = read_relative(reader, thickness, &contact->relative_thickness);
+        status = read_thickness(reader, thickness, contact);
     return status;
 }
 

@@ -243,6 +243,12 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
                           PEL_ROOM(sim->tools->moved_at, sim->model->vertex_count),
                           PEL_ROOM(sim->tools->cornered_at, sim->model->vertex_count)))
         return pel_fail_memory(error);
+    /* corners and triangles that touch a tool: most of a small body, a part of a large one */
+    int32_t points = sim->model->vertex_count + sim->model->triangle_count;
+    size_t room = (size_t)(points < PEL_STOP_ROOM ? points : PEL_STOP_ROOM);
+    pel_stops *stops = &sim->tools->stops;
+    if (sim->stepper->is_explicit && !pel_reserve((void **)&stops->items, &stops->capacity, room, sizeof *stops->items))
+        return pel_fail_memory(error);
     pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
     bool grasps = false;
     for (int32_t i = 0; i < count; i++)
@@ -294,5 +300,5 @@ void pel_tools_destroy(pel_sim *sim)
     pel_tool_search_destroy(sim->tools->search);
     PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
                  sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
-                 sim->tools->grip_forces);
+                 sim->tools->grip_forces, sim->tools->stops.items);
 }

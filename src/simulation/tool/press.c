@@ -8,7 +8,9 @@
 
    Friction, with contact: each push by a distance d reverts up to friction times d of the point's tangential
    displacement since the start of the step, relative to the tool; velocities likewise, by the impulse. The sums obey
-   Coulomb's law because each push does. */
+   Coulomb's law because each push does.
+
+   Under the explicit method impulses stop what moves into the tool first (stop.c); what is left here is depth. */
 #include "tool/press.h"
 
 #include "base/assert.h"
@@ -18,6 +20,7 @@
 #include "tool/contact_force.h"
 #include "tool/near.h"
 #include "tool/sagitta.h"
+#include "tool/stop.h"
 
 #include <string.h>
 
@@ -79,7 +82,7 @@ static void change_velocity(pel_sim *sim, const surface_point *at, double impuls
     }
 }
 
-/* explicit method: removes the velocity of the point into the tool, and records the impulse */
+/* projection and implicit steps: removes the velocity of the point into the tool, and records the impulse */
 static void stop_point(pel_sim *sim, pel_tool *tool, const surface_point *at, const double normal[3], double inertia)
 {
     double point[3] = {0, 0, 0}, relative[3] = {0, 0, 0}, moving[3], x[3];
@@ -153,7 +156,7 @@ static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, do
     }
     if (pel_sim_friction(sim, tool, at->vertices[0]) > 0)
         rub_point(sim, tool, at, depth, normal, inertia);
-    if (sim->state->velocity_next != NULL)
+    if (sim->state->velocity_next != NULL && !sim->stepper->is_explicit)
         stop_point(sim, tool, at, normal, inertia);
     return true;
 }
@@ -181,8 +184,7 @@ double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const p
     return pel_solid_depth(solid, corner[0], corner[1], corner[2], weights, normal);
 }
 
-/* keeps the half space in which a triangle has to stay; the latest one of a triangle counts */
-static void remember_plane(const pel_sim *sim, pel_tool *tool, const pel_contact_plane *plane)
+void pel_tool_remember(const pel_sim *sim, pel_tool *tool, const pel_contact_plane *plane)
 {
     int32_t place = sim->tools->plane_of_triangle[plane->triangle] - 1;
     if (place < 0) {
@@ -203,7 +205,7 @@ static bool push_triangle(pel_sim *sim, pel_tool *tool, int32_t t, const double 
     pel_contact_plane plane = {.triangle = t, .offset = pel_vec3_dot(normal, point) + depth};
     pel_vec3_copy(weights, plane.weights);
     pel_vec3_copy(normal, plane.normal);
-    remember_plane(sim, tool, &plane);
+    pel_tool_remember(sim, tool, &plane);
     pel_rotate(tool->pose.rotation, normal, way);
     return push_point(sim, tool, &(surface_point){sim->model->triangles[t], weights, 3}, depth, way);
 }
@@ -366,7 +368,7 @@ static bool bring_back(pel_sim *sim, pel_tool *tool)
         if (depth <= limit)
             continue;
         pel_rotate(tool->pose.rotation, plane->normal, way);
-        remember_plane(sim, tool, plane);
+        pel_tool_remember(sim, tool, plane);
         moved |= push_point(sim, tool, &(surface_point){sim->model->triangles[plane->triangle], plane->weights, 3},
                             depth, way);
     }
@@ -379,7 +381,8 @@ bool pel_tool_press(pel_sim *sim, pel_tool *tool, double longest)
         pel_tool_near_triangles(sim, tool, &tool->near, sim->state->position_next, NEAR_MARGIN * longest);
     for (int32_t p = 0; p < tool->plane_count; p++)
         sim->tools->plane_of_triangle[tool->planes[p].triangle] = p + 1;
-    bool moved = press_out(sim, tool, near_count, longest);
+    bool moved = sim->stepper->is_explicit && pel_tool_stop(sim, tool, near_count);
+    moved |= press_out(sim, tool, near_count, longest);
     if (bring_back(sim, tool))
         moved |= press_out(sim, tool, near_count, longest);
     for (int32_t p = 0; p < tool->plane_count; p++)

@@ -11,6 +11,8 @@ pel_solid pel_tool_press_solid(const pel_sim *sim, const pel_tool *tool, int32_t
  */
 double pel_tool_triangle_depth(const pel_sim *sim, const pel_tool *tool, const pel_solid *solid,
                                const pel_record *positions, int32_t t, double weights[3], double normal[3]);
+/* Keeps the half space in which a triangle has to stay during the next step; the latest one of a triangle counts. */
+void pel_tool_remember(const pel_sim *sim, pel_tool *tool, const pel_contact_plane *plane);
 /* the depth that pressing leaves [m] */
 double pel_tool_press_tolerance(const pel_sim *sim, const pel_tool *tool);
 /* Coulomb's coefficient between a tool and the body of a vertex, 0 without contact */

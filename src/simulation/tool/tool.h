@@ -26,6 +26,26 @@ typedef struct pel_contact_plane {
     int64_t triangle;
 } pel_contact_plane;
 
+/* A point of a triangle that a tool keeps out in this step (stop.h). */
+typedef struct pel_stop {
+    int32_t vertices[3], triangle;
+    double weights[3], normal[3]; /* of the point; out of the tool */
+    double offset;                /* m, normal . point is at least this */
+    double stuck[3];              /* where the point would be if it had gone with the tool */
+    double inertia;               /* sum w b^2 */
+    double push, rub[3];          /* m, sum of the displacements along the normal, at least 0, and across it */
+} pel_stop;
+
+/* points with room from the start on; more allocate when they come first */
+enum { PEL_STOP_ROOM = 2048 };
+
+typedef struct pel_stops {
+    pel_stop *items; /* (count) of the tool at work */
+    int32_t count;
+    size_t capacity;
+    bool is_new; /* no point can be among them yet */
+} pel_stops;
+
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
 
@@ -100,6 +120,7 @@ struct pel_tools {
     int64_t *cornered_at;       /* (vertex_count) the pressing that looked at it as a corner last */
     int64_t push_count;         /* of all steps */
     int64_t press_count;        /* likewise */
+    pel_stops stops;            /* scratch of the tool at work */
     pel_boundary boundary;      /* vertices held by tools; its arrays: */
     int32_t *held_vertices;     /* (vertex_count) null when no tool grasps */
     double (*held_targets)[3];  /* (vertex_count) likewise */

@@ -91,12 +91,14 @@ static edge_place shortest_edge(const pel_model *model, int32_t body)
     return shortest;
 }
 
-static pel_status refuse_thickness(const pel_sim *sim, double thickness, const edge_place *edge, pel_error *error)
+static pel_status refuse_thickness(const pel_sim *sim, double thickness, bool is_shell, const edge_place *edge,
+                                   pel_error *error)
 {
-    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g is more than the shortest edge, %g, of body '%s'",
-             thickness, edge->length, sim->given->bodies[edge->body].name);
+    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g%s is more than the shortest edge, %g, of body '%s'",
+             thickness, is_shell ? " of the shell" : "", edge->length, sim->given->bodies[edge->body].name);
     pel_fail_element(error, "vertex", edge->vertex);
-    pel_fail_remedy(error, "use at most %.3g, or a mesh without such short edges", 0.5 * edge->length);
+    pel_fail_remedy(error, "use %s %.3g, or a mesh without such short edges",
+                    is_shell ? "a coarser mesh, a thickness in metres of at most" : "at most", 0.5 * edge->length);
     return PEL_BAD_ARGUMENT;
 }
 
@@ -115,11 +117,40 @@ static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortes
                               "body '%s' has an edge without length", sim->given->bodies[shortest->body].name);
 }
 
+static double mean_of(const pel_quantity *quantity, int32_t count)
+{
+    double sum = 0;
+    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
+        sum += quantity->field[v] / count;
+    return quantity->field != NULL ? sum : quantity->value;
+}
+
+/* thickness of the sheet that a body is, 0 for filled ones */
+static double sheet_thickness(const pel_sim *sim, int32_t body)
+{
+    PEL_ASSERT_INDEX(body, sim->given->body_count);
+    const pel_body_def *def = &sim->given->def.bodies[body];
+    int32_t count = sim->given->bodies[body].mesh->vertex_count;
+    if (def->shell.membrane.on)
+        return mean_of(&def->shell.membrane.thickness, count);
+    bool is_sheet = !sim->given->bodies[body].closed && def->mass_kind == PEL_MASS_DENSITY;
+    return is_sheet ? mean_of(&def->thickness, count) : 0;
+}
+
+/* whether a body has the thickness of its sheet */
+static bool is_shell(const pel_sim *sim, int32_t body)
+{
+    const pel_contact_def *def = &sim->touch->def;
+    return def->shell_thickness && !(def->thickness > 0) && !(sim->given->bodies[body].contact_thickness > 0);
+}
+
 static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thickness)
 {
     int32_t tool = number - sim->model->body_count;
     double own = tool < 0 ? sim->given->bodies[number].contact_thickness : sim->tools->items[tool].thickness;
     double friction = tool < 0 ? sim->model->bodies[number].friction : sim->tools->items[tool].friction;
+    if (tool < 0 && is_shell(sim, number))
+        own = sheet_thickness(sim, number);
     return (pel_contact_group){.thickness = own > 0 ? own : thickness,
                                .friction = friction >= 0 ? friction : sim->touch->def.friction};
 }
@@ -141,7 +172,7 @@ static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_c
         }
         edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
         if (i < def->body_count && groups[i].thickness > edges.length)
-            return refuse_thickness(sim, groups[i].thickness, &edges, error);
+            return refuse_thickness(sim, groups[i].thickness, is_shell(sim, i), &edges, error);
     }
     def->shortest_edge = shortest.length;
     return status;
@@ -698,4 +729,11 @@ void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_statistics *
 double pel_sim_contact_thickness(const pel_sim *sim)
 {
     return sim != NULL && sim->contacts != NULL ? sim->contacts->def.thickness : 0;
+}
+
+double pel_sim_body_contact_thickness(const pel_sim *sim, int32_t body)
+{
+    if (sim == NULL || sim->contacts == NULL || body < 0 || body >= sim->model->body_count)
+        return 0;
+    return sim->contacts->groups[body].thickness;
 }

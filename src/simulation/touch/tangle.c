@@ -11,16 +11,22 @@
 
 enum { NAMED_PAIRS = 3, NAME_ROOM = PEL_NAME_SIZE + 32 };
 
+void pel_contacts_name_group(const pel_sim *sim, int32_t group, char *text, size_t size)
+{
+    bool is_body = group < sim->model->body_count;
+    snprintf(text, size, "%s '%s'", is_body ? "body" : "tool",
+             is_body ? sim->model->bodies[group].name : sim->tools->items[group - sim->model->body_count].name);
+}
+
 static void describe(const pel_sim *sim, int32_t triangle, char *text, size_t size)
 {
     const pel_contact_set *set = sim->contacts;
     int32_t group = set->group_of_point[set->triangles[triangle][0]], first = triangle;
     while (first > 0 && set->group_of_point[set->triangles[first - 1][0]] == group)
         first--;
-    bool is_body = group < sim->model->body_count;
-    snprintf(text, size, "%s '%s' %d", is_body ? "body" : "tool",
-             is_body ? sim->model->bodies[group].name : sim->tools->items[group - sim->model->body_count].name,
-             (int)(triangle - first));
+    pel_contacts_name_group(sim, group, text, size);
+    size_t length = strlen(text);
+    snprintf(text + length, size - length, " %d", (int)(triangle - first));
 }
 
 static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
@@ -82,5 +88,50 @@ pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
         status = pel_tangles_list(sim->contacts, &tangles, error);
     *count = tangles.count;
     pel_free(tangles.pairs);
+    return status;
+}
+
+/* share of the thickness that a pair may lack unnoticed: bodies that a mesher put next to each other */
+#define GAP_TOLERANCE 0.01
+
+static void note_gap(const pel_contact_set *set, const pel_collision *pair, pel_start_gap *gap)
+{
+    const int32_t first = set->group_of_point[pair->vertices[0]], second = set->group_of_point[pair->vertices[3]];
+    double way[3] = {0, 0, 0}, thickness = pel_contact_thickness(set, first, second);
+    for (int i = 0; i < 4; i++)
+        pel_vec3_along(way, pair->hit.weight[i], set->start[pair->vertices[i]], way);
+    double distance = pel_vec3_length(way);
+    if (distance >= (1 - GAP_TOLERANCE) * thickness)
+        return;
+    if (gap->count == 0 || thickness - distance > gap->thickness - gap->gap)
+        *gap = (pel_start_gap){gap->count, distance, thickness, {first, second}};
+    gap->count++;
+}
+
+pel_status pel_contacts_find_start_gap(pel_sim *sim, pel_start_gap *gap, pel_error *error)
+{
+    *gap = (pel_start_gap){0};
+    pel_contact_set *set = sim->contacts;
+    pel_contacts_place_start(sim);
+    const pel_mesh mesh = pel_contact_mesh(set);
+    pel_collider_def def = pel_collider_def_default();
+    def.mesh = &mesh;
+    def.margin = 0;
+    def.memory_limit = set->def.memory_limit;
+    pel_collider *collider;
+    pel_status status = pel_collider_create(&def, &collider, error);
+    if (status != PEL_OK)
+        return status;
+    const pel_collision_groups groups = {set->group_of_point, set->may_meet,
+                                         set->def.body_count + set->def.obstacle_count};
+    pel_collider_use_groups(collider, &groups);
+    pel_collision_query query = pel_collision_query_default();
+    query.start = query.end = set->start[0];
+    query.min_separation = set->largest;
+    pel_collision_result result;
+    status = pel_collider_detect(collider, &query, &result, error);
+    for (int64_t i = 0; status == PEL_OK && i < result.collision_count; i++)
+        note_gap(set, &result.collisions[i], gap);
+    pel_collider_destroy(collider);
     return status;
 }

@@ -326,8 +326,25 @@ PEL_INLINE void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, p
    collapsed triangles are steep */
 PEL_INLINE pel_lane step_limit(const triangle_lanes *t, pel_lane3 a, pel_lane3 b)
 {
-    pel_lane share = pel_lane_quotient(pel_lane_splat(1), sum_of_squares(t, a, b) * (t->pp + t->qq));
-    return pel_lane_sqrt(pel_lane_min(share, pel_lane_splat(1)));
+    const pel_lane one = pel_lane_splat(1);
+    return pel_lane_sqrt(one / pel_lane_max(sum_of_squares(t, a, b) * (t->pp + t->qq), one));
+}
+
+/* The multipliers and the points of a triangle, not further than step_limit. bound: at least sum w |g|^2 of the step.
+ */
+PEL_INLINE void move_strained(const pel_batch *batch, int32_t block, int32_t lane, const triangle_lanes *t,
+                              const pel_lane old[3], const pel_lane change[3], pel_lane bound, pel_lane3 *ways)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane3 first = pel_lane3_combine(change[0], t->f.f1, change[2], t->f.f2);
+    pel_lane3 second = pel_lane3_combine(change[2], t->f.f1, change[1], t->f.f2);
+    pel_lane limit = pel_lane_splat(1);
+    /* far from the limit, whatever is lost to rounding, it is 1: then the sum itself is not needed */
+    if (!pel_lane_all(pel_lane_above(PEL_CONSTANT(0.5), bound * (t->pp + t->qq))))
+        limit = step_limit(t, first, second);
+    for (int i = 0; i < 3; i++)
+        add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
+    move_triangle(t, limit, first, second, ways);
 }
 
 PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
@@ -351,12 +368,77 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
     pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
     pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
     solve_newton(&b, &g, change);
-    pel_lane3 first = pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2);
-    pel_lane3 second = pel_lane3_combine(change[2], t.f.f1, change[1], t.f.f2);
-    pel_lane limit = step_limit(&t, first, second);
+    move_strained(batch, block, lane, &t, old, change, PEL_CONSTANT(HUGE_VAL), ways);
+}
+
+/* scale (C x C - part C (x) C); below its bound of the area that of a wider triangle, because a collapsed one has no
+   inverse */
+PEL_INLINE pel_symmetric3 compliance_of(const pel_symmetric2 *m, pel_lane scale, pel_lane part)
+{
+    pel_lane shared = scale * part, along = scale - shared, a = along * m->a, b = along * m->b, c = m->c + m->c;
+    pel_lane product = m->a * m->b, square = m->c * m->c, both = scale * square - shared * product;
+    return (pel_symmetric3){a * m->a, both,  a * c,
+                            b * m->b, b * c, c * along * c + (scale + scale) * (product - square)};
+}
+
+PEL_INLINE void multiply_add(const pel_symmetric3 *m, const pel_lane x[3], pel_lane sum[3])
+{
+    sum[0] = sum[0] + (m->a11 * x[0] + m->a12 * x[1] + m->a13 * x[2]);
+    sum[1] = sum[1] + (m->a12 * x[0] + m->a22 * x[1] + m->a23 * x[2]);
+    sum[2] = sum[2] + (m->a13 * x[0] + m->a23 * x[1] + m->a33 * x[2]);
+}
+
+/* D^-1 t of t = I - c C^-1: scale C (C - (c + part (tr C - 2 c)) I) */
+PEL_INLINE void relaxed_strain(const pel_response *r, const pel_strain *s, const pel_symmetric2 *m,
+                               pel_lane_mask is_low, pel_lane strain[3])
+{
+    const pel_compliance *k = &r->compliance;
+    pel_lane trace = s->cauchy.a + s->cauchy.b, c = s->cauchy.c, square = c * c;
+    pel_lane base = k->c + k->part * (trace - (k->c + k->c));
+    strain[0] = k->scale * (s->cauchy.a * (s->cauchy.a - base) + square);
+    strain[1] = k->scale * (s->cauchy.b * (s->cauchy.b - base) + square);
+    strain[2] = k->scale * ((c + c) * (trace - base));
+    if (pel_lane_all(~is_low))
+        return;
+    const pel_lane stress[3] = {r->stress.a, r->stress.b, r->stress.c}, zero = pel_lane_splat(0);
+    pel_symmetric3 d = compliance_of(m, k->scale, k->part);
+    pel_lane low[3] = {zero, zero, zero};
+    multiply_add(&d, stress, low);
     for (int i = 0; i < 3; i++)
-        add_multiplier(batch, block, 3, i, lane, old[i], limit * change[i]);
-    move_triangle(&t, limit, first, second, ways);
+        strain[i] = pel_lane_select(is_low, low[i], strain[i]);
+}
+
+/* the same step by the inverse of D: (G + a D^-1) dl = -D^-1 (a l + t), a = 1 / (area dt^2) */
+PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, int32_t lane,
+                                         const pel_record *positions, pel_lane3 *ways, pel_membrane_kind kind)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const pel_lane least = PEL_CONSTANT(PEL_LEAST_AREA_RATIO);
+    pel_lane numbers[PEL_LAW_NUMBERS], old[3], change[3];
+    load_law(batch, numbers);
+    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
+    pel_strain s = pel_green_strain(&t.f);
+    pel_response r;
+    pel_respond(kind, numbers, &s, &r);
+    const pel_lane_mask is_low = pel_lane_above(least * least, s.area_square);
+    const pel_lane wider = pel_lane_where(is_low, least);
+    const pel_symmetric2 m = {s.cauchy.a + wider, s.cauchy.b + wider, s.cauchy.c};
+    pel_lane softness =
+        number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_symmetric3 g = mobility_of(&t, &s), d = compliance_of(&m, softness * r.compliance.scale, r.compliance.part);
+    relaxed_strain(&r, &s, &m, is_low, change);
+    for (int i = 0; i < 3; i++)
+        old[i] = multiplier_of(batch, block, 3, i, lane);
+    if (batch->multipliers != NULL)
+        multiply_add(&d, old, change);
+    const pel_lane right[3] = {-change[0], -change[1], -change[2]};
+    for (int i = 0; i < 3; i++)
+        change[i] = right[i];
+    g = (pel_symmetric3){g.a11 + d.a11, g.a12 + d.a12, g.a13 + d.a13, g.a22 + d.a22, g.a23 + d.a23, g.a33 + d.a33};
+    solve_symmetric(&g, change);
+    /* dl G dl is dl (right - a D^-1 dl), and D is positive definite */
+    pel_lane bound = right[0] * change[0] + right[1] * change[1] + right[2] * change[2];
+    move_strained(batch, block, lane, &t, old, change, bound, ways);
 }
 
 /* the strain form of a law */
@@ -365,7 +447,9 @@ PEL_INLINE void project_strain(const pel_batch *batch, int32_t block, int32_t la
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     const int traits = pel_law_traits(kind);
-    if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
+    if ((traits & PEL_LAW_COMPLIANT) != 0)
+        project_strain_compliant(batch, block, lane, positions, ways, kind);
+    else if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         project_strain_newton(batch, block, lane, positions, ways, kind);
     else if ((traits & PEL_LAW_ALIGNED) == 0)
         project_strain_green(batch, block, lane, positions, ways);
