@@ -155,7 +155,8 @@ static void test_free_pair(void **unused)
             assert_true(pel_vec3_length(drift) < share * size);
             pel_vec3_add(a.angular, b.angular, drift);
             pel_vec3_subtract(drift, start.angular, drift);
-            /* where contacts act the substeps themselves keep angular momentum less well, the more so the longer they are */
+            /* where contacts act the substeps themselves keep angular momentum less well, the more so the longer they
+             * are */
             assert_true(pel_vec3_length(drift) < (methods[m] == PEL_METHOD_PBD ? 2e-2 : 2e-3) * 0.05 * size);
             double parting = b.momentum[0] / b.mass - a.momentum[0] / a.mass;
             /* the normal of two polyhedra leans a little; what vibrates in the shells of the leapfrog is not lost, and

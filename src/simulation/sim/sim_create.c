@@ -259,7 +259,11 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
         status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
-        status = pel_layers_create(sim, def->contact.relative_thickness, error);
+        status =
+            pel_layers_create(sim,
+                              def->contact.relative_thickness > 0 ? def->contact.relative_thickness
+                                                                  : pel_sim_def_default().contact.relative_thickness,
+                              error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)

@@ -60,10 +60,10 @@ pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error 
     sim->layers = pel_allocate((size_t)model->body_count, sizeof *sim->layers);
     if (sim->layers == NULL)
         return pel_fail_memory(error);
-    double relative = relative_thickness > 0 ? relative_thickness : pel_sim_def_default().contact.relative_thickness;
     for (int32_t b = 0; b < model->body_count; b++) {
         double sheet = sheet_thickness(&model->def.bodies[b], &model->bodies[b]);
-        pel_layer_set_thickness(sim, b, sheet > 0 ? SHEET_SHARE * sheet : relative * model->bodies[b].diameter);
+        pel_layer_set_thickness(sim, b,
+                                sheet > 0 ? SHEET_SHARE * sheet : relative_thickness * model->bodies[b].diameter);
     }
     return PEL_OK;
 }
