@@ -591,6 +591,8 @@ static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))
         return false;
+    if (!sim->contacts->def.has_layers)
+        return sim->contacts->conflict_count > 0;
     int32_t count = count_far_conflicts(sim->contacts);
     bool helps = count > 0 && (sim->part.conflict_count == 0 || count < sim->part.conflict_count);
     sim->part.conflict_count = count;
