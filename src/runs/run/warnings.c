@@ -322,7 +322,7 @@ static int32_t pressed_count(const pel_run_state *run, int32_t t)
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
-/* the measures do not include forces of contact between surfaces */
+/* what touches anything is not among the unbalanced forces */
 static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;
@@ -331,7 +331,7 @@ static void check_rest(pel_run_state *run, int64_t frame)
     double share = run->measures.unbalanced_force / pel_max(largest, DBL_MIN);
     /* where nothing acts there is only rounding */
     bool acts = run->ledger.supplied > run->ledger.tolerance;
-    if (pel_stepper_of(sim->solver.method)->relaxes && !sim->contact.enabled && acts && share > SETTLED_SHARE)
+    if (pel_stepper_of(sim->solver.method)->relaxes && acts && share > SETTLED_SHARE)
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
 }
 

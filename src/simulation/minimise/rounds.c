@@ -436,11 +436,12 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
             minimise->penalty = pel_min(STIFFENING * minimise->penalty, MOST_PENALTY);
         before = error_of_gaps;
         status = find_constraints(sim, is_last, &again, error);
-        /* nothing touches: continue to minimise until the forces balance */
+        /* nothing touches: continue to minimise until the forces balance; without tools, as far as iterations go that
+           are given, as a body alone does */
         if (minimise->count == 0 && !had_any) {
             sum->converged = round.converged;
             problem.goes_on = true;
-            if (round.stuck)
+            if (round.stuck || (sim->tools->count == 0 && sim->solver.iterations > 0 && !round.converged))
                 break;
             continue;
         }
