@@ -454,13 +454,16 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
 {
     const pel_contact_set *contacts = sim->contacts;
+    const pel_record *velocity = sim->state->velocity;
     double found = sim->touch->found_at, part = found < 1 ? (share - found) / (1 - found) : 0;
     double limit = 0.5 * contacts->margin, most = 0;
     for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
             double way = contacts->end[p][k] - contacts->start[p][k];
-            double stray = (double)now[p][k] - contacts->start[p][k] - part * way;
+            /* from the start of the step on, along the parabola of a steady acceleration */
+            double first = found > 0 ? way : sim->step.dt * (double)velocity[p][k];
+            double stray = (double)now[p][k] - contacts->start[p][k] - part * (first + part * (way - first));
             square += stray * stray;
         }
         most = square > most ? square : most;
