@@ -17,7 +17,7 @@
 /* sweeps over contacts after one over elements, and the corrections at which they may end, of what loads have moved and
    of the thickness: large loads are no excuse for gaps that the guard minds */
 enum { SWEEP_LIMIT = 8 };
-#define SWEEP_TOLERANCE 0.15
+#define SWEEP_TOLERANCE 0.1
 #define DEPTH_TOLERANCE 0.01
 /* of the thickness: after larger corrections contacts are found anew between two sweeps */
 #define REFRESH_SHARE 0.25
