@@ -211,8 +211,10 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
     if (!pel_contact_set_expect(set, from->list.count))
         return false;
     set->list.count = from->list.count;
-    memcpy(set->keys, from->keys, count * sizeof *set->keys);
-    memcpy(set->list.contacts, from->list.contacts, count * sizeof *set->list.contacts);
+    if (count > 0) {
+        memcpy(set->keys, from->keys, count * sizeof *set->keys);
+        memcpy(set->list.contacts, from->list.contacts, count * sizeof *set->list.contacts);
+    }
     set->margin = pel_min(pel_max(from->margin, LEAST_MARGIN * set->largest), most_margin(set));
     set->was_widened = from->was_widened;
     return true;
