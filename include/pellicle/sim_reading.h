@@ -14,13 +14,15 @@ PEL_API const char *pel_sim_tool_name(const pel_sim *sim, int32_t tool);
 typedef struct pel_tool_reading {
     double position[3];
     double rotation[4];
-    double force[3];         /* N, on the tool */
-    double torque[3];        /* N m about the tool's position */
-    int32_t contact_count;   /* vertices touched or held */
-    int32_t held_count;      /* vertices held by the grasp after the step */
-    bool is_held_back;       /* contact stopped the tool in the last step, because a body was trapped */
-    int64_t lost_count;      /* vertices released by grasp_max_force since the start */
-    double lost_time;        /* s, end of the step that lost the first ones; 0 = none yet */
+    double force[3];       /* N, on the tool */
+    double torque[3];      /* N m about the tool's position */
+    int32_t contact_count; /* vertices touched or held */
+    int32_t held_count;    /* vertices held by the grasp after the step */
+    bool is_held_back;     /* contact stopped the tool in the last step, because a body was trapped */
+    bool force_known;      /* false = the guard took the tool back after the solver, in the last step: force and torque
+                              are those of a way that it did not go */
+    int64_t lost_count;    /* vertices released by grasp_max_force since the start */
+    double lost_time;      /* s, end of the step that lost the first ones; 0 = none yet */
     int64_t held_back_count; /* steps in which the tool was stopped, since the start */
     double held_back_time;   /* s, end of the first of them; 0 = none yet */
 } pel_tool_reading;

@@ -265,11 +265,11 @@ static const core_member solver_members[] = {
 
 #define CONTACT(member, kind) CORE_MEMBER(pel_contact_statistics, member, kind)
 static const core_member contact_members[] = {
-    CONTACT(candidates, CORE_INT64),     CONTACT(passed_filter, CORE_INT64), CONTACT(passed_hull, CORE_INT64),
-    CONTACT(cubics, CORE_INT64),         CONTACT(contacts, CORE_INT64),      CONTACT(dropped, CORE_INT64),
-    CONTACT(rounds, CORE_INT64),         CONTACT(fall_backs, CORE_INT64),    CONTACT(tools_held, CORE_INT64),
-    CONTACT(tangled, CORE_INT64),        CONTACT(find_seconds, CORE_DOUBLE), CONTACT(solve_seconds, CORE_DOUBLE),
-    CONTACT(guard_seconds, CORE_DOUBLE),
+    CONTACT(candidates, CORE_INT64),     CONTACT(passed_filter, CORE_INT64),  CONTACT(passed_hull, CORE_INT64),
+    CONTACT(cubics, CORE_INT64),         CONTACT(contacts, CORE_INT64),       CONTACT(dropped, CORE_INT64),
+    CONTACT(rounds, CORE_INT64),         CONTACT(fall_backs, CORE_INT64),     CONTACT(tools_held, CORE_INT64),
+    CONTACT(steps_divided, CORE_INT64),  CONTACT(tangled, CORE_INT64),        CONTACT(find_seconds, CORE_DOUBLE),
+    CONTACT(solve_seconds, CORE_DOUBLE), CONTACT(guard_seconds, CORE_DOUBLE),
 };
 
 #define TOOL(member, kind) CORE_MEMBER(pel_tool_reading, member, kind)
@@ -281,6 +281,7 @@ static const core_member tool_members[] = {
     TOOL(contact_count, CORE_INT32),
     TOOL(held_count, CORE_INT32),
     TOOL(is_held_back, CORE_BOOL),
+    TOOL(force_known, CORE_BOOL),
     TOOL(lost_count, CORE_INT64),
     TOOL(lost_time, CORE_DOUBLE),
     TOOL(held_back_count, CORE_INT64),

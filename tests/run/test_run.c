@@ -23,7 +23,7 @@ static void test_files(void **unused)
                    "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
                    "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,probe_held,probe_torque_x,probe_torque_y,"
-                   "probe_torque_z,clamp_force,");
+                   "probe_torque_z,probe_force_known,clamp_force,");
     check_contains(test.run, "summary.json", "{\n  \"status\": \"done\",\n  \"frames\": 10,\n  \"steps\": 60,\n");
     check_contains(test.run, "summary.json", "\"self_intersections_final\": 0,");
     assert_int_equal(test.summary.self_intersections_final, 0);
@@ -549,9 +549,10 @@ static void test_supports(void **unused)
     assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
     pel_scene_destroy(scene);
     check_contains("supported", "series.csv", ",flag_support_force,flag_support_force_x,");
-    check_contains("supported", "series.csv",
-                   ",flag_support_held,flag_support_torque_x,flag_support_torque_y,flag_support_torque_z,top_support_"
-                   "force,top_support_force_x,");
+    check_contains(
+        "supported", "series.csv",
+        ",flag_support_held,flag_support_torque_x,flag_support_torque_y,flag_support_torque_z,flag_support_force_"
+        "known,top_support_force,top_support_force_x,");
     check_contains("supported", "summary.json", "{\"name\": \"flag_support\", ");
 }
 

@@ -17,8 +17,9 @@ static const char first_columns[] = "frame,time,volume_ratio,area_ratio,kinetic_
                                     "max_force,vertices,triangles,contacts,step_ms";
 enum { FIRST_COLUMN_COUNT = 12 };
 
-static const char *const tool_columns[] = {"force", "force_x",   "force_y", "force_z",  "contacts", "x",       "y",
-                                           "z",     "force_max", "held",    "torque_x", "torque_y", "torque_z"};
+static const char *const tool_columns[] = {"force",    "force_x",  "force_y",  "force_z",    "contacts",
+                                           "x",        "y",        "z",        "force_max",  "held",
+                                           "torque_x", "torque_y", "torque_z", "force_known"};
 enum { TOOL_COLUMN_COUNT = sizeof tool_columns / sizeof tool_columns[0], LONGEST_TOOL_COLUMN = 20 };
 
 static pel_status fail_series(const pel_run_series *series, int number, pel_error *error)
@@ -191,6 +192,7 @@ static void put_tool(pel_run_series *series, const pel_sim *sim, int32_t tool, d
     put_count(series, ",", reading.held_count);
     for (int i = 0; i < 3; i++)
         put_number(series, reading.torque[i]);
+    put_count(series, ",", reading.force_known);
 }
 
 static void put_support(pel_run_series *series, pel_sim *sim, int32_t body)

@@ -68,7 +68,8 @@ static void write_contact(pel_json *json, const pel_sim *sim)
                   {"passed_hull", s.passed_hull}, {"cubics", s.cubics},
                   {"pairs", s.contacts},          {"dropped", s.dropped},
                   {"rounds", s.rounds},           {"fall_backs", s.fall_backs},
-                  {"tools_held", s.tools_held},   {"tangled", s.tangled}};
+                  {"tools_held", s.tools_held},   {"steps_divided", s.steps_divided},
+                  {"tangled", s.tangled}};
     open_inline(json, "contact", '{');
     pel_json_number(json, "thickness", pel_sim_contact_thickness(sim));
     pel_json_open(json, "thickness_of", '{');

@@ -83,7 +83,8 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
         pel_substeps_follow(sim);
     sim->part.substeps = sim->solver.substeps;
     for (int32_t t = 0; t < sim->tools->count; t++) {
-        sim->tools->items[t].hold_is_counted = sim->tools->items[t].was_held_back = false;
+        sim->tools->items[t].hold_is_counted = sim->tools->items[t].was_held_back = sim->tools->items[t].was_stopped =
+            false;
         memset(sim->tools->items[t].force_sum, 0, sizeof sim->tools->items[t].force_sum);
         memset(sim->tools->items[t].torque_sum, 0, sizeof sim->tools->items[t].torque_sum);
     }
@@ -120,6 +121,7 @@ static void sum_readings(pel_sim *sim)
         pel_vec3_along(tool->force_sum, share, tool->force, tool->force_sum);
         pel_vec3_along(tool->torque_sum, share, tool->torque, tool->torque_sum);
         tool->was_held_back |= tool->is_held_back;
+        tool->was_stopped |= tool->is_stopped;
     }
 }
 
@@ -158,11 +160,14 @@ void pel_parts_end(pel_sim *sim, pel_status status)
         pel_sim_load(sim, parts->before, parts->before_size, NULL);
     if (is_whole)
         return;
+    if (status == PEL_OK && sim->contacts != NULL)
+        sim->contacts->statistics.steps_divided++;
     for (int32_t t = 0; t < sim->tools->count && status == PEL_OK; t++) {
         pel_tool *tool = &sim->tools->items[t];
         pel_vec3_copy(tool->force_sum, tool->force);
         pel_vec3_copy(tool->torque_sum, tool->torque);
         tool->is_held_back = tool->was_held_back;
+        tool->is_stopped = tool->was_stopped;
     }
 }
 

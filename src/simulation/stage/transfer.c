@@ -8,7 +8,8 @@ void pel_transfer(pel_cursor *at, void *data, size_t size)
 {
     bool is_short = at->load && size > at->size - at->at;
     at->is_short |= is_short;
-    if (is_short)
+    /* an empty list may have no memory */
+    if (is_short || size == 0)
         return;
     if (at->bytes != NULL && at->load)
         memcpy(data, at->bytes + at->at, size);

@@ -206,6 +206,7 @@ static void count_hold(pel_tool_tally *tally, double time)
 /* a tool that went only a part of its way was held back; if the guard did not stop it there it tries more next time */
 static void follow_stride(pel_tool *tool)
 {
+    tool->is_stopped = tool->is_held_back;
     if (!(tool->stride < 1))
         return;
     if (!tool->is_held_back)

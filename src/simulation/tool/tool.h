@@ -77,6 +77,7 @@ typedef struct pel_tool {
     pel_pose pose_substep;      /* at the start of the substep */
     bool blocked;               /* it was held back, and has not caught up with its keys yet */
     bool is_held_back;          /* the last step held it back */
+    bool is_stopped;            /* in it the guard took back its pose: the forces are those of another way */
     double stride;              /* of its way in a step, that it tries: less than 1 after it was held back */
     pel_tool_tally tally;       /* its history; in snapshots */
     bool driven;                /* the caller sets the pose, keys are not used any more */
@@ -91,7 +92,7 @@ typedef struct pel_tool {
     double (*anchors)[3];   /* (held_count) their places in the tool's frame */
     double force[3], torque[3];
     double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts done */
-    bool was_held_back, hold_is_counted;
+    bool was_held_back, was_stopped, hold_is_counted;
     bool is_on_its_way, blocked_before; /* during a step, which may fail: the values before it */
     double force_before[3], torque_before[3];
     int32_t contact_count;

@@ -129,6 +129,7 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, &tool->driven, sizeof tool->driven);
     pel_transfer(at, &tool->blocked, sizeof tool->blocked);
     pel_transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
+    pel_transfer(at, &tool->is_stopped, sizeof tool->is_stopped);
     pel_transfer(at, &tool->stride, sizeof tool->stride);
     pel_transfer(at, &tool->tally, sizeof tool->tally);
     pel_transfer(at, &tool->phase, sizeof tool->phase);
@@ -156,8 +157,8 @@ static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
     const pel_model *model = sim->model;
     if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || !is_flag(&tool->is_held_back) ||
-        !(tool->stride > 0 && tool->stride <= 1) || (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 ||
-        tool->plane_count > PEL_PLANE_LIMIT)
+        !is_flag(&tool->is_stopped) || !(tool->stride > 0 && tool->stride <= 1) ||
+        (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
         return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
         if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
@@ -174,7 +175,7 @@ bool pel_tools_restore(pel_sim *sim)
         pel_tool *tool = &sim->tools->items[t];
         tool->held_count = tool->plane_count = 0;
         tool->stride = 1;
-        tool->driven = tool->blocked = tool->is_held_back = false;
+        tool->driven = tool->blocked = tool->is_held_back = tool->is_stopped = false;
         tool->phase = PEL_GRASP_DONE;
     }
     return whole;
