@@ -3,10 +3,10 @@
    How near may a pair come? To the guarded distance; when it starts nearer than that, to 0.99 of where it starts, so
    that it can part and slide but not close in. */
 #include "contact/set.h"
-#include "math/extremes.h"
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "math/extremes.h"
 
 enum { HITS_OF_CHUNK = 64 };
 

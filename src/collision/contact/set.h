@@ -288,8 +288,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
-   what waits. is_first: in this
-   substep, nothing has acted yet; else what carries a load stays as it is. */
+   what waits. is_first: in this substep, nothing has acted yet; else what carries a load stays as it is. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at

@@ -1,11 +1,11 @@
 #include "tool/solid.h"
-#include "math/extremes.h"
 
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/sweep.h"
+#include "math/extremes.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
@@ -60,21 +60,14 @@ void pel_solids_destroy(pel_sim *sim)
 
 /* ---- search ---- */
 
-/* mean mass of the vertices that a contact of a tool with a vertex or triangle moves [kg] */
-static double mass_of(const pel_sim *sim, const pel_contact *contact, int count)
+/* m/N, of the layer between a tool and a vertex or the corners of a triangle, by their mean mass */
+static double compliance_of(const pel_sim *sim, const pel_contact *contact, int count)
 {
+    int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
     double mass = 0;
     for (int i = 0; i < count; i++)
         mass += (double)sim->model->mass[contact->vertices[i]];
-    return mass / count;
-}
-
-/* m/N, of the layer between a tool and a body; how fast they come on [m/s] tells how hard it has to be */
-static double compliance_of(const pel_sim *sim, const pel_contact *contact, int count, double speed)
-{
-    int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
-    double mass = mass_of(sim, contact, count);
-    return pel_contact_layer_compliance(&sim->layers[body], mass, speed, sim->step.dt);
+    return pel_contact_layer_compliance(&sim->layers[body], mass / count, 0, sim->step.dt);
 }
 
 static bool make_room(pel_sim_solids *solids, size_t count)
@@ -100,7 +93,7 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
     for (int i = 0; i < 4; i++)
         contact->vertices[i] = triangle < 0 ? vertex : sim->model->triangles[triangle][i < 3 ? i : 0];
     contact->weights[0] = triangle < 0;
-    contact->compliance = (pel_real)compliance_of(sim, contact, triangle < 0 ? 1 : 3, 0);
+    contact->compliance = (pel_real)compliance_of(sim, contact, triangle < 0 ? 1 : 3);
     *(triangle < 0 ? &solids->pair_of_vertex[vertex] : &solids->pair_of_triangle[triangle]) = (int32_t)count;
     solids->list.count++;
     return PEL_OK;

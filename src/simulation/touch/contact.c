@@ -156,7 +156,7 @@ static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thi
 }
 
 /* thickness of bodies, at most the length of their edges, and of tools */
-static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
+static pel_status set_groups(pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
 {
     edge_place shortest = {.length = HUGE_VAL};
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -167,7 +167,7 @@ static pel_status set_groups(const pel_sim *sim, pel_contact_set_def *def, pel_c
     for (int32_t i = 0; status == PEL_OK && i < def->body_count + def->obstacle_count; i++) {
         groups[i] = group_of(sim, i, def->thickness);
         if (i < def->body_count) {
-            pel_layer_set_thickness((pel_sim *)(uintptr_t)sim, i, groups[i].thickness);
+            pel_layer_set_thickness(sim, i, groups[i].thickness);
             groups[i].hardness = sim->layers[i].hardness;
         }
         edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
