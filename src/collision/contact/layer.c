@@ -7,7 +7,7 @@
 /* of mass / dt^2 */
 #define STIFF 1000.0
 
-/* of the thickness: what is nearer to its layer is looked at in every substep */
+/* of the thickness: update pairs nearer to their layer in every substep */
 #define NEAR_SHARE 0.1
 /* substeps at most */
 enum { LONGEST_WAIT = 8 };

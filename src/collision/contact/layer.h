@@ -13,9 +13,9 @@ typedef struct pel_contact_layer {
     double hardness;  /* N/(m kg): E A / l over the mass of the area A, where what gives way is l thick; 0 = unknown */
 } pel_contact_layer;
 
-/* Compliance [m/N] of the layer before a mass [kg] of a body: l / (E A), unless that is too soft to stop what comes on
-   with a speed [m/s] within half of the thickness. A body without a modulus has a layer that gravity does not press in
-   in steps of dt [s]. */
+/* Compliance [m/N] of the layer before a mass [kg] of a body: l / (E A), or less if an approach with
+   this speed [m/s] has to stop within half of the thickness. A body without a modulus has a layer that gravity does not
+   press in in steps of dt [s]. */
 double pel_contact_layer_compliance(const pel_contact_layer *layer, double mass, double speed, double dt);
 
 /* Substeps in which a pair that is farther apart than its layer by `room` need not be looked at: as many as take at

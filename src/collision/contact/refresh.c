@@ -68,7 +68,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep)
     }
 }
 
-/* m, what is left of the slack of a pair: it goes evenly, for what is pushed out in one substep is thrown off */
+/* m, present slack of a pair: reduce it evenly over the substeps, since a jump would turn into velocity */
 static double slack_of(const pel_contact_set *set, const pel_contact_key *key)
 {
     double gain = set->largest * set->elapsed / PEL_CONTACT_RECOVERY_TIME;
@@ -311,9 +311,6 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
     double x[4][3], weights[4], normal[3], before = key->gap, thickness;
-    /* what acts is taken back, if at all, the way that it acted: else energy would appear where normals turn */
-    if (!job->is_first && contact->multiplier > 0)
-        return;
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
@@ -347,7 +344,7 @@ static void refresh_chunk(void *context, int32_t chunk)
     uint8_t *waits = job->set->waits;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
     for (int32_t c = begin; c < end && c < job->set->list.count; c++) {
-        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
         if (!job->is_first && job->set->list.contacts[c].multiplier > 0)
             continue;
         if (waits[c] > 0 && !job->looks_at_all)

@@ -181,7 +181,7 @@ bool pel_contact_set_expect(pel_contact_set *set, int32_t count)
            make_room(set, needed, NULL) == PEL_OK;
 }
 
-/* the most that surfaces which stray make of it [m] */
+/* upper bound of the margin [m] */
 static double most_margin(const pel_contact_set *set)
 {
     return pel_max(MOST_MARGIN * set->def.shortest_edge, LEAST_MARGIN * set->largest);
@@ -242,7 +242,7 @@ typedef struct merger {
     pel_contact_set *set;
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
-    bool is_anew;                 /* what is not found again is forgotten */
+    bool is_anew;                 /* drop contacts that are not found again */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
 } merger;
 
@@ -285,7 +285,7 @@ static double side_mass(const pel_contact_set *set, const pel_collision *pair, i
     return count > 0 ? mass / count : 0;
 }
 
-/* The weaker side decides how hard the layer is. It is hard enough to stop what comes on in this step. */
+/* of the weaker side, and low enough to stop the approach in this step */
 static double compliance_of(const pel_contact_set *set, const pel_collision *pair, double thickness)
 {
     int middle = pair->edge_edge ? 2 : 1;
@@ -676,7 +676,7 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     for (int32_t c = 0; c < set->list.count; c++)
         if (!set->keys[c].is_impact)
             set->list.contacts[c].separation -= (pel_real)beyond_aim(set, &set->keys[c]);
-    /* what layers would give way by in no time at all: nothing */
+    /* rigid: a compliance over an infinite substep vanishes */
     double substep = set->list.substep;
     set->list.substep = HUGE_VAL;
     for (int32_t i = 0; i < sweeps; i++)

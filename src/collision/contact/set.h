@@ -95,7 +95,7 @@ typedef struct pel_contact_key {
     double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;      /* m, between the features, when it was looked at last */
     double load, earlier, /* N, along the normal in the last substep and the one before */
-        drag[3];          /* N, across it: what acted last, and acts first in the next substep */
+        drag[3];          /* N, across it; warm start of the next substep */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -210,7 +210,7 @@ pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_se
 void pel_contact_set_destroy(pel_contact_set *set);
 /* Before a step: nothing has pushed in it, and the margin gets smaller if it was not widened in the last one. */
 void pel_contact_set_calm(pel_contact_set *set);
-/* What strays from the way that was expected asks for a wider margin. */
+/* Doubles the margin, after positions deviated from the prediction. */
 void pel_contact_set_widen(pel_contact_set *set);
 /* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
    near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
@@ -284,11 +284,11 @@ void pel_contact_set_place_substep(pel_contact_set *set);
 void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
 /* At the start of a substep of this length [s]: the points of obstacles at both its ends. */
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
-/* After the last substep: the loads in the multipliers are kept, and what is left of slacks. */
+/* After the last substep: store the loads of the multipliers and the remaining slacks. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
-   what waits. is_first: in this substep, nothing has acted yet; else what carries a load stays as it is. */
+   what waits. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at

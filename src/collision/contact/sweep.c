@@ -4,8 +4,8 @@
        dx_i = m_i w_i d n,        m inverse mass,
 
    so that the gap grows by d sum_k m_k w_k^2 (Macklin, Mueller and Chentanez 2016, XPBD, eq. 18). Multipliers are kept
-   from substep to substep: the load that a contact carried acts before the first sweep, and sweeps give and take back
-   what has changed. Without compliance a load that cannot be carried would grow for ever; with it the load is the
+   from substep to substep: the last load acts before the first sweep (warm start), and sweeps add or remove the
+   difference. Without compliance an infeasible load would grow without bound; with it the load is the
    stiffness times the depth, and hardly depends on the length of a step. Friction has the same mobility along every
    direction, and Coulomb's cone is one on the multipliers: |drag| <= friction multiplier. */
 #include "contact/sweep.h"
@@ -110,7 +110,7 @@ void pel_contact_switch_off(pel_contact *contact)
         contact->drag[k] = 0;
 }
 
-/* what is left of the drag lies across the present normal */
+/* project the drag onto the present tangent plane */
 static void turn_drag(pel_contact *contact)
 {
     double along = 0;

@@ -322,7 +322,7 @@ static int32_t pressed_count(const pel_run_state *run, int32_t t)
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
-/* what touches anything is not among the unbalanced forces */
+/* unbalanced forces exclude vertices in contact */
 static void check_rest(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *sim = &run->scene->sim;

@@ -19,7 +19,7 @@
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.1
 #define DEPTH_TOLERANCE 0.01
-/* of the thickness: after larger corrections contacts are found anew between two sweeps */
+/* of the thickness: larger corrections update the contacts between two sweeps */
 #define REFRESH_SHARE 0.25
 
 static pel_status create(pel_sim *sim, pel_error *error)
@@ -49,7 +49,7 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
-/* kept loads act at the predicted positions, where the contacts are found anew */
+/* update the contacts at the predicted positions and apply the kept loads */
 static void begin_contacts(pel_sim *sim, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
@@ -146,7 +146,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
 }
 
-/* before a substep: where surfaces stray from the way that was expected, the pairs are found anew */
+/* before a substep: search the pairs again if positions deviate from the prediction */
 static pel_status follow_pairs(pel_sim *sim, int32_t number, pel_error *error)
 {
     const pel_record *now = sim->state->position_next;

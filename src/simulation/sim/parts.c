@@ -1,5 +1,5 @@
-/* Steps in parts. Contacts are tested along straight ways from the start to the end of a step. Where surfaces go far in
-   a step, or round each other, the guard would step them back from where they could go; an implicit step may have no
+/* Steps in parts. Contacts are tested along straight ways from the start to the end of a step. If surfaces move
+   far in a step, or around each other, the guard would step back feasible motion; an implicit step may have no
    solution near its start. Such a step is repeated in halves, each with its own search, substeps and guard, and divided
    again if necessary. Parts grow after a number of good ones. */
 #include "sim/parts.h"

@@ -46,7 +46,7 @@ typedef struct pel_step_part {
     bool is_repeated;  /* repeat it, with shorter strides of tools */
     int32_t repeat_count;
     bool can_halve;         /* false = all steps are whole */
-    int32_t conflict_count; /* of what moves far, when this part was refused last; 0 = it was not */
+    int32_t conflict_count; /* conflicts of fast motion when this part was last refused; 0 = it was not */
 } pel_step_part;
 
 /* Gaps between surfaces exceed the thickness by this share of it, with a slightly smaller tolerance: nothing has to be

@@ -203,7 +203,7 @@ static void count_hold(pel_tool_tally *tally, double time)
     tally->held_back_count++;
 }
 
-/* a tool that went only a part of its way was held back; if the guard did not stop it there it tries more next time */
+/* count a shortened stride as held back, and double it if the guard did not act */
 static void follow_stride(pel_tool *tool)
 {
     tool->is_stopped = tool->is_held_back;

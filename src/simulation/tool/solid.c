@@ -138,7 +138,7 @@ static pel_status keep_pairs(pel_sim_solids *solids, pel_error *error)
     return PEL_OK;
 }
 
-/* the pairs of a tool from `begin` on go on from the last step */
+/* copy the loads of the last step to the pairs of a tool from `begin` on */
 static void take_kept(pel_sim *sim, int32_t tool, int32_t begin)
 {
     pel_sim_solids *solids = sim->tools->solids;
@@ -383,7 +383,7 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
             pair->wait--;
             continue;
         }
-        /* what carries a load keeps its plane in the substep, or it could not be taken back */
+        /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
         if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
             continue;
         pair->is_near = true;

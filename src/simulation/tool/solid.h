@@ -12,14 +12,13 @@ typedef struct pel_solid_pair {
     int32_t tool;
     int32_t triangle; /* -1 = the vertex */
     int32_t vertex;
-    pel_solid solid; /* that the triangle is kept out of */
-    bool is_known;   /* its slack is */
-    bool is_near;    /* it may touch in this substep */
-    int32_t wait;    /* substeps before which it is not looked at again */
-    double distance; /* m, of a vertex, at the last look */
-    double slack;    /* m, by which it may be in the tool: it was so at the start */
-    double load, earlier,
-        drag[3]; /* N, along the normal and across it: what acted last, and acts first in the next substep */
+    pel_solid solid;               /* that the triangle is kept out of */
+    bool is_known;                 /* its slack is */
+    bool is_near;                  /* it may touch in this substep */
+    int32_t wait;                  /* substeps before which it is not looked at again */
+    double distance;               /* m, of a vertex, at the last look */
+    double slack;                  /* m, by which it may be in the tool: it was so at the start */
+    double load, earlier, drag[3]; /* N, along the normal and across it; warm start of the next substep */
 } pel_solid_pair;
 
 struct pel_sim_solids {
@@ -45,7 +44,7 @@ void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool);
 /* At the start of a substep of this length [s]: kept loads in the multipliers, and less slack. */
 void pel_solids_begin_substep(pel_sim *sim, double substep);
 /* Contacts at position_next and the present poses; multipliers are kept. start (vertex_count): positions at the start
-   of the substep. is_first: in this substep, nothing has acted yet; else what carries a load stays as it is. */
+   of the substep. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
 
 /* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */

@@ -22,14 +22,6 @@ static void forget_touches(pel_tool *tool)
     pel_vec3_set(tool->torque, 0, 0, 0);
 }
 
-void pel_tools_forget_step(pel_sim *sim)
-{
-    for (int32_t i = 0; i < sim->tools->count; i++) {
-        forget_touches(&sim->tools->items[i]);
-        sim->tools->items[i].pose = sim->tools->items[i].pose_before;
-    }
-}
-
 static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
 {
     tool->is_on_its_way = true;

@@ -7,8 +7,6 @@
 
 /* Begins a step: sets the wanted poses at `time` and updates grasps. The tools are moved to their wanted poses. */
 void pel_tools_begin(pel_sim *sim, double time);
-/* Before repeating the substeps of a step. */
-void pel_tools_forget_step(pel_sim *sim);
 /* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
  */
 void pel_tools_place(pel_sim *sim, double share);

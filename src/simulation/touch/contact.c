@@ -26,7 +26,7 @@
 
 enum { SWEEP_PRESET = 10, ROUND_LIMIT = 10, LAYER_ROUNDS = 2, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2 };
 
-/* of the guarded distance: what is corrected is this far apart */
+/* corrected pairs keep this share of the guarded distance */
 #define CLEAR_SHARE 1.5
 
 /* ---- creation ---- */
@@ -409,8 +409,8 @@ static void expect_held(pel_sim *sim, double share)
     pel_tools_place(sim, share);
 }
 
-/* Positions at the end of the step, from the velocity and its mean change in the last one: what rests or hangs is
-   expected to stay, and what falls to fall on. */
+/* Positions at the end of the step, from the velocity and its mean change in the last one, so that resting and
+   falling bodies are predicted well. */
 static void expect_vertices(pel_sim *sim)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -569,16 +569,16 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* of a tool: what the guard left of its way, less a little, and this share at least; not repeated from the least on */
+/* of a tool: try 0.9 of the way that the guard allowed, at least STRIDE_SHARE; at LEAST_STRIDE accept the guard */
 #define SAFE_SHARE 0.9
 #define STRIDE_SHARE 0.05
 #define LEAST_STRIDE 0.01
 enum { MOST_REPEATS = 3 };
 
-/* relative to the mean edge: what goes farther in a part has no place for its impact */
+/* relative to the mean edge: longer motions in a part do not locate an impact */
 #define FAR_SHARE 0.25
 
-/* conflicts of what moves far, and of straight ways that cut where the surfaces went round each other */
+/* conflicts of fast motion, and of straight paths that cut a corner although their ends are free */
 static int32_t count_far_conflicts(const pel_contact_set *contacts)
 {
     int32_t count = 0;
@@ -622,8 +622,8 @@ static pel_status guard(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* A tool that cannot reach its pose tries a part of the way: true = the part of the step has to be done anew. The force
-   and the work of a tool are then those of the way that it went. */
+/* Shortens the stride of tools that cannot reach their pose; true = repeat the part of the step, so that forces and
+   work of a tool belong to its actual motion. */
 static bool shorten_strides(pel_sim *sim)
 {
     bool shortened = false;

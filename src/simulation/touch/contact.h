@@ -46,7 +46,8 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
 /* Whether a vertex is where it was not expected after a share of the step: pairs may be missing. now (vertex_count):
    present positions. */
 bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share);
-/* Finds pairs anew for the rest of the step. base (vertex_count): positions one substep before. Loads are kept. */
+/* Searches the pairs again for the rest of the step. base (vertex_count): positions one substep before. Loads are kept.
+ */
 pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
                                    pel_error *error);
 /* Between steps: contacts of these groups carry nothing any more, nor does a tool's with a body. */
