@@ -12,6 +12,7 @@
 #include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
+#include "run/warnings_shell.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
 
@@ -54,7 +55,8 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
     [PEL_WARN_HELD_IN_PLACE] = "held-in-place",     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
-    [PEL_WARN_CLOSE_START] = "close-start",
+    [PEL_WARN_CLOSE_START] = "close-start",         [PEL_WARN_HINGE_ROW] = "hinge-row",
+    [PEL_WARN_COARSE_LOAD] = "coarse-load",         [PEL_WARN_COARSE_MODE] = "coarse-mode",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -215,6 +217,8 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 {
     double softness = pel_sim_softness(run->sim);
     pel_status status = check_start(run, error);
+    if (status == PEL_OK)
+        status = pel_warnings_check_rows(run, error);
     if (softness > SOFTNESS_LIMIT)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
     for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
@@ -288,6 +292,7 @@ void pel_warnings_check_step(pel_run_state *run)
     if (share >= JAM_SHARE)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
     check_grasps(run, frame);
+    pel_warnings_check_mode(run);
     run->contact_before = now;
     check_tools(run, frame);
 }
@@ -356,6 +361,7 @@ void pel_warnings_check_end(pel_run_state *run)
     for (int32_t t = 0; t < run->tool_count; t++)
         if (is_idle(run, t))
             pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
+    pel_warnings_check_loads(run);
     check_rest(run, frame);
 }
 
@@ -712,6 +718,21 @@ static void tell_unsettled(const text_context *at)
              at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
+static void tell_row(const text_context *at)
+{
+    pel_warnings_tell_row(at->run, at->text, at->size);
+}
+
+static void tell_load(const text_context *at)
+{
+    pel_warnings_tell_load(at->run, at->text, at->size);
+}
+
+static void tell_mode(const text_context *at)
+{
+    pel_warnings_tell_mode(at->run, at->text, at->size);
+}
+
 static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
@@ -732,6 +753,9 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
     [PEL_WARN_CLOSE_START] = tell_close_start,
+    [PEL_WARN_HINGE_ROW] = tell_row,
+    [PEL_WARN_COARSE_LOAD] = tell_load,
+    [PEL_WARN_COARSE_MODE] = tell_mode,
 };
 
 /* created energy is compared with all energy supplied until the end of the run */
@@ -769,7 +793,7 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 static bool is_of_scene(int kind)
 {
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
-           kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START;
+           kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

@@ -1,0 +1,376 @@
+/* Hinges. Pinned vertices hold positions, not rotations. If all held vertices of a body lie on a line, the body turns
+   about it. That is meant for a door, and does not matter for cloth, which its own stiffness could not hold up either.
+   It is told where a clamp could: with the moment M of the loads about the row, its length w, the length L of the body
+   across it and the bending stiffness D, a clamped strip sags by s = M L / (3 D w) of its length (a force at its end;
+   3/4 of that under its weight). Told where s < 1.
+
+   Loads on few vertices. Under a force P normal to a plate with the bending stiffness D, elements with edges e give a
+   deflection under the force that is too large by POINT_ERROR P e^2 / D: measured on a clamped disc with edges of 1/4,
+   1/8, 1/16 of its radius, 0.104, 0.131, 0.159. On a sphere with edges of 0.72, 0.36, 0.18, 0.12 sqrt(R h) the errors
+   are 0.22, 0.45, 0.7, 1 of that. Over a region of radius r the error falls by 1 + (r / e)^2. It is compared with the
+   displacement.
+
+   Modes. Per edge a mode u has the mean turn q = sum |u_i - u_j|^2 / sum (|u_i|^2 + |u_j|^2), which for a wave of n
+   edges is (pi / n)^2, averaged over the directions of edges. Loads of buckling need about ten edges per wave
+   (docs/statics.md: 2 % with 16 on a sphere, and the error grows with the square of the edges). */
+#include "run/warnings_shell.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "boundary/hold.h"
+#include "boundary/loads.h"
+#include "math/extremes.h"
+#include "math/functions.h"
+#include "math/vec3.h"
+#include "minimise/step_modes.h"
+#include "model/shell.h"
+#include "pellicle/sim_surface.h"
+#include "run/state.h"
+#include "stage/stepper.h"
+#include "tool/tool.h"
+
+#include <stdio.h>
+
+/* of the size, that held vertices may be beside the line of a row */
+#define ROW_WIDTH 1e-4
+/* of its length, that a clamped body would sag by */
+#define MOST_SAG 1.0
+/* of all moments of single vertices, that is rounding */
+#define LEAST_MOMENT 1e-6
+#define POINT_ERROR 0.15
+#define MOST_ERROR 0.05
+#define GOOD_ERROR 0.03
+/* edges of a wave of a mode: a frequency has half the error of a stiffness */
+#define LEAST_BUCKLING_WAVE 10.0
+#define LEAST_WAVE 7.0
+#define PI 3.14159265358979323846
+
+static bool bends(const pel_run_state *run, int32_t b)
+{
+    const pel_shell *shell = run->sim->model->bodies[b].shell;
+    return shell != NULL && shell->has_membrane && pel_bending_is_on(shell->bending) && shell->hinge_stiffness > 0 &&
+           pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method));
+}
+
+/* ---- rows ---- */
+
+/* the held vertices of a body: ends of their line */
+typedef struct held_row {
+    const pel_run_state *run;
+    int32_t body, first, end; /* places of the body */
+    uint8_t *held;            /* (places) */
+    double start[3], axis[3], length;
+} held_row;
+
+static void rest_of(const held_row *row, int32_t place, double x[3])
+{
+    pel_vertex_position(row->run->sim->model->rest, place, x);
+}
+
+/* distance from the line of the row, and the arm there */
+static double arm_of(const held_row *row, int32_t place, double arm[3])
+{
+    rest_of(row, place, arm);
+    pel_vec3_subtract(arm, row->start, arm);
+    pel_vec3_along(arm, -pel_vec3_dot(arm, row->axis), row->axis, arm);
+    return pel_vec3_length(arm);
+}
+
+static void mark_held(held_row *row)
+{
+    const pel_sim *sim = row->run->sim;
+    for (int32_t v = row->first; v < row->end; v++)
+        row->held[v - row->first] = sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0);
+    for (int32_t i = 0; sim->holds != NULL && i < sim->holds->held_count; i++) {
+        int32_t v = sim->holds->held[i].vertex;
+        if (v >= row->first && v < row->end)
+            row->held[v - row->first] = 1;
+    }
+    for (int32_t i = 0; sim->holds != NULL && i < sim->holds->spring_count; i++) {
+        int32_t v = sim->holds->springs[i].vertex;
+        if (v >= row->first && v < row->end)
+            row->held[v - row->first] = 1;
+    }
+}
+
+/* all held vertices are on one line, with an edge between two of them */
+static bool find_row(held_row *row)
+{
+    const pel_model *model = row->run->sim->model;
+    double size = model->bodies[row->body].diameter, x[3];
+    int32_t first = -1;
+    for (int32_t v = row->first; v < row->end; v++) {
+        if (!row->held[v - row->first])
+            continue;
+        if (first < 0) {
+            rest_of(row, v, row->start);
+            first = v;
+        }
+        rest_of(row, v, x);
+        pel_vec3_subtract(x, row->start, x);
+        double length = pel_vec3_length(x);
+        if (length > row->length) {
+            row->length = length;
+            pel_vec3_scale(x, 1 / length, row->axis);
+        }
+    }
+    for (int32_t v = row->first; v < row->end; v++)
+        if (row->held[v - row->first] && arm_of(row, v, x) > ROW_WIDTH * size)
+            return false;
+    const pel_shell *shell = model->bodies[row->body].shell;
+    for (int32_t t = 0; row->length > 0 && t < shell->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            if (row->held[shell->corners[t][i] - row->first] && row->held[shell->corners[t][(i + 1) % 3] - row->first])
+                return true;
+    return false;
+}
+
+/* something else may hold it: clamps, grasps, volumetric springs */
+static bool is_held_otherwise(const pel_run_state *run, int32_t b)
+{
+    const pel_sim *sim = run->sim;
+    bool is_held = sim->model->bodies[b].has_volumetric;
+    for (int32_t h = 0; sim->holds != NULL && h < sim->holds->hold_count; h++)
+        is_held |= sim->holds->holds[h].body == b && sim->holds->holds[h].fixes_rotation;
+    for (int32_t t = 0; t < run->scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &run->scene->sim.tools[t];
+        is_held |= tool->grasp && (tool->body == b || tool->body < 0);
+    }
+    return is_held;
+}
+
+/* adds the moment of a force about the row to a sum, and its size to another */
+static void add_moment(const held_row *row, int32_t place, const double force[3], double moment[2])
+{
+    double arm[3], turned[3];
+    double length = arm_of(row, place, arm);
+    pel_vec3_cross(arm, force, turned);
+    moment[0] += pel_vec3_dot(turned, row->axis);
+    moment[1] += length * pel_vec3_length(force);
+}
+
+static double size_of_moment(const double moment[2])
+{
+    return fabs(moment[0]) > LEAST_MOMENT * moment[1] ? fabs(moment[0]) : 0;
+}
+
+/* N m about the row: of the weight, of each load and of the pressure, as if all turned it the same way */
+static double find_moment(const held_row *row)
+{
+    const pel_sim *sim = row->run->sim;
+    const pel_model *model = sim->model;
+    const pel_body_def *def = &row->run->scene->model.bodies[row->body];
+    double weight[2] = {0}, pressure[2] = {0}, sum = 0;
+    for (int32_t v = row->first; v < row->end; v++) {
+        double force[3];
+        if (!(model->inverse_mass[v] > 0))
+            continue;
+        pel_vec3_scale(row->run->scene->model.gravity, 1 / (double)model->inverse_mass[v], force);
+        add_moment(row, v, force, weight);
+    }
+    sum += size_of_moment(weight);
+    for (int32_t l = 0; l < sim->loads->count; l++) {
+        const pel_load *load = &sim->loads->items[l];
+        double own[2] = {0};
+        for (int32_t i = 0; load->body == row->body && i < load->vertex_count; i++) {
+            double force[3];
+            pel_vec3_scale(load->force, load->weights[i], force);
+            add_moment(row, load->vertices[i], force, own);
+        }
+        sum += size_of_moment(own);
+    }
+    for (int32_t t = 0; t < model->bodies[row->body].shell->triangle_count; t++) {
+        const int32_t *corners = model->bodies[row->body].shell->corners[t];
+        double x[3][3], force[3];
+        for (int i = 0; i < 3; i++)
+            rest_of(row, corners[i], x[i]);
+        pel_vec3_triangle_normal(x[0], x[1], x[2], force);
+        pel_vec3_scale(force, def->shell.pressure.outside.value / 6, force);
+        for (int i = 0; i < 3; i++)
+            add_moment(row, corners[i], force, pressure);
+    }
+    return sum + size_of_moment(pressure);
+}
+
+static void check_row(pel_run_state *run, held_row *row)
+{
+    double arm[3], across = 0;
+    mark_held(row);
+    if (!find_row(row))
+        return;
+    for (int32_t v = row->first; v < row->end; v++)
+        if (run->sim->model->mesh_vertex[v] >= 0)
+            across = pel_max(across, arm_of(row, v, arm));
+    double moment = find_moment(row), stiffness = run->sim->model->bodies[row->body].shell->hinge_stiffness;
+    if (!(moment > 0) || !(moment * across < MOST_SAG * 3 * stiffness * row->length))
+        return;
+    if (run->totals.warnings.of[PEL_WARN_HINGE_ROW].count == 0)
+        run->flagged[PEL_WARN_HINGE_ROW] = (pel_flagged_body){row->body, row->length, 0};
+    pel_warn(&run->totals.warnings, PEL_WARN_HINGE_ROW, 0, row->length);
+}
+
+pel_status pel_warnings_check_rows(pel_run_state *run, pel_error *error)
+{
+    const pel_model *model = run->sim->model;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        held_row row = {.run = run, .body = b, .first = model->bodies[b].slice_begin * PEL_WIDTH};
+        if (!bends(run, b) || is_held_otherwise(run, b) || run->scene->sim.solver.analysis != PEL_ANALYSIS_NONE)
+            continue;
+        row.end = pel_body_place_end(model, b);
+        row.held = pel_allocate((size_t)(row.end - row.first), sizeof *row.held);
+        if (row.held == NULL)
+            return pel_fail_memory(error);
+        check_row(run, &row);
+        pel_free(row.held);
+    }
+    return PEL_OK;
+}
+
+void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size)
+{
+    snprintf(
+        text, size,
+        "body '%s' is held along one row of vertices, and turns about it as on a hinge. to clamp it, use supports: "
+        "[ { at: ..., rotation: fixed } ] under static and implicit, or pin a second row beside the first",
+        run->scene->model.bodies[run->flagged[PEL_WARN_HINGE_ROW].body].name);
+}
+
+/* ---- modes ---- */
+
+/* edges per wave */
+static double wave_of(const pel_sim *sim, const double *mode)
+{
+    double turn = 0, sum = 0;
+    for (int32_t t = 0; t < sim->model->triangle_count; t++)
+        for (int i = 0; i < 3; i++) {
+            const double *a = mode + 3 * (size_t)sim->model->triangles[t][i],
+                         *b = mode + 3 * (size_t)sim->model->triangles[t][(i + 1) % 3];
+            for (int k = 0; k < 3; k++) {
+                turn += (a[k] - b[k]) * (a[k] - b[k]);
+                sum += a[k] * a[k] + b[k] * b[k];
+            }
+        }
+    return PI / sqrt(pel_max(turn, 1e-12 * sum) / sum);
+}
+
+void pel_warnings_check_mode(pel_run_state *run)
+{
+    const pel_sim *sim = run->sim;
+    if (sim->modes == NULL || !sim->modes->is_solved || sim->modes->count == 0)
+        return;
+    int32_t number = (int32_t)((sim->state->step - 1) % sim->modes->count);
+    double wave = wave_of(sim, pel_modes_vector(sim->modes->modes, number));
+    bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
+    double least = buckles ? LEAST_BUCKLING_WAVE : LEAST_WAVE;
+    if (!(wave < least))
+        return;
+    if (run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0)
+        run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){number, wave, least};
+    pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count, -wave);
+}
+
+void pel_warnings_tell_mode(const pel_run_state *run, char *text, size_t size)
+{
+    const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_MODE];
+    bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
+    snprintf(text, size,
+             "the mesh is too coarse for mode %d: its waves are %.2g edges long, and %s from fewer than %.0f are not "
+             "those of the shell. subdivide the mesh (pellicle subdivide -n %.0f)",
+             (int)flagged->body + 1, flagged->value, buckles ? "load factors" : "frequencies", flagged->limit,
+             pel_max(ceil(pel_log2(flagged->limit / flagged->value)), 1));
+}
+
+/* ---- loads ---- */
+
+/* how a load acts on a shell: the vertex with most of it, the edges there, its radius around it */
+typedef struct load_spot {
+    int32_t vertex;
+    double normal[3], edge, radius, displacement[3];
+} load_spot;
+
+static int32_t heaviest_of(const pel_load *load)
+{
+    int32_t heaviest = 0;
+    for (int32_t i = 1; i < load->vertex_count; i++)
+        if (load->weights[i] > load->weights[heaviest])
+            heaviest = i;
+    return load->vertices[heaviest];
+}
+
+static load_spot find_spot(const pel_sim *sim, const pel_load *load)
+{
+    load_spot spot = {.vertex = heaviest_of(load)};
+    const pel_shell *shell = sim->model->bodies[load->body].shell;
+    double x[3][3], normal[3], sum = 0, weights = 0, at[3];
+    int32_t count = 0;
+    pel_vertex_position(sim->model->rest, spot.vertex, at);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        const int32_t *v = shell->corners[t];
+        if (v[0] != spot.vertex && v[1] != spot.vertex && v[2] != spot.vertex)
+            continue;
+        for (int i = 0; i < 3; i++)
+            pel_vertex_position(sim->model->rest, v[i], x[i]);
+        pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
+        pel_vec3_add(spot.normal, normal, spot.normal);
+        for (int i = 0; i < 3; i++, count++)
+            spot.edge += pel_vec3_distance(x[i], x[(i + 1) % 3]);
+    }
+    spot.edge /= pel_max(count, 1);
+    pel_vec3_normalize(spot.normal);
+    for (int32_t i = 0; i < load->vertex_count; i++) {
+        pel_vertex_position(sim->model->rest, load->vertices[i], x[0]);
+        double distance = pel_vec3_distance(x[0], at);
+        sum += load->weights[i] * distance * distance;
+        weights += load->weights[i];
+    }
+    /* of a disc the mean square is half that of its radius */
+    spot.radius = weights > 0 ? sqrt(2 * sum / weights) : 0;
+    pel_vertex_position(sim->state->position, spot.vertex, x[0]);
+    pel_vec3_subtract(x[0], at, spot.displacement);
+    return spot;
+}
+
+/* of the displacement under the load; 0 where nothing is known */
+static double error_of(const pel_run_state *run, const pel_load *load, const load_spot *spot)
+{
+    const pel_sim *sim = run->sim;
+    double force = 0, stiffness = sim->model->bodies[load->body].shell->hinge_stiffness;
+    for (int32_t i = 0; i < load->vertex_count; i++)
+        force += load->weights[i] * fabs(pel_vec3_dot(load->force, spot->normal));
+    bool rests = pel_stepper_of(run->scene->sim.solver.method)->is_static;
+    double way = rests ? fabs(pel_vec3_dot(spot->displacement, spot->normal)) : run->measures.max_displacement;
+    double share = spot->radius / spot->edge;
+    double error = POINT_ERROR * force * spot->edge * spot->edge / stiffness / (1 + share * share);
+    return way > 0 ? error / way : 0;
+}
+
+void pel_warnings_check_loads(pel_run_state *run)
+{
+    const pel_sim *sim = run->sim;
+    for (int32_t l = 0; l < sim->loads->count && sim->modes == NULL; l++) {
+        const pel_load *load = &sim->loads->items[l];
+        bool is_force = load->kind == PEL_LOAD_TOTAL || load->kind == PEL_LOAD_PER_VERTEX;
+        bool is_local = load->vertex_count > 0 && load->vertex_count < pel_sim_vertex_count(sim, load->body);
+        if (!is_force || !is_local || !bends(run, load->body))
+            continue;
+        const load_spot spot = find_spot(sim, load);
+        double error = error_of(run, load, &spot);
+        if (!(error > MOST_ERROR))
+            continue;
+        if (run->totals.warnings.of[PEL_WARN_COARSE_LOAD].count == 0)
+            run->flagged[PEL_WARN_COARSE_LOAD] = (pel_flagged_body){l, spot.edge, spot.edge * sqrt(GOOD_ERROR / error)};
+        pel_warn(&run->totals.warnings, PEL_WARN_COARSE_LOAD, run->totals.frame_count - 1, error);
+    }
+}
+
+void pel_warnings_tell_load(const pel_run_state *run, char *text, size_t size)
+{
+    const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_LOAD];
+    bool is_known = flagged->body < run->sim->loads->count;
+    const pel_load *load = is_known ? &run->sim->loads->items[flagged->body] : NULL;
+    snprintf(text, size,
+             "the edges of body '%s' are %.2g m long under load '%s', too long for so small a load: the dent is too "
+             "deep. use edges of about %.2g m there (pellicle subdivide), or distribute the load over a larger region",
+             is_known ? run->sim->model->bodies[load->body].name : "", flagged->value, is_known ? load->name : "",
+             flagged->limit);
+}

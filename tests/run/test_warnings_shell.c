@@ -1,0 +1,146 @@
+/* Warnings about shells: rows of vertices that are hinges, loads and modes that a mesh is too coarse for. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/run_fixture.h"
+
+static const char *const no_change[1];
+
+/* the text of a warning of a run, or null */
+static const char *warning_of(const char *text, const char *const *overrides, int32_t count, const char *code,
+                              pel_run_summary *summary)
+{
+    pel_scene *scene = load_scene(text, overrides, count);
+    pel_run_def def = pel_run_def_default();
+    pel_error error;
+    def.skip_intersections = true;
+    pel_status status = pel_run(scene, &def, summary, &error);
+    if (status != PEL_OK)
+        print_error("%s\n", error.what);
+    assert_int_equal(status, PEL_OK);
+    pel_scene_destroy(scene);
+    for (int32_t i = 0; i < summary->warning_count; i++)
+        if (strcmp(summary->warnings[i].code, code) == 0)
+            return summary->warnings[i].text;
+    return NULL;
+}
+
+static bool warns(const char *text, const char *const *overrides, int32_t count, const char *code)
+{
+    pel_run_summary summary;
+    return warning_of(text, overrides, count, code, &summary) != NULL;
+}
+
+/* a strip 0.5 m long of 4 mm of aluminium */
+#define STRIP(held, more)                                                                                              \
+    "version: 1\nbodies:\n  - name: shelf\n"                                                                           \
+    "    mesh: { shape: grid, nx: 10, ny: 4, size_x: 0.5, size_y: 0.2 }\n"                                             \
+    "    membrane: { young: 7.0e10, poisson: 0.3, thickness: 0.004 }\n"                                                \
+    "    mass: { density: 2700 }\n    " held "\n" more
+#define ROW "pinned: { box: { min: [-1, -1, -1], max: [-0.249, 1, 1] } }"
+#define TWO_ROWS "pinned: { box: { min: [-1, -1, -1], max: [-0.199, 1, 1] } }"
+#define CORNERS "pinned: { vertices: [0, 44] }"
+#define CLAMP "supports: [ { at: { box: { min: [-1, -1, -1], max: [-0.249, 1, 1] } }, rotation: fixed } ]"
+#define WEIGHT "gravity: [0, 0, -9.81]\n"
+#define STATIC "solver: { method: static }\n"
+#define SHORT "solver: { method: implicit, dt: 0.001 }\nstop: { frames: 2 }\noutput: { every_frame: 1 }\n"
+
+static void test_hinge_row(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    const char *text = warning_of(STRIP(ROW, WEIGHT STATIC), no_change, 0, "hinge-row", &summary);
+    assert_true(text != NULL && strstr(text, "'shelf'") != NULL && strstr(text, "rotation: fixed") != NULL);
+    /* under every method that knows the material, and by every kind of load */
+    assert_true(warns(STRIP(ROW, WEIGHT SHORT), no_change, 0, "hinge-row"));
+    const char *xpbd[] = {"solver={ method: xpbd, dt: 0.001 }", "bodies.0.membrane.young=7e6"};
+    assert_true(warns(STRIP(ROW, SHORT "loads: [ { force: [0, 0, -1.0e-3] } ]\n"), xpbd, 2, "hinge-row"));
+    assert_true(warns(STRIP(ROW "\n    pressure: { outside: 1 }", SHORT), no_change, 0, "hinge-row"));
+}
+
+static void test_no_hinge_row(void **unused)
+{
+    (void)unused;
+    const char *cloth[] = {"bodies.0.membrane={ young: 1e6, thickness: 0.0005 }"};
+    const char *down[] = {"gravity=[9.81, 0, 0]"}, *up[] = {"gravity=[0, 9.81, 0]"};
+    const char *none[] = {"bodies.0.bending={ model: none }"};
+    assert_false(warns(STRIP(CLAMP, WEIGHT STATIC), no_change, 0, "hinge-row"));
+    assert_false(warns(STRIP(TWO_ROWS, WEIGHT STATIC), no_change, 0, "hinge-row"));
+    /* hung by two corners, not by a row */
+    assert_false(warns(STRIP(CORNERS, WEIGHT SHORT), no_change, 0, "hinge-row"));
+    /* a clamp could not hold it up, or nothing turns it */
+    assert_false(warns(STRIP(ROW, WEIGHT SHORT), cloth, 1, "hinge-row"));
+    assert_false(warns(STRIP(ROW, WEIGHT SHORT), none, 1, "hinge-row"));
+    assert_false(warns(STRIP(ROW, WEIGHT SHORT), down, 1, "hinge-row"));
+    assert_false(warns(STRIP(ROW, WEIGHT SHORT), up, 1, "hinge-row"));
+    assert_false(warns(STRIP(ROW, SHORT), no_change, 0, "hinge-row"));
+    /* another line beside the first */
+    assert_false(warns(STRIP("pinned: boundary", WEIGHT STATIC), no_change, 0, "hinge-row"));
+}
+
+/* ---- loads ---- */
+
+#define DISC                                                                                                           \
+    "version: 1\nbodies:\n  - name: disc\n    mesh: { shape: disk, radius: 1, rings: 4 }\n"                            \
+    "    membrane: { young: 1.0e9, poisson: 0.3, thickness: 0.01 }\n"                                                  \
+    "    supports: [ { at: boundary, rotation: fixed } ]\n"                                                            \
+    "loads: [ { name: finger, force: [0, 0, -1.0e-3], at: { nearest: [0, 0, 0] } } ]\n" STATIC
+
+static void test_coarse_load(void **unused)
+{
+    (void)unused;
+    const char *fine[] = {"bodies.0.mesh.rings=16"};
+    const char *wide[] = {"bodies.0.mesh.rings=8", "loads.0.at={ sphere: { center: [0, 0, 0], radius: 0.6 } }"};
+    const char *along[] = {"loads.0.force=[1, 0, 0]"};
+    pel_run_summary summary;
+    const char *text = warning_of(DISC, no_change, 0, "coarse-load", &summary);
+    assert_true(text != NULL && strstr(text, "'finger'") != NULL && strstr(text, "'disc'") != NULL);
+    /* F a^2 / (16 pi D): the warning is right */
+    double exact = 1e-3 / (16 * 3.14159265 * 1e9 * 1e-6 / 12 / 0.91);
+    assert_true(summary.max_displacement > 1.2 * exact);
+    assert_null(warning_of(DISC, fine, 1, "coarse-load", &summary));
+    assert_true(fabs(summary.max_displacement - exact) < 0.05 * exact);
+    assert_false(warns(DISC, wide, 2, "coarse-load"));
+    assert_false(warns(DISC, along, 1, "coarse-load"));
+    /* a point load at the end of a clamped strip bends the whole strip */
+    assert_false(warns(STRIP(CLAMP, STATIC "loads: [ { force: [0, 0, -0.1], at: { nearest: [0.25, 0, 0] } } ]\n"),
+                       no_change, 0, "coarse-load"));
+}
+
+/* ---- modes ---- */
+
+#define TUBE                                                                                                           \
+    "version: 1\nbodies:\n  - name: tube\n"                                                                            \
+    "    mesh: { shape: cylinder, radius: 0.03, height: 0.03, slices: 24, segments: 8, capped: false }\n"              \
+    "    membrane: { material: stvk, young: 5.0e9, poisson: 0.3, thickness: 0.0005 }\n"                                \
+    "    supports:\n"                                                                                                  \
+    "      - { at: { box: { min: [-1, -1, -0.0151], max: [1, 1, -0.0149] } }, fix: [x, y, z] }\n"                      \
+    "      - { at: { box: { min: [-1, -1, 0.0149], max: [1, 1, 0.0151] } }, fix: [x, y] }\n"                           \
+    "loads:\n"                                                                                                         \
+    "  - { force: [0, 0, -1], at: { box: { min: [-1, -1, 0.0149], max: [1, 1, 0.0151] } } }\n"                         \
+    "solver: { analysis: buckling, modes: 2 }\n"
+
+static void test_coarse_mode(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    const char *text = warning_of(TUBE, no_change, 0, "coarse-mode", &summary);
+    assert_true(text != NULL && strstr(text, "mode 1") != NULL && strstr(text, "load factors") != NULL);
+    /* a free plate: 20 edges a wave, and 4 */
+    const char *plate[] = {"solver={ analysis: modal, modes: 8 }", "bodies.0.supports=[]", "loads=[]",
+                           "bodies.0.mesh={ shape: grid, nx: 16, ny: 16 }"};
+    const char *coarse[] = {"solver={ analysis: modal, modes: 14 }", "bodies.0.supports=[]", "loads=[]",
+                            "bodies.0.mesh={ shape: grid, nx: 4, ny: 4 }"};
+    assert_false(warns(TUBE, plate, 4, "coarse-mode"));
+    text = warning_of(TUBE, coarse, 4, "coarse-mode", &summary);
+    assert_true(text != NULL && strstr(text, "frequencies") != NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_hinge_row),
+        cmocka_unit_test(test_no_hinge_row),
+        cmocka_unit_test(test_coarse_load),
+        cmocka_unit_test(test_coarse_mode),
+    };
+    return cmocka_run_group_tests(tests, make_folder, clear_folder);
+}
