@@ -264,7 +264,8 @@ static const cli_command commands[] = {
         .name = "convert",
         .summary = "convert a mesh to another format; export a run",
         .text = "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
-                "vertices and custom fields; glTF, FBX, 3MF, COLLADA and others are read through assimp. Changes "
+                "vertices and custom fields; glTF 2.0 is read too, and FBX, 3MF, COLLADA and others through assimp. "
+                "Changes "
                 "(polygons split, vertices welded, fields dropped) are reported on standard error.\n\nIf IN is the "
                 "folder of a run, all its frames are written: as a .pc2 point cache (Blender, Maya) with its mesh "
                 "OUT-bodies.obj, and a cache and a mesh for each tool; as a .glb with a node for each body and tool, "

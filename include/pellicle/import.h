@@ -8,10 +8,17 @@
 extern "C" {
 #endif
 
-/* Reads a mesh file. OBJ, PLY, STL and OFF go to pel_mesh_read. Everything else (glTF, FBX, 3MF, Collada, ...) goes
-   through the assimp library: all meshes of the scene, each placed by its node and in the units of the file, are
-   joined, polygons are split into triangles, and vertices at exactly equal positions are welded, because such files
-   split them where normals or texture coordinates differ. Points, lines, materials, bones and animation are omitted.
+/* Reads a mesh file. OBJ, PLY, STL, OFF and VTP go to pel_mesh_read.
+   glTF 2.0 (.gltf, .glb) has a reader of its own: triangles, strips and fans with indices of all types; nodes with
+   matrices or translation, rotation and scale, and their instances; quantised positions (KHR_mesh_quantization);
+   sparse accessors; morph targets with the default weights; numbers in the file, in its chunk, or in files of its own
+   folder. A file that requires an extension that we do not know is refused by its name. Points, lines, materials, bones
+   and animation are omitted. The vertices and corners of all instances together are at most a million and 64 for each
+   byte of the file.
+   Everything else (FBX, 3MF, Collada, ...) goes through the assimp library.
+   All meshes of a scene, each placed by its node and in the units of the file, are joined, polygons are split into
+   triangles, and seams are welded: borders at exactly equal positions that run against each other, because such files
+   split vertices where normals or texture coordinates differ. Bodies that merely touch stay apart.
    log (nullable) receives notes on what was joined, welded and omitted. On failure *mesh is null; free with
    pel_mesh_destroy.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT (unknown format, damaged, no triangles),

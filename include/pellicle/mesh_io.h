@@ -5,7 +5,8 @@
    - OBJ: v and f with all kinds of indices. Colours, weights, normals, texture coordinates, points and lines are
      ignored.
    - PLY: scalar vertex properties other than x, y, z become fields; properties named n_0, n_1, ... become one vector
-     field n. List properties of vertices, and elements other than vertex and face, are ignored.
+     field n. Strips of triangles (tristrips) become triangles; -1 begins a new strip. List properties of vertices, and
+     other elements, are ignored.
    - STL: corners at exactly equal positions are welded in the order of their first appearance; triangles with two equal
      corners are removed.
    - VTP: see pel_vtp_read; point data become fields.

@@ -234,6 +234,58 @@ static void test_body_refusals(void **unused)
     refuse_text("a.ply", HEADER_4_2 SQUARE_POSITIONS "nan 0 1 2\n3 0 2 3\n", "list 'vertex_indices' has nan values");
 }
 
+#define STRIPS_OF(type)                                                                                                \
+    ASCII "element vertex 6\n" XYZ "element tristrips 1\nproperty list int " type                                      \
+          " vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n"
+
+/* each second triangle of a strip is turned, -1 begins anew, and a vertex twice makes no triangle */
+static void check_strips(pel_mesh *mesh)
+{
+    static const int32_t expected[6][3] = {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {2, 3, 4}, {4, 3, 5}, {5, 3, 4}};
+    check_counts(mesh, 6, 6);
+    for (int32_t t = 0; t < 6; t++)
+        check_triangle(mesh, t, expected[t][0], expected[t][1], expected[t][2]);
+    pel_mesh_destroy(mesh);
+}
+
+static void test_strips(void **unused)
+{
+    (void)unused;
+    /* at the end a strip with an index twice: 3 3 5 is none, but counts, so that 3 5 4 is turned */
+    static const int32_t indices[] = {0, 1, 2, 3, 4, -1, 2, 3, 4, 5, -1, 3, 3, 5, 4, -1, 1, 2};
+    enum { COUNT = sizeof indices / sizeof *indices };
+    check_strips(parse_text("a.ply", STRIPS_OF("int") "18 0 1 2 3 4 -1 2 3 4 5 -1 3 3 5 4 -1 1 2\n", NULL));
+    for (int big = 0; big < 2; big++)
+        for (int is_signed = 0; is_signed < 2; is_signed++) {
+            char bytes[1000];
+            int size = snprintf(bytes, sizeof bytes,
+                                "ply\nformat binary_%s_endian 1.0\nelement vertex 6\n" XYZ
+                                "element tristrips 1\nproperty list int %s vertex_index\nend_header\n",
+                                big ? "big" : "little", is_signed ? "int" : "uint");
+            for (int i = 0; i < 18; i++, size += 4)
+                pel_store_float(bytes + size, big, i % 3 == 0 ? (float)(i / 3 % 2) : i % 3 == 1 ? (float)(i / 6) : 0);
+            pel_store_bytes(bytes + size, 4, big, COUNT);
+            for (size_t i = 0; i < COUNT; i++)
+                pel_store_bytes(bytes + size + 4 + 4 * i, 4, big, (uint32_t)indices[i]);
+            check_strips(parse_bytes("a.ply", bytes, (size_t)size + 4 + 4 * COUNT, NULL));
+        }
+    refuse_text("a.ply", STRIPS_OF("int") "3 0 1 -2\n", "-2 is not a vertex index");
+    refuse_text("a.ply", STRIPS_OF("int") "3 0 1 6\n", "a face uses vertex 6 but the file has 6");
+    refuse_text("a.ply", STRIPS_OF("float") "3 0 1 1.5\n", "1.5 is not a vertex index");
+    refuse_text("a.ply", STRIPS_OF("int") "2 0 1\n", "6 vertices and no triangles");
+    refuse_text("a.ply", STRIPS_OF("int") "3 0 1\n", "the file ends where a number should be");
+    refuse_text("a.ply",
+                ASCII "element vertex 3\n" XYZ "element tristrips 1\nproperty int vertex_indices\nend_header\n"
+                      "0 0 0\n1 0 0\n0 1 0\n3\n",
+                "tristrips have no list property vertex_indices");
+    /* faces and strips in one file */
+    pel_mesh *mesh = parse_text("a.ply",
+                                ASCII "element vertex 4\n" XYZ "element face 1\n" FACES "element tristrips 1\n" FACES
+                                      "end_header\n" SQUARE_POSITIONS "3 0 1 2\n3 0 2 3\n",
+                                NULL);
+    check_square(mesh);
+}
+
 static void test_truncated(void **unused)
 {
     (void)unused;
@@ -254,6 +306,8 @@ static void test_allocation_failures(void **unused)
               "element face 1\n" FACES "end_header\n0 0 0 1 2 3 1 0 0 1 2 3 1 1 0 1 2 3 0 1 0 1 2 3 "
               "4 0 1 2 3\n";
     assert_true(for_every_allocation_failure(parse_case, (const char *const[]){"a.ply", with_fields}) >= 8);
+    assert_true(
+        for_every_allocation_failure(parse_case, (const char *const[]){"a.ply", STRIPS_OF("int") "4 0 1 2 3\n"}) >= 5);
 }
 
 int main(void)
@@ -266,6 +320,7 @@ int main(void)
         cmocka_unit_test(test_line_end_before_data),
         cmocka_unit_test(test_header_refusals),
         cmocka_unit_test(test_body_refusals),
+        cmocka_unit_test(test_strips),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_allocation_failures),
     };

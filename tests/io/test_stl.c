@@ -54,6 +54,29 @@ static void test_ascii(void **unused)
                             NULL));
 }
 
+#define LINE_FACET(a, b, c) " facet normal 0 0 1 outer loop vertex " a " vertex " b " vertex " c " endloop endfacet"
+
+/* a whole file in one line, with titles of any words */
+static void test_one_line(void **unused)
+{
+    (void)unused;
+    static const char *const titles[] = {"", " a", " made of facets", " facet", " the facet\tof a solid endsolid"};
+    notes said;
+    for (size_t i = 0; i < sizeof titles / sizeof *titles; i++) {
+        char text[600];
+        snprintf(text, sizeof text,
+                 "solid%s" LINE_FACET("0 0 0", "1 0 0", "1 1 .5") " endsolid%s solid" LINE_FACET("0 0 0", "1 1 .5",
+                                                                                                 "0 1 0") " endsolid%s",
+                 titles[i], titles[i], titles[i]);
+        check_square(parse_text("a.stl", text, &said));
+        assert_null(strstr(said.text, "cut off"));
+    }
+    check_square(parse_text("a.stl",
+                            "solid a facet outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 .5 endloop endfacet "
+                            "facet outer loop vertex 0 0 0 vertex 1 1 .5 vertex 0 1 0 endloop endfacet endsolid",
+                            NULL));
+}
+
 static void test_binary(void **unused)
 {
     (void)unused;
@@ -195,10 +218,15 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ascii),          cmocka_unit_test(test_binary),
-        cmocka_unit_test(test_normals),        cmocka_unit_test(test_degenerate_facets_are_dropped),
-        cmocka_unit_test(test_ascii_refusals), cmocka_unit_test(test_binary_refusals),
-        cmocka_unit_test(test_truncated),      cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_ascii),
+        cmocka_unit_test(test_one_line),
+        cmocka_unit_test(test_binary),
+        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_degenerate_facets_are_dropped),
+        cmocka_unit_test(test_ascii_refusals),
+        cmocka_unit_test(test_binary_refusals),
+        cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -74,14 +74,17 @@ static void test_attributes(void **unused)
 static void test_counts(void **unused)
 {
     (void)unused;
-    pel_xml_tag tag = tag_of("<a n='42' none='' word='4x' minus='-1' space=' 4' most='999999999999999999' "
-                             "more='1000000000000000000' real='1.5'/>");
+    pel_xml_tag tag =
+        tag_of("<a n='42' none='' word='4x' minus='-1' space=' 4\t\n' two='4 2' blank=' ' most='999999999999999999' "
+               "more='1000000000000000000' real='1.5'/>");
     int64_t count = 7;
     assert_true(pel_xml_count(&tag, "n", &count));
     assert_int_equal(count, 42);
     assert_true(pel_xml_count(&tag, "most", &count));
     assert_int_equal(count, 999999999999999999);
-    static const char *const wrong[] = {"none", "word", "minus", "space", "more", "real", "absent"};
+    assert_true(pel_xml_count(&tag, "space", &count));
+    assert_int_equal(count, 4);
+    static const char *const wrong[] = {"none", "word", "minus", "two", "blank", "more", "real", "absent"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         assert_false(pel_xml_count(&tag, wrong[i], &count));
 }

@@ -8,6 +8,15 @@
 #include <math.h>
 #include <string.h>
 
+static bool has_extension(const char *path, const char *extension)
+{
+    const char *dot = strrchr(path, '.');
+    if (dot == NULL)
+        return false;
+    pel_text_cursor ahead = {.at = dot + 1, .end = dot + strlen(dot)};
+    return pel_text_cursor_accept(&ahead, extension) && ahead.at == ahead.end;
+}
+
 pel_mesh_format pel_mesh_format_of_path(const char *path)
 {
     if (path == NULL)
@@ -20,15 +29,9 @@ pel_mesh_format pel_mesh_format_of_path(const char *path)
                    {"stl", PEL_FORMAT_STL},
                    {"off", PEL_FORMAT_OFF},
                    {"vtp", PEL_FORMAT_VTP}};
-    const char *dot = strrchr(path, '.');
-    if (dot == NULL)
-        return PEL_FORMAT_AUTO;
-    pel_text_cursor extension = {.at = dot + 1, .end = dot + strlen(dot)};
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-        pel_text_cursor ahead = extension;
-        if (pel_text_cursor_accept(&ahead, formats[i].extension) && ahead.at == ahead.end)
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (has_extension(path, formats[i].extension))
             return formats[i].format;
-    }
     return PEL_FORMAT_AUTO;
 }
 
@@ -69,20 +72,38 @@ static bool is_wide_text(const pel_text_cursor *scan)
     return marked || low || high;
 }
 
-static pel_status fail_wide(const char *name, pel_error *error)
+/* files that people take for meshes, or from which a program makes one */
+static const struct {
+    const char *extension, *what, *remedy;
+} strangers[] = {
+    {"blend", "a .blend file holds a whole session of Blender", "export OBJ or PLY (File, Export) in Blender"},
+    {"usd", "USD is not read", "export OBJ, PLY or glTF"},
+    {"usda", "USD is not read", "export OBJ, PLY or glTF"},
+    {"usdc", "USD is not read", "export OBJ, PLY or glTF"},
+    {"usdz", "USD is not read", "export OBJ, PLY or glTF"},
+    {"step", "STEP holds solids without triangles", "export STL from the CAD program"},
+    {"stp", "STEP holds solids without triangles", "export STL from the CAD program"},
+    {"iges", "IGES holds surfaces without triangles", "export STL from the CAD program"},
+    {"igs", "IGES holds surfaces without triangles", "export STL from the CAD program"},
+    {"vtk", "legacy VTK files are not read", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
+    {"vtu", "VTK files of volumes are not read", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
+};
+
+static pel_status fail_file(const char *name, const char *what, const char *remedy, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_FORMAT, "the file is UTF-16 text, which mesh files are not");
-    pel_fail_remedy(error, "save it as UTF-8 or ASCII, for example: iconv -f UTF-16 -t UTF-8 FILE > NEW");
+    pel_fail(error, PEL_BAD_FORMAT, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
     pel_fail_place(error, name, 0, 0);
     return PEL_BAD_FORMAT;
 }
 
 static pel_status fail_unknown(const char *name, pel_error *error)
 {
-    pel_fail(error, PEL_BAD_FORMAT, "neither the extension nor the content tells the format of this file");
-    pel_fail_remedy(error, "give it the extension .obj, .ply, .stl, .off or .vtp, or convert it to one of these");
-    pel_fail_place(error, name, 0, 0);
-    return PEL_BAD_FORMAT;
+    for (size_t i = 0; i < sizeof strangers / sizeof *strangers; i++)
+        if (has_extension(name, strangers[i].extension))
+            return fail_file(name, strangers[i].what, strangers[i].remedy, error);
+    return fail_file(name, "neither the extension nor the content tells the format of this file",
+                     "give it the extension .obj, .ply, .stl, .off or .vtp, or convert it to one of these", error);
 }
 
 pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_mesh_format format, const pel_log *log,
@@ -92,15 +113,12 @@ pel_status pel_mesh_parse(const char *name, const void *bytes, size_t size, pel_
     PEL_REFUSE_NULL(bytes, error);
     PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
-    if (size == 0) {
-        pel_fail(error, PEL_BAD_FORMAT, "the file is empty");
-        pel_fail_remedy(error, "copy or export it again");
-        pel_fail_place(error, name, 0, 0);
-        return PEL_BAD_FORMAT;
-    }
+    if (size == 0)
+        return fail_file(name, "the file is empty", "copy or export it again", error);
     pel_text_cursor scan = {.name = name, .begin = bytes, .at = bytes, .end = (const char *)bytes + size};
     if (is_wide_text(&scan))
-        return fail_wide(name, error);
+        return fail_file(name, "the file is UTF-16 text, which mesh files are not",
+                         "save it as UTF-8 or ASCII, for example: iconv -f UTF-16 -t UTF-8 FILE > NEW", error);
     skip_byte_order_mark(&scan);
     switch (format == PEL_FORMAT_AUTO ? detect_format(&scan) : format) {
     case PEL_FORMAT_OBJ:

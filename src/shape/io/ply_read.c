@@ -295,6 +295,16 @@ static bool load_triangle(ply_reader *reader, const pel_ply_property *property, 
     return true;
 }
 
+static bool is_index(double value)
+{
+    return value >= 0 && value < INT32_MAX && value == floor(value);
+}
+
+static pel_status fail_index(const ply_reader *reader, const char *place, double value, pel_error *error)
+{
+    return pel_text_cursor_fail(reader->scan, place, error, "correct the index", "%g is not a vertex index", value);
+}
+
 static pel_status read_corners(ply_reader *reader, const pel_ply_property *property, pel_error *error)
 {
     size_t count = 0;
@@ -308,9 +318,8 @@ static pel_status read_corners(ply_reader *reader, const pel_ply_property *prope
         double value;
         if (!read_value(reader, property->type, &value))
             return fail_value(reader, property, error);
-        if (!(value >= 0 && value < INT32_MAX && value == floor(value)))
-            return pel_text_cursor_fail(reader->scan, place, error, "correct the index", "%g is not a vertex index",
-                                        value);
+        if (!is_index(value))
+            return fail_index(reader, place, value, error);
         if (!pel_polygon_soup_add_corner(&reader->builder, (int32_t)value, place))
             return pel_fail_memory(error);
     }
@@ -319,20 +328,65 @@ static pel_status read_corners(ply_reader *reader, const pel_ply_property *prope
     return status;
 }
 
-static pel_status read_faces(ply_reader *reader, const pel_ply_element *element, pel_error *error)
+/* one list of a tristrip: each index makes a triangle with the two before it, whose winding alternates; -1 begins a new
+   strip, and triangles with a vertex twice only lead to the next one */
+static pel_status read_strip(ply_reader *reader, const pel_ply_property *property, pel_error *error)
 {
-    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    size_t count = 0, in_strip = 0;
+    int32_t before[2] = {0};
+    pel_status status = read_list_count(reader, property, &count, error);
+    for (size_t i = 0; i < count && status == PEL_OK; i++) {
+        const char *place = reader->scan->at;
+        double value;
+        if (!read_value(reader, property->type, &value))
+            return fail_value(reader, property, error);
+        if (value == -1 || value == (double)UINT32_MAX) {
+            in_strip = 0;
+            continue;
+        }
+        if (!is_index(value))
+            return fail_index(reader, place, value, error);
+        const int32_t last = (int32_t)value;
+        const bool turned = in_strip % 2 == 1;
+        const int32_t triangle[3] = {before[turned], before[!turned], last};
+        if (in_strip >= 2 && before[0] != before[1] && before[0] != last && before[1] != last &&
+            !pel_polygon_soup_add_triangle(&reader->builder, triangle, place))
+            return pel_fail_memory(error);
+        before[0] = before[1];
+        before[1] = last;
+        in_strip++;
+    }
+    return status;
+}
+
+/* the property of an element with the vertices of its polygons or strips; null with the error */
+static const pel_ply_property *find_corners(const ply_reader *reader, const pel_ply_element *element, pel_error *error)
+{
     const pel_ply_property *corners = pel_ply_find_property(&reader->header, element, "vertex_indices");
     if (corners == NULL)
         corners = pel_ply_find_property(&reader->header, element, "vertex_index");
-    if (corners == NULL || !corners->is_list)
-        return pel_text_cursor_fail(reader->scan, element->place, error, "add the property",
-                                    "faces have no list property vertex_indices");
+    if (corners != NULL && corners->is_list)
+        return corners;
+    pel_text_cursor_fail(reader->scan, element->place, error, "add the property",
+                         "%s have no list property vertex_indices",
+                         strcmp(element->name, "face") == 0 ? "faces" : element->name);
+    return NULL;
+}
+
+/* faces, or with `take` read_strip strips of triangles */
+static pel_status read_polygons(ply_reader *reader, const pel_ply_element *element,
+                                pel_status (*take)(ply_reader *, const pel_ply_property *, pel_error *),
+                                pel_error *error)
+{
+    const pel_ply_property *properties = &reader->header.properties[element->first_property];
+    const pel_ply_property *corners = find_corners(reader, element, error);
+    if (corners == NULL)
+        return PEL_BAD_FORMAT;
     pel_status status = PEL_OK;
     for (int64_t f = 0; f < element->count && status == PEL_OK; f++)
         for (int i = 0; i < element->property_count && status == PEL_OK; i++)
-            status = &properties[i] == corners ? read_corners(reader, corners, error)
-                                               : skip_property(reader, &properties[i], error);
+            status =
+                &properties[i] == corners ? take(reader, corners, error) : skip_property(reader, &properties[i], error);
     return status;
 }
 
@@ -346,16 +400,18 @@ static pel_status skip_element(ply_reader *reader, const pel_ply_element *elemen
     return status;
 }
 
-/* the elements in the order of the file; elements after vertices and faces are not read */
+/* the elements in the order of the file; elements after vertices, faces and strips are not read */
 static pel_status read_body(ply_reader *reader, pel_error *error)
 {
     const pel_ply_header *header = &reader->header;
     const pel_ply_element *vertices = pel_ply_find_element(header, "vertex");
     const pel_ply_element *faces = pel_ply_find_element(header, "face");
+    const pel_ply_element *strips = pel_ply_find_element(header, "tristrips");
     if (vertices == NULL || vertices->count == 0)
         return pel_text_cursor_fail(reader->scan, reader->scan->begin, error, "export the mesh again",
                                     "the header promises no vertices");
     const pel_ply_element *last = faces != NULL && faces > vertices ? faces : vertices;
+    last = strips != NULL && strips > last ? strips : last;
     reader->scan->binary = header->encoding != PEL_ENCODING_ASCII;
     pel_status status = PEL_OK;
     for (const pel_ply_element *element = header->elements; element <= last && status == PEL_OK; element++) {
@@ -365,7 +421,9 @@ static pel_status read_body(ply_reader *reader, pel_error *error)
         if (element == vertices)
             status = read_vertices(reader, element, error);
         else if (element == faces)
-            status = read_faces(reader, element, error);
+            status = read_polygons(reader, element, read_corners, error);
+        else if (element == strips)
+            status = read_polygons(reader, element, read_strip, error);
         else
             status = skip_element(reader, element, error);
     }

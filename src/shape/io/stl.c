@@ -136,6 +136,18 @@ static pel_status read_facet(stl_reader *reader, pel_error *error)
     return add_facet(reader, corners, place) ? PEL_OK : pel_fail_memory(error);
 }
 
+/* The title of a solid: up to the end of the line, or to its first facet where the whole file is one line. */
+static void skip_title(pel_text_cursor *scan)
+{
+    size_t length = 1;
+    while (length > 0) {
+        pel_text_cursor ahead = *scan;
+        if (accept_next(&ahead, "facet") && (accept_next(&ahead, "normal") || accept_next(&ahead, "outer")))
+            return;
+        pel_text_cursor_word(scan, &length);
+    }
+}
+
 static pel_status read_ascii(stl_reader *reader, const pel_log *log, pel_error *error)
 {
     pel_text_cursor *scan = reader->scan;
@@ -147,9 +159,9 @@ static pel_status read_ascii(stl_reader *reader, const pel_log *log, pel_error *
                 return status;
             ended = false;
         } else if (pel_text_cursor_accept(scan, "solid")) {
-            pel_text_cursor_skip_line(scan);
+            skip_title(scan);
         } else if (pel_text_cursor_accept(scan, "endsolid")) {
-            pel_text_cursor_skip_line(scan);
+            skip_title(scan);
             ended = true;
         } else {
             return pel_text_cursor_fail_number(scan, error, "'solid', 'facet' or 'endsolid'");

@@ -119,14 +119,19 @@ bool pel_xml_attribute(const pel_xml_tag *tag, const char *name, char *text, siz
 
 bool pel_xml_count(const pel_xml_tag *tag, const char *name, int64_t *count)
 {
-    char text[19]; /* 18 digits cannot overflow */
+    enum { MOST_DIGITS = 18 }; /* cannot overflow */
+    char text[64];
     *count = 0;
-    if (!pel_xml_attribute(tag, name, text, sizeof text) || text[0] == '\0')
+    if (!pel_xml_attribute(tag, name, text, sizeof text))
         return false;
-    for (const char *p = text; *p != '\0'; p++) {
-        if (*p < '0' || *p > '9')
-            return false;
+    const char *p = text;
+    while (is_space(*p))
+        p++;
+    const char *digits = p;
+    for (; *p >= '0' && *p <= '9' && p - digits < MOST_DIGITS; p++)
         *count = *count * 10 + (*p - '0');
-    }
-    return true;
+    const bool any = p > digits;
+    while (is_space(*p))
+        p++;
+    return any && *p == '\0';
 }

@@ -25,7 +25,7 @@ bool pel_xml_is(const pel_xml_tag *tag, const char *name);
    it does not fit; text is empty then. */
 bool pel_xml_attribute(const pel_xml_tag *tag, const char *name, char *text, size_t size);
 
-/* The same for a number of at most 18 decimal digits. */
+/* The same for a number of at most 18 decimal digits, between blanks or not. */
 bool pel_xml_count(const pel_xml_tag *tag, const char *name, int64_t *count);
 
 #endif

@@ -5,14 +5,20 @@
 
 #ifndef PELLICLE_ASSIMP
 
+#include "foreign/gltf.h"
+
 pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
-    return pel_mesh_read(path, PEL_FORMAT_AUTO, log, mesh, error);
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
+    return pel_gltf_is(path) ? pel_gltf_read(path, log, mesh, error)
+                             : pel_mesh_read(path, PEL_FORMAT_AUTO, log, mesh, error);
 }
 
 #else
 
 #include "base/memory.h"
+#include "foreign/gltf.h"
 #include "io/file.h"
 #include "io/polygon_soup.h"
 
@@ -169,6 +175,8 @@ pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh
     PEL_REFUSE_NULL(path, error);
     PEL_REFUSE_NULL(mesh, error);
     *mesh = NULL;
+    if (pel_gltf_is(path))
+        return pel_gltf_read(path, log, mesh, error);
     if (!is_foreign(path))
         return pel_mesh_read(path, PEL_FORMAT_AUTO, log, mesh, error);
     pel_status status = pel_file_check(path, error);
