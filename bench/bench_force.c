@@ -48,7 +48,7 @@ static bench_spread time_forces(pel_shell_forces *forces, const pel_record *posi
     for (int round = 0; round < ROUNDS; round++) {
         double begin = pel_seconds();
         for (int i = 0; i < CALLS; i++)
-            pel_shell_forces_add(forces, position, 0, PEL_SHELL_ALL, pool, force);
+            pel_shell_forces_add(forces, position, pel_instant(0), PEL_SHELL_ALL, pool, force);
         times[round] = (pel_seconds() - begin) / CALLS;
     }
     return bench_spread_of(times, ROUNDS);

@@ -69,7 +69,7 @@ static void end(cantilever *c, pel_sim *sim)
 static void gradient_at(const pel_sim *sim, const double *unknowns, int32_t count, double *gradient)
 {
     memset(gradient, 0, (size_t)count * sizeof *gradient);
-    pel_followers_evaluate(sim, 0.5, unknowns, gradient);
+    pel_followers_evaluate(sim, pel_instant(0.5), unknowns, gradient);
 }
 
 static void test_slopes(void **unused)

@@ -57,7 +57,7 @@ static void free_forces(forces *made)
 static pel_shell_energy evaluate(forces *on, double time, int parts)
 {
     memset(on->force, 0, (size_t)on->model->vertex_count * sizeof *on->force);
-    return pel_shell_forces_add(on->shells, on->state->position, time, parts, NULL, on->force);
+    return pel_shell_forces_add(on->shells, on->state->position, pel_instant(time), parts, NULL, on->force);
 }
 
 static double total(const pel_shell_energy *energy)
@@ -81,7 +81,8 @@ static double energy_at(forces *on, int32_t v, int c, double step, double *moved
     pel_real kept = (*x)[c];
     (*x)[c] = (pel_real)((double)kept + step);
     *moved = (double)(*x)[c];
-    pel_shell_energy energy = pel_shell_forces_add(on->shells, on->state->position, 0.5, PEL_SHELL_ALL, NULL, NULL);
+    pel_shell_energy energy =
+        pel_shell_forces_add(on->shells, on->state->position, pel_instant(0.5), PEL_SHELL_ALL, NULL, NULL);
     (*x)[c] = kept;
     return total(&energy);
 }
@@ -393,7 +394,7 @@ static void test_threads(void **unused)
     assert_int_equal(pel_pool_create(4, &pool, NULL), PEL_OK);
     memset(on.force, 0, size);
     failing_malloc_begin(0);
-    together = pel_shell_forces_add(on.shells, on.state->position, 0, PEL_SHELL_ALL, pool, on.force);
+    together = pel_shell_forces_add(on.shells, on.state->position, pel_instant(0), PEL_SHELL_ALL, pool, on.force);
     assert_int_equal(failing_malloc_end().calls, 0);
     assert_memory_equal(kept, on.force, size);
     assert_true(total(&alone) == total(&together));

@@ -92,7 +92,7 @@ static void energies_have_these_derivatives(void **unused)
         tangents on = make_tangents(&body);
         double *step = calloc((size_t)on.count, sizeof *step);
         shake_unknowns(&on, 0.05, &random);
-        const pel_tangent_input input = {.time = 0.5};
+        const pel_tangent_input input = {.span = pel_instant(0.5)};
         evaluate_tangents(&on, input);
         for (int round = 0; round < 40; round++) {
             double expected = 0, curvature = 0, size = 0, first[3], second[3];
@@ -161,8 +161,9 @@ static void gradients_are_the_forces(void **unused)
             for (int32_t v = 0; v < on.model->vertex_count; v++)
                 pel_vertex_position(state->position, v, on.unknowns + 3 * v);
             pel_body_forces(on.model, state, NULL, NULL, force);
-            pel_shell_energy energy = pel_shell_forces_add(shells, state->position, 0.5, PEL_SHELL_ALL, NULL, force);
-            const pel_tangent_input input = {.time = 0.5, .state = state};
+            pel_shell_energy energy =
+                pel_shell_forces_add(shells, state->position, pel_instant(0.5), PEL_SHELL_ALL, NULL, force);
+            const pel_tangent_input input = {.span = pel_instant(0.5), .state = state};
             evaluate_tangents(&on, input);
             double size = 0;
             for (int32_t i = 0; i < 3 * on.model->vertex_count; i++)

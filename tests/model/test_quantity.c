@@ -69,12 +69,41 @@ static void test_checks(void **unused)
     check(&far, true, true, "pressure is inf");
 }
 
+/* means over spans against sums over many instants */
+static void test_means(void **unused)
+{
+    (void)unused;
+    static const pel_key curve[4] = {{0.1, 1}, {0.3, -2}, {0.35, 4}, {0.9, 0.5}};
+    enum { INSTANTS = 200000 };
+    const double acts[3][2] = {{-HUGE_VAL, HUGE_VAL}, {0.15, 0.6}, {0.3, 0.32}};
+    for (int c = 0; c < 3; c++)
+        for (int s = 0; s < 4; s++) {
+            const pel_span span = {.time = 0.05 + 0.3 * s, .back = 0.05 * s, .ahead = 0.1 + 0.2 * (s % 2)};
+            double from = span.time - span.back, length = span.back + span.ahead, sum = 0;
+            for (int i = 0; i < INSTANTS; i++) {
+                double time = from + (i + 0.5) * length / INSTANTS;
+                sum += time >= acts[c][0] && time < acts[c][1] ? pel_curve_value(curve, 4, time) : 0;
+            }
+            assert_near(pel_curve_mean(curve, 4, span, acts[c][0], acts[c][1]), sum / INSTANTS, 1e-4);
+        }
+    /* at an instant; without keys; ends that differ by rounding; what a linear curve leads to */
+    assert_near(pel_curve_mean(curve, 4, pel_instant(0.2), 0, 1), -0.5, 1e-15);
+    assert_near(pel_curve_mean(curve, 4, pel_instant(0.2), 0.25, 1), 0, 0);
+    const pel_span step = {.time = 0.3, .back = 0.1};
+    assert_near(pel_curve_mean(NULL, 0, step, -HUGE_VAL, HUGE_VAL), 1, 0);
+    assert_near(pel_curve_mean(NULL, 0, step, -HUGE_VAL, 0.25), 0.5, 1e-12);
+    assert_near(pel_curve_mean(NULL, 0, step, -HUGE_VAL, 0.2 + 1e-16), 0, 0);
+    const pel_span end = {.time = 0.3, .back = 0.1, .extrapolates = true};
+    assert_near(pel_curve_mean(curve, 2, end, -HUGE_VAL, HUGE_VAL), -2, 1e-12);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values),
         cmocka_unit_test(test_curve),
         cmocka_unit_test(test_checks),
+        cmocka_unit_test(test_means),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

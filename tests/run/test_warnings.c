@@ -458,7 +458,7 @@ static void test_grasp_empty(void **unused)
     run_scene(SHELL, overrides, 1, NULL, 0, &summary);
     const pel_run_warning *warning = find_warning(&summary, "grasp-empty");
     assert_non_null(warning);
-    assert_true(warning->first_frame == 1 && warning->count == 4);
+    assert_true(warning->first_frame == 2 && warning->count == 3);
     assert_non_null(strstr(warning->text, "'grip'"));
     run_scene(SHELL, overrides, 2, NULL, 0, &summary);
     assert_null(find_warning(&summary, "grasp-empty"));

@@ -312,14 +312,51 @@ static void test_readings_return(void **unused)
     end(&scene, sim);
 }
 
+/* A body that is held as a whole falls freely from the time at which the grasp opens, which is within a step or not. */
+static void test_opening(void **unused)
+{
+    (void)unused;
+    static const struct {
+        pel_method method;
+        double dt;
+        int count;
+    } cases[] = {{PEL_METHOD_XPBD, 0.05, 16}, {PEL_METHOD_XPBD, 0.08, 10}, {PEL_METHOD_IMPLICIT, 0.05, 16}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        pull_scene scene;
+        end(&scene, create(&scene, cases[c].method, 0));
+        scene.mesh = make_sphere(3);
+        pel_body_def body = ball_body(scene.mesh);
+        body.spring_damping.value = body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
+        pel_model_def model = pel_model_def_default();
+        model.bodies = &body;
+        model.body_count = 1;
+        model.gravity[2] = -9.81;
+        assert_int_equal(pel_model_create(&model, &scene.model, NULL), PEL_OK);
+        scene.def.model = scene.model;
+        scene.def.solver.dt = cases[c].dt;
+        scene.tool.radius = 2;
+        scene.tool.grasp_from = 0;
+        scene.tool.grasp_until = 0.3;
+        scene.keys[0].position[2] = scene.keys[1].position[2] = scene.keys[2].position[2] = 1;
+        pel_sim *sim = make_sim(&scene.def);
+        run_steps(sim, cases[c].count);
+        double *x = malloc(3 * sizeof *x * (size_t)scene.mesh->vertex_count);
+        pel_sim_get_positions(sim, 0, x);
+        double way = scene.mesh->positions[0][2] - x[2], truth = 0.5 * 9.81 * 0.5 * 0.5;
+        assert_near(way, truth, 0.02 * truth);
+        free(x);
+        end(&scene, sim);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_readings_return), cmocka_unit_test(test_released_are_free),
-        cmocka_unit_test(test_limit),           cmocka_unit_test(test_lost_are_free),
-        cmocka_unit_test(test_largest_first),   cmocka_unit_test(test_resumes),
-        cmocka_unit_test(test_refusals),        cmocka_unit_test(test_catches_up),
-        cmocka_unit_test(test_readings_resume),
+        cmocka_unit_test(test_opening),           cmocka_unit_test(test_readings_return),
+        cmocka_unit_test(test_released_are_free), cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_lost_are_free),     cmocka_unit_test(test_largest_first),
+        cmocka_unit_test(test_resumes),           cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_catches_up),        cmocka_unit_test(test_readings_resume),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -256,12 +256,12 @@ static void check_grasp(pel_method method)
     pel_sim_get_tool(s.sim, 0, &reading);
     assert_true(reading.contact_count > 3);
     assert_true(reading.force[2] < -0.01);
-    /* taken at t = 0.09 s, when the tool had risen by 0.018 and turned by 8.1 degrees */
+    /* taken at t = 0.1 s, when the tool had risen by 0.02 and turned by 9 degrees */
     double *x = malloc(3 * sizeof *x * (size_t)s.mesh->vertex_count);
     pel_sim_get_positions(s.sim, 0, x);
     const double *p = s.mesh->positions[pole];
-    double angle = 0.91 * 1.5707963267948966, tolerance = sizeof(pel_real) == 8 ? 1e-6 : 1e-4;
-    assert_near(x[3 * pole + 2] - p[2], 0.182, tolerance);
+    double angle = 0.9 * 1.5707963267948966, tolerance = sizeof(pel_real) == 8 ? 1e-6 : 1e-4;
+    assert_near(x[3 * pole + 2] - p[2], 0.18, tolerance);
     assert_near(x[3 * pole], cos(angle) * p[0] - sin(angle) * p[1], tolerance);
     run_steps(s.sim, 1500);
     pel_sim_get_positions(s.sim, 0, x);

@@ -9,26 +9,30 @@
 #define LEAST_GAS_VOLUME 1e-3
 
 /* Pa, of the given pressure */
-static double outside_pressure(const pel_shell *shell, double time, double load_factor)
+static double outside_pressure(const pel_shell *shell, pel_span span, double load_factor)
 {
     return load_factor * shell->pressure.outside.value *
-           pel_curve_value(shell->outside.keys, shell->outside.key_count, time);
+           pel_curve_mean(shell->outside.keys, shell->outside.key_count, span, -HUGE_VAL, HUGE_VAL);
 }
 
-double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
+/* the volume that a target asks for, over the volume at rest */
+static double target_ratio(const pel_shell *shell, pel_span span)
+{
+    return shell->pressure.target.value * pel_curve_value(shell->target.keys, shell->target.key_count, span.time);
+}
+
+double pel_pressure_difference(const pel_shell *shell, pel_span span, double load_factor, double volume,
                                double rest_volume)
 {
     const pel_pressure_def *def = &shell->pressure;
-    double ratio = volume / rest_volume, outside = outside_pressure(shell, time, load_factor);
+    double ratio = volume / rest_volume, outside = outside_pressure(shell, span, load_factor);
     switch (def->kind) {
     case PEL_PRESSURE_GIVEN:
         return -outside;
     case PEL_PRESSURE_GAS:
         return def->value * (pel_pow(pel_max(ratio, LEAST_GAS_VOLUME), -def->gamma) - 1) - outside;
     case PEL_PRESSURE_VOLUME:
-        return def->bulk *
-                   (def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time) - ratio) -
-               outside;
+        return def->bulk * (target_ratio(shell, span) - ratio) - outside;
     default:
         return 0;
     }
@@ -58,19 +62,19 @@ static double gas_work(double ratio, double gamma)
     return gamma > 1 ? (1 - pel_pow(ratio, 1 - gamma)) / (gamma - 1) : pel_ln(ratio);
 }
 
-double pel_pressure_potential(const pel_shell *shell, double time, double load_factor, double volume,
+double pel_pressure_potential(const pel_shell *shell, pel_span span, double load_factor, double volume,
                               double rest_volume)
 {
     const pel_pressure_def *def = &shell->pressure;
     double ratio = volume / rest_volume;
     if (def->kind == PEL_PRESSURE_NONE)
         return 0;
-    double given = outside_pressure(shell, time, load_factor) * (volume - rest_volume);
+    double given = outside_pressure(shell, span, load_factor) * (volume - rest_volume);
     if (def->kind == PEL_PRESSURE_GIVEN)
         return given;
     if (def->kind == PEL_PRESSURE_GAS)
         return given + def->value * rest_volume * (ratio - 1 - gas_work(ratio, def->gamma));
-    double target = def->target.value * pel_curve_value(shell->target.keys, shell->target.key_count, time);
+    double target = target_ratio(shell, span);
     return given + 0.5 * def->bulk * rest_volume * ((ratio - target) * (ratio - target) - (1 - target) * (1 - target));
 }
 

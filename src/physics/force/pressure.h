@@ -5,8 +5,9 @@
 #include "model/shell.h"
 
 /* Inside minus outside pressure [Pa]: positive inflates; a positive outside pressure gives a negative number. Triangles
-   multiply it by their weight. The load factor multiplies a given pressure; volume is read by gas and target volume. */
-double pel_pressure_difference(const pel_shell *shell, double time, double load_factor, double volume,
+   multiply it by their weight. The load factor multiplies a given pressure; volume is read by gas and target volume. A
+   given pressure has its mean over the span, a target volume is that of its time. */
+double pel_pressure_difference(const pel_shell *shell, pel_span span, double load_factor, double volume,
                                double rest_volume);
 
 /* Its derivative by the volume [Pa/m3], <= 0. */
@@ -16,7 +17,7 @@ double pel_pressure_slope(const pel_shell *shell, double volume, double rest_vol
 bool pel_pressure_is_conservative(const pel_body *body);
 
 /* That potential [J] at a volume: minus the integral of the difference over the volume, 0 at the rest volume. */
-double pel_pressure_potential(const pel_shell *shell, double time, double load_factor, double volume,
+double pel_pressure_potential(const pel_shell *shell, pel_span span, double load_factor, double volume,
                               double rest_volume);
 
 /* Signed volume of a body at some positions, about its first vertex. */

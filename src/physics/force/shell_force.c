@@ -12,7 +12,7 @@ typedef struct shell_loop {
     const pel_shell_forces *forces;
     const pel_record *position;
     pel_record *force;
-    double time;
+    pel_span span;
     int parts;
     int32_t first; /* bundle of the phase */
 } shell_loop;
@@ -30,7 +30,8 @@ static int part_of(const pel_shell_body *own, const pel_batch *batch)
 
 static double amount_of(const shell_loop *loop, const pel_shell_body *own, const pel_batch *batch)
 {
-    return batch->region >= 0 ? pel_shell_rest_length(&own->shell->regions[batch->region], loop->time) : own->pressure;
+    return batch->region >= 0 ? pel_shell_rest_length(&own->shell->regions[batch->region], loop->span.time)
+                              : own->pressure;
 }
 
 static void bundle_chunk(void *context, int32_t chunk)
@@ -102,10 +103,10 @@ static double find_pressure(const shell_loop *loop, pel_shell_body *own, bool wi
     with_potential &= own->pressure_part == PEL_SHELL_CONSERVATIVE;
     if (with_potential || shell->pressure.kind != PEL_PRESSURE_GIVEN)
         volume = find_volume(loop, own, pool);
-    own->pressure = pel_pressure_difference(shell, loop->time, loop->forces->load_factor, volume, rest_volume);
+    own->pressure = pel_pressure_difference(shell, loop->span, loop->forces->load_factor, volume, rest_volume);
     if (pel_shell_is_normal_form(shell))
         memset(loop->forces->area_vectors + own->first_place, 0, (size_t)own->place_count * sizeof(pel_record));
-    return with_potential ? pel_pressure_potential(shell, loop->time, loop->forces->load_factor, volume, rest_volume)
+    return with_potential ? pel_pressure_potential(shell, loop->span, loop->forces->load_factor, volume, rest_volume)
                           : 0;
 }
 
@@ -165,17 +166,17 @@ static pel_shell_energy evaluate(shell_loop *loop, bool with_potential, pel_pool
     return energy;
 }
 
-pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
+pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, pel_span span, int parts,
                                       pel_pool *pool, pel_record *force)
 {
-    shell_loop loop = {forces, position, force, time, parts, 0};
+    shell_loop loop = {forces, position, force, span, parts, 0};
     return forces != NULL ? evaluate(&loop, true, pool) : (pel_shell_energy){0};
 }
 
-void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, double time, pel_pool *pool,
+void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, pel_span span, pel_pool *pool,
                             pel_record *force)
 {
-    shell_loop loop = {forces, position, force, time, PEL_SHELL_PRESSURE, 0};
+    shell_loop loop = {forces, position, force, span, PEL_SHELL_PRESSURE, 0};
     bool any = false;
     for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
         any |= forces->bodies[b].pressure_part != 0;

@@ -44,11 +44,11 @@ void pel_shell_forces_set_load_factor(pel_shell_forces *forces, double factor);
 
 /* Adds the forces of some parts (a sum of pel_shell_part) at a time to force (model vertex_count), which may be null;
    returns the energies of these parts. */
-pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, double time, int parts,
+pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, pel_span span, int parts,
                                       pel_pool *pool, pel_record *force);
 
 /* Adds the forces of all pressures at a time to force (model vertex_count). */
-void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, double time, pel_pool *pool,
+void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, pel_span span, pel_pool *pool,
                             pel_record *force);
 
 /* Lists the elements at each vertex of a body, for the function below. PEL_OUT_OF_MEMORY. */

@@ -40,7 +40,7 @@ static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *
         const pel_shell_region *region = &own->shell->regions[fibre->region];
         bool active = region->def.mode == PEL_FIBRE_ACTIVE, squared = !active && region->def.kind == PEL_FIBRE_STVK;
         double length =
-            active ? region->def.rest_length.value * curve_value(&region->rest_length, loop->input->time) : 1;
+            active ? region->def.rest_length.value * curve_value(&region->rest_length, loop->input->span.time) : 1;
         const pel_line line = pel_line_of_fibre(&own->rests[t], squared, fibre->stiffness, length, fibre->direction);
         const pel_tangent_request request = request_of(loop, element, stress + i - own->fibre_begin[t]);
         energy += pel_line_tangent(&line, element->x, &request, &element->sum);
@@ -297,14 +297,15 @@ static double find_pressure(const pel_tangent_loop *loop, pel_tangent_shell *own
     bool conservative = pel_pressure_is_conservative(body);
     if (shell->pressure.kind == PEL_PRESSURE_NONE || (loop->input->leaves_followers && !conservative))
         return 0;
-    double time = loop->input->time, volume = body->rest_volume;
+    const pel_span span = loop->input->span;
+    double volume = body->rest_volume;
     double factor = loop->input->load_factor != NULL ? *loop->input->load_factor : 1;
     if (conservative || own->rank_one != NULL)
         volume = shell_volume(loop, own);
-    own->pressure = pel_pressure_difference(shell, time, factor, volume, body->rest_volume);
+    own->pressure = pel_pressure_difference(shell, span, factor, volume, body->rest_volume);
     if (own->rank_one != NULL && loop->gradient != NULL)
         fill_rank_one(loop, own, pel_pressure_slope(shell, volume, body->rest_volume));
-    return conservative ? pel_pressure_potential(shell, time, factor, volume, body->rest_volume) : 0;
+    return conservative ? pel_pressure_potential(shell, span, factor, volume, body->rest_volume) : 0;
 }
 
 /* the paper's pressure: a third of the areas around along the vertex's normal */

@@ -60,7 +60,7 @@ const pel_tangent_edge *pel_tangent_edges_of(const pel_tangent *tangent);
 
 typedef struct pel_tangent_input {
     const double *unknowns; /* (unknown_count) */
-    double time;            /* of keyed curves */
+    pel_span span;          /* of keyed pressure; other curves have their value at its time */
     const pel_state *state; /* factors of keyed parameters; null = 1 */
     pel_tangent_kind kind;
     const double *stresses; /* (stress_count) of the geometric parts, see pel_tangent_extrapolate; null = own */

@@ -208,4 +208,19 @@ double pel_curve_largest(const pel_curve *curve);
 /* value of a curve at a time: linear between keys, constant outside; 1 without keys */
 double pel_curve_value(const pel_key *keys, int32_t key_count, double time);
 
+/* When keyed loads act: at a time, or by their mean from `back` before it to `ahead` after it. Extrapolated: what means
+   over two steps of that length, up to the time, lead to at the time. */
+typedef struct pel_span {
+    double time, back, ahead; /* s */
+    bool extrapolates;
+} pel_span;
+
+static inline pel_span pel_instant(double time)
+{
+    return (pel_span){.time = time};
+}
+
+/* mean value of a curve over a span, counted as 0 outside of from <= time < until */
+double pel_curve_mean(const pel_key *keys, int32_t key_count, pel_span span, double from, double until);
+
 #endif

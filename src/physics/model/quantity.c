@@ -7,6 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+/* of a span: shorter times are rounding */
+#define SAME_TIME 1e-9
+
 double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
 {
     if (keys == NULL || key_count == 0)
@@ -19,6 +22,45 @@ double pel_curve_value(const pel_key *keys, int32_t key_count, double time)
             return keys[k - 1].value + s * (keys[k].value - keys[k - 1].value);
         }
     return keys[key_count - 1].value;
+}
+
+/* integral of a curve from one time to a later one: trapezoids between the keys */
+static double integrate(const pel_key *keys, int32_t key_count, double from, double to)
+{
+    double sum = 0, at = from, value = pel_curve_value(keys, key_count, from);
+    for (int32_t k = 0; k < key_count && keys[k].time < to; k++) {
+        if (!(keys[k].time > at))
+            continue;
+        sum += 0.5 * (keys[k].time - at) * (value + keys[k].value);
+        at = keys[k].time;
+        value = keys[k].value;
+    }
+    return sum + 0.5 * (to - at) * (value + pel_curve_value(keys, key_count, to));
+}
+
+/* The same over its length; ends that differ by rounding are the same time. */
+static double mean_between(const pel_key *keys, int32_t key_count, const double span[2], const double acts[2])
+{
+    double length = span[1] - span[0], shortest = SAME_TIME * length;
+    if (!(length > 0))
+        return span[0] >= acts[0] && span[0] < acts[1] ? pel_curve_value(keys, key_count, span[0]) : 0;
+    double from = acts[0] > span[0] + shortest ? acts[0] : span[0];
+    double to = acts[1] < span[1] - shortest ? acts[1] : span[1];
+    if (!(to - from > shortest))
+        return 0;
+    if (key_count == 0 && from == span[0] && to == span[1])
+        return 1;
+    return integrate(keys, key_count, from, to) / length;
+}
+
+double pel_curve_mean(const pel_key *keys, int32_t key_count, pel_span span, double from, double until)
+{
+    const double acts[2] = {from, until}, whole[2] = {span.time - span.back, span.time + span.ahead};
+    double mean = mean_between(keys, key_count, whole, acts);
+    if (!span.extrapolates)
+        return mean;
+    const double before[2] = {span.time - 2 * span.back, span.time - span.back};
+    return mean + 0.5 * (mean - mean_between(keys, key_count, before, acts));
 }
 
 double pel_curve_largest(const pel_curve *curve)

@@ -236,10 +236,11 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 static void check_grasps(pel_run_state *run, int64_t frame)
 {
     const pel_sim_def *def = &run->scene->sim;
-    double time = pel_sim_time(run->sim);
+    /* a grasp closes in the step that is nearest to its time */
+    double time = pel_sim_time(run->sim), closed = time - 0.75 * def->solver.dt;
     for (int32_t t = 0; t < def->tool_count; t++) {
         pel_tool_reading reading;
-        if (!def->tools[t].grasp || time < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+        if (!def->tools[t].grasp || closed < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
             continue;
         pel_sim_get_tool(run->sim, t, &reading);
         if (reading.contact_count == 0 && reading.lost_count == 0)

@@ -32,8 +32,8 @@ double pel_refine_energy_before(pel_sim *sim, int32_t body)
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     if (sim->model->bodies[body].shell == NULL)
         return 0;
-    pel_shell_energy energy =
-        pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_ELASTIC, sim->pool, NULL);
+    pel_shell_energy energy = pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(pel_sim_time(sim)),
+                                                   PEL_SHELL_ELASTIC, sim->pool, NULL);
     return energy.membrane + energy.bending + energy.fibres;
 }
 
@@ -70,8 +70,9 @@ static double evaluate(keeper *k)
     }
     energy = pel_event_energy(sim->active, k->body, sim->state, places, count, sim->force);
     if (has_shell) {
-        pel_shell_energy shells = pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim),
-                                                       PEL_SHELL_ELASTIC, sim->pool, sim->force);
+        pel_shell_energy shells =
+            pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(pel_sim_time(sim)), PEL_SHELL_ELASTIC,
+                                 sim->pool, sim->force);
         energy += shells.membrane + shells.bending + shells.fibres;
     }
     k->force_square = 0;

@@ -73,37 +73,38 @@ void pel_edge_loads_destroy(pel_sim *sim)
     pel_free(sim->loads->edge_loads);
 }
 
-/* N m, of an edge at a time */
-static double moment_of(const pel_sim *sim, const pel_edge_load *at, double time)
+/* N m, of an edge over a span */
+static double moment_of(const pel_sim *sim, const pel_edge_load *at, pel_span span)
 {
     const pel_load *load = &sim->loads->items[at->load];
-    if (!(time >= load->from && time < load->until))
-        return 0;
-    return sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time) *
-           pel_vec3_dot(load->force, at->along);
+    return pel_load_factor(sim, load, span) * pel_vec3_dot(load->force, at->along);
 }
 
-double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns)
+double pel_edge_load_product(const pel_sim *sim, int32_t load, pel_span span, const double *turns)
 {
     PEL_ASSERT_INDEX(load, sim->loads->count);
     double sum = 0;
     for (int32_t i = 0; i < sim->loads->edge_load_count; i++)
         if (sim->loads->edge_loads[i].load == load)
-            sum += moment_of(sim, &sim->loads->edge_loads[i], time) * turns[sim->loads->edge_loads[i].edge];
+            sum += moment_of(sim, &sim->loads->edge_loads[i], span) * turns[sim->loads->edge_loads[i].edge];
     return sum;
 }
 
-void pel_edge_loads_add(const pel_sim *sim, double time, double *moments)
+void pel_edge_loads_add(const pel_sim *sim, pel_span span, double *moments)
 {
     for (int32_t i = 0; i < sim->loads->edge_load_count; i++)
-        moments[sim->loads->edge_loads[i].edge] += moment_of(sim, &sim->loads->edge_loads[i], time);
+        moments[sim->loads->edge_loads[i].edge] += moment_of(sim, &sim->loads->edge_loads[i], span);
 }
 
-void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns)
+void pel_edge_loads_add_work(pel_sim *sim, pel_span span, const double *turns)
 {
     for (int32_t i = 0; i < sim->loads->edge_load_count; i++) {
         const pel_edge_load *at = &sim->loads->edge_loads[i];
-        double mean = 0.5 * (moment_of(sim, at, time - sim->step.dt) + moment_of(sim, at, time));
+        /* statics pass through the moments on the way to those of the end */
+        double mean =
+            pel_sim_has_velocity(sim)
+                ? moment_of(sim, at, span)
+                : 0.5 * (moment_of(sim, at, pel_instant(span.time - sim->step.dt)) + moment_of(sim, at, span));
         sim->loads->edge_load_work += mean * turns[at->edge];
     }
 }

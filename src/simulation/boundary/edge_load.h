@@ -10,10 +10,10 @@ pel_status pel_edge_loads_create(pel_sim *sim, const pel_sim_def *def, pel_error
 void pel_edge_loads_destroy(pel_sim *sim);
 
 /* the product of the moments of a load with numbers on edges */
-double pel_edge_load_product(const pel_sim *sim, int32_t load, double time, const double *turns);
-/* Adds the moments [N m] at a time to the loads of edges (edge_count). */
-void pel_edge_loads_add(const pel_sim *sim, double time, double *moments);
-/* Adds the work of moments over turns of edges (edge_count) in a step that ends at a time: means of its ends. */
-void pel_edge_loads_add_work(pel_sim *sim, double time, const double *turns);
+double pel_edge_load_product(const pel_sim *sim, int32_t load, pel_span span, const double *turns);
+/* Adds the moments [N m] of a span to the loads of edges (edge_count). */
+void pel_edge_loads_add(const pel_sim *sim, pel_span span, double *moments);
+/* Adds the work of moments over turns of edges (edge_count) in a run at a span. */
+void pel_edge_loads_add_work(pel_sim *sim, pel_span span, const double *turns);
 
 #endif

@@ -122,26 +122,24 @@ void pel_followers_destroy(pel_sim *sim)
 
 /* ---- forces ---- */
 
-static void turn_force(const pel_sim *sim, const pel_follower *at, double time, const edge_frame *frame,
+static void turn_force(const pel_sim *sim, const pel_follower *at, pel_span span, const edge_frame *frame,
                        double force[3])
 {
     const pel_load *load = &sim->loads->items[at->load];
-    double factor = time >= load->from && time < load->until
-                        ? sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time)
-                        : 0;
+    double factor = pel_load_factor(sim, load, span);
     pel_vec3_set(force, 0, 0, 0);
     for (int k = 0; k < 3; k++)
         pel_vec3_along(force, factor * at->length * pel_vec3_dot(at->rest[k], load->force), frame->axes[k], force);
 }
 
-void pel_follower_force(const pel_sim *sim, int32_t i, double time, const pel_record *positions, double force[3])
+void pel_follower_force(const pel_sim *sim, int32_t i, pel_span span, const pel_record *positions, double force[3])
 {
     const pel_follower *at = &sim->loads->followers[i];
     double x[3][3];
     for (int k = 0; k < 3; k++)
         pel_vertex_position(positions, at->vertices[k], x[k]);
     const edge_frame frame = find_frame(x[0], x[1], x[2]);
-    turn_force(sim, at, time, &frame, force);
+    turn_force(sim, at, span, &frame, force);
 }
 
 /* turns[v] d = the turn of the frame by a displacement d of end, end or tip */
@@ -158,14 +156,14 @@ static void find_turns(const edge_frame *f, double turns[3][3][3])
                 turns[v][i][j] = by_side[v] * across[i][j] + by_height[v] * t[i] * n[j];
 }
 
-void pel_followers_evaluate(const pel_sim *sim, double time, const double *unknowns, double *gradient)
+void pel_followers_evaluate(const pel_sim *sim, pel_span span, const double *unknowns, double *gradient)
 {
     for (int32_t i = 0; i < sim->loads->follower_count; i++) {
         pel_follower *at = &sim->loads->followers[i];
         const int32_t *v = at->vertices;
         const edge_frame frame =
             find_frame(unknowns + 3 * (size_t)v[0], unknowns + 3 * (size_t)v[1], unknowns + 3 * (size_t)v[2]);
-        turn_force(sim, at, time, &frame, at->force);
+        turn_force(sim, at, span, &frame, at->force);
         find_turns(&frame, at->turns);
         for (int k = 0; k < 2; k++)
             pel_vec3_along(gradient + 3 * (size_t)v[k], -0.5, at->force, gradient + 3 * (size_t)v[k]);

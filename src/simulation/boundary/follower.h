@@ -10,10 +10,10 @@
 pel_status pel_followers_create(pel_sim *sim, const pel_sim_def *def, pel_error *error);
 void pel_followers_destroy(pel_sim *sim);
 
-/* N, of the i-th follower load, on both ends of its edge together. */
-void pel_follower_force(const pel_sim *sim, int32_t i, double time, const pel_record *positions, double force[3]);
+/* N, of the i-th follower load over a span, on both ends of its edge together. */
+void pel_follower_force(const pel_sim *sim, int32_t i, pel_span span, const pel_record *positions, double force[3]);
 /* Subtracts the forces at unknowns from the gradient, and keeps their slopes for the matrix. */
-void pel_followers_evaluate(const pel_sim *sim, double time, const double *unknowns, double *gradient);
+void pel_followers_evaluate(const pel_sim *sim, pel_span span, const double *unknowns, double *gradient);
 /* Adds the symmetric part of the slopes of the last evaluation. */
 void pel_followers_add_matrix(const pel_sim *sim, pel_matrix *matrix);
 /* y += the rest of them times x, both as the gradient. */

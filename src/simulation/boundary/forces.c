@@ -26,7 +26,7 @@ pel_status pel_sim_make_forces(pel_sim *sim, bool has_forces, pel_error *error)
 /* J, of mid-edge bending */
 static double edge_energy(const pel_sim *sim)
 {
-    pel_tangent_input input = {.time = pel_sim_time(sim), .state = sim->state};
+    pel_tangent_input input = {.span = pel_instant(pel_sim_time(sim)), .state = sim->state};
     pel_tangent *tangent = pel_sim_settle_edges(sim, &input.unknowns);
     return tangent != NULL ? pel_tangent_evaluate(tangent, &input, sim->pool, NULL).edges : 0;
 }
@@ -40,10 +40,10 @@ void pel_sim_compute_forces(pel_sim *sim)
     sim->present.has_force = true;
     sim->present.has_energies = false;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
-    pel_loads_add(sim, pel_sim_time(sim), state->position, sim->force);
+    pel_loads_add(sim, pel_instant(pel_sim_time(sim)), state->position, sim->force);
     pel_shell_forces_follow(sim->shells, state->position);
-    sim->present.shell_energy =
-        pel_shell_forces_add(sim->shells, state->position, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    sim->present.shell_energy = pel_shell_forces_add(sim->shells, state->position, pel_instant(pel_sim_time(sim)),
+                                                     PEL_SHELL_ALL, sim->pool, sim->force);
     sim->present.shell_energy.bending += edge_energy(sim);
 }
 

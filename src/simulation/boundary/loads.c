@@ -5,6 +5,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/follower.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
 
@@ -23,6 +24,9 @@ static bool is_finite3(const double a[3])
 {
     return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]);
 }
+
+/* of its largest value: a larger change of a mean load from one step to the next is a jump */
+#define JUMP_SHARE 0.25
 
 static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_t load, pel_error *error)
 {
@@ -268,15 +272,17 @@ void pel_loads_destroy(pel_sim *sim)
     pel_free(sim->loads->items);
 }
 
-/* force of a load on a vertex of weight 1 at a time; false when it does not act */
-static bool load_force(const pel_sim *sim, const pel_load *load, double time, double force[3])
+double pel_load_factor(const pel_sim *sim, const pel_load *load, pel_span span)
 {
-    if (!(time >= load->from && time < load->until))
-        return false;
-    double factor = sim->state->load_factor * pel_curve_value(load->keys, load->key_count, time);
-    for (int i = 0; i < 3; i++)
-        force[i] = factor * load->force[i];
-    return true;
+    return sim->state->load_factor * pel_curve_mean(load->keys, load->key_count, span, load->from, load->until);
+}
+
+/* force of a load on a vertex of weight 1 over a span; false when it does not act */
+static bool load_force(const pel_sim *sim, const pel_load *load, pel_span span, double force[3])
+{
+    double factor = pel_load_factor(sim, load, span);
+    pel_vec3_scale(load->force, factor, force);
+    return factor != 0;
 }
 
 static bool has_gravity(const pel_model *model)
@@ -331,14 +337,14 @@ bool pel_loads_act(const pel_sim *sim)
     return any;
 }
 
-bool pel_loads_apply(pel_sim *sim, pel_gains gains)
+bool pel_loads_apply(pel_sim *sim, pel_span span, pel_gains gains)
 {
     const real_gains gain = {(pel_real)gains.position, (pel_real)gains.velocity};
-    double time = pel_sim_time(sim), force[3];
+    double force[3];
     bool inside = true;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
-        if (!load_force(sim, load, time, force))
+        if (!load_force(sim, load, span, force))
             continue;
         pel_record full = record_of(force);
         for (int32_t i = 0; i < load->vertex_count; i++) {
@@ -348,7 +354,7 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
         }
     }
     for (int32_t i = 0; i < sim->loads->follower_count; i++) {
-        pel_follower_force(sim, i, time, sim->state->position, force);
+        pel_follower_force(sim, i, span, sim->state->position, force);
         for (int k = 0; k < 2; k++) {
             int32_t v = sim->loads->followers[i].vertices[k];
             inside &= push(sim, v, gain, (pel_real)0.5 * sim->model->inverse_mass[v] * record_of(force));
@@ -361,31 +367,31 @@ bool pel_loads_apply(pel_sim *sim, pel_gains gains)
     return inside;
 }
 
-double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors)
+double pel_load_product(const pel_sim *sim, int32_t load, pel_span span, const double *vectors)
 {
     PEL_ASSERT_INDEX(load, sim->loads->count);
     const pel_load *at = &sim->loads->items[load];
     double force[3], sum = 0;
-    if (!load_force(sim, at, time, force))
+    if (!load_force(sim, at, span, force))
         return 0;
     for (int32_t i = 0; i < at->vertex_count; i++)
         sum += at->weights[i] * pel_vec3_dot(force, vectors + 3 * (size_t)at->vertices[i]);
     return sum;
 }
 
-void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions, pel_record *force)
+void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *positions, pel_record *force)
 {
     double each[3];
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
-        if (!load_force(sim, load, time, each))
+        if (!load_force(sim, load, span, each))
             continue;
         pel_record full = record_of(each);
         for (int32_t i = 0; i < load->vertex_count; i++)
             force[load->vertices[i]] += (pel_real)load->weights[i] * full;
     }
     for (int32_t i = 0; positions != NULL && i < sim->loads->follower_count; i++) {
-        pel_follower_force(sim, i, time, positions, each);
+        pel_follower_force(sim, i, span, positions, each);
         for (int k = 0; k < 2; k++)
             force[sim->loads->followers[i].vertices[k]] += (pel_real)0.5 * record_of(each);
     }
@@ -398,26 +404,151 @@ void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions,
     }
 }
 
-/* Mean factor of a load over a step. The leapfrog kicks at both ends; the other methods look at one instant whether the
-   load acts at all. */
-static double mean_factor(const pel_sim *sim, const pel_load *load, double from, double to)
+/* ---- keyed loads in a step ---- */
+
+static bool is_leapfrog(const pel_sim *sim)
 {
-    bool at_from = from >= load->from && from < load->until, at_to = to >= load->from && to < load->until;
-    if (!pel_sim_is_explicit(sim))
-        at_from = at_to = sim->stepper->is_at_end ? at_to : at_from;
-    double before = sim->state->load_factor_before, now = sim->state->load_factor;
-    return 0.5 * ((at_from ? before * pel_curve_value(load->keys, load->key_count, from) : 0) +
-                  (at_to ? now * pel_curve_value(load->keys, load->key_count, to) : 0));
+    return pel_sim_is_explicit(sim) && sim->shells != NULL && sim->solver.symplectic;
+}
+
+pel_span pel_loads_kick_span(const pel_sim *sim, double time)
+{
+    double dt = sim->step.dt;
+    if (is_leapfrog(sim))
+        return (pel_span){.time = time, .back = time > 0 ? 0.5 * dt : 0, .ahead = 0.5 * dt};
+    return (pel_span){.time = time, .ahead = dt};
+}
+
+/* change of a keyed factor from the time before a span to it, over its largest value */
+static double change_of(const pel_key *keys, int32_t key_count, pel_span span, double from, double until)
+{
+    const pel_span before = {.time = span.time - span.back, .back = span.back};
+    double largest = key_count > 0 ? 0 : 1;
+    for (int32_t k = 0; k < key_count; k++)
+        largest = pel_max(largest, fabs(keys[k].value));
+    double change =
+        pel_curve_mean(keys, key_count, span, from, until) - pel_curve_mean(keys, key_count, before, from, until);
+    return largest > 0 ? fabs(change) / largest : 0;
+}
+
+bool pel_loads_jump(const pel_sim *sim, pel_span span)
+{
+    double most = 0;
+    for (int32_t l = 0; l < sim->loads->count; l++) {
+        const pel_load *load = &sim->loads->items[l];
+        most = pel_max(most, change_of(load->keys, load->key_count, span, load->from, load->until));
+    }
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->outside.key_count > 0)
+            most = pel_max(most, change_of(shell->outside.keys, shell->outside.key_count, span, -HUGE_VAL, HUGE_VAL));
+    }
+    return most > JUMP_SHARE;
+}
+
+/* the sum of a load's weights times displacements from some positions to the new ones */
+static void weigh_way(const pel_sim *sim, const pel_load *load, const pel_record *start, double way[3])
+{
+    pel_vec3_set(way, 0, 0, 0);
+    for (int32_t i = 0; i < load->vertex_count; i++) {
+        int32_t v = load->vertices[i];
+        for (int c = 0; c < 3; c++)
+            way[c] += load->weights[i] * ((double)sim->state->position_next[v][c] - (double)start[v][c]);
+    }
+}
+
+/* the same of velocities */
+static void weigh_velocity(const pel_load *load, const pel_record *velocity, double sum[3])
+{
+    pel_vec3_set(sum, 0, 0, 0);
+    for (int32_t i = 0; i < load->vertex_count; i++)
+        for (int c = 0; c < 3; c++)
+            sum[c] += load->weights[i] * (double)velocity[load->vertices[i]][c];
+}
+
+/* J: work of the forces of the caller from some positions to others, null = all zero */
+static double external_work(const pel_sim *sim, const pel_record *from, const pel_record *to)
+{
+    double work = 0;
+    for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            work += (double)sim->loads->external[v][c] * ((double)to[v][c] - (from != NULL ? (double)from[v][c] : 0));
+    return work;
+}
+
+/* whether a load changes between two times */
+static bool changes(const pel_load *load, double from, double to)
+{
+    const pel_key *keys = load->keys;
+    bool is_keyed = load->key_count > 1 && to > keys[0].time && from < keys[load->key_count - 1].time;
+    return is_keyed || (load->from > from && load->from < to) || (load->until > from && load->until < to);
+}
+
+void pel_loads_begin_tally(pel_sim *sim, double h)
+{
+    double from = pel_sim_time(sim), to = from + sim->step.dt;
+    sim->loads->tallied_work = 0;
+    sim->loads->external_work = h * external_work(sim, NULL, sim->state->velocity);
+    for (int32_t l = 0; l < sim->loads->count; l++) {
+        pel_load *load = &sim->loads->items[l];
+        load->is_tallied = sim->solver.second_order || changes(load, from, to);
+        if (!load->is_tallied)
+            continue;
+        weigh_velocity(load, sim->state->velocity, load->way);
+        pel_vec3_scale(load->way, h, load->way);
+    }
+}
+
+/* The mean of the velocities at both ends moves a load; in first order each of them is that of the way before it. */
+void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start)
+{
+    bool second_order = sim->solver.second_order;
+    const pel_state *state = sim->state;
+    double h = span.back, external = second_order ? h * external_work(sim, NULL, state->velocity_next)
+                                                  : external_work(sim, start, state->position_next);
+    sim->loads->tallied_work += 0.5 * (external + sim->loads->external_work);
+    sim->loads->external_work = external;
+    span.extrapolates = false;
+    for (int32_t l = 0; l < sim->loads->count; l++) {
+        pel_load *load = &sim->loads->items[l];
+        double way[3], mean[3];
+        if (!load->is_tallied)
+            continue;
+        if (second_order) {
+            weigh_velocity(load, state->velocity_next, way);
+            pel_vec3_scale(way, h, way);
+        } else {
+            weigh_way(sim, load, start, way);
+        }
+        for (int c = 0; c < 3; c++)
+            mean[c] = 0.5 * (way[c] + load->way[c]);
+        pel_vec3_copy(way, load->way);
+        sim->loads->tallied_work += pel_load_factor(sim, load, span) * pel_vec3_dot(load->force, mean);
+    }
+}
+
+/* Statics pass through the loads in between; kicks of velocities in the middle of steps do half of their work before
+   and half after them. */
+void pel_loads_find_spans(const pel_sim *sim, double from, double to, pel_span spans[2])
+{
+    const double times[2] = {from, to};
+    for (int i = 0; i < 2; i++) {
+        spans[i] = (pel_span){.time = times[i], .back = times[i] - from, .ahead = to - times[i]};
+        if (!pel_sim_has_velocity(sim))
+            spans[i] = pel_instant(times[i]);
+        else if (pel_sim_is_explicit(sim))
+            spans[i] = pel_loads_kick_span(sim, times[i]);
+    }
 }
 
 /* mean of the forces at both ends of the step times the displacement of the edges */
-static double followers_work(const pel_sim *sim, double from, double to)
+static double followers_work(const pel_sim *sim, const pel_span spans[2])
 {
     double work = 0;
     for (int32_t i = 0; i < sim->loads->follower_count; i++) {
         double before[3], after[3], a[3], b[3];
-        pel_follower_force(sim, i, from, sim->state->position, before);
-        pel_follower_force(sim, i, to, sim->state->position_next, after);
+        pel_follower_force(sim, i, spans[0], sim->state->position, before);
+        pel_follower_force(sim, i, spans[1], sim->state->position_next, after);
         pel_vec3_add(before, after, before);
         for (int k = 0; k < 2; k++) {
             int32_t v = sim->loads->followers[i].vertices[k];
@@ -430,25 +561,38 @@ static double followers_work(const pel_sim *sim, double from, double to)
     return work;
 }
 
-double pel_loads_work(const pel_sim *sim, double from, double to)
+/* mean factor of a load in a step; statics follow the factor of the path */
+static double mean_factor(const pel_sim *sim, const pel_load *load, const pel_span spans[2])
+{
+    const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
+    double sum = 0;
+    for (int i = 0; i < 2; i++)
+        sum += 0.5 * factors[i] * pel_curve_mean(load->keys, load->key_count, spans[i], load->from, load->until);
+    return sum;
+}
+
+double pel_loads_work(const pel_sim *sim, double from, double to, double h)
 {
     const pel_state *state = sim->state;
-    double work = followers_work(sim, from, to);
+    pel_span spans[2];
+    pel_loads_find_spans(sim, from, to, spans);
+    double work = followers_work(sim, spans) + sim->loads->tallied_work;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
-        double factor = mean_factor(sim, load, from, to), shift[3] = {0};
-        for (int32_t i = 0; factor != 0 && i < load->vertex_count; i++) {
-            int32_t v = load->vertices[i];
+        double factor = load->is_tallied ? 0 : mean_factor(sim, load, spans), way[3], before[3], after[3];
+        if (factor == 0)
+            continue;
+        weigh_way(sim, load, state->position, way);
+        if (h > 0) {
+            weigh_velocity(load, state->velocity, before);
+            weigh_velocity(load, state->velocity_next, after);
             for (int c = 0; c < 3; c++)
-                shift[c] += load->weights[i] * ((double)state->position_next[v][c] - (double)state->position[v][c]);
+                way[c] -= 0.5 * h * (after[c] - before[c]);
         }
-        work += factor * pel_vec3_dot(load->force, shift);
+        work += factor * pel_vec3_dot(load->force, way);
     }
-    for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
-        for (int c = 0; c < 3; c++)
-            work += (double)sim->loads->external[v][c] *
-                    ((double)state->position_next[v][c] - (double)state->position[v][c]);
-    return work;
+    /* substeps have summed it */
+    return pel_sim_is_projected(sim) ? work : work + external_work(sim, state->position, state->position_next);
 }
 
 /* ---- snapshots ---- */

@@ -16,6 +16,8 @@ typedef struct pel_load {
     double *densities;       /* (vertices of the finest level) */
     double *weight_of_place; /* (places of the body) 0 = none */
     double from, until;
+    double way[3];   /* m, weighed: velocity at the end of the last substep times its length */
+    bool is_tallied; /* its work is summed over substeps */
     pel_key *keys;
     int32_t key_count;
     int32_t body;
@@ -44,26 +46,44 @@ struct pel_loads {
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
     double edge_load_work;   /* J, in the step */
+    double tallied_work;     /* J, in the substeps of the step, of loads that are tallied and of forces of the caller */
+    double external_work;    /* J, of the latter with the velocities at the end of the last substep times its length */
     pel_follower *followers; /* (follower_count) null = none */
     int32_t follower_count;
 };
 
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);
 void pel_loads_destroy(pel_sim *sim);
-/* Moves the new positions and velocities by the loads at the present time. False when a vertex leaves the bound. */
-bool pel_loads_apply(pel_sim *sim, pel_gains gains);
+/* Moves the new positions and velocities by the loads over a span. False when a vertex leaves the bound. */
+bool pel_loads_apply(pel_sim *sim, pel_span span, pel_gains gains);
 /* there is one, gravity included */
 bool pel_loads_exist(const pel_sim *sim);
 /* the same, or a pressure from outside or inside */
 bool pel_loads_act(const pel_sim *sim);
-/* N m: the product of a load at a time with vectors on vertices (3 vertex_count) */
-double pel_load_product(const pel_sim *sim, int32_t load, double time, const double *vectors);
-/* Adds the loads at a time, gravity included, to force (vertex_count); follower loads at some positions, null = without
-   these. */
-void pel_loads_add(const pel_sim *sim, double time, const pel_record *positions, pel_record *force);
+/* N m: the product of a load over a span with vectors on vertices (3 vertex_count) */
+double pel_load_product(const pel_sim *sim, int32_t load, pel_span span, const double *vectors);
+/* mean factor of a load over a span, with that of the path */
+double pel_load_factor(const pel_sim *sim, const pel_load *load, pel_span span);
+/* The span of loads that kick the velocities at a time: the step that begins there, or the time around it where
+   velocities belong to the middle of a step. */
+pel_span pel_loads_kick_span(const pel_sim *sim, double time);
+/* The spans of the two loads whose mean does the work of a step from one time to another. */
+void pel_loads_find_spans(const pel_sim *sim, double from, double to, pel_span spans[2]);
+/* The mean of a load or pressure over a span is far from that over the same time before it. */
+bool pel_loads_jump(const pel_sim *sim, pel_span span);
 
-/* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. */
-double pel_loads_work(const pel_sim *sim, double from, double to);
+/* Adds the loads over a span, gravity included, to force (vertex_count); follower loads at some positions, null =
+   without these. */
+void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *positions, pel_record *force);
+
+/* Before the substeps of a step, of length h [s]; and after one over a span, with positions at its start: the work of
+   loads that change in the step, and of all in second order. */
+void pel_loads_begin_tally(pel_sim *sim, double h);
+void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start);
+
+/* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. `h` [s]
+   is the length of substeps whose new velocities move the positions, else 0. */
+double pel_loads_work(const pel_sim *sim, double from, double to, double h);
 
 /* Brings the loads on a body after the last event. */
 void pel_loads_update(pel_sim *sim, int32_t body);

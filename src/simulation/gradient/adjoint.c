@@ -83,10 +83,11 @@ void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *prob
 {
     pel_sim_newton *newton = sim->minimise->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    double time = pel_sim_time(sim) - (1 - 1 / end) * sim->step.dt;
+    double dt = sim->step.dt;
+    const pel_span acts = sim->minimise->acts;
     take_state(sim, end);
     *problem = (pel_newton_problem){
-        .time = time,
+        .span = {pel_sim_time(sim) - (1 - 1 / end) * dt, acts.back * dt, acts.ahead * dt, acts.extrapolates},
         .state = sim->state,
         .force = newton->loads,
         .load_factor = &sim->state->load_factor,
@@ -159,8 +160,8 @@ static void give_loads(const pel_adjoint_work *a)
     const pel_sim *sim = a->sim;
     size_t edges = 3 * (size_t)sim->model->vertex_count;
     for (int32_t l = 0; a->def->loads != NULL && l < sim->loads->count; l++)
-        a->def->loads[l] += pel_load_product(sim, l, a->problem.time, a->multipliers) +
-                            pel_edge_load_product(sim, l, a->problem.time, a->multipliers + edges);
+        a->def->loads[l] += pel_load_product(sim, l, a->problem.span, a->multipliers) +
+                            pel_edge_load_product(sim, l, a->problem.span, a->multipliers + edges);
     for (int k = 0; a->def->gravity != NULL && k < 3; k++)
         for (int32_t v = 0; v < sim->model->vertex_count; v++)
             a->def->gravity[k] += sim->state->load_factor * (double)sim->model->mass[v] * a->multipliers[3 * v + k];
@@ -235,8 +236,8 @@ pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
     memcpy(a->unknowns, sim->minimise->newton->unknowns,
            (size_t)pel_newton_pattern(newton)->unknown_count * sizeof(double));
     /* loads and places may have changed since */
-    a->problem.frames = pel_sim_newton_gather_at(sim, a->problem.time, !a->problem.is_dynamic);
-    pel_minimise_context context = {.sim = sim, .time = a->problem.time};
+    a->problem.frames = pel_sim_newton_gather_at(sim, a->problem.span, !a->problem.is_dynamic);
+    pel_minimise_context context = {.sim = sim, .span = a->problem.span};
     const pel_newton_terms terms = pel_sim_newton_terms(&context);
     if (pel_sim_newton_has_terms(sim))
         a->problem.terms = &terms;
@@ -282,7 +283,7 @@ pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *erro
     if (status != PEL_OK)
         return status;
     pel_adjoint_work a;
-    double end = sim->minimise->newton->point_stiffness != NULL ? 1 / sim->minimise->force_time : 1;
+    double end = sim->minimise->newton->point_stiffness != NULL ? 1 / sim->minimise->acts.time : 1;
     status = pel_adjoint_begin(&a, sim, def, error);
     if (status == PEL_OK) {
         take_gradient(&a, end);

@@ -119,8 +119,9 @@ static pel_status take_positions(pel_potential *potential, const double *positio
 
 static pel_tangent_input input_of(const pel_potential *potential)
 {
-    return (pel_tangent_input){
-        .unknowns = potential->unknowns, .time = pel_sim_time(potential->sim), .state = potential->sim->state};
+    return (pel_tangent_input){.unknowns = potential->unknowns,
+                               .span = pel_instant(pel_sim_time(potential->sim)),
+                               .state = potential->sim->state};
 }
 
 /* subtracts loads and gravity from the gradient, and returns minus their work from the rest shape */
@@ -129,7 +130,7 @@ static double add_dead_loads(pel_potential *potential)
     const pel_sim *sim = potential->sim;
     double energy = 0;
     memset(potential->dead_load, 0, (size_t)sim->model->vertex_count * sizeof *potential->dead_load);
-    pel_loads_add(sim, pel_sim_time(sim), NULL, potential->dead_load);
+    pel_loads_add(sim, pel_instant(pel_sim_time(sim)), NULL, potential->dead_load);
     for (int32_t r = 0; r < potential->vertex_count; r++) {
         int32_t v = potential->places[r];
         for (int32_t k = 0; k < 3; k++) {

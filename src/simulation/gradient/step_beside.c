@@ -86,8 +86,8 @@ pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t cou
     pel_newton_lead lead = {
         .newton = sim->newton, .problem = &problem, .path = sim->path != NULL ? &sim->path->path : NULL};
     if (status == PEL_OK && !has_ended && count > 0) {
-        pel_adjoint_take_problem(sim, newton->point_stiffness != NULL ? 1 / sim->minimise->force_time : 1, &problem);
-        context.time = problem.time;
+        pel_adjoint_take_problem(sim, newton->point_stiffness != NULL ? 1 / sim->minimise->acts.time : 1, &problem);
+        context.span = problem.span;
         problem.terms = pel_sim_newton_has_terms(sim) ? &terms : NULL;
         lead.unknowns = newton->unknowns;
         status = pel_newton_take_lead(&lead, error);

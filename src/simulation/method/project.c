@@ -36,11 +36,11 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* adds loads and pressure at a time to sim->force, which is 0: a substep clears it after use */
-static void find_forces(pel_sim *sim, double time, const pel_record *positions)
+/* adds loads and pressure over a span to sim->force, which is 0: a substep clears it after use */
+static void find_forces(pel_sim *sim, pel_span span, const pel_record *positions)
 {
-    pel_loads_add(sim, time, positions, sim->force);
-    pel_shell_forces_press(sim->shells, positions, time, sim->pool, sim->force);
+    pel_loads_add(sim, span, positions, sim->force);
+    pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
 }
 
 /* contacts of one kind or the other that act in the substeps; null = none */
@@ -128,10 +128,12 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_substep_place place = place_of(sim, number);
     pel_contact_list *pairs = loop_contacts(sim);
     /* second order: forces belong to the end of a substep */
-    double lead = sim->solver.second_order ? projector->substep : 0;
+    double h = projector->substep, end = pel_sim_time(sim) + (number + 1) * h;
+    const pel_span span = {.time = end, .back = h, .extrapolates = pel_project_has_past(projector, state, place)};
+    if (number > 0)
+        pel_tools_follow_grasps(sim, end - 0.5 * h);
     pel_tools_place(sim, (double)(number + 1) / count);
-    find_forces(sim, pel_sim_time(sim) + lead + number * projector->substep,
-                number == 0 ? state->position : state->position_next);
+    find_forces(sim, span, number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
     begin_contacts(sim, start);
@@ -144,6 +146,7 @@ static void run_substep(pel_sim *sim, int32_t number)
         pel_solids_tally(sim, rate);
     const pel_contact_list *lists[] = {pairs, sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
+    pel_loads_tally(sim, span, start);
 }
 
 /* before a substep: search the pairs again if positions deviate from the prediction */
@@ -161,6 +164,7 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     pel_status status = PEL_OK;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_tools_place(sim, 0);
+    pel_loads_begin_tally(sim, sim->projector->substep);
     if (pel_sim_has_loop_contacts(sim))
         pel_contact_set_recall_loads(sim->contacts, sim->projector->substep);
     for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {

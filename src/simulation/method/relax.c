@@ -28,9 +28,9 @@ static void find_outer_forces(pel_sim *sim, const pel_record *positions)
     const pel_relax *relax = sim->relax;
     for (int32_t i = 0; i < relax->slice_begin[sim->model->body_count]; i++)
         memset(sim->force + relax->slices[i] * PEL_WIDTH, 0, PEL_WIDTH * sizeof *sim->force);
-    pel_loads_add(sim, pel_sim_time(sim), positions, sim->force);
+    pel_loads_add(sim, pel_instant(pel_sim_time(sim)), positions, sim->force);
     pel_shell_forces_follow(sim->shells, positions);
-    pel_shell_forces_add(sim->shells, positions, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    pel_shell_forces_add(sim->shells, positions, pel_instant(pel_sim_time(sim)), PEL_SHELL_ALL, sim->pool, sim->force);
 }
 
 /* bound of the shells on the present surface; it changes with the surface only */

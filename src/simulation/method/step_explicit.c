@@ -106,8 +106,9 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     double dt = sim->step.dt;
     const pel_gains gains = {sim->step.symplectic ? dt * dt : 0, dt};
     pel_step_explicit(sim->model, sim->state, &sim->step, result);
-    result->diverged |= !pel_loads_apply(sim, gains);
-    pel_shells_apply(sim, gains);
+    const pel_span span = pel_loads_kick_span(sim, pel_sim_time(sim));
+    result->diverged |= !pel_loads_apply(sim, span, gains);
+    pel_shells_apply(sim, span, gains);
     if (sim->shells != NULL || sim->solver.drag > 0)
         correct_velocities(sim);
     result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && !(sim->solver.drag > 0);

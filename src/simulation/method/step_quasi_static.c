@@ -51,8 +51,9 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     (void)error;
     const pel_gains gains = {sim->step.alpha * sim->step.dt * sim->step.dt, 0};
     pel_step_quasi_static(sim->model, sim->state, &sim->step, result);
-    result->diverged |= !pel_loads_apply(sim, gains);
-    pel_shells_apply(sim, gains);
+    const pel_span span = pel_instant(pel_sim_time(sim));
+    result->diverged |= !pel_loads_apply(sim, span, gains);
+    pel_shells_apply(sim, span, gains);
     result->diverged |= sim->shells != NULL && !pel_sim_all_inside(sim);
     result->diverged |= !pel_sim_relax(sim);
     result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && sim->active == NULL;

@@ -80,8 +80,9 @@ static pel_status check_at(pel_sim *sim, double time, pel_error *error)
 {
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         sim->force[v] = (pel_record){0};
-    pel_loads_add(sim, time, sim->state->position, sim->force);
-    pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    pel_loads_add(sim, pel_instant(time), sim->state->position, sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(time), PEL_SHELL_FOLLOWER, sim->pool,
+                         sim->force);
     return pel_minimise_check_held(sim, sim->force, time, error);
 }
 

@@ -80,7 +80,8 @@ struct pel_minimise {
     bool prefers_kept;  /* to loads that balance the forces at the start of a step: they were nearer to its end */
     double begun[2];    /* N, sums of the latter and of kept loads when the step began; not in snapshots */
     double penalty;     /* stiffness of constraints relative to bodies and inertia */
-    double force_time;  /* share of the step at which forces act: 1, or 1/2 under the midpoint rule */
+    pel_span acts;      /* when forces act, in steps after the start of the step: at its end, unless the scheme in time
+                           tells */
     int32_t stray_body; /* has got away by the last step (pel_minimise_find_stray); -1 = none */
     double stray_way;   /* m */
     double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
@@ -101,7 +102,7 @@ struct pel_minimise {
 struct pel_minimise_context {
     pel_sim *sim;
     pel_state state; /* a copy that looks at other positions */
-    double time;
+    pel_span span;   /* of loads; other keyed numbers have their values at its time */
     bool is_constrained;
 };
 

@@ -106,7 +106,7 @@ static double batch_energy(pel_minimise_context *at, const double *position, dou
         for (int k = 0; k < 3; k++)
             record[v][k] = (pel_real)position[3 * (size_t)v + (size_t)k];
     pel_body_forces(sim->model, &at->state, NULL, sim->pool, sim->force);
-    pel_shell_energy shells = pel_shell_forces_add(sim->shells, record, at->time,
+    pel_shell_energy shells = pel_shell_forces_add(sim->shells, record, at->span,
                                                    PEL_SHELL_ELASTIC | PEL_SHELL_CONSERVATIVE, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
@@ -119,7 +119,7 @@ static double precise_energy(const pel_minimise_context *at, const double *posit
 {
     const pel_sim *sim = at->sim;
     const pel_tangent_input input = {
-        .unknowns = position, .time = at->time, .state = sim->state, .leaves_followers = true};
+        .unknowns = position, .span = at->span, .state = sim->state, .leaves_followers = true};
     pel_tangent_energy energy = pel_tangent_evaluate(sim->minimise->tangent, &input, sim->pool, force);
     for (int32_t u = 0; u < 3 * sim->model->vertex_count; u++)
         force[u] = -force[u];
@@ -158,11 +158,11 @@ static double pressure_noise(const pel_sim *sim)
 
 /* N, root of the sum of squares of all forces that are not elastic at some positions, including constant ones; 0 below
    rounding */
-static double measure_external(pel_sim *sim, double time, const pel_record *position)
+static double measure_external(pel_sim *sim, pel_span span, const pel_record *position)
 {
     double square = 0;
     memcpy(sim->force, sim->minimise->external, (size_t)sim->model->vertex_count * sizeof *sim->force);
-    pel_shell_forces_add(sim->shells, position, time, PEL_SHELL_CONSERVATIVE, sim->pool, sim->force);
+    pel_shell_forces_add(sim->shells, position, span, PEL_SHELL_CONSERVATIVE, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int c = 0; c < 3; c++)
             square += sim->model->inverse_mass[v] > 0 ? (double)sim->force[v][c] * (double)sim->force[v][c] : 0;
@@ -170,13 +170,13 @@ static double measure_external(pel_sim *sim, double time, const pel_record *posi
 }
 
 /* the constant forces; returns measure_external at the present state */
-static double find_external(pel_sim *sim, double time)
+static double find_external(pel_sim *sim, pel_span span)
 {
     pel_record *external = sim->minimise->external;
     memset(external, 0, (size_t)sim->model->vertex_count * sizeof *external);
-    pel_loads_add(sim, time, sim->state->position, external);
-    pel_shell_forces_add(sim->shells, sim->state->position, time, PEL_SHELL_FOLLOWER, sim->pool, external);
-    return measure_external(sim, time, sim->state->position);
+    pel_loads_add(sim, span, sim->state->position, external);
+    pel_shell_forces_add(sim->shells, sim->state->position, span, PEL_SHELL_FOLLOWER, sim->pool, external);
+    return measure_external(sim, span, sim->state->position);
 }
 
 /* N, of the forces of a body at rest: in double, as all minimisation */
@@ -333,7 +333,7 @@ static double tolerance_of(const pel_sim *sim, double loads)
 
 double pel_minimise_tolerance(pel_sim *sim, double time)
 {
-    double loads = find_external(sim, time);
+    double loads = find_external(sim, pel_instant(time));
     return loads > 0 ? LOAD_SHARE * loads : rounding_force(sim);
 }
 
@@ -535,7 +535,7 @@ static pel_status minimise_under_constraints(pel_minimise_context *context, doub
     pel_status status = pel_sim_has_loop_contacts(sim) ? pel_contacts_find(sim, near_distance(sim), error) : PEL_OK;
     if (status != PEL_OK)
         return status;
-    pel_tools_move(sim, context->time);
+    pel_tools_move(sim, context->span.time);
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
     sim->minimise->penalty = pel_sim_has_velocity(sim) ? pel_max(PENALTY, SOFTENING * sim->minimise->penalty) : PENALTY;
@@ -580,7 +580,7 @@ static pel_status minimise_alone(pel_minimise_context *context, double loads, pe
         sum->evaluations += evaluations;
         bool is_dynamic = pel_sim_has_velocity(sim);
         if (!is_dynamic && pel_sim_all_inside(sim))
-            loads = measure_external(sim, context->time, sim->state->position_next);
+            loads = measure_external(sim, context->span, sim->state->position_next);
         bool is_near = round.is_near || (is_dynamic && round.converged);
         sum->converged = is_near || round.residual <= tolerance_of(sim, loads);
         is_done = sum->converged || !round.converged || round.stuck;
@@ -597,15 +597,25 @@ void pel_minimise_begin_at_state(pel_sim *sim)
         copy_position(state->position, v, sim->minimise->position);
 }
 
+/* when forces act in the present part of the step */
+static pel_span span_of(const pel_sim *sim)
+{
+    pel_span span = sim->minimise->acts;
+    span.time = pel_sim_part_time(sim, span.time);
+    span.back *= sim->step.dt;
+    span.ahead *= sim->step.dt;
+    return span;
+}
+
 pel_status pel_minimise_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_state *state = sim->state;
-    pel_minimise_context context = {
-        .sim = sim, .state = *state, .time = pel_sim_part_time(sim, sim->minimise->force_time)};
+    pel_minimise_context context = {.sim = sim, .state = *state, .span = span_of(sim)};
     pel_shell_forces_follow(sim->shells, state->position);
-    double loads = find_external(sim, context.time);
-    pel_status status =
-        pel_sim_has_velocity(sim) ? PEL_OK : pel_minimise_check_held(sim, sim->minimise->external, context.time, error);
+    double loads = find_external(sim, context.span);
+    pel_status status = pel_sim_has_velocity(sim)
+                            ? PEL_OK
+                            : pel_minimise_check_held(sim, sim->minimise->external, context.span.time, error);
     if (status != PEL_OK)
         return status;
     pel_minimise_begin_at_state(sim);
@@ -664,7 +674,7 @@ pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *run, pel_error *e
         return pel_fail_memory(error);
     size_t count = (size_t)sim->model->vertex_count;
     minimise->run = run;
-    minimise->force_time = 1;
+    minimise->acts = pel_instant(1);
     minimise->stray_body = -1;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(minimise->position, 3 * count), PEL_ROOM(minimise->force, 3 * count),
                           PEL_ROOM_ALIGNED(minimise->record, count), PEL_ROOM_ALIGNED(minimise->external, count),

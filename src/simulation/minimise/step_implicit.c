@@ -28,7 +28,7 @@
 #include "minimise/step_newton.h"
 #include "minimise/step_turn.h"
 #include "stage/accessors.h"
-#include "tool/tool.h"
+#include "tool/tools.h"
 
 #include <float.h>
 #include <string.h>
@@ -45,9 +45,9 @@ enum { COLLISION_STEPS = 2 };
 /* steps until the midpoint rule is tried again */
 enum { UNRESOLVED_STEPS = 50 };
 
-static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1};
-static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1};
-static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 2};
+static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1, {1, 1, 0, false}};
+static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1, {1, 1, 0, true}};
+static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 2, {0.5, 0.5, 0.5, false}};
 
 static bool has_radial_damping(const pel_sim *sim)
 {
@@ -165,7 +165,10 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
     if (sim->tools->count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
         !sim->minimise->newton->is_damped && has_potential(sim) && sim->solver.budget <= 0 && state->unresolved == 0)
         return &midpoint;
-    return state->older_is_known && state->collision == 0 ? &bdf2 : &euler;
+    const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
+    bool is_smooth =
+        state->older_is_known && state->collision == 0 && !pel_loads_jump(sim, span) && !pel_tools_grasps_change(sim);
+    return is_smooth ? &bdf2 : &euler;
 }
 
 /* N s/m */
@@ -303,14 +306,17 @@ static double potential_at(pel_sim *sim, const double *position, double *elastic
 {
     pel_sim_newton *newton = sim->minimise->newton;
     const pel_tangent_input input = {
-        .unknowns = newton->unknowns, .time = pel_sim_part_time(sim, 1 / midpoint.end), .state = sim->state};
+
+        .unknowns = newton->unknowns,
+        .span = {pel_sim_part_time(sim, 0.5), 0.5 * sim->step.dt, 0.5 * sim->step.dt, false},
+        .state = sim->state};
     memcpy(newton->unknowns, position, 3 * (size_t)sim->model->vertex_count * sizeof *position);
     pel_tangent *tangent = pel_newton_tangent(sim->newton);
     pel_tangent_follow(tangent, newton->unknowns);
     pel_sim_newton_settle_at(sim);
     pel_tangent_energy energy = pel_tangent_evaluate(tangent, &input, sim->pool, NULL);
     /* the gradient is unused; the next run sets the targets again */
-    double springs = pel_holds_evaluate(sim, input.time, newton->unknowns, newton->target);
+    double springs = pel_holds_evaluate(sim, input.span.time, newton->unknowns, newton->target);
     *elastic = pel_tangent_energy_sum(&energy) - energy.pressure + springs;
     return *elastic + energy.pressure;
 }
@@ -349,7 +355,7 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
     const pel_implicit_scheme *s = sim->minimise->newton->scheme = choose_scheme(sim);
     pel_sim_turns_set(sim, s != &midpoint);
     set_points(sim, s);
-    sim->minimise->force_time = 1 / s->end;
+    sim->minimise->acts = s->acts;
     set_radial(sim, s);
     pel_sim_newton_begin(sim);
     pel_status status = pel_minimise_step(sim, result, error);

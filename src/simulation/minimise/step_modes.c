@@ -88,9 +88,9 @@ static void add_springs(void *context, pel_matrix *matrix)
 static pel_status solve_about_base(pel_sim *sim, pel_error *error)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    pel_newton_problem problem = {.time = sim->step.dt, .state = sim->state, .force = newton->loads};
+    pel_newton_problem problem = {.span = pel_instant(sim->step.dt), .state = sim->state, .force = newton->loads};
     problem.fixed = newton->fixed;
-    problem.frames = pel_sim_newton_gather(sim, problem.time, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
+    problem.frames = pel_sim_newton_gather(sim, problem.span, sim->solver.analysis == PEL_ANALYSIS_BUCKLING);
     const pel_newton_terms springs = {.context = sim, .add_matrix = add_springs};
     problem.terms = &springs;
     return pel_modes_solve(sim->modes->modes, &problem, newton->unknowns, error);

@@ -145,17 +145,17 @@ static void take_positions(pel_sim *sim)
     newton->goes_on = true;
 }
 
-static void find_loads(pel_sim *sim, double time)
+static void find_loads(pel_sim *sim, pel_span span)
 {
     pel_sim_newton *newton = sim->minimise->newton;
     memset(newton->force, 0, (size_t)sim->model->vertex_count * sizeof *newton->force);
-    pel_loads_add(sim, time, NULL, newton->force);
+    pel_loads_add(sim, span, NULL, newton->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             newton->loads[3 * v + k] = (double)newton->force[v][k];
     double *moments = newton->loads + 3 * (size_t)sim->model->vertex_count;
     memset(moments, 0, (size_t)pel_newton_pattern(sim->newton)->edge_count * sizeof *moments);
-    pel_edge_loads_add(sim, time, moments);
+    pel_edge_loads_add(sim, span, moments);
 }
 
 /* ---- free bodies ---- */
@@ -252,17 +252,17 @@ static void support_as_lead(const pel_sim *sim, int32_t body)
         }
 }
 
-pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free)
+pel_newton_frames pel_sim_newton_gather(pel_sim *sim, pel_span span, bool supports_free)
 {
     take_positions(sim);
-    return pel_sim_newton_gather_at(sim, time, supports_free);
+    return pel_sim_newton_gather_at(sim, span, supports_free);
 }
 
-pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free)
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, pel_span span, bool supports_free)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    newton->frames = pel_holds_fix(sim, time, newton->fixed, newton->target);
-    find_loads(sim, time);
+    newton->frames = pel_holds_fix(sim, span.time, newton->fixed, newton->target);
+    find_loads(sim, span);
     for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
         if (!pel_sim_newton_is_free(sim, b))
             continue;
@@ -294,8 +294,8 @@ static double evaluate_constraints(void *context, const double *unknowns, double
 {
     const pel_minimise_context *at = context;
     pel_sim *sim = at->sim;
-    double springs = pel_holds_evaluate(sim, at->time, unknowns, gradient);
-    pel_followers_evaluate(sim, at->time, unknowns, gradient);
+    double springs = pel_holds_evaluate(sim, at->span.time, unknowns, gradient);
+    pel_followers_evaluate(sim, at->span, unknowns, gradient);
     springs += evaluate_radial(sim->minimise->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
@@ -543,7 +543,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
                         : context->is_constrained ? CONSTRAINED_ITERATIONS
                                                   : DYNAMIC_ITERATIONS;
     return (pel_newton_problem){
-        .time = context->time,
+        .span = context->span,
         .state = sim->state,
         .force = newton->loads,
         .point_stiffness = newton->point_stiffness,
@@ -598,7 +598,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, count, sizeof *newton->couplings) ||
         !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, count, sizeof *newton->kinks))
         return pel_fail_memory(error);
-    pel_sim_newton_gather(sim, context->time, !is_dynamic && !context->is_constrained);
+    pel_sim_newton_gather(sim, context->span, !is_dynamic && !context->is_constrained);
     const pel_newton_problem own = problem_of(context, problem, &terms);
     pel_newton_result run;
     pel_status status = newton->lead != NULL ? pel_newton_run_beside(sim->newton, &own, newton->lead, newton->unknowns,
@@ -610,7 +610,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->minimise->position[3 * v + k] = newton->unknowns[3 * v + k];
     *result = result_of(&run);
-    pel_edge_loads_add_work(sim, context->time, pel_newton_turns(sim->newton));
+    pel_edge_loads_add_work(sim, context->span, pel_newton_turns(sim->newton));
     return status;
 }
 
@@ -629,7 +629,7 @@ bool pel_sim_newton_approximate(pel_minimise_context *context)
             newton->fixed[3 * v + k] = sim->held != NULL && sim->held[v];
         }
     const pel_newton_problem problem = {
-        .time = context->time,
+        .span = context->span,
         .state = sim->state,
         .fixed = newton->fixed,
         .target = newton->target,

@@ -53,9 +53,9 @@ void pel_sim_newton_destroy(pel_sim *sim);
 
 /* Unknowns, fixed ones, targets and loads of a run, the axes of supports; with supports of three vertices for bodies
    that nothing holds. */
-pel_newton_frames pel_sim_newton_gather(pel_sim *sim, double time, bool supports_free);
+pel_newton_frames pel_sim_newton_gather(pel_sim *sim, pel_span span, bool supports_free);
 /* The same at the present state, which the unknowns are at. */
-pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, double time, bool supports_free);
+pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, pel_span span, bool supports_free);
 /* The group of bodies that pressed against each other in the last run of a step in time, by its first body; whether a
    tool, pins or supports hold it. */
 int32_t pel_sim_newton_group(const pel_sim *sim, int32_t body);
@@ -94,6 +94,7 @@ typedef struct pel_implicit_scheme {
     double rate;
     double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+    pel_span acts;                   /* when loads act, in steps after the start of the step */
 } pel_implicit_scheme;
 
 #endif

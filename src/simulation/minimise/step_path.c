@@ -102,7 +102,7 @@ static pel_newton_frames gather_full_load(pel_sim *sim, double time)
 {
     double factor = sim->state->load_factor;
     set_factor(sim, 1);
-    pel_newton_frames frames = pel_sim_newton_gather(sim, time, true);
+    pel_newton_frames frames = pel_sim_newton_gather(sim, pel_instant(time), true);
     set_factor(sim, factor);
     return frames;
 }
@@ -110,12 +110,13 @@ static pel_newton_frames gather_full_load(pel_sim *sim, double time)
 static pel_newton_problem make_problem(pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    pel_newton_problem problem = {.time = pel_sim_next_time(sim), .state = sim->state, .force = newton->loads};
+    pel_newton_problem problem = {
+        .span = pel_instant(pel_sim_next_time(sim)), .state = sim->state, .force = newton->loads};
     double factor = sim->state->load_factor;
     set_factor(sim, 1);
-    problem.tolerance = pel_minimise_tolerance(sim, problem.time);
+    problem.tolerance = pel_minimise_tolerance(sim, problem.span.time);
     set_factor(sim, factor);
-    problem.frames = gather_full_load(sim, problem.time);
+    problem.frames = gather_full_load(sim, problem.span.time);
     problem.tolerance =
         pel_hypot(problem.tolerance, pel_minimise_held_share() * pel_newton_moment_force(sim->newton, newton->loads));
     problem.held_share = pel_minimise_held_share();
@@ -173,7 +174,7 @@ static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem
         path->length = low.length + (high.length - low.length) * low.excess / (low.excess - high.excess);
         path->factor = start;
         newton->goes_on = false;
-        gather_full_load(sim, problem->time);
+        gather_full_load(sim, problem->span.time);
         find_direction(sim);
         status = pel_newton_follow(sim->newton, problem, newton->unknowns, path, result, error);
         sim->minimise->result.iterations += result->iterations;

@@ -1,8 +1,8 @@
 /* The energy ledger. Work of a step from x0 (time t0) to x1 (t1):
 
      gravity   sum m g . (x1 - x0), exact; over several steps together while masses are constant
-     loads     mean force times displacement, sum (f(t0) + f(t1)) / 2 . (x1 - x0)
-     pressure  with a potential U(V, t): the mean of U(V0, t) - U(V1, t) at t0 and t1; else the mean of the forces at
+     loads     force over the step, as the method takes it (loads.c), times the displacement x1 - x0
+     pressure  with a potential U(V): U(V0) - U(V1) with the pressure over the step; else the mean of the forces at
                both ends times the displacement
      tools     -(F . dp + T . theta): F and T on the tool, about its position; dp and theta its translation and rotation
      material  keyed stiffness: energy at x0 with the new numbers less that with the old; active fibres likewise
@@ -215,7 +215,7 @@ static void add_gravity(pel_sim *sim)
 
 /* ---- pressure ---- */
 
-static double potential_work(pel_sim *sim, int32_t b, double time, double next)
+static double potential_work(pel_sim *sim, int32_t b, const pel_span spans[2])
 {
     const pel_body *body = &sim->model->bodies[b];
     double *known = &sim->ledger->volumes[b];
@@ -227,23 +227,23 @@ static double potential_work(pel_sim *sim, int32_t b, double time, double next)
     double after = is_moved || isnan(checked) ? pel_body_volume(sim->model, b, sim->state->position_next) : checked;
     sim->checked_volumes[b] = (double)NAN;
     *known = after;
-    const double times[2] = {time, next}, factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
+    const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
     for (int i = 0; i < 2; i++)
-        work += 0.5 * (pel_pressure_potential(body->shell, times[i], factors[i], before, body->rest_volume) -
-                       pel_pressure_potential(body->shell, times[i], factors[i], after, body->rest_volume));
+        work += 0.5 * (pel_pressure_potential(body->shell, spans[i], factors[i], before, body->rest_volume) -
+                       pel_pressure_potential(body->shell, spans[i], factors[i], after, body->rest_volume));
     return work;
 }
 
 /* pressures without a potential, of all bodies */
-static double follower_work(pel_sim *sim, double time, double next)
+static double follower_work(pel_sim *sim, const pel_span spans[2])
 {
     const pel_state *state = sim->state;
     double work = 0;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_shell_forces_set_load_factor(sim->shells, state->load_factor_before);
-    pel_shell_forces_add(sim->shells, state->position, time, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    pel_shell_forces_add(sim->shells, state->position, spans[0], PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     pel_shell_forces_set_load_factor(sim->shells, state->load_factor);
-    pel_shell_forces_add(sim->shells, state->position_next, next, PEL_SHELL_FOLLOWER, sim->pool, sim->force);
+    pel_shell_forces_add(sim->shells, state->position_next, spans[1], PEL_SHELL_FOLLOWER, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         work += 0.5 * sum_of(sim->force[v] * (state->position_next[v] - state->position[v]));
     return work;
@@ -253,16 +253,18 @@ static void add_pressure(pel_sim *sim, double time, double next)
 {
     bool follows = false;
     double work = 0;
+    pel_span spans[2];
+    pel_loads_find_spans(sim, time, next, spans);
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         if (body->shell == NULL || body->shell->pressure.kind == PEL_PRESSURE_NONE)
             continue;
         if (pel_pressure_is_conservative(body))
-            work += potential_work(sim, b, time, next);
+            work += potential_work(sim, b, spans);
         else
             follows = true;
     }
-    sim->ledger->sums.work_pressure += work + (follows ? follower_work(sim, time, next) : 0);
+    sim->ledger->sums.work_pressure += work + (follows ? follower_work(sim, spans) : 0);
 }
 
 /* ---- material that changes in time ---- */
@@ -310,8 +312,8 @@ static void add_material(pel_sim *sim, double time, double next)
     if (has_keyed_fibres(sim)) {
         /* a minimisation has the new rest length from its start, the other methods from the end of the step */
         const pel_record *at = sim->stepper->is_at_end ? sim->state->position : sim->state->position_next;
-        work += pel_shell_forces_add(sim->shells, at, next, PEL_SHELL_FIBRES, sim->pool, NULL).fibres -
-                pel_shell_forces_add(sim->shells, at, time, PEL_SHELL_FIBRES, sim->pool, NULL).fibres;
+        work += pel_shell_forces_add(sim->shells, at, pel_instant(next), PEL_SHELL_FIBRES, sim->pool, NULL).fibres -
+                pel_shell_forces_add(sim->shells, at, pel_instant(time), PEL_SHELL_FIBRES, sim->pool, NULL).fibres;
     }
     sim->ledger->sums.work_material += work;
 }
@@ -365,7 +367,8 @@ void pel_ledger_step(pel_sim *sim, double next)
     double time = pel_sim_time(sim);
     add_gravity(sim);
     add_dissipation(sim);
-    sim->ledger->sums.work_loads += pel_loads_work(sim, time, next) + sim->loads->edge_load_work;
+    double h = pel_sim_is_projected(sim) && !sim->solver.second_order ? sim->step.dt / sim->solver.substeps : 0;
+    sim->ledger->sums.work_loads += pel_loads_work(sim, time, next, h) + sim->loads->edge_load_work;
     sim->ledger->sums.work_tools += pel_holds_work(sim, next);
     add_pressure(sim, time, next);
     add_material(sim, time, next);

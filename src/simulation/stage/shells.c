@@ -77,14 +77,14 @@ static void push_vertex(pel_sim *sim, int32_t v, pel_real position_gain, pel_rea
         sim->state->velocity_next[v] += velocity_gain * acceleration;
 }
 
-void pel_shells_apply(pel_sim *sim, pel_gains gains)
+void pel_shells_apply(pel_sim *sim, pel_span span, pel_gains gains)
 {
     const pel_record *positions = sim->state->position;
     if (sim->shells == NULL)
         return;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
     pel_shell_forces_follow(sim->shells, positions);
-    pel_shell_forces_add(sim->shells, positions, pel_sim_time(sim), PEL_SHELL_ALL, sim->pool, sim->force);
+    pel_shell_forces_add(sim->shells, positions, span, PEL_SHELL_ALL, sim->pool, sim->force);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         push_vertex(sim, v, (pel_real)gains.position, (pel_real)gains.velocity);
 }
@@ -154,8 +154,8 @@ void pel_sim_get_pressure_forces(pel_sim *sim, int32_t body, double *forces)
     int32_t count = pel_output_count(sim, body);
     sim->present.has_force = false;
     memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
-    pel_shell_forces_add(sim->shells, sim->state->position, pel_sim_time(sim), PEL_SHELL_PRESSURE, sim->pool,
-                         sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(pel_sim_time(sim)), PEL_SHELL_PRESSURE,
+                         sim->pool, sim->force);
     for (int32_t r = 0; r < count; r++)
         for (int c = 0; c < 3; c++)
             forces[3 * (size_t)r + (size_t)c] = (double)sim->force[pel_output_model_index(sim, body, r)][c];

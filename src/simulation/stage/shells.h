@@ -8,8 +8,9 @@
 /* Lists for the forces of shells. PEL_BAD_ARGUMENT for features that the method does not support. */
 pel_status pel_shells_create(pel_sim *sim, pel_error *error);
 void pel_shells_destroy(pel_sim *sim);
-/* Adds the forces of shells at the present positions to the new positions and velocities. */
-void pel_shells_apply(pel_sim *sim, pel_gains gains);
+/* Adds the forces of shells at the present positions, with pressure over a span, to the new positions and velocities.
+ */
+void pel_shells_apply(pel_sim *sim, pel_span span, pel_gains gains);
 /* After an event of refinement: shells and constraints of the body on its new surface. */
 void pel_shells_follow(pel_sim *sim, int32_t body);
 /* the settle_edges of the stepper; null without mid-edge bending */

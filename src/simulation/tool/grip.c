@@ -21,15 +21,17 @@ static bool reaches(const pel_tool *tool, const double local[3])
                                : pel_solid_distance(&tool->solid, local, normal) <= tool->reach;
 }
 
-static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body)
+static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body, const pel_record *positions)
 {
     const pel_body *b = &sim->model->bodies[body];
+    /* both of the start of the step, or of the substep that begins */
+    const pel_pose *pose = positions == sim->state->position ? &tool->pose_before : &tool->pose;
     for (int32_t v = b->slice_begin * PEL_WIDTH; v < b->slice_end * PEL_WIDTH; v++) {
         double x[3], local[3];
         if (pel_tool_mobility(sim, v) <= 0)
             continue;
-        pel_vertex_position(sim->state->position, v, x);
-        pel_pose_to_local(&tool->pose_before, x, local);
+        pel_vertex_position(positions, v, x);
+        pel_pose_to_local(pose, x, local);
         if (!reaches(tool, local))
             continue;
         sim->held[v] = 1;
@@ -77,7 +79,7 @@ static void release(pel_sim *sim, pel_tool *tool)
 }
 
 /* true if the held vertices change */
-bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
+bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_record *positions)
 {
     bool changed = false;
     if (!tool->grasp)
@@ -86,7 +88,7 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time)
         tool->phase = PEL_GRASP_HOLDING;
         for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
             if (pel_tool_acts_on(tool, b))
-                grasp_body(sim, tool, b);
+                grasp_body(sim, tool, b, positions);
         if (tool->support != NULL)
             hold_support(sim, tool);
         changed = true;

@@ -13,7 +13,7 @@ void pel_tools_end_step(pel_sim *sim, double time);
 /* Holds a vertex where it is at rest in the frame of a support. */
 void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v);
 /* Begins or ends the grasp; true if the held vertices change. */
-bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time);
+bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_record *positions);
 /* lists holders and held vertices, for methods that need them in every substep */
 void pel_tools_list_held(pel_sim *sim);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */

@@ -19,8 +19,9 @@ static void find_load_and_shell_forces(pel_sim *sim, double time)
     for (int32_t i = 0; i < sim->tools->count; i++)
         for (int32_t k = 0; k < sim->tools->items[i].touch_count; k++)
             sim->force[sim->tools->items[i].touches[k].vertex] = (pel_record){0};
-    pel_loads_add(sim, time, sim->state->position_next, sim->force);
-    pel_shell_forces_add(sim->shells, sim->state->position_next, time, PEL_SHELL_ALL, sim->pool, sim->force);
+    pel_loads_add(sim, pel_instant(time), sim->state->position_next, sim->force);
+    pel_shell_forces_add(sim->shells, sim->state->position_next, pel_instant(time), PEL_SHELL_ALL, sim->pool,
+                         sim->force);
 }
 
 /* force on a touched vertex at the new positions, other contacts included */

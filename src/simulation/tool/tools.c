@@ -43,18 +43,48 @@ static void begin_tool(pel_sim *sim, pel_tool *tool, double time)
     tool->pose_wanted = tool->pose;
 }
 
+/* A grasp that holds or has opened in the middle of the coming part, or of its first substep, does so in all of it: it
+   is late or early by half of that at most. */
+static double grasp_time(const pel_sim *sim)
+{
+    int32_t count = pel_sim_is_projected(sim) ? sim->solver.substeps : 1;
+    return pel_sim_time(sim) + 0.5 * sim->step.dt / count;
+}
+
+bool pel_tools_grasps_change(const pel_sim *sim)
+{
+    double at = grasp_time(sim);
+    bool any = false;
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_tool *tool = &sim->tools->items[i];
+        bool is_waiting = tool->phase == PEL_GRASP_WAITING, is_holding = tool->phase == PEL_GRASP_HOLDING;
+        any |= tool->grasp && ((is_waiting && at >= tool->grasp_from) || (is_holding && at >= tool->grasp_until));
+    }
+    return any;
+}
+
 void pel_tools_begin(pel_sim *sim, double time)
 {
     bool changed = false;
+    double at = grasp_time(sim);
     for (int32_t i = 0; i < sim->tools->count; i++) {
         begin_tool(sim, &sim->tools->items[i], time);
-        changed |= pel_tool_update_grasp(sim, &sim->tools->items[i], time);
+        changed |= pel_tool_update_grasp(sim, &sim->tools->items[i], at, sim->state->position);
         for (int32_t k = 0; k < sim->tools->items[i].held_count; k++)
             pel_vec3_set(sim->tools->grip_forces[sim->tools->items[i].held[k]], 0, 0, 0);
     }
     if (sim->tools->held_vertices != NULL && (changed || !sim->tools->held_is_listed))
         pel_tools_list_held(sim);
     sim->tools->held_is_listed = true;
+}
+
+void pel_tools_follow_grasps(pel_sim *sim, double time)
+{
+    bool changed = false;
+    for (int32_t i = 0; i < sim->tools->count; i++)
+        changed |= pel_tool_update_grasp(sim, &sim->tools->items[i], time, sim->state->position_next);
+    if (changed)
+        pel_tools_list_held(sim);
 }
 
 void pel_tools_place(pel_sim *sim, double share)

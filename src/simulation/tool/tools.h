@@ -10,6 +10,10 @@ void pel_tools_begin(pel_sim *sim, double time);
 /* Moves the tools to the end of a substep, at a share of their motion in this step, and finds where held vertices go.
  */
 void pel_tools_place(pel_sim *sim, double share);
+/* A grasp begins or ends in the coming part of the step. */
+bool pel_tools_grasps_change(const pel_sim *sim);
+/* Before a substep but the first: grasps that begin or end, by the time in its middle. */
+void pel_tools_follow_grasps(pel_sim *sim, double time);
 /* Moves the tools and their held vertices to the wanted poses. */
 void pel_tools_move(pel_sim *sim, double time);
 /* Returns them to the start of the step, if they have moved. */

@@ -394,7 +394,7 @@ static pel_status take_modes(pel_modes *modes, int32_t found, pel_error *error)
 pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, const double *unknowns,
                            pel_error *error)
 {
-    const pel_tangent_input input = {.unknowns = unknowns, .time = problem->time, .state = problem->state};
+    const pel_tangent_input input = {.unknowns = unknowns, .span = problem->span, .state = problem->state};
     bool buckles = modes->analysis == PEL_ANALYSIS_BUCKLING;
     modes->problem = problem;
     take_masses(modes, problem->fixed);

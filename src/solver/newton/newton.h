@@ -61,7 +61,7 @@ void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector
 void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern);
 
 typedef struct pel_newton_problem {
-    double time;               /* of keyed curves */
+    pel_span span;             /* of loads, see pel_tangent_input */
     const pel_state *state;    /* factors of keyed parameters */
     const double *force;       /* (unknown_count) N, loads that stay; null = none */
     const double *load_factor; /* of force and given pressure; null = 1 */

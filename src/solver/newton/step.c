@@ -166,7 +166,7 @@ void pel_newton_evaluate(newton_run *run)
     }
     const pel_tangent_input input = {
         .unknowns = run->unknowns,
-        .time = problem->time,
+        .span = problem->span,
         .state = problem->state,
         .kind = run->kind,
         .stresses = run->has_stresses ? newton->stresses : NULL,
@@ -261,7 +261,7 @@ static void fill_stresses(newton_run *run)
     pel_newton *newton = run->newton;
     const pel_tangent_input input = {
         .unknowns = newton->start,
-        .time = run->problem->time,
+        .span = run->problem->span,
         .state = run->problem->state,
     };
     if (run->has_stresses && run->predicted > 0)

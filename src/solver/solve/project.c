@@ -352,7 +352,7 @@ static void set_time(pel_projector *projector, const pel_state *state, double ta
 /* Where contacts press, the past is forgotten in each substep. To go on in second order would let all forces act at 4/9
    while surfaces touch, and whole while they part: energy would appear. Pairs need one length of time for both sides,
    so that all bodies go by first order. */
-static bool has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place)
+bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place)
 {
     bool is_known = !(place & PEL_SUBSTEP_FIRST) || state->older_is_known;
     return projector->solver.second_order && is_known && !(place & PEL_SUBSTEP_PRESSED);
@@ -371,7 +371,7 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
         .is_held = boundary->is_held,
         .first = first,
         .is_moving = !first && !second_order,
-        .second_order = has_past(projector, state, place),
+        .second_order = pel_project_has_past(projector, state, place),
         .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->tau),
         .drag = massive,
         .share = 1 / (1 + massive),
@@ -391,7 +391,8 @@ const pel_record *pel_project_substep_start(const pel_projector *projector)
 void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                          pel_substep_place place)
 {
-    set_time(projector, state, has_past(projector, state, place) ? 2 * projector->substep / 3 : projector->substep);
+    set_time(projector, state,
+             pel_project_has_past(projector, state, place) ? 2 * projector->substep / 3 : projector->substep);
     if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
         memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
     vertex_job job = make_job(projector, state, force, boundary, place);

@@ -98,6 +98,8 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
                         int list_count, const pel_boundary *boundary, pel_substep_place place);
 /* Positions at the start of the present substep (vertex_count). */
 const pel_record *pel_project_substep_start(const pel_projector *projector);
+/* The substep takes the positions and velocities before its start into account: second order. */
+bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place);
 
 /* Restarts the history of a body at the present state. */
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body);

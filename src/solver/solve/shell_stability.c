@@ -55,7 +55,7 @@ static void add_forces(power_iteration *at, pel_record *force, double sign)
     for (int32_t v = 0; v < model->vertex_count; v++)
         at->moved[v] = model->rest[v] + step * at->mode[v];
     pel_body_forces(model, &at->state, NULL, at->pool, at->force);
-    pel_shell_forces_add(at->forces, at->moved, 0, PEL_SHELL_ALL, at->pool, at->force);
+    pel_shell_forces_add(at->forces, at->moved, pel_instant(0), PEL_SHELL_ALL, at->pool, at->force);
     for (int32_t v = 0; v < model->vertex_count; v++)
         force[v] += (pel_real)sign * at->force[v];
 }

@@ -350,8 +350,8 @@ static double pressure_rate(const pel_model *model, int32_t body, const pel_reco
     if (!b->closed || (shell->pressure.kind != PEL_PRESSURE_GAS && shell->pressure.kind != PEL_PRESSURE_VOLUME))
         return 0;
     double volume = pel_body_volume(model, body, positions), step = VOLUME_STEP * b->rest_volume, sum = 0;
-    double slope = (pel_pressure_difference(shell, time, 1, volume, b->rest_volume) -
-                    pel_pressure_difference(shell, time, 1, volume + step, b->rest_volume)) /
+    double slope = (pel_pressure_difference(shell, pel_instant(time), 1, volume, b->rest_volume) -
+                    pel_pressure_difference(shell, pel_instant(time), 1, volume + step, b->rest_volume)) /
                    step;
     memset(scratch->energy, 0, (size_t)model->vertex_count * sizeof *scratch->energy);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
