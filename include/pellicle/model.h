@@ -87,6 +87,11 @@ typedef struct pel_body_def {
     double friction;            /* Coulomb's coefficient in contact; below 0 (default): that of pel_contact_def */
     double restitution;         /* likewise */
     double contact_thickness;   /* m, likewise */
+    /* Of a mesh that was cut: (origin_count = vertices of the mesh) the vertex before all cuts that each vertex is a
+       copy of, itself if it is none; copies come last. Masses, springs, dampings and loads of vertices and edges are
+       divided among their copies by area, so that sums stay. Does not refine. Null = no cuts */
+    const int32_t *origins;
+    int32_t origin_count;
     pel_refine_def refine;
     pel_shell_def shell; /* membrane, bending, fibres, pressure; default: none */
     uint32_t cookie;     /* set by pel_body_def_default */

@@ -30,6 +30,7 @@
 #include "sim_surface.h" /* the present surface, refinement */
 #include "solver.h"      /* the method */
 #include "support.h"     /* supports of vertices and edges */
+#include "tear.h"        /* cuts */
 #include "tool.h"        /* rigid instruments */
 
 #endif

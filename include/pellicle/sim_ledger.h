@@ -30,7 +30,7 @@ PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.
 
-     energy_error - dissipated_solver = change + dissipated_drag - work
+     energy_error - dissipated_solver = change + dissipated_drag + dissipated_fracture - work
      change = elastic + kinetic - elastic_start - kinetic_start
      work = work_tools + work_loads + ... + work_setters
 
@@ -47,6 +47,7 @@ typedef struct pel_sim_ledger {
     double elastic, kinetic;             /* at present; kinetic is 0 for methods without velocities */
     double elastic_start, kinetic_start; /* before the first step */
     double dissipated_drag;              /* by drag of the solver and damping of vertices */
+    double dissipated_fracture;          /* released by cuts: the bending across them */
     double dissipated_solver;            /* magnitude of a negative remainder */
     double energy_error;                 /* a positive remainder */
     double supplied;  /* largest sum, over the steps, of the start energies and the magnitudes of all works */

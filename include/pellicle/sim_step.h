@@ -15,6 +15,14 @@ extern "C" {
 
 typedef struct pel_sim pel_sim;
 
+/* A cut of a surface along edges at a time (pellicle/tear.h has cuts at once, and what is asked of a path). */
+typedef struct pel_cut_def {
+    double at; /* s: at the start of the first step that begins then or later; 0 = of the first one */
+    int32_t body;
+    const int32_t *vertices; /* (vertex_count) the path, each joined to the next one by an edge; copied */
+    int32_t vertex_count;
+} pel_cut_def;
+
 typedef struct pel_sim_def {
     const pel_model *model;
     pel_solver_def solver;
@@ -24,6 +32,8 @@ typedef struct pel_sim_def {
     int32_t tool_count;
     const pel_support_def *supports; /* (support_count), copied */
     int32_t support_count;
+    const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
+    int32_t cut_count;
     pel_contact_def contact;
     bool record_contacts; /* stores contacts for pel_sim_get_contact_records; default: false */
     int32_t thread_count; /* 0 = the processors of this machine; results do not depend on it */

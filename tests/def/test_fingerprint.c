@@ -19,6 +19,7 @@ typedef struct all_defs {
     pel_load_def loads[2];
     pel_tool_def tools[2];
     pel_support_def supports[2];
+    pel_cut_def cuts[2];
     pel_model_def model;
     pel_sim_def sim;
 } all_defs;
@@ -39,8 +40,8 @@ static void fill_body(all_defs *all, pel_body_def *body)
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         fill_quantity(all, quantities[i]);
     body->mesh = &all->mesh;
-    body->pinned = body->refine.region = all->vertices;
-    body->pinned_count = body->refine.region_count = 3;
+    body->pinned = body->refine.region = body->origins = all->vertices;
+    body->pinned_count = body->refine.region_count = body->origin_count = 3;
     shell->anisotropies = all->anisotropies;
     shell->anisotropy_count = 2;
     shell->pressure.weights = all->field;
@@ -73,6 +74,8 @@ static all_defs *make_defs(void)
         all->supports[i].keys = all->keys;
         all->supports[i].key_count = 2;
     }
+    for (int i = 0; i < 2; i++)
+        all->cuts[i] = (pel_cut_def){.vertices = all->vertices, .vertex_count = 3};
     all->model = pel_model_def_default();
     all->model.bodies = all->bodies;
     all->model.body_count = 2;
@@ -83,6 +86,8 @@ static all_defs *make_defs(void)
     all->sim.tool_count = 2;
     all->sim.supports = all->supports;
     all->sim.support_count = 2;
+    all->sim.cuts = all->cuts;
+    all->sim.cut_count = 2;
     return all;
 }
 

@@ -510,6 +510,17 @@ static void test_sim_calls(void **unused)
     REFUSED("sim", pel_sim_refine(NULL, 0, 0, 1, &error));
     FAILS(pel_sim_refine(sim, 5, 0, 1, &error));
     FAILS(pel_sim_refine(sim, 0, -1, 1, &error));
+    const int32_t path[2] = {0, 100000};
+    pel_cut_reading cuts;
+    REFUSED("sim", pel_cut(NULL, 0, path, 2, &error));
+    FAILS(pel_cut(sim, 5, path, 2, &error));
+    FAILS(pel_cut(sim, 0, NULL, 2, &error));
+    FAILS(pel_cut(sim, 0, path, 2, &error));
+    FAILS(pel_sim_get_cuts(NULL, 0, &cuts, &error));
+    FAILS(pel_sim_get_cuts(sim, -1, &cuts, &error));
+    REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
+    SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
+    SURVIVES(pel_sim_get_origins(sim, 0, NULL));
     REFUSED("sim", pel_sim_set_positions(NULL, 0, some, &error));
     REFUSED("positions", pel_sim_set_positions(sim, 0, NULL, &error));
     REFUSED("body", pel_sim_set_positions(sim, -1, some, &error));

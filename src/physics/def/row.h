@@ -46,6 +46,7 @@ typedef enum pel_def_kind {
     PEL_DEF_MODEL,
     PEL_DEF_LOAD,
     PEL_DEF_TOOL,
+    PEL_DEF_CUT,
     PEL_DEF_CONTACT,
     PEL_DEF_SOLVER,
     PEL_DEF_SIM,
@@ -88,6 +89,7 @@ typedef enum pel_store {
     ROW(LOADS, "loads")                                                                                                \
     ROW(SUPPORTS, "supports")                                                                                          \
     ROW(TOOLS, "tools")                                                                                                \
+    ROW(CUTS, "cuts")                                                                                                  \
     ROW(CONTACT, "contact")                                                                                            \
     ROW(SOLVER, "solver")
 

@@ -18,6 +18,8 @@
 #define LOAD_LIST(member, count) LIST_OF(LOAD, pel_load_def, member, count, LOADS)
 #define TOOL(member) OF(TOOL, pel_tool_def, member, TOOLS)
 #define TOOL_LIST(member, count) LIST_OF(TOOL, pel_tool_def, member, count, TOOLS)
+#define CUT(member) OF(CUT, pel_cut_def, member, CUTS)
+#define CUT_LIST(member, count) LIST_OF(CUT, pel_cut_def, member, count, CUTS)
 #define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
 #define SOLVER(member) OF(SOLVER, pel_solver_def, member, SOLVER)
 
@@ -525,6 +527,11 @@ static const pel_def_row rows[] = {
     {"<anisotropy>.region", FIBRES(weights), REGION, .preset = "all", .doc = "vertices with fibres"},
 
     /* members without a key of their own */
+    {NULL, BODY_LIST(origins, origin_count, MESH)},
+    {NULL, DEFS_OF(SIM, pel_sim_def, cuts, cut_count, CUT, CUTS)},
+    {NULL, CUT(at)},
+    {NULL, CUT(body)},
+    {NULL, CUT_LIST(vertices, vertex_count)},
     {NULL, FIBRES(axis)},
     {NULL, FIBRES(center)},
     {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},

@@ -9,6 +9,7 @@
 #include "mesh/figures.h"
 #include "model/levels.h"
 #include "model/orient.h"
+#include "model/origin.h"
 #include "model/quantity.h"
 #include "model/shell.h"
 #include "model/vertex_order.h"
@@ -103,6 +104,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
             status =
                 pel_body_refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
+        status = pel_origins_check(b, body, error);
+    if (status == PEL_OK)
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
         status = pel_shell_check(b, body, error);
@@ -195,11 +198,12 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
 {
     int32_t first = body->slice_begin * PEL_WIDTH, last = body->slice_end * PEL_WIDTH;
     double mean_area = body->rest_area / def->reference_count, depth = def->volumetric_depth;
+    int32_t base_count = pel_origins_base_count(def);
     for (int32_t i = first; i < last; i++) {
         bool padding = i - first >= def->mesh->vertex_count;
         int32_t v = order[padding ? 0 : i - first];
         const double *x = def->mesh->positions[v];
-        double share = def->volumetric_by_area ? areas[v] / mean_area : 1;
+        double part = pel_vertex_share(body, v), share = def->volumetric_by_area ? areas[v] / mean_area : part;
         double volumetric_share = depth > 0 ? areas[v] / depth : share;
         double volumetric = padding ? 0 : volumetric_share * pel_quantity_at(&def->volumetric_stiffness, v);
         model->rest[i] = (pel_record){(pel_real)x[0], (pel_real)x[1], (pel_real)x[2], (pel_real)volumetric};
@@ -207,11 +211,11 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         if (padding)
             continue;
         body->model_index[v] = i;
-        double mass = def->mass;
+        double mass = part * def->mass;
         if (def->mass_kind == PEL_MASS_TOTAL)
-            mass /= def->mesh->vertex_count;
+            mass /= base_count;
         else if (def->mass_kind == PEL_MASS_DENSITY)
-            mass *= pel_quantity_at(&def->thickness, v) * areas[v];
+            mass = def->mass * (pel_quantity_at(&def->thickness, v) * areas[v]);
         model->mass[i] = (pel_real)mass;
         model->inverse_mass[i] = (pel_real)(1 / mass);
         double spring_share = def->spring_thickness > 0 ? mass : share, filling_share = depth > 0 ? mass : share;
@@ -269,6 +273,9 @@ static void fill_springs(pel_model *model, const pel_body_def *def, const pel_bo
         int32_t h = topology->half_edge_of_edge[e];
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
         double stiffness = pel_model_rest_stiffness(def, topology, e);
+        /* that of a sheet is by the area beside the lip already */
+        if (!(def->spring_thickness > 0))
+            stiffness *= pel_lip_share(body, h);
         int32_t i = body->model_index[a], j = body->model_index[b];
         add_spring(model, i, j, filled, stiffness);
         add_spring(model, j, i, filled, stiffness);
@@ -366,7 +373,8 @@ static pel_status begin_surface(const pel_body_def *given, pel_body *body, build
 static bool same_everywhere(const pel_body_def *def)
 {
     const pel_quantity *k = &def->spring_stiffness;
-    return k->field == NULL && !(def->spring_thickness > 0 && pel_quantity_at(k, 0) > 0);
+    bool is_whole = def->origins == NULL || pel_quantity_at(k, 0) == 0;
+    return is_whole && k->field == NULL && !(def->spring_thickness > 0 && pel_quantity_at(k, 0) > 0);
 }
 
 static void copy_numbers(const pel_body_def *def, pel_body *body)
@@ -380,6 +388,14 @@ static void copy_numbers(const pel_body_def *def, pel_body *body)
     body->friction = def->friction;
     body->restitution = def->restitution;
     body->contact_thickness = def->contact_thickness;
+}
+
+static pel_status find_shares(const pel_body_def *def, const build *scratch, pel_body *body, pel_error *error)
+{
+    return PEL_ALLOCATE_ALL(PEL_ROOM(body->shares, def->mesh->vertex_count),
+                            PEL_ROOM(body->lip_shares, 3 * (size_t)def->mesh->triangle_count))
+               ? pel_origins_find_shares(def, scratch->topology, scratch->areas, body->shares, body->lip_shares, error)
+               : pel_fail_memory(error);
 }
 
 /* first pass: everything about a body that does not need the model's arrays */
@@ -403,6 +419,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         if (scratch->valence[v] == 0)
             return pel_refuse_element(error, PEL_BAD_MESH, "vertex", (int64_t)v,
                                       "repair the mesh with `pellicle check --fix`", "vertex belongs to no triangle");
+    if (status == PEL_OK && def->origins != NULL)
+        status = find_shares(def, scratch, body, error);
     copy_numbers(def, body);
     body->diameter = pel_mesh_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
@@ -591,7 +609,7 @@ void pel_model_destroy(pel_model *model)
         return;
     for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
         pel_mesh_destroy(model->bodies[b].mesh);
-        pel_free(model->bodies[b].model_index);
+        PEL_FREE_ALL(model->bodies[b].model_index, model->bodies[b].shares, model->bodies[b].lip_shares);
         pel_body_detail_destroy(model->bodies[b].detail);
         pel_shell_destroy(model->bodies[b].shell);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)

@@ -53,6 +53,8 @@ typedef struct pel_body {
     pel_mesh *mesh;
     int32_t slice_begin, slice_end; /* its slices; vertices are PEL_WIDTH times that */
     int32_t *model_index;           /* (mesh vertex_count) place of a mesh vertex in the model's order */
+    double *shares;     /* (mesh vertex_count) of each vertex in what it was before cuts (origin.h); null = no cuts */
+    double *lip_shares; /* (3 mesh triangle_count) of a half-edge in the edge that it was; likewise */
     bool has_volumetric;
     bool is_foundation; /* its volumetric springs follow from a material: by area over depth */
     bool closed;
@@ -78,6 +80,21 @@ static inline bool pel_body_moves(const pel_body *body)
         if (body->velocity[k] != 0 || body->angular_velocity[k] != 0)
             return true;
     return false;
+}
+
+/* of a vertex of the mesh, and of a half-edge, in what they were before cuts */
+static inline double pel_vertex_share(const pel_body *body, int32_t v)
+{
+    return body->shares != NULL ? body->shares[v] : 1;
+}
+static inline double pel_lip_share(const pel_body *body, int32_t half_edge)
+{
+    return body->lip_shares != NULL ? body->lip_shares[half_edge] : 1;
+}
+/* whether a half-edge without twin is a lip, and no border of the mesh before it was cut */
+static inline bool pel_is_lip(const pel_body *body, int32_t half_edge)
+{
+    return pel_lip_share(body, half_edge) < 1;
 }
 
 struct pel_model {
@@ -148,7 +165,7 @@ void pel_model_free_arrays(pel_model *model);
    must be destroyed then. */
 bool pel_model_refill(pel_model *model);
 
-/* Stiffness of the spring on an edge of the body's mesh [N/m]; of keyed springs that at the factor 1. */
+/* Stiffness of the spring on an edge of the body's mesh [N/m], but for cuts; of keyed springs that at the factor 1. */
 double pel_model_rest_stiffness(const pel_body_def *def, const pel_topology *topology, int32_t edge);
 
 /* by the very operations of the force loop */

@@ -9,6 +9,15 @@
 
 #include <string.h>
 
+/* a lip of a cut is no border that loads act on */
+static bool is_cut(const pel_sim *sim, const pel_tangent_edge *edge)
+{
+    const pel_body *body = &sim->model->bodies[edge->body];
+    const int32_t *v = body->mesh->triangles[edge->triangles[0]], tip = sim->model->mesh_vertex[edge->vertices[2]];
+    int corner = v[0] == tip ? 1 : v[1] == tip ? 2 : 0;
+    return pel_is_lip(body, 3 * edge->triangles[0] + corner);
+}
+
 /* the edges of one load that `marks` (vertex_count) has both ends of */
 static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_error *error)
 {
@@ -20,7 +29,7 @@ static pel_status list_edges(pel_sim *sim, int32_t l, const uint8_t *marks, pel_
         const int32_t *ends = edges[e].vertices;
         double from[3], to[3];
         if (edges[e].triangles[1] >= 0 || edges[e].body != sim->loads->items[l].body || !marks[ends[0]] ||
-            !marks[ends[1]])
+            !marks[ends[1]] || is_cut(sim, &edges[e]))
             continue;
         pel_edge_load *made = &sim->loads->edge_loads[sim->loads->edge_load_count++];
         *made = (pel_edge_load){.load = l, .edge = e};

@@ -74,7 +74,7 @@ static pel_status list_edges(pel_sim *sim, const pel_load_def *def, int32_t l, p
     for (int32_t h = 0; h < 3 * topology->triangle_count; h++) {
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
         const int32_t *v = mesh->triangles[h / 3];
-        if (topology->twin[h] >= 0 || weights[a] < 0 || weights[b] < 0)
+        if (topology->twin[h] >= 0 || weights[a] < 0 || weights[b] < 0 || pel_is_lip(&sim->model->bodies[def->body], h))
             continue;
         const int32_t corners[3] = {a, b, v[0] + v[1] + v[2] - a - b};
         add_edge(sim, def, l, corners, 0.5 * (weights[a] + weights[b]));

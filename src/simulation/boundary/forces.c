@@ -53,5 +53,5 @@ void pel_forces_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
     if (sim->loads->external != NULL)
-        pel_transfer(at, sim->loads->external, (size_t)sim->model->vertex_count * sizeof *sim->loads->external);
+        pel_transfer_vertices(at, sim->loads->external, (size_t)sim->model->vertex_count, sizeof *sim->loads->external);
 }

@@ -301,7 +301,9 @@ static pel_status hold_all(pel_sim *sim, const pel_sim_def *def, pel_error *erro
             if (support->foundation > 0)
                 add_springs(sim->holds, support, s, v, support->foundation * areas[support->vertices[i]]);
             else if (support->stiffness > 0)
-                add_springs(sim->holds, support, s, v, support->stiffness);
+                add_springs(sim->holds, support, s, v,
+                            support->stiffness *
+                                pel_vertex_share(&sim->model->bodies[support->body], support->vertices[i]));
             else
                 status = hold_vertex(sim, support, s, v, place, error);
         }

@@ -71,9 +71,11 @@ static pel_status check_load(const pel_sim *sim, const pel_load_def *def, int32_
 
 /* ---- loads on boundary edges ---- */
 
-/* m, half the length at rest of the boundary edges at each vertex of the mesh whose ends the load both has */
-static pel_status find_lengths(const pel_mesh *mesh, const pel_load_def *def, double *lengths, pel_error *error)
+/* m, half the length at rest of the boundary edges at each vertex of the mesh whose ends the load both has; lips of
+   cuts are none */
+static pel_status find_lengths(const pel_body *body, const pel_load_def *def, double *lengths, pel_error *error)
 {
+    const pel_mesh *mesh = body->mesh;
     uint8_t *marks = pel_allocate((size_t)mesh->vertex_count, sizeof *marks);
     pel_topology *topology = NULL;
     pel_status status = marks != NULL ? pel_topology_create(mesh, &topology, error) : pel_fail_memory(error);
@@ -86,7 +88,7 @@ static pel_status find_lengths(const pel_mesh *mesh, const pel_load_def *def, do
         marks[def->vertices[i]] = 1;
     for (int32_t h = 0; h < 3 * topology->triangle_count; h++) {
         int32_t a = pel_half_edge_origin(topology, h), b = pel_half_edge_target(topology, h);
-        if (topology->twin[h] >= 0 || !marks[a] || !marks[b])
+        if (topology->twin[h] >= 0 || !marks[a] || !marks[b] || pel_is_lip(body, h))
             continue;
         double half = 0.5 * pel_vec3_distance(mesh->positions[a], mesh->positions[b]);
         lengths[a] += half;
@@ -98,11 +100,11 @@ static pel_status find_lengths(const pel_mesh *mesh, const pel_load_def *def, do
 }
 
 /* weights of vertices become weights of edges */
-static pel_status weigh_by_length(const pel_mesh *mesh, const pel_load_def *def, int32_t index, pel_load *load,
+static pel_status weigh_by_length(const pel_body *body, const pel_load_def *def, int32_t index, pel_load *load,
                                   pel_error *error)
 {
-    double *lengths = pel_allocate((size_t)mesh->vertex_count, sizeof *lengths), sum = 0;
-    pel_status status = lengths != NULL ? find_lengths(mesh, def, lengths, error) : pel_fail_memory(error);
+    double *lengths = pel_allocate((size_t)body->mesh->vertex_count, sizeof *lengths), sum = 0;
+    pel_status status = lengths != NULL ? find_lengths(body, def, lengths, error) : pel_fail_memory(error);
     for (int32_t i = 0; status == PEL_OK && i < load->vertex_count; i++) {
         load->weights[i] *= lengths[def->vertices != NULL ? def->vertices[i] : i];
         sum += fabs(load->weights[i]);
@@ -203,6 +205,27 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
     return PEL_OK;
 }
 
+/* Copies of a vertex that the load has share what it has on the vertex. `shares` (count) receives the part of each;
+   returns the number of vertices before cuts, 0 when out of memory. */
+static int32_t divide_by_copies(const pel_model *given, const pel_load_def *def, int32_t count, double *shares)
+{
+    const pel_body *body = &given->bodies[def->body];
+    const int32_t *origins = given->def.bodies[def->body].origins;
+    double *sums = pel_allocate((size_t)body->mesh->vertex_count, sizeof *sums);
+    int32_t origin_count = 0;
+    for (int32_t i = 0; sums != NULL && i < count; i++) {
+        int32_t v = def->vertices != NULL ? def->vertices[i] : i;
+        origin_count += sums[origins[v]] == 0;
+        sums[origins[v]] += body->shares[v];
+    }
+    for (int32_t i = 0; sums != NULL && i < count; i++) {
+        int32_t v = def->vertices != NULL ? def->vertices[i] : i;
+        shares[i] *= body->shares[v] / sums[origins[v]];
+    }
+    pel_free(sums);
+    return origin_count;
+}
+
 static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t index, pel_error *error)
 {
     pel_status status = check_load(sim, def, index, error);
@@ -221,18 +244,25 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->vertices, room), PEL_ROOM(load->weights, room),
                           PEL_ROOM(load->keys, def->key_count)))
         return pel_fail_memory(error);
-    double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0;
     if (def->key_count > 0)
         memcpy(load->keys, def->keys, (size_t)def->key_count * sizeof *load->keys);
     load->key_count = def->key_count;
     if (body->detail != NULL)
-        return spread_load(sim, load, def, share, error);
+        return spread_load(sim, load, def, def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0, error);
     load->vertex_count = count;
     for (int32_t i = 0; i < count; i++) {
         load->vertices[i] = body->model_index[def->vertices != NULL ? def->vertices[i] : i];
-        load->weights[i] = share * (def->weights != NULL ? def->weights[i] : 1);
+        load->weights[i] = def->weights != NULL ? def->weights[i] : 1;
     }
-    return def->kind == PEL_LOAD_PER_LENGTH ? weigh_by_length(body->mesh, def, index, load, error) : PEL_OK;
+    int32_t origin_count = count;
+    if (body->shares != NULL && def->kind <= PEL_LOAD_PER_VERTEX)
+        origin_count = divide_by_copies(sim->given, def, count, load->weights);
+    if (origin_count == 0)
+        return pel_fail_memory(error);
+    double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / origin_count : 1.0;
+    for (int32_t i = 0; i < count; i++)
+        load->weights[i] *= share;
+    return def->kind == PEL_LOAD_PER_LENGTH ? weigh_by_length(body, def, index, load, error) : PEL_OK;
 }
 
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error)

@@ -774,6 +774,14 @@ static void check_loaded(pel_minimise *minimise, int32_t vertex_count)
         minimise->newton->choice = (pel_newton_choice){.way = PEL_QUASI};
 }
 
+void pel_minimise_forget_contacts(pel_sim *sim)
+{
+    if (sim->minimise == NULL)
+        return;
+    sim->minimise->kept_count = 0;
+    sim->minimise->prefers_kept = false;
+}
+
 void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
@@ -782,7 +790,7 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->acted, sizeof sim->minimise->acted);
     pel_transfer(at, &sim->minimise->tool_way, sizeof sim->minimise->tool_way);
     pel_transfer(at, &sim->minimise->accepted, sizeof sim->minimise->accepted);
-    pel_transfer(at, sim->minimise->kept, (size_t)sim->model->vertex_count * sizeof *sim->minimise->kept);
+    pel_transfer_list(at, sim->minimise->kept, (size_t)sim->model->vertex_count, sizeof *sim->minimise->kept);
     pel_transfer(at, &sim->minimise->kept_count, sizeof sim->minimise->kept_count);
     pel_transfer(at, &sim->minimise->prefers_kept, sizeof sim->minimise->prefers_kept);
     pel_transfer(at, &sim->minimise->penalty, sizeof sim->minimise->penalty);

@@ -29,6 +29,8 @@ void pel_minimise_accept(pel_sim *sim);
    the bound of the base: there stiffer constraints take 1.3 to 1.7 times the time. */
 void pel_minimise_follow_surface(pel_sim *sim);
 /* a pel_transfer_part: what snapshots contain */
+/* The loads of contacts of the last step, by features that no longer have their numbers. */
+void pel_minimise_forget_contacts(pel_sim *sim);
 void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
 /* Before a snapshot is loaded; also where nothing is minimised. */
 void pel_minimise_forget(pel_sim *sim);

@@ -406,16 +406,26 @@ double pel_ledger_energy(pel_sim *sim)
     return now.elastic_energy + kinetic_energy(sim, &now);
 }
 
-void pel_ledger_book_change(pel_sim *sim, double energy_before)
+/* energy [J] that a change between two steps added; gravity continues from the new position at no cost */
+static double find_change(pel_sim *sim, double energy_before)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         sim->ledger->volumes[b] = (double)NAN;
     if (!sim->ledger->is_started)
-        return;
-    /* the caller lifts a body at no cost: gravity continues from the new position */
+        return 0;
     sim->ledger->gravity_level = gravity_work(sim, sim->model->rest, sim->state->position);
-    sim->ledger->sums.work_setters += pel_ledger_energy(sim) - energy_before;
+    return pel_ledger_energy(sim) - energy_before;
+}
+
+void pel_ledger_book_change(pel_sim *sim, double energy_before)
+{
+    sim->ledger->sums.work_setters += find_change(sim, energy_before);
     follow_supply(&sim->ledger->sums);
+}
+
+void pel_ledger_book_cut(pel_sim *sim, double energy_before)
+{
+    sim->ledger->sums.dissipated_fracture -= find_change(sim, energy_before);
 }
 
 void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
@@ -438,7 +448,7 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
                   ledger->work_material + ledger->work_setters;
     double gained = ledger->elastic + ledger->kinetic - ledger->elastic_start - ledger->kinetic_start;
     /* modes are drawn: nothing supplies their energy */
-    double left = sim->modes != NULL ? 0 : gained - work + ledger->dissipated_drag;
+    double left = sim->modes != NULL ? 0 : gained - work + ledger->dissipated_drag + ledger->dissipated_fracture;
     ledger->dissipated_solver = pel_max(-left, 0);
     ledger->energy_error = pel_max(left, 0);
     ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding;

@@ -42,6 +42,9 @@ double pel_ledger_energy(pel_sim *sim);
 /* After the setter: books the change as work of the caller. */
 void pel_ledger_book_change(pel_sim *sim, double energy_before);
 
+/* After a cut: books the energy that it released. */
+void pel_ledger_book_cut(pel_sim *sim, double energy_before);
+
 /* Reads tools and keyed parameters again after a snapshot was loaded. */
 void pel_ledger_follow(pel_sim *sim);
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/forces.h"
+#include "def/vertices.h"
 #include "sim/own_def.h"
 #include "sim/sim.h"
 #include "sim/snapshot.h"
@@ -22,6 +23,49 @@ pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *e
 void pel_change_end(pel_change *change)
 {
     pel_copies_free(&change->copies);
+}
+
+/* loads, supports and tools that name vertices of the body */
+static bool follow_sim(pel_change *change, int32_t body, const pel_vertex_sources *vertices)
+{
+    pel_load_def *loads = (pel_load_def *)(uintptr_t)change->sim.loads;
+    pel_support_def *supports = (pel_support_def *)(uintptr_t)change->sim.supports;
+    pel_tool_def *tools = (pel_tool_def *)(uintptr_t)change->sim.tools;
+    bool is_made = true;
+    for (int32_t l = 0; is_made && l < change->sim.load_count; l++)
+        if (loads[l].body == body)
+            is_made = pel_list_follows(&change->copies, &loads[l].vertices, &loads[l].vertex_count, &loads[l].weights,
+                                       vertices);
+    for (int32_t s = 0; is_made && s < change->sim.support_count; s++)
+        if (supports[s].body == body)
+            is_made = pel_def_follow_vertices(&change->copies, PEL_DEF_SUPPORT, &supports[s], vertices, NULL) == PEL_OK;
+    for (int32_t t = 0; is_made && t < change->sim.tool_count; t++)
+        if (tools[t].body == body)
+            is_made = pel_def_follow_vertices(&change->copies, PEL_DEF_TOOL, &tools[t], vertices, NULL) == PEL_OK;
+    return is_made;
+}
+
+pel_status pel_change_surfaces(pel_change *change, const pel_surfaces *surfaces, pel_error *error)
+{
+    for (int32_t b = 0; b < surfaces->body_count; b++) {
+        if (surfaces->meshes[b] == NULL)
+            continue;
+        pel_body_def *def = pel_change_body(change, b);
+        int32_t count = surfaces->meshes[b]->vertex_count;
+        const pel_vertex_sources vertices = {surfaces->kept_counts[b], count, surfaces->sources[b]};
+        if (pel_def_follow_vertices(&change->copies, PEL_DEF_BODY, def, &vertices, error) != PEL_OK ||
+            !follow_sim(change, b, &vertices))
+            return pel_fail_memory(error);
+        bool has_copies = false;
+        for (int32_t v = 0; v < count; v++)
+            has_copies |= surfaces->origins[b][v] != v;
+        def->mesh = surfaces->meshes[b];
+        def->origins = has_copies ? surfaces->origins[b] : NULL;
+        def->origin_count = has_copies ? count : 0;
+    }
+    change->changes_model = true;
+    change->surfaces = surfaces;
+    return PEL_OK;
 }
 
 /* The meshes of a model are already turned outward: counts and hashes refer to the given meshes. */
@@ -61,12 +105,12 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
 }
 
 /* the state of the old one, and the change of energy */
-static pel_status go_on(pel_sim *old, pel_sim *sim, pel_error *error)
+static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces, pel_error *error)
 {
     double energy_before = pel_ledger_energy(old);
     pel_status status = pel_sim_make_forces(sim, old->loads->external != NULL, error);
     if (status == PEL_OK)
-        status = pel_snapshot_carry(old, sim, error);
+        status = pel_snapshot_carry(old, sim, surfaces, error);
     if (status != PEL_OK)
         return status;
     pel_sim_update_factors(sim, pel_sim_time(sim));
@@ -74,7 +118,10 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, pel_error *error)
     if (status != PEL_OK)
         return status;
     pel_ledger_follow(sim);
-    pel_ledger_book_change(sim, energy_before);
+    if (surfaces != NULL)
+        pel_ledger_book_cut(sim, energy_before);
+    else
+        pel_ledger_book_change(sim, energy_before);
     return PEL_OK;
 }
 
@@ -95,9 +142,11 @@ static pel_status remake(pel_house *house, pel_house *old, const pel_change *cha
     move(house, old);
     *house = (pel_house){.sim.goes_on = true};
     pel_status status = pel_sim_build(house, &def, error);
+    sim->cuts_done = change->surfaces != NULL ? change->surfaces->cuts_done : old->sim.cuts_done;
+    sim->cut_revision = old->sim.cut_revision + (change->surfaces != NULL);
     if (status == PEL_OK)
-        status = change->state != NULL ? pel_sim_load(sim, change->state, change->state_size, error)
-                                       : go_on(&old->sim, sim, error);
+        status = change->state != NULL ? pel_snapshot_load(sim, change->state, change->state_size, error)
+                                       : go_on(&old->sim, sim, change->surfaces, error);
     if (status != PEL_OK) {
         pel_sim_release(house);
         move(old, house);

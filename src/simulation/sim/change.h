@@ -4,6 +4,7 @@
 #define PEL_SIM_CHANGE_H
 
 #include "def/copy.h"
+#include "sim/topology.h"
 #include "stage/stage.h"
 
 typedef struct pel_change {
@@ -11,12 +12,15 @@ typedef struct pel_change {
     pel_sim_def sim;
     pel_copies copies;
     bool changes_model;
-    const void *state; /* a snapshot of the changed simulation to load; null = keep the present state */
+    const pel_surfaces *surfaces; /* of bodies whose triangles change; null = they stay */
+    const void *state;            /* a snapshot of the changed simulation to load; null = keep the present state */
     size_t state_size;
 } pel_change;
 
 /* Begins with the present defs. PEL_OUT_OF_MEMORY; to be ended also then. */
 pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error);
+/* Puts the surfaces into a change, with all that lives by vertex; they live longer than it. PEL_OUT_OF_MEMORY. */
+pel_status pel_change_surfaces(pel_change *change, const pel_surfaces *surfaces, pel_error *error);
 /* Recreates the simulation. Errors of pel_model_create and pel_sim_create leave it unchanged. */
 pel_status pel_change_apply(pel_sim *sim, const pel_change *change, pel_error *error);
 void pel_change_end(pel_change *change);

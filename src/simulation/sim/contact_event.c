@@ -65,7 +65,7 @@ static bool accept(pel_sim *sim, int32_t body)
         move_to_middle(sim, own, own->front->added_vertices[i]);
     if (count_pairs(sim, &count) && count <= known)
         return true;
-    pel_sim_load(sim, sim->touch->before_event, sim->touch->event_size, NULL);
+    pel_snapshot_load(sim, sim->touch->before_event, sim->touch->event_size, NULL);
     return false;
 }
 

@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "method/softness.h"
 #include "sim/sim.h"
+#include "sim/snapshot.h"
 #include "tool/tool.h"
 #include "touch/contact.h"
 
@@ -157,7 +158,7 @@ void pel_parts_end(pel_sim *sim, pel_status status)
     if (!is_whole)
         set_size(sim, PEL_PART_LIMIT);
     if (goes_back)
-        pel_sim_load(sim, parts->before, parts->before_size, NULL);
+        pel_snapshot_load(sim, parts->before, parts->before_size, NULL);
     if (is_whole)
         return;
     if (status == PEL_OK && sim->contacts != NULL)

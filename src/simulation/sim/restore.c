@@ -1,10 +1,12 @@
-/* Snapshots with the defs of the simulation, so that they undo changes of parameters. */
+/* Snapshots of other surfaces, and snapshots with the defs of the simulation, which undo changes of parameters. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "pellicle/live.h"
 #include "sim/change.h"
 #include "sim/own_def.h"
 #include "sim/sim.h"
+#include "sim/snapshot.h"
+#include "sim/topology.h"
 
 #include <string.h>
 
@@ -89,6 +91,55 @@ size_t pel_snapshot_size(const pel_snapshot *snapshot)
     return sizeof *snapshot + snapshot->size;
 }
 
+/* the snapshot has other cuts: the simulation is made anew with its surfaces, and loads it then */
+static pel_status load_surfaces(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+{
+    pel_surfaces surfaces;
+    pel_change change = {0};
+    pel_status status = pel_surfaces_begin(sim, &surfaces, error);
+    if (status == PEL_OK)
+        status = pel_snapshot_read_surfaces(sim, bytes, size, &surfaces, error);
+    if (status == PEL_OK)
+        status = pel_change_begin(sim, &change, error);
+    if (status == PEL_OK)
+        status = pel_change_surfaces(&change, &surfaces, error);
+    if (status == PEL_OK) {
+        change.state = bytes;
+        change.state_size = size;
+        status = pel_change_apply(sim, &change, error);
+    }
+    pel_change_end(&change);
+    pel_surfaces_end(&surfaces);
+    return status;
+}
+
+pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(bytes, error);
+    bool has_surfaces;
+    pel_status status = pel_snapshot_check(sim, bytes, size, &has_surfaces, error);
+    if (status != PEL_OK)
+        return status;
+    return has_surfaces ? pel_snapshot_load(sim, bytes, size, error) : load_surfaces(sim, bytes, size, error);
+}
+
+/* the defs are the snapshot's own, the meshes of bodies those of its surfaces */
+static pel_status restore_defs(pel_sim *sim, const pel_snapshot *snapshot, const pel_surfaces *surfaces,
+                               pel_error *error)
+{
+    pel_body_def *bodies = (pel_body_def *)(uintptr_t)snapshot->model.bodies;
+    for (int32_t b = 0; b < snapshot->model.body_count; b++)
+        bodies[b].mesh = surfaces->meshes[b];
+    const pel_change change = {.model = snapshot->model,
+                               .sim = snapshot->def,
+                               .changes_model = true,
+                               .surfaces = surfaces,
+                               .state = snapshot->bytes,
+                               .state_size = snapshot->size};
+    return pel_change_apply(sim, &change, error);
+}
+
 pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
@@ -98,14 +149,12 @@ pel_status pel_snapshot_restore(pel_sim *sim, const pel_snapshot *snapshot, pel_
                           "the snapshot is of another simulation");
     if (memcmp(&snapshot->fingerprint, &pel_house_of(sim)->fingerprint, sizeof pel_house_of(sim)->fingerprint) == 0)
         return pel_sim_load(sim, snapshot->bytes, snapshot->size, error);
-    /* the defs are the snapshot's own; only the address of the meshes of bodies may be another one by now */
-    pel_body_def *bodies = (pel_body_def *)(uintptr_t)snapshot->model.bodies;
-    for (int32_t b = 0; b < snapshot->model.body_count; b++)
-        bodies[b].mesh = sim->given->bodies[b].mesh;
-    const pel_change change = {.model = snapshot->model,
-                               .sim = snapshot->def,
-                               .changes_model = true,
-                               .state = snapshot->bytes,
-                               .state_size = snapshot->size};
-    return pel_change_apply(sim, &change, error);
+    pel_surfaces surfaces;
+    pel_status status = pel_surfaces_begin(sim, &surfaces, error);
+    if (status == PEL_OK)
+        status = pel_snapshot_read_surfaces(sim, snapshot->bytes, snapshot->size, &surfaces, error);
+    if (status == PEL_OK)
+        status = restore_defs(sim, snapshot, &surfaces, error);
+    pel_surfaces_end(&surfaces);
+    return status;
 }

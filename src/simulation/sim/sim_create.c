@@ -14,6 +14,7 @@
 #include "observe/pick.h"
 #include "pellicle/parallel.h"
 #include "sim/contact_event.h"
+#include "sim/cut.h"
 #include "sim/own_def.h"
 #include "sim/parts.h"
 #include "sim/sim.h"
@@ -103,7 +104,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         const void *array;
     } arrays[] = {{"load", def->load_count, def->loads},
                   {"tool", def->tool_count, def->tools},
-                  {"support", def->support_count, def->supports}};
+                  {"support", def->support_count, def->supports},
+                  {"cut", def->cut_count, def->cuts}};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i].count < 0 || (arrays[i].count > 0 && arrays[i].array == NULL))
             return pel_fail(error, PEL_BAD_ARGUMENT, "%s_count is %d, and %ss is null or the count below 0",
@@ -287,6 +289,8 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
         status = build_boundary(sim, def, error);
     if (status == PEL_OK)
         status = build_contact(sim, def, error);
+    if (status == PEL_OK)
+        status = pel_cuts_check(sim, def, error);
     if (status == PEL_OK && sim->stepper->check_start != NULL)
         status = sim->stepper->check_start(sim, error);
     if (status == PEL_OK)

@@ -9,6 +9,7 @@
 #include "base/assert.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/forces.h"
 #include "boundary/hold.h"
@@ -22,6 +23,7 @@
 #include "observe/ledger.h"
 #include "sim/parts.h"
 #include "sim/sim.h"
+#include "sim/topology.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/reading.h"
@@ -34,7 +36,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 14 };
+enum { SNAPSHOT_VERSION = 15 };
 
 typedef struct header {
     char magic[8];
@@ -125,6 +127,7 @@ size_t pel_snapshot_lists_size(const pel_sim *sim)
 static size_t least_size(const pel_sim *sim)
 {
     pel_cursor place = {.at = sizeof(header)};
+    pel_topology_transfer(&place, sim, 0);
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
     return place.at;
@@ -166,6 +169,7 @@ static size_t save(const pel_sim *sim, void *bytes)
     };
     memcpy(bytes, &head, sizeof head);
     pel_cursor place = {.bytes = bytes, .at = sizeof head};
+    pel_topology_transfer(&place, sim, 0);
     transfer_fronts(&place, sim);
     transfer_sim(&place, sim);
     transfer_lists(&place, sim);
@@ -198,9 +202,9 @@ void pel_sim_save(const pel_sim *sim, void *bytes)
 
 static const char damage_remedy[] = "load another one before the next step";
 
-static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, header *head, pel_error *error)
+/* whether it is whole, and of this version */
+static pel_status check_whole(const void *bytes, size_t size, header *head, pel_error *error)
 {
-    char parts[sizeof error->what];
     if (size < sizeof head->magic || memcmp(bytes, "PELSNAP", sizeof head->magic) != 0)
         return pel_refuse(error, PEL_BAD_FORMAT, "give what save has filled", "not a snapshot");
     memset(head, 0, sizeof *head);
@@ -215,6 +219,13 @@ static pel_status check_snapshot(pel_sim *sim, const void *bytes, size_t size, h
                           "the snapshot is of %s precision", head->real_size == sizeof(float) ? "single" : "double");
     if (head->size != size || head->checksum != checksum_of(bytes, size))
         return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
+    return PEL_OK;
+}
+
+/* whether it is of the same defs; the surface has to be that of the snapshot */
+static pel_status check_defs(pel_sim *sim, size_t size, const header *head, pel_error *error)
+{
+    char parts[sizeof error->what];
     pel_fingerprint_compare(&head->fingerprint, &pel_house_of(sim)->fingerprint, parts, sizeof parts);
     if (parts[0] != '\0')
         return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
@@ -246,6 +257,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     sim->present.has_force = false;
     sim->state_number++;
     pel_minimise_forget(sim);
+    pel_topology_transfer(&place, sim, 0);
     transfer_fronts(&place, sim);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].front != NULL && !pel_refine_restore(sim, b))
@@ -285,13 +297,36 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     return PEL_OK;
 }
 
-pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
+pel_status pel_snapshot_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error)
 {
-    PEL_REFUSE_NULL(sim, error);
-    PEL_REFUSE_NULL(bytes, error);
     header head;
-    pel_status status = check_snapshot(sim, bytes, size, &head, error);
+    bool has_surfaces;
+    pel_status status = pel_snapshot_check(sim, bytes, size, &has_surfaces, error);
+    if (status != PEL_OK)
+        return status;
+    memcpy(&head, bytes, sizeof head);
+    if (!has_surfaces)
+        return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is of another surface");
+    status = check_defs(sim, size, &head, error);
     return status == PEL_OK ? restore(sim, bytes, error) : status;
+}
+
+pel_status pel_snapshot_check(const pel_sim *sim, const void *bytes, size_t size, bool *has_surfaces, pel_error *error)
+{
+    header head;
+    pel_status status = check_whole(bytes, size, &head, error);
+    pel_cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true, .size = size};
+    *has_surfaces = status == PEL_OK && pel_topology_is_present(&place, sim);
+    return status;
+}
+
+pel_status pel_snapshot_read_surfaces(const pel_sim *sim, const void *bytes, size_t size, pel_surfaces *surfaces,
+                                      pel_error *error)
+{
+    header head;
+    pel_cursor place = {.bytes = (unsigned char *)(uintptr_t)bytes, .at = sizeof head, .load = true, .size = size};
+    pel_status status = check_whole(bytes, size, &head, error);
+    return status == PEL_OK ? pel_surfaces_read(surfaces, sim, &place, error) : status;
 }
 
 pel_status pel_snapshot_rewind(pel_sim *sim, const void *bytes, pel_error *error)
@@ -311,6 +346,9 @@ typedef struct carrier {
     unsigned char *bytes;
     size_t capacity;
     bool is_full; /* memory is out */
+    /* after a cut; else null */
+    int32_t *places;             /* (vertices of `to`) of each one in `from`, -1 = none */
+    int32_t *place_of, *scratch; /* (vertices of `from`) where each one is in `to`; zeros */
 } carrier;
 
 /* nothing where the two have another layout */
@@ -319,7 +357,8 @@ static void carry(carrier *c, pel_transfer_part *part, int32_t from, int32_t to)
     pel_cursor old_size = {.at = 0}, new_size = {.at = 0};
     part(&old_size, c->from, from);
     part(&new_size, c->to, to);
-    if (old_size.at != new_size.at || old_size.at == 0)
+    bool fits = c->places != NULL ? new_size.at > 0 : old_size.at == new_size.at;
+    if (!fits || old_size.at == 0)
         return;
     if (old_size.at > c->capacity) {
         pel_free(c->bytes);
@@ -329,7 +368,12 @@ static void carry(carrier *c, pel_transfer_part *part, int32_t from, int32_t to)
     }
     if (c->bytes == NULL)
         return;
-    pel_cursor save = {.bytes = c->bytes}, load = {.bytes = c->bytes, .load = true, .size = old_size.at};
+    pel_cursor save = {.bytes = c->bytes};
+    pel_cursor load = {.bytes = c->bytes,
+                       .load = true,
+                       .size = old_size.at,
+                       .places = c->places,
+                       .place_count = (size_t)c->from->model->vertex_count};
     part(&save, c->from, from);
     part(&load, c->to, to);
 }
@@ -352,19 +396,42 @@ static pel_status carry_surfaces(carrier *c, pel_error *error)
 }
 
 /* inverse masses come from the new model; pinned vertices keep their positions */
-static void take_mobility(const pel_sim *from, pel_sim *sim)
+static void take_mobility(const carrier *c)
 {
+    pel_sim *sim = c->to;
     pel_state *state = sim->state;
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        pel_real mobility = sim->model->inverse_mass[v];
+        int32_t place = c->places != NULL ? c->places[v] : v;
+        pel_real mobility = sim->model->inverse_mass[v], old = place >= 0 ? c->from->model->inverse_mass[place] : 0;
         state->position[v][3] = state->position_before[v][3] = mobility;
-        if (mobility != from->model->inverse_mass[v])
+        /* a cut divides masses, and each copy goes on as its vertex did */
+        if (mobility != old && c->places == NULL)
             state->older_is_known = false;
-        if (mobility > 0 || !(from->model->inverse_mass[v] > 0))
+        if (mobility > 0 || !(old > 0))
             continue;
         state->position_before[v] = state->position[v];
         if (state->velocity != NULL)
             state->velocity[v] = (pel_record){0};
+    }
+}
+
+/* held vertices at their new places, then their copies */
+static void hold_copies(carrier *c, pel_tool *tool)
+{
+    int32_t count = tool->held_count, *own = c->place_of;
+    int32_t *holder = c->scratch; /* by old place: number among the held ones plus 1 */
+    for (int32_t i = 0; i < count; i++)
+        holder[tool->held[i]] = i + 1;
+    for (int32_t v = 0; v < c->to->model->vertex_count; v++) {
+        int32_t place = c->places[v], i = place >= 0 ? holder[place] : 0;
+        if (i == 0 || own[place] == v)
+            continue;
+        tool->held[tool->held_count] = v;
+        pel_vec3_copy(tool->anchors[i - 1], tool->anchors[tool->held_count++]);
+    }
+    for (int32_t i = 0; i < count; i++) {
+        holder[tool->held[i]] = 0;
+        tool->held[i] = own[tool->held[i]];
     }
 }
 
@@ -376,6 +443,8 @@ static void carry_tool(carrier *c, int32_t from, int32_t to)
     carry(c, pel_tool_transfer, from, to);
     if (c->from->state->step == 0)
         tool->pose = start;
+    if (c->places != NULL && tool->held_count > 0)
+        hold_copies(c, tool);
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
         c->to->held[v] = 1;
@@ -408,28 +477,76 @@ static pel_status carry_lists(const pel_sim *from, pel_sim *to, pel_error *error
     return pel_solids_take_over(to, from, error);
 }
 
-pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error)
+/* the places of vertices before and after a cut */
+static pel_status find_places(carrier *c, const pel_surfaces *surfaces, pel_error *error)
+{
+    const pel_model *old = c->from->model, *new = c->to->model;
+    if (surfaces == NULL)
+        return PEL_OK;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(c->places, new->vertex_count), PEL_ROOM(c->place_of, old->vertex_count),
+                          PEL_ROOM(c->scratch, old->vertex_count)))
+        return pel_fail_memory(error);
+    for (int32_t v = 0; v < new->vertex_count; v++)
+        c->places[v] = -1;
+    for (int32_t b = 0; b < new->body_count; b++)
+        for (int32_t v = new->bodies[b].mesh->vertex_count - 1; v >= 0; v--) {
+            int32_t source = surfaces->sources[b] != NULL ? surfaces->sources[b][v] : v;
+            int32_t place = old->bodies[b].model_index[source];
+            c->places[new->bodies[b].model_index[v]] = place;
+            c->place_of[place] = new->bodies[b].model_index[v];
+        }
+    return PEL_OK;
+}
+
+/* the caller's forces are divided like loads */
+static void divide_forces(const carrier *c, const pel_surfaces *surfaces)
+{
+    pel_record *external = c->to->loads->external;
+    for (int32_t b = 0; external != NULL && b < surfaces->body_count; b++) {
+        const pel_body *old = &c->from->given->bodies[b], *new = &c->to->given->bodies[b];
+        for (int32_t v = 0; surfaces->sources[b] != NULL && v < new->mesh->vertex_count; v++)
+            external[new->model_index[v]] *=
+                (pel_real)(pel_vertex_share(new, v) / pel_vertex_share(old, surfaces->sources[b][v]));
+    }
+}
+
+/* without those of pairs and contact points, which find their forces anew after a cut */
+static void carry_parts(carrier *c)
+{
+    static pel_transfer_part *const parts[] = {pel_parts_transfer,    pel_transfer_marks,
+                                               pel_supports_transfer, pel_touch_transfer_pairs,
+                                               pel_forces_transfer,   pel_touch_transfer_statistics,
+                                               pel_minimise_transfer, pel_ledger_transfer};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        carry(c, parts[i], 0, 0);
+    if (c->places == NULL)
+        carry(c, pel_touch_transfer_forces, 0, 0);
+    else
+        pel_minimise_forget_contacts(c->to);
+}
+
+pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfaces *surfaces, pel_error *error)
 {
     carrier c = {.from = from, .to = to};
     bool has_run = from->state->step > 0;
-    pel_status status = carry_surfaces(&c, error);
+    pel_status status = find_places(&c, surfaces, error);
+    if (status == PEL_OK)
+        status = carry_surfaces(&c, error);
     if (status == PEL_OK) {
         carry(&c, pel_transfer_motion, 0, 0);
         /* its presence depends on tools and contact */
         carry(&c, pel_transfer_history, 0, 0);
-        take_mobility(from, to);
+        take_mobility(&c);
         for (int32_t t = 0; t < to->tools->count; t++) {
             int32_t old = pel_sim_find_tool(from, to->tools->items[t].name);
             if (old >= 0)
                 carry_tool(&c, old, t);
         }
-        static pel_transfer_part *const parts[] = {
-            pel_parts_transfer,       pel_transfer_marks,  pel_supports_transfer,         pel_touch_transfer_forces,
-            pel_touch_transfer_pairs, pel_forces_transfer, pel_touch_transfer_statistics, pel_minimise_transfer,
-            pel_ledger_transfer};
-        for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-            carry(&c, parts[i], 0, 0);
-        pel_supports_release(from, to);
+        carry_parts(&c);
+        if (surfaces != NULL)
+            divide_forces(&c, surfaces);
+        else
+            pel_supports_release(from, to);
         pel_substeps_carry(from, to);
         for (int32_t b = 0; b < to->model->body_count; b++) {
             const pel_shell *old = from->model->bodies[b].shell, *new = to->model->bodies[b].shell;
@@ -443,10 +560,10 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, pel_error *error
             to->touch->revisions[0] = -1;
         }
         rest_unused_places(to);
-        status = carry_lists(from, to, error);
+        status = surfaces == NULL ? carry_lists(from, to, error) : PEL_OK;
     }
     if (status == PEL_OK && (c.is_full || to->contact_forces.is_short))
         status = pel_fail_memory(error);
-    pel_free(c.bytes);
+    PEL_FREE_ALL(c.bytes, c.places, c.place_of, c.scratch);
     return status;
 }

@@ -80,6 +80,8 @@ struct pel_sim {
     int64_t state_number; /* another one for each state */
     pel_sim_def def;      /* the def with all changes since creation */
     bool goes_on;         /* continues from a state: skip the checks of a start at rest */
+    int32_t cuts_done;    /* of def.cuts */
+    int64_t cut_revision; /* another one after each change of the triangles by a cut */
 
     /* how */
     pel_solver_def solver;

@@ -132,6 +132,12 @@ int64_t pel_sim_surface_revision(const pel_sim *sim, int32_t body)
 {
     if (!pel_sim_has_body(sim, body))
         return 0;
+    return sim->cut_revision + pel_surface_event_count(sim, body);
+}
+
+int64_t pel_surface_event_count(const pel_sim *sim, int32_t body)
+{
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
     return sim->rows != NULL ? sim->rows[body].revision : 0;
 }
 

@@ -21,6 +21,8 @@ void pel_surface_rows_destroy(pel_sim *sim);
 int32_t pel_output_vertex(const pel_sim *sim, int32_t body, int32_t v);
 int32_t pel_output_count(const pel_sim *sim, int32_t body);
 int32_t pel_output_model_index(const pel_sim *sim, int32_t body, int32_t row);
+/* events of refinement so far; cuts make the simulation anew */
+int64_t pel_surface_event_count(const pel_sim *sim, int32_t body);
 /* row of each vertex of the forest that is active; null = rows are the vertices of the mesh */
 const int32_t *pel_output_numbers(const pel_sim *sim, int32_t body);
 /* the triangles of the surface in an order that depends on the surface alone, for sums; null = triangles of the mesh in

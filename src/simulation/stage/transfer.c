@@ -18,6 +18,24 @@ void pel_transfer(pel_cursor *at, void *data, size_t size)
     at->at += size;
 }
 
+void pel_transfer_vertices(pel_cursor *at, void *data, size_t count, size_t size)
+{
+    if (at->places == NULL || !at->load) {
+        pel_transfer(at, data, count * size);
+        return;
+    }
+    const unsigned char *saved = at->bytes + at->at;
+    for (size_t i = 0; i < count; i++)
+        if (at->places[i] >= 0)
+            memcpy((unsigned char *)data + i * size, saved + (size_t)at->places[i] * size, size);
+    at->at += at->place_count * size;
+}
+
+void pel_transfer_list(pel_cursor *at, void *data, size_t count, size_t size)
+{
+    pel_transfer(at, data, (at->places != NULL && at->load ? at->place_count : count) * size);
+}
+
 void pel_transfer_count(pel_cursor *at, int64_t *count, size_t least)
 {
     pel_transfer(at, count, sizeof *count);
@@ -32,10 +50,10 @@ void pel_transfer_motion(pel_cursor *at, const pel_sim *sim, int32_t unused)
     (void)unused;
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
-    pel_transfer(at, state->position, count * sizeof *state->position);
-    pel_transfer(at, state->position_before, count * sizeof *state->position_before);
+    pel_transfer_vertices(at, state->position, count, sizeof *state->position);
+    pel_transfer_vertices(at, state->position_before, count, sizeof *state->position_before);
     if (state->velocity != NULL)
-        pel_transfer(at, state->velocity, count * sizeof *state->velocity);
+        pel_transfer_vertices(at, state->velocity, count, sizeof *state->velocity);
 }
 
 void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -44,8 +62,8 @@ void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_state *state = sim->state;
     size_t count = (size_t)sim->model->vertex_count;
     if (state->older_position != NULL) {
-        pel_transfer(at, state->older_position, count * sizeof *state->older_position);
-        pel_transfer(at, state->older_velocity, count * sizeof *state->older_velocity);
+        pel_transfer_vertices(at, state->older_position, count, sizeof *state->older_position);
+        pel_transfer_vertices(at, state->older_velocity, count, sizeof *state->older_velocity);
         pel_transfer(at, &state->older_is_known, sizeof state->older_is_known);
         pel_transfer(at, &state->collision, sizeof state->collision);
         pel_transfer(at, &state->unresolved, sizeof state->unresolved);
@@ -55,7 +73,7 @@ void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)
 void pel_transfer_marks(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    pel_transfer(at, sim->state->contact, (size_t)sim->model->vertex_count * sizeof *sim->state->contact);
+    pel_transfer_vertices(at, sim->state->contact, (size_t)sim->model->vertex_count, sizeof *sim->state->contact);
 }
 
 void pel_transfer_factors(pel_cursor *at, const pel_sim *sim, int32_t unused)

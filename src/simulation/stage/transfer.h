@@ -13,9 +13,17 @@ struct pel_cursor {
     size_t size;   /* of all bytes, to load */
     bool is_short; /* more was to be loaded than there is: it stays as it was */
     bool is_full;  /* there was no memory for what was to be loaded */
+    /* to load arrays by vertex that were saved with other places, of which there are no more now */
+    const int32_t
+        *places;        /* (vertices of the model) the place of each one in the saved arrays, -1 = none; null = same */
+    size_t place_count; /* of the saved arrays */
 };
 
 void pel_transfer(pel_cursor *at, void *data, size_t size);
+/* An array with one element for each vertex of the model. */
+void pel_transfer_vertices(pel_cursor *at, void *data, size_t count, size_t size);
+/* A list with room for all vertices of the model: it may be longer now. */
+void pel_transfer_list(pel_cursor *at, void *data, size_t count, size_t size);
 /* The number of entries of a list that is as long as the present state needs, of at least so many bytes each. When it
    loads: 0 if there cannot be so many. */
 void pel_transfer_count(pel_cursor *at, int64_t *count, size_t least);

@@ -158,7 +158,7 @@ void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading *readin
 void pel_supports_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     if (sim->reactions != NULL)
-        pel_transfer(at, sim->reactions, (size_t)sim->model->vertex_count * sizeof *sim->reactions);
+        pel_transfer_vertices(at, sim->reactions, (size_t)sim->model->vertex_count, sizeof *sim->reactions);
     pel_holds_transfer(at, sim, unused);
 }
 

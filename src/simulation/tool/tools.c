@@ -162,8 +162,8 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, tool->force, sizeof tool->force);
     pel_transfer(at, tool->torque, sizeof tool->torque);
     if (tool->grasp) {
-        pel_transfer(at, tool->held, vertex_count * sizeof *tool->held);
-        pel_transfer(at, tool->anchors, vertex_count * sizeof *tool->anchors);
+        pel_transfer_list(at, tool->held, vertex_count, sizeof *tool->held);
+        pel_transfer_list(at, tool->anchors, vertex_count, sizeof *tool->anchors);
     }
 }
 

@@ -337,7 +337,7 @@ static pel_status set_triangles(pel_sim *sim, pel_error *error)
         for (int32_t i = 0; i < count; i++)
             pel_contact_surface_add(
                 sim->contacts, sim->model->triangles[begin + (surface != NULL ? pel_surface_number(&surface[i]) : i)]);
-        sim->touch->revisions[b] = pel_sim_surface_revision(sim, b);
+        sim->touch->revisions[b] = pel_surface_event_count(sim, b);
     }
     return PEL_OK;
 }
@@ -345,7 +345,7 @@ static pel_status set_triangles(pel_sim *sim, pel_error *error)
 bool pel_contacts_are_of_present(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (sim->touch->revisions[b] != pel_sim_surface_revision(sim, b))
+        if (sim->touch->revisions[b] != pel_surface_event_count(sim, b))
             return false;
     return true;
 }

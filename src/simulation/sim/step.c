@@ -6,6 +6,7 @@
 #include "base/pool.h"
 #include "base/status.h"
 #include "method/bending_weight.h"
+#include "sim/cut.h"
 #include "stage/accessors.h"
 #include "stage/shells.h"
 #include "tool/grip.h"
@@ -157,7 +158,10 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
-    pel_status status = pel_parts_keep(sim, error);
+    pel_status status = pel_cuts_make(sim, error);
+    if (status != PEL_OK)
+        return status;
+    status = pel_parts_keep(sim, error);
     pel_ledger_start(sim);
     if (status == PEL_OK)
         status = follow_surface(sim, error);

@@ -1,0 +1,43 @@
+/* Pellicle: cuts of a surface while it is simulated. */
+#ifndef PELLICLE_TEAR_H
+#define PELLICLE_TEAR_H
+
+#include "sim_step.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Opens the surface of a body along a path of edges, between two steps. The path (vertex_count >= 2) names vertices
+   that edges join; it runs through the surface, from a border, between borders, or comes back to its first vertex and
+   cuts a piece out. Vertices on it are doubled: triangles keep their numbers and winding, vertices theirs, and copies
+   come last in all arrays. A vertex of a path stands for all its copies, so a path may cross or touch an older cut;
+   edges that are open already are skipped.
+
+   Copies have the position and the velocity of their vertex; its mass, volumetric spring, dampings, loads and elastic
+   supports are divided among them by the areas around, and the spring on an edge by the areas beside its lips. So mass,
+   momenta, kinetic energy and the energy of springs and membranes stay as they are; bending across the cut is released,
+   and the ledger books it as dissipated_fracture. Pins, supports, grasps, regions and fields extend to the copies;
+   loads per length do not act on lips. Snapshots contain the cuts, and loading one opens or closes the surface as it
+   was.
+
+   PEL_BAD_ARGUMENT leaves the simulation unchanged: vertices that do not exist or are joined by no edge; an edge of the
+   border; a path that opens nothing (a single edge inside the surface); any body that refines; a path of balances or an
+   analysis; an enclosed gas or a target volume, which need a closed surface. PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_cut(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count, pel_error *error);
+
+/* State of the cuts of one body. */
+typedef struct pel_cut_reading {
+    double length;        /* m at rest, of edges that are open: half the length of their lips */
+    int32_t copy_count;   /* vertices that are copies */
+    int32_t island_count; /* pieces that the cuts have parted from the others */
+} pel_cut_reading;
+/* PEL_BAD_ARGUMENT for a body that does not exist, PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error);
+/* (pel_sim_vertex_count) the vertex before all cuts that each vertex is a copy of, itself if it is none. */
+PEL_API void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,245 @@
+#include "sim/cut.h"
+
+#include "base/memory.h"
+#include "base/room.h"
+#include "base/status.h"
+#include "math/vec3.h"
+#include "mesh/opening.h"
+#include "mesh/union_find.h"
+#include "model/origin.h"
+#include "pellicle/tear.h"
+#include "sim/change.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* s, over dt: times that differ by less are equal */
+#define TIME_ROUNDING 1e-6
+
+/* ---- the edges of a path ---- */
+
+typedef struct cut {
+    const pel_sim *sim;
+    int32_t body;
+    const int32_t *origins; /* null = no cuts yet */
+    int32_t base_count;
+    pel_topology *topology;
+    uint8_t *marks; /* (edge_count) */
+} cut;
+
+static int32_t origin_of(const cut *c, int32_t v)
+{
+    return c->origins != NULL ? c->origins[v] : v;
+}
+
+/* the next vertex with this origin from `v` on; -1 = none */
+static int32_t next_copy(const cut *c, int32_t origin, int32_t v)
+{
+    if (v <= origin)
+        return origin;
+    for (v = v > c->base_count ? v : c->base_count; v < c->topology->vertex_count; v++)
+        if (origin_of(c, v) == origin)
+            return v;
+    return -1;
+}
+
+typedef enum found { NO_EDGE, BORDER, OPENED, CLOSED } found;
+
+/* the edge between copies of two vertices; of several that is no border, which there is one of at most */
+static found find_edge(const cut *c, int32_t a, int32_t b, int32_t *edge)
+{
+    int32_t from = origin_of(c, a), to = origin_of(c, b);
+    found best = NO_EDGE;
+    for (int32_t i = next_copy(c, from, 0); i >= 0; i = next_copy(c, from, i + 1))
+        for (int32_t j = next_copy(c, to, 0); j >= 0; j = next_copy(c, to, j + 1)) {
+            int32_t e = i != j ? pel_topology_edge_between(c->topology, i, j) : -1;
+            if (e < 0)
+                continue;
+            int32_t h = c->topology->half_edge_of_edge[e];
+            *edge = e;
+            if (c->topology->twin[h] >= 0)
+                return CLOSED;
+            best = pel_is_lip(&c->sim->given->bodies[c->body], h) ? OPENED : BORDER;
+        }
+    return best;
+}
+
+static pel_status mark_edges(const cut *c, const int32_t *vertices, int32_t vertex_count, pel_error *error)
+{
+    const char *name = c->sim->given->bodies[c->body].name;
+    for (int32_t i = 0; i + 1 < vertex_count; i++) {
+        int32_t e, a = vertices[i], b = vertices[i + 1];
+        found there = find_edge(c, a, b, &e);
+        if (there == NO_EDGE)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", a,
+                                      "name all vertices along the path, or give it in points (`path` of a scene)",
+                                      "a cut of body '%s' goes from vertex %d to %d, which no edge joins", name, (int)a,
+                                      (int)b);
+        if (there == BORDER)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", a,
+                                      "lead the path through the surface; only its ends may be on the border",
+                                      "a cut of body '%s' runs along the border from vertex %d to %d", name, (int)a,
+                                      (int)b);
+        if (there == CLOSED)
+            c->marks[e] = 1;
+    }
+    return PEL_OK;
+}
+
+/* an edge inside the surface without another one at its ends stays shut */
+static pel_status check_opening(const cut *c, const pel_opening *opening, const int32_t *vertices, pel_error *error)
+{
+    int32_t marked = 0;
+    for (int32_t e = 0; e < c->topology->edge_count; e++)
+        marked += c->marks[e];
+    if (marked > 0 && opening->edge_count == marked)
+        return PEL_OK;
+    const char *name = c->sim->given->bodies[c->body].name;
+    if (marked == 0)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", vertices[0],
+                                  "leave the cut out, or lead it through the surface",
+                                  "a cut of body '%s' opens nothing: its path is open already", name);
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", vertices[0],
+                              "make the path longer, or begin at a border or at another cut",
+                              "a cut of body '%s' opens nothing: a single edge inside the surface", name);
+}
+
+/* ---- the cut ---- */
+
+static pel_status apply(pel_sim *sim, const cut *c, const pel_opening *opening, int32_t cuts_done, pel_error *error)
+{
+    pel_surfaces surfaces;
+    pel_change change = {0};
+    pel_status status = pel_surfaces_begin(sim, &surfaces, error);
+    if (status == PEL_OK) {
+        size_t size = (size_t)opening->vertex_count * sizeof *opening->parents;
+        surfaces.cuts_done = cuts_done;
+        surfaces.sources[c->body] = pel_allocate(size, 1);
+        if (surfaces.sources[c->body] == NULL)
+            status = pel_fail_memory(error);
+        else
+            memcpy(surfaces.sources[c->body], opening->parents, size);
+    }
+    if (status == PEL_OK)
+        status = pel_surfaces_set(&surfaces, sim, c->body, opening->vertex_count,
+                                  (const int32_t(*)[3])(void *)opening->triangles, error);
+    if (status == PEL_OK)
+        status = pel_change_begin(sim, &change, error);
+    if (status == PEL_OK)
+        status = pel_change_surfaces(&change, &surfaces, error);
+    if (status == PEL_OK)
+        status = pel_change_apply(sim, &change, error);
+    pel_change_end(&change);
+    pel_surfaces_end(&surfaces);
+    return status;
+}
+
+static pel_status open_path(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count,
+                            int32_t cuts_done, pel_error *error)
+{
+    const pel_body_def *def = &sim->given->def.bodies[body];
+    cut c = {.sim = sim, .body = body, .origins = def->origins, .base_count = pel_origins_base_count(def)};
+    pel_opening opening = {0};
+    pel_status status = pel_topology_create(def->mesh, &c.topology, error);
+    if (status == PEL_OK) {
+        c.marks = pel_allocate((size_t)c.topology->edge_count, 1);
+        status = c.marks != NULL ? mark_edges(&c, vertices, vertex_count, error) : pel_fail_memory(error);
+    }
+    if (status == PEL_OK)
+        status = pel_opening_find(c.topology, c.marks, &opening, error);
+    if (status == PEL_OK)
+        status = check_opening(&c, &opening, vertices, error);
+    if (status == PEL_OK)
+        status = apply(sim, &c, &opening, cuts_done, error);
+    pel_opening_clear(&opening);
+    pel_topology_destroy(c.topology);
+    pel_free(c.marks);
+    return status;
+}
+
+pel_status pel_cut(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    pel_status status = pel_cut_check_path(sim, body, vertices, vertex_count, error);
+    if (status == PEL_OK)
+        status = pel_cut_check_sim(sim, error);
+    return status == PEL_OK ? open_path(sim, body, vertices, vertex_count, sim->cuts_done, error) : status;
+}
+
+/* names the cut in front of an error */
+static void name_cut(int32_t number, double at, pel_error *error)
+{
+    char what[sizeof error->what];
+    if (error == NULL)
+        return;
+    memcpy(what, error->what, sizeof what);
+    snprintf(error->what, sizeof error->what, "cut %d at %g s: %.*s", (int)number + 1, at, (int)sizeof what - 40, what);
+}
+
+pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    while (status == PEL_OK && sim->cuts_done < sim->def.cut_count) {
+        /* the change makes another copy of the def */
+        int32_t number = sim->cuts_done;
+        const pel_cut_def *next = &sim->def.cuts[number];
+        double at = next->at;
+        if (at > pel_sim_time(sim) + TIME_ROUNDING * sim->solver.dt)
+            return PEL_OK;
+        status = open_path(sim, next->body, next->vertices, next->vertex_count, number + 1, error);
+        if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
+            name_cut(number, at, error);
+    }
+    return status;
+}
+
+/* ---- readings ---- */
+
+/* pieces that are joined by edges, or were by edges that are lips now */
+static int32_t count_pieces(const pel_mesh *mesh, const int32_t *origins, int32_t *parents)
+{
+    int32_t count = 0;
+    pel_union_find_reset(parents, mesh->vertex_count);
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int k = 1; k < 3; k++)
+            pel_union_find_join(parents, mesh->triangles[t][0], mesh->triangles[t][k]);
+    for (int32_t v = 0; origins != NULL && v < mesh->vertex_count; v++)
+        pel_union_find_join(parents, v, origins[v]);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        count += pel_union_find_root(parents, v) == v;
+    return count;
+}
+
+pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error)
+{
+    PEL_REFUSE_NULL(reading, error);
+    *reading = (pel_cut_reading){0};
+    if (!pel_sim_has_body(sim, body))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
+    const pel_body *own = &sim->given->bodies[body];
+    const pel_body_def *def = &sim->given->def.bodies[body];
+    const pel_mesh *mesh = own->mesh;
+    if (def->origins == NULL)
+        return PEL_OK;
+    int32_t *parents = pel_allocate((size_t)mesh->vertex_count, sizeof *parents);
+    if (parents == NULL)
+        return pel_fail_memory(error);
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        const int32_t *v = mesh->triangles[h / 3];
+        if (pel_is_lip(own, h))
+            reading->length += 0.5 * pel_vec3_distance(mesh->positions[v[h % 3]], mesh->positions[v[(h + 1) % 3]]);
+    }
+    reading->copy_count = mesh->vertex_count - pel_origins_base_count(def);
+    reading->island_count = count_pieces(mesh, NULL, parents) - count_pieces(mesh, def->origins, parents);
+    pel_free(parents);
+    return PEL_OK;
+}
+
+void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins)
+{
+    if (!pel_sim_has_body(sim, body) || origins == NULL)
+        return;
+    const pel_body_def *def = &sim->given->def.bodies[body];
+    for (int32_t v = 0; v < def->mesh->vertex_count; v++)
+        origins[v] = def->origins != NULL ? def->origins[v] : v;
+}

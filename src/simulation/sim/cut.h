@@ -1,0 +1,16 @@
+/* Cuts: the surface opens between two steps. */
+#ifndef PEL_SIM_CUT_H
+#define PEL_SIM_CUT_H
+
+#include "stage/stage.h"
+
+/* Checks the cuts of a def: PEL_BAD_ARGUMENT with the cut. */
+pel_status pel_cuts_check(const pel_sim *sim, const pel_sim_def *def, pel_error *error);
+/* What a cut needs of the simulation, and of its path. */
+pel_status pel_cut_check_sim(const pel_sim *sim, pel_error *error);
+pel_status pel_cut_check_path(const pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count,
+                              pel_error *error);
+/* Makes those whose time has come; errors of pel_cut, with the number of the cut. */
+pel_status pel_cuts_make(pel_sim *sim, pel_error *error);
+
+#endif
