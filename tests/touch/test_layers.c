@@ -99,12 +99,67 @@ static void test_strays(void **unused)
     scene_end(&scene, sim);
 }
 
+/* sheets of n x n cells over each other, as one mesh */
+static pel_mesh *make_stack(int32_t count, int n, double size, double gap)
+{
+    pel_mesh *sheet = make_sheet(n, 0), *stack;
+    int32_t vertices = sheet->vertex_count, triangles = sheet->triangle_count;
+    double(*x)[3] = malloc((size_t)(count * vertices) * sizeof *x);
+    int32_t(*corners)[3] = malloc((size_t)(count * triangles) * sizeof *corners);
+    for (int32_t i = 0; i < count; i++) {
+        for (int32_t v = 0; v < vertices; v++)
+            pel_vec3_set(x[i * vertices + v], size * sheet->positions[v][0], size * sheet->positions[v][1],
+                         (i + 1) * gap);
+        for (int32_t t = 0; t < triangles; t++)
+            for (int c = 0; c < 3; c++)
+                corners[i * triangles + t][c] = i * vertices + sheet->triangles[t][c];
+    }
+    assert_int_equal(
+        pel_mesh_create((const double *)x, count * vertices, (const int32_t *)corners, count * triangles, &stack, NULL),
+        PEL_OK);
+    pel_mesh_destroy(sheet);
+    free(x);
+    free(corners);
+    return stack;
+}
+
+/* Sheets that fall together and are stopped one after the other, from below: none of them flies up, since no pair gets
+   deep before it is looked at. */
+static void test_stack_lands(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_XPBD);
+    scene_body(&scene, make_stack(12, 3, 0.1, 6e-4));
+    pel_body_def *body = &scene.bodies[0];
+    body->mass = 0.006 / 16;
+    body->spring_damping.value = body->volumetric_damping.value = 0;
+    body->spring_stiffness.value = 200;
+    scene.gravity = -9.81;
+    scene.def.contact.thickness = 5e-4;
+    scene.def.solver.substeps = 48;
+    pel_vec3_set(scene_tool(&scene, PEL_TOOL_BOX)->half_extents, 5, 5, 0.5);
+    scene_move(&scene, 0, 0.05, 0.05, -0.5, -0.5, 1);
+    pel_sim *sim = scene_create(&scene);
+    for (int n = 0; n < 12; n++) {
+        pel_sim_ledger ledger;
+        pel_sim_measures measures;
+        run_free(sim, 1);
+        pel_sim_get_ledger(sim, &ledger);
+        pel_sim_measure(sim, &measures);
+        assert_true(ledger.energy_error <= 0.01 * ledger.supplied);
+        assert_true(measures.max_displacement < 12 * 1.05e-4);
+    }
+    scene_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rests_on_solid),
         cmocka_unit_test(test_held_back),
         cmocka_unit_test(test_strays),
+        cmocka_unit_test(test_stack_lands),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,8 +2,6 @@
 #ifndef PEL_CONTACT_LAYER_H
 #define PEL_CONTACT_LAYER_H
 
-#include <stdint.h>
-
 /* s, in which a pair that started at no distance comes to keep the whole thickness */
 #define PEL_CONTACT_RECOVERY_TIME 0.2
 
@@ -18,8 +16,7 @@ typedef struct pel_contact_layer {
    press in in steps of dt [s]. */
 double pel_contact_layer_compliance(const pel_contact_layer *layer, double mass, double speed, double dt);
 
-/* Substeps in which a pair that is farther apart than its layer by `room` need not be looked at: as many as take at
-   most a fourth of that, as fast as it came on since `before`, of the last look [m]. */
-int32_t pel_contact_layer_wait(double room, double before, double thickness);
+/* of the thickness: what is nearer to its layer is looked at in every substep */
+#define PEL_CONTACT_NEAR_SHARE 0.1
 
 #endif

@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-enum { PAIRS_OF_CHUNK = 256 };
+enum { PAIRS_OF_CHUNK = 256, MEASURE_PARTS = 16 };
 
 /* weights of closest points inside a feature are farther from 0 than this */
 #define INSIDE 1e-9
@@ -23,8 +23,12 @@ enum { PAIRS_OF_CHUNK = 256 };
 #define PARALLEL 1e-3
 /* directions that lean so little over a triangle still lead away from it */
 #define LEAN 0.05
-/* substeps in which a pair is not looked at where another feature is closer */
-enum { OFF_WAIT = 3 };
+/* of the thickness: two edges that are off, since other features are closer, have this much room before they are looked
+   at again */
+#define OFF_SHARE 0.1
+/* of its room: a pair whose places moved less against each other need not be looked at, and then has as much room left;
+   the rest is for turning features and for corrections within a substep */
+#define MOVED_SHARE 0.25
 
 void pel_contact_set_place_substep(pel_contact_set *set)
 {
@@ -41,8 +45,10 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     double square = substep * substep;
     pel_contacts_begin(&set->list, substep);
     set->list.active = NULL;
+    set->travel = 0;
+    set->is_measured = false;
     if (set->list.count > 0)
-        memset(set->waits, 0, (size_t)set->list.count * sizeof *set->waits);
+        memset(set->calm, 0, (size_t)set->list.count * sizeof *set->calm);
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);
@@ -305,16 +311,58 @@ static bool is_far_through(const pel_contact_set *set, double x[4][3], const pel
     return gap_of(x, key->place, normal) < -PEL_CONTACT_FAR * set->mean_edge;
 }
 
+static void way_between(double x[4][3], const double weights[4], double way[3])
+{
+    for (int k = 0; k < 3; k++)
+        way[k] = weights[0] * x[0][k] + weights[1] * x[1][k] + weights[2] * x[2][k] + weights[3] * x[3][k];
+}
+
+/* After a look: both sides together have to travel half of the room before the next one is needed. Where all are looked
+   at the sweeps to come may go any way: all that are not off act. */
+static void keep_calm(const refresh_job *job, int32_t c, double thickness, double x[4][3], const double weights[4])
+{
+    pel_contact_set *set = job->set;
+    pel_contact_key *key = &set->keys[c];
+    double room = key->gap - thickness;
+    bool is_off = key->is_off && key->edge_edge;
+    if (is_off)
+        room = pel_max(room, OFF_SHARE * thickness);
+    bool is_far = is_off || (room > PEL_CONTACT_NEAR_SHARE * thickness && !job->looks_at_all);
+    key->room = is_far && !(set->list.contacts[c].multiplier > 0) ? room : 0;
+    set->calm[c] = key->room > 0 ? 2 * set->travel + 0.5 * key->room : 0;
+    if (set->def.has_layers) {
+        way_between(x, weights, key->apart);
+        memcpy(key->place, weights, sizeof key->place);
+    }
+}
+
+/* Whether the places of a pair that need not be looked at yet have moved so little against each other that it has room
+   for more. */
+static bool has_hardly_moved(const refresh_job *job, int32_t c)
+{
+    pel_contact_set *set = job->set;
+    const pel_contact_key *key = &set->keys[c];
+    double x[4][3], way[3];
+    for (int i = 0; i < 4; i++)
+        load_point(job, key->points[i], x[i]);
+    way_between(x, key->place, way);
+    double moved = pel_vec3_distance(way, key->apart);
+    if (!(moved < MOVED_SHARE * key->room))
+        return false;
+    set->calm[c] = 2 * set->travel + MOVED_SHARE * key->room;
+    return true;
+}
+
 static void refresh_pair(const refresh_job *job, int32_t c)
 {
     pel_contact_set *set = job->set;
     pel_contact_key *key = &set->keys[c];
     pel_contact *contact = &set->list.contacts[c];
-    double x[4][3], weights[4], normal[3], before = key->gap, thickness;
+    double x[4][3], weights[4], normal[3];
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
-        set->waits[c] = 0;
+        set->calm[c] = 0;
         if (set->minds_sides)
             check_impact(job, x, key, contact);
         if (is_far_through(set, x, key, contact))
@@ -328,28 +376,23 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int k = 0; k < 3; k++)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
-    thickness = set_obstacle_share(set, key, weights, normal, contact);
-    set->waits[c] = (uint8_t)pel_contact_layer_wait(key->gap - thickness, before - thickness, thickness);
-    if (contact->multiplier > 0)
-        set->waits[c] = 0;
-    if (key->is_off && key->edge_edge && set->waits[c] < OFF_WAIT)
-        set->waits[c] = OFF_WAIT;
-    if (set->waits[c] > 0 || key->is_off)
+    keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
+    if (set->calm[c] > 0 || key->is_off)
         pel_contact_switch_off(contact);
 }
 
 static void refresh_chunk(void *context, int32_t chunk)
 {
     const refresh_job *job = context;
-    uint8_t *waits = job->set->waits;
+    const pel_contact_set *set = job->set;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
-    for (int32_t c = begin; c < end && c < job->set->list.count; c++) {
-        /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
-        if (!job->is_first && job->set->list.contacts[c].multiplier > 0)
+    for (int32_t c = begin; c < end && c < set->list.count; c++) {
+        if (!job->looks_at_all && set->calm[c] > 2 * set->travel)
             continue;
-        if (waits[c] > 0 && !job->looks_at_all)
-            waits[c]--;
-        else
+        /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
+        if (!job->is_first && set->list.contacts[c].multiplier > 0)
+            continue;
+        if (job->looks_at_all || !(set->calm[c] > 0) || !has_hardly_moved(job, c))
             refresh_pair(job, c);
     }
 }
@@ -362,7 +405,8 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     if (key->edge_edge || key->is_impact || key->border == PEL_NO_BORDER)
         return false;
     for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--)
-        if (set->keys[i].border == key->border && set->waits[i] == 0 && !set->keys[i].is_off && !set->keys[i].is_impact)
+        if (set->keys[i].border == key->border && !(set->calm[i] > 0) && !set->keys[i].is_off &&
+            !set->keys[i].is_impact)
             return true;
     return false;
 }
@@ -374,7 +418,7 @@ static void list_active(pel_contact_set *set)
     list->active_count = 0;
     for (int32_t c = 0; c < list->count; c++) {
         bool is_loaded = list->contacts[c].multiplier > 0;
-        if (!is_loaded && (set->waits[c] > 0 || set->keys[c].is_off))
+        if (!is_loaded && (set->calm[c] > 0 || set->keys[c].is_off))
             continue;
         if (is_again(set, c) && !is_loaded)
             pel_contact_switch_off(&list->contacts[c]);
@@ -383,11 +427,64 @@ static void list_active(pel_contact_set *set)
     }
 }
 
+/* ---- travel ---- */
+
+typedef struct measure_job {
+    pel_contact_set *set;
+    const pel_record *positions;
+    double longest[MEASURE_PARTS]; /* m2 */
+} measure_job;
+
+static void measure_part(void *context, int32_t part)
+{
+    measure_job *job = context;
+    pel_contact_set *set = job->set;
+    int64_t count = set->vertex_count, end = count * (part + 1) / MEASURE_PARTS;
+    double longest = 0;
+    for (int64_t v = count * part / MEASURE_PARTS; v < end; v++) {
+        const pel_record x = job->positions[v];
+        float *last = set->measured[v];
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            double way = (double)x[k] - (double)last[k];
+            square += way * way;
+            last[k] = (float)x[k];
+        }
+        longest = square > longest ? square : longest;
+    }
+    job->longest[part] = longest;
+}
+
+/* m, of the points of obstacles in this substep */
+static double obstacle_travel(const pel_contact_set *set)
+{
+    double longest = 0;
+    for (int32_t p = 0; p < set->point_count - set->vertex_count; p++)
+        longest = pel_max(longest, pel_vec3_distance(set->substep_start[p], set->substep_end[p]));
+    return longest;
+}
+
+/* adds the longest way of any point since the last call */
+static void measure_travel(pel_contact_set *set, const pel_record *positions, bool is_first)
+{
+    measure_job job = {.set = set, .positions = positions};
+    double longest = 0;
+    if (set->list.count == 0)
+        return;
+    pel_pool_run(set->def.pool, MEASURE_PARTS, measure_part, &job);
+    for (int part = 0; part < MEASURE_PARTS; part++)
+        longest = pel_max(longest, job.longest[part]);
+    if (set->is_measured)
+        set->travel += sqrt(longest) + (is_first ? obstacle_travel(set) : 0);
+    set->is_measured = true;
+}
+
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first)
 {
     refresh_job job = {set, positions, start, looks_at_all, is_first};
     int32_t count = set->list.count;
+    measure_travel(set, positions, is_first);
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
     list_active(set);
 }

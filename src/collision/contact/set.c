@@ -81,9 +81,9 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
                  set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
-                 set->waits, set->active, set->other_contacts, set->heights.list.contacts, set->heights.triangles,
-                 set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts, set->impacts,
-                 set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
+                 set->calm, set->active, set->measured, set->other_contacts, set->heights.list.contacts,
+                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
+                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
                  set->body_shares, set->body_impacts);
     pel_free(set);
 }
@@ -165,7 +165,7 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
 {
     if (pel_reserve((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
         pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
-        pel_reserve((void **)&set->waits, &set->wait_capacity, count, sizeof *set->waits) &&
+        pel_reserve((void **)&set->calm, &set->calm_capacity, count, sizeof *set->calm) &&
         pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active))
         return PEL_OK;
     return pel_fail_memory(error);

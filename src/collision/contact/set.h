@@ -94,6 +94,8 @@ typedef struct pel_contact_key {
     bool has_pushed; /* in any substep of this step */
     double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;      /* m, between the features, when it was looked at last */
+    double apart[3]; /* m, way between its places at that time */
+    double room;     /* m, by which it was farther apart than its layer; 0 = it is near */
     double load, earlier, /* N, along the normal in the last substep and the one before */
         drag[3];          /* N, across it; warm start of the next substep */
 } pel_contact_key;
@@ -185,9 +187,12 @@ typedef struct pel_contact_set {
     pel_contact_key *keys, *other_keys;
     pel_contact *other_contacts;
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
-    uint8_t *waits;  /* (list.count) substeps before which a pair is not looked at again */
+    double *calm;    /* (list.count) m, travel before which a pair need not be looked at; 0 = it is near */
     int32_t *active; /* (list.active_count) the list's */
-    size_t wait_capacity, active_capacity;
+    size_t calm_capacity, active_capacity;
+    double travel;        /* m, how far any point may have gone since the loads were recalled */
+    bool is_measured;     /* its last positions are known: */
+    float (*measured)[3]; /* (vertex_count) m */
     pel_contact_heights heights;
 
     /* the guard; from `solved` on null until it first runs */
@@ -288,7 +293,7 @@ void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 void pel_contact_set_keep_loads(pel_contact_set *set);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
-   what waits. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */
+   what has no need. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
                              bool looks_at_all, bool is_first);
 /* For methods that keep the place of each pair during a step: off are those whose normal leans over a triangle at

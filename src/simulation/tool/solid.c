@@ -285,7 +285,7 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_soli
     pel_vertex_position(sim->state->position_next, v, x);
     pel_pose_to_local(&tool->pose, x, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
-    double distance = pel_solid_distance(&solid, local, normal), last = pair->distance;
+    double distance = pel_solid_distance(&solid, local, normal);
     double thickness = sim->layers[sim->model->body_of_slice[v / PEL_WIDTH]].thickness;
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
@@ -297,9 +297,10 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_soli
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
     else {
         set_plane(tool, x, normal, -(distance + pair->slack), contact);
-        pair->distance = distance;
-        pair->wait = contact->multiplier > 0 ? 0 : pel_contact_layer_wait(distance, last, thickness);
-        pair->is_near = pair->wait == 0;
+        bool is_far = !(contact->multiplier > 0) && distance > PEL_CONTACT_NEAR_SHARE * thickness;
+        pair->room = is_far ? 0.5 * distance : 0;
+        pel_vec3_copy(local, pair->place);
+        pair->is_near = !is_far;
     }
 }
 
@@ -374,15 +375,22 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool i
     set_plane(tool, point, normal, depth - pair->slack, contact);
 }
 
+/* whether a vertex that was away from its tool has come too little nearer to be looked at */
+static bool has_room(const pel_sim *sim, const pel_solid_pair *pair)
+{
+    double x[3], local[3];
+    pel_vertex_position(sim->state->position_next, pair->vertex, x);
+    pel_pose_to_local(&sim->tools->items[pair->tool].pose, x, local);
+    return pel_vec3_distance(local, pair->place) < pair->room;
+}
+
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
 {
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
         pel_solid_pair *pair = &solids->pairs[c];
-        if (is_first && pair->wait > 0) {
-            pair->wait--;
+        if (pair->room > 0 && has_room(sim, pair))
             continue;
-        }
         /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
         if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
             continue;

@@ -12,12 +12,12 @@ typedef struct pel_solid_pair {
     int32_t tool;
     int32_t triangle; /* -1 = the vertex */
     int32_t vertex;
-    pel_solid solid;               /* that the triangle is kept out of */
-    bool is_known;                 /* its slack is */
-    bool is_near;                  /* it may touch in this substep */
-    int32_t wait;                  /* substeps before which it is not looked at again */
-    double distance;               /* m, of a vertex, at the last look */
-    double slack;                  /* m, by which it may be in the tool: it was so at the start */
+    pel_solid solid; /* that the triangle is kept out of */
+    bool is_known;   /* its slack is */
+    bool is_near;    /* it may touch in this substep */
+    double room;     /* m, that a vertex may go from `place` before it is looked at again; 0 = it is near */
+    double place[3]; /* of the vertex in the tool's frame at the last look */
+    double slack;    /* m, by which it may be in the tool: it was so at the start */
     double load, earlier, drag[3]; /* N, along the normal and across it; warm start of the next substep */
 } pel_solid_pair;
 
