@@ -93,6 +93,17 @@ typedef enum pel_path_end {
 } pel_path_end;
 PEL_API pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 
+/* A limit point of a path: the load factor stops rising or falling there. The step that would pass it ends at it. */
+enum { PEL_LIMIT_POINTS = 64 };
+typedef struct pel_limit_point {
+    int64_t step;
+    double load_factor;
+    bool is_maximum;
+} pel_limit_point;
+
+/* Those so far, the first PEL_LIMIT_POINTS of them in order; points may be null. Returns their number. */
+PEL_API int32_t pel_sim_get_limit_points(const pel_sim *sim, pel_limit_point *points);
+
 #ifdef __cplusplus
 }
 #endif

@@ -75,6 +75,8 @@ typedef struct pel_solver_def {
     bool gradient_only;      /* descent: plain gradient descent (paper B's comparison) instead of L-BFGS */
     pel_analysis analysis;   /* static; modes ignore tools and contact */
     pel_path path;           /* static, without an analysis */
+    double arc_length;       /* m, of a step of a path at most: root of the mean square of the displacements; 0 = 5 % of
+                                the largest body */
     int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     double budget; /* s, static and implicit: a step ends after the linear solve in progress at this time, with the best
                       state so far (pel_solver_reading has the residual); results depend on the machine. 0 = none */

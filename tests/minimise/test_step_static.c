@@ -180,7 +180,38 @@ static void test_limit_point(void **unused)
     }
     assert_near(mesh, 1, 0.02);
     assert_near(6000 * largest, mesh * balloon_pressure(pow(7, 1.0 / 6)), IN_FLOAT(10, 100));
+    pel_limit_point limit[PEL_LIMIT_POINTS];
+    assert_int_equal(pel_sim_get_limit_points(sim, limit), 1);
+    assert_true(limit[0].is_maximum && limit[0].load_factor == largest);
     assert_true(stretch_of(sim) > 2 && last < 0.9 * largest);
+    end_stage(&s);
+}
+
+/* steps of at most a given arc length meet the same limit point and go less far */
+static void test_arc_length(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == 4)
+        skip();
+    stage s, fine;
+    pel_sim *sim = make_balloon(&s, 6000, 1);
+    pel_sim_def def = lone_sim(s.model, PEL_METHOD_STATIC, 1);
+    def.solver.path = PEL_PATH_ARC_LENGTH;
+    def.solver.arc_length = 0.03;
+    fine = (stage){.sim = make_sim(&def)};
+    pel_limit_point limits[2][PEL_LIMIT_POINTS];
+    double before = 1;
+    for (int i = 0; i < 26; i++) {
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+        assert_int_equal(pel_sim_step(fine.sim, NULL), PEL_OK);
+        double stretch = stretch_of(fine.sim);
+        assert_true(stretch - before < 1.1 * 0.03 && stretch > before);
+        before = stretch;
+    }
+    assert_int_equal(pel_sim_get_limit_points(sim, limits[0]), 1);
+    assert_int_equal(pel_sim_get_limit_points(fine.sim, limits[1]), 1);
+    assert_near(limits[0][0].load_factor, limits[1][0].load_factor, 1e-5);
+    pel_sim_destroy(fine.sim);
     end_stage(&s);
 }
 
@@ -251,7 +282,14 @@ static void test_snap(void **unused)
     }
     assert_int_equal(pel_sim_get_path_end(s.sim), PEL_PATH_END_FULL_LOAD);
     assert_near(pel_sim_load_factor(s.sim), 1, 1e-8);
-    assert_true(largest > 0.4 && largest < 0.5 + 1e-6 && least < -0.2);
+    /* both limit points, where a step ends */
+    pel_limit_point limits[PEL_LIMIT_POINTS];
+    assert_int_equal(pel_sim_get_limit_points(s.sim, limits), 2);
+    assert_true(limits[0].is_maximum && !limits[1].is_maximum && limits[0].step < limits[1].step);
+    assert_near(limits[0].load_factor, 0.5, 1e-5);
+    assert_near(limits[1].load_factor, -0.5, 1e-5);
+    assert_near(largest, 0.5, 1e-5);
+    assert_near(least, -0.5, 1e-5);
     end_stage(&s);
 }
 
@@ -388,6 +426,7 @@ int main(void)
         cmocka_unit_test(test_pressures_together),
         cmocka_unit_test(test_driven_volume),
         cmocka_unit_test(test_limit_point),
+        cmocka_unit_test(test_arc_length),
         cmocka_unit_test(test_full_load),
         cmocka_unit_test(test_snap),
         cmocka_unit_test(test_bits),

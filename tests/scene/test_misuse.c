@@ -704,6 +704,7 @@ static void test_observations(void **unused)
     SURVIVES(pel_sim_load_factor(NULL));
     SURVIVES(pel_sim_path_kind(NULL));
     SURVIVES(pel_sim_get_path_end(NULL));
+    SURVIVES(pel_sim_get_limit_points(NULL, NULL));
     GIVES(strlen(pel_version()) > 0 && strlen(pel_kernels()) > 0);
     free(some);
     finish();

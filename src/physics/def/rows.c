@@ -76,6 +76,7 @@ CONDITION(is_enabled, pel_contact_def, def->enabled)
 CONDITION(is_quasi_static, pel_solver_def, def->method == PEL_METHOD_QUASI_STATIC)
 CONDITION(is_explicit, pel_solver_def, def->method == PEL_METHOD_EXPLICIT)
 CONDITION(is_xpbd, pel_solver_def, def->method == PEL_METHOD_XPBD)
+CONDITION(has_path, pel_solver_def, def->path == PEL_PATH_ARC_LENGTH)
 CONDITION(is_descent, pel_solver_def, def->method == PEL_METHOD_DESCENT)
 CONDITION(has_substeps, pel_solver_def,
           def->method == PEL_METHOD_PBD || def->method == PEL_METHOD_PBD_DISTANCE || is_xpbd(def))
@@ -484,6 +485,9 @@ static const pel_def_row rows[] = {
             "at 0, and follows the equilibria through limit points (snap-through, a balloon beyond its largest "
             "pressure) to the factor 1. Each arc length is a step and a frame; its size is automatic; series.csv has "
             "the column load_factor"},
+    {"solver.arc_length", SOLVER(arc_length), FIXED, NUMBER, .unit = "m", POSITIVE, AUTO(0), WHEN(has_path),
+     .doc = "path arc-length: largest arc length of a step, the root of the mean square of the displacements; shorter "
+            "steps follow sharp bends of the path. default: 5 % of the size of the largest body"},
     {"solver.analysis", SOLVER(analysis), FIXED, WORD("none", "modal", "buckling"), .preset = "none",
      .doc = "static: modal computes the lowest frequencies and modes of the body under its loads; buckling computes "
             "the lowest factors on all loads, gravity and pressure together at which the body buckles by linear "

@@ -114,6 +114,15 @@ static bool has_path(const pel_sim *sim)
     return pel_sim_analysis(sim) == PEL_ANALYSIS_NONE && pel_sim_path_kind(sim) == PEL_PATH_ARC_LENGTH;
 }
 
+/* 1 at a maximum of the load factor, -1 at a minimum, else 0 */
+static double limit_of(const pel_sim *sim)
+{
+    pel_limit_point points[PEL_LIMIT_POINTS];
+    int32_t count = pel_sim_get_limit_points(sim, points);
+    bool is_limit = count > 0 && points[count - 1].step == pel_sim_step_count(sim);
+    return !is_limit ? 0 : points[count - 1].is_maximum ? 1 : -1;
+}
+
 /* the column of an analysis or a path; null = none */
 static const char *mode_column(const pel_sim *sim)
 {
@@ -167,6 +176,8 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",");
         put_text(series, mode_column(sim));
     }
+    if (has_path(sim))
+        put_text(series, ",limit_point");
     if (has_residual(sim))
         put_text(series, ",solver_residual");
     put_text(series, "\n");
@@ -376,6 +387,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_contact(series, row);
     if (mode_column(sim) != NULL)
         put_number(series, has_path(sim) ? pel_sim_load_factor(sim) : pel_sim_mode_value(sim));
+    if (has_path(sim))
+        put_number(series, limit_of(sim));
     if (has_residual(sim))
         put_residual(series, sim);
     put_text(series, "\n");

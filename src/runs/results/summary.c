@@ -117,6 +117,23 @@ static void write_modes(pel_json *json, const pel_run_ending *ending)
     pel_json_numbers(json, keys[analysis], ending->summary->modes, ending->summary->mode_count);
 }
 
+static void write_limit_points(pel_json *json, const pel_sim *sim)
+{
+    pel_limit_point points[PEL_LIMIT_POINTS];
+    if (pel_sim_analysis(sim) != PEL_ANALYSIS_NONE || pel_sim_path_kind(sim) != PEL_PATH_ARC_LENGTH)
+        return;
+    int32_t count = pel_sim_get_limit_points(sim, points);
+    pel_json_open(json, "limit_points", '[');
+    for (int32_t i = 0; i < count; i++) {
+        open_inline(json, NULL, '{');
+        pel_json_number(json, "load_factor", points[i].load_factor);
+        pel_json_integer(json, "step", points[i].step);
+        pel_json_text(json, "kind", points[i].is_maximum ? "maximum" : "minimum");
+        close_inline(json, '}');
+    }
+    pel_json_close(json, ']');
+}
+
 static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
 {
     const struct {
@@ -183,6 +200,7 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     write_tools(json, ending);
     write_solver(json, ending);
     write_modes(json, ending);
+    write_limit_points(json, ending->sim);
     if (pel_sim_contact_thickness(ending->sim) > 0)
         write_contact(json, ending->sim);
     write_ledger(json, &s->ledger);

@@ -26,6 +26,8 @@
 /* shorter steps after one that does not converge; steps that meet the factor 1 */
 enum { MOST_HALVINGS = 8, MOST_MEETINGS = 30 };
 #define MEETING_ERROR 1e-9
+/* of the slope, at a limit point: the factor there is 1e-6 of its change in the step too small */
+#define LIMIT_ERROR 1e-3
 
 pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
 {
@@ -37,6 +39,7 @@ pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
     if (made->path.direction == NULL)
         return pel_fail_memory(error);
     made->path.first_change = FIRST_CHANGE;
+    made->path.most_length = sim->solver.arc_length > 0 ? sim->solver.arc_length : MOST_SHARE * sim->minimise->size;
     sim->state->load_factor = sim->state->load_factor_before = 0;
     pel_shell_forces_set_load_factor(sim->shells, 0);
     return PEL_OK;
@@ -155,22 +158,35 @@ static pel_status follow(pel_sim *sim, const pel_newton_problem *problem, pel_ne
     return status;
 }
 
-/* an end of the interval of lengths in which a step meets the factor 1 */
+/* what a shorter step from the same start ends at */
+typedef double path_excess(const pel_newton_path *path);
+
+static double over_full_load(const pel_newton_path *path)
+{
+    return path->factor - 1;
+}
+
+static double slope_of(const pel_newton_path *path)
+{
+    return path->slope;
+}
+
+/* an end of the interval of lengths in which a step meets a zero */
 typedef struct path_end {
-    double length, excess; /* of the factor over 1 */
+    double length, excess;
 } path_end;
 
-/* A shorter step from the same start ends at the factor 1: regula falsi, where an end that stays counts half (Illinois;
-   Dowell, Jarratt 1971). */
-static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem, double start,
-                                 pel_newton_result *result, pel_error *error)
+/* A shorter step from the same start, with the factor there: regula falsi from the step that was just gone, where an
+   end that stays counts half (Illinois; Dowell, Jarratt 1971). */
+static pel_status meet(pel_sim *sim, const pel_newton_problem *problem, double start, path_excess *excess_of,
+                       path_end low, double tolerance, pel_newton_result *result, pel_error *error)
 {
     pel_newton_path *path = &sim->path->path;
     pel_sim_newton *newton = sim->minimise->newton;
-    path_end low = {0, start - 1}, high = {path->length, path->factor - 1};
+    path_end high = {path->length, excess_of(path)};
     bool was_low = false;
     pel_status status = PEL_OK;
-    for (int i = 0; result->converged && i < MOST_MEETINGS && fabs(path->factor - 1) > MEETING_ERROR; i++) {
+    for (int i = 0; result->converged && i < MOST_MEETINGS && fabs(excess_of(path)) > tolerance; i++) {
         path->length = low.length + (high.length - low.length) * low.excess / (low.excess - high.excess);
         path->factor = start;
         newton->goes_on = false;
@@ -180,14 +196,46 @@ static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem
         sim->minimise->result.iterations += result->iterations;
         if (status != PEL_OK)
             return status;
-        bool is_low = path->factor < 1;
-        *(is_low ? &low : &high) = (path_end){path->length, path->factor - 1};
+        double excess = excess_of(path);
+        bool is_low = excess * low.excess > 0;
+        *(is_low ? &low : &high) = (path_end){path->length, excess};
         if (i > 0 && is_low == was_low)
             (is_low ? &high : &low)->excess *= 0.5;
         was_low = is_low;
     }
-    result->converged &= fabs(path->factor - 1) <= MEETING_ERROR;
+    result->converged &= fabs(excess_of(path)) <= tolerance;
     return status;
+}
+
+static pel_status meet_full_load(pel_sim *sim, const pel_newton_problem *problem, double start,
+                                 pel_newton_result *result, pel_error *error)
+{
+    return meet(sim, problem, start, over_full_load, (path_end){0, start - 1}, MEETING_ERROR, result, error);
+}
+
+/* A step that passes a limit point ends at it. Where none is found (a slope that jumps: a bifurcation) it stays. */
+static pel_status meet_limit(pel_sim *sim, const pel_newton_problem *problem, double start, pel_newton_result *result,
+                             pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    double before = own->slope, beyond = own->path.slope, length = own->path.length;
+    own->slope = beyond;
+    if (!(before * beyond < 0))
+        return PEL_OK;
+    double tolerance = LIMIT_ERROR * pel_max(fabs(before), fabs(beyond));
+    pel_status status = meet(sim, problem, start, slope_of, (path_end){0, before}, tolerance, result, error);
+    if (status != PEL_OK)
+        return status;
+    if (result->converged && own->limit_count < PEL_LIMIT_POINTS)
+        own->limits[own->limit_count++] = (pel_limit_point){sim->state->step + 1, own->path.factor, before > 0};
+    if (result->converged)
+        return PEL_OK;
+    own->path.length = length;
+    own->path.factor = start;
+    sim->minimise->newton->goes_on = false;
+    gather_full_load(sim, problem->span.time);
+    find_direction(sim);
+    return follow(sim, problem, result, error);
 }
 
 static void take(pel_sim *sim, const pel_newton_result *result)
@@ -209,7 +257,7 @@ static void adapt_length(pel_sim *sim)
     pel_newton_path *path = &sim->path->path;
     double change = sqrt(GOOD_ITERATIONS / pel_max(path->iterations, 1));
     path->length *= pel_min(pel_max(change, SHRINK), GROWTH);
-    path->length = pel_min(path->length, MOST_SHARE * sim->minimise->size);
+    path->length = pel_min(path->length, path->most_length);
 }
 
 /* start from equilibrium without loads: bodies may be prestressed, or supports displaced */
@@ -231,6 +279,24 @@ static pel_status step_beside(pel_sim *sim, const pel_newton_problem *problem, p
     take(sim, &result);
     set_factor(sim, factor);
     return PEL_OK;
+}
+
+/* the limit point or the full load that a step passes, whichever comes first: it ends there */
+static pel_status meet_marks(pel_sim *sim, const pel_newton_problem *problem, double start, pel_newton_result *result,
+                             pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    pel_status status = PEL_OK;
+    if (sim->state->step > 0)
+        status = meet_limit(sim, problem, start, result, error);
+    else
+        own->slope = own->path.slope;
+    if (status != PEL_OK || !result->converged || !(start < 1 && own->path.factor >= 1))
+        return status;
+    own->ended = PEL_PATH_END_FULL_LOAD;
+    if (own->limit_count > 0 && own->limits[own->limit_count - 1].step == sim->state->step + 1)
+        own->limit_count--;
+    return sim->state->step > 0 ? meet_full_load(sim, problem, start, result, error) : PEL_OK;
 }
 
 pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *error)
@@ -258,12 +324,9 @@ pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *err
     if (status == PEL_OK && result.converged)
         status = follow(sim, &problem, &result, error);
     double length = own->path.length;
-    if (status == PEL_OK && result.converged && start < 1 && own->path.factor >= 1) {
-        own->ended = PEL_PATH_END_FULL_LOAD;
-        if (state->step > 0)
-            status = meet_full_load(sim, &problem, start, &result, error);
-        own->path.length = length;
-    }
+    if (status == PEL_OK && result.converged)
+        status = meet_marks(sim, &problem, start, &result, error);
+    own->path.length = length;
     if (status != PEL_OK)
         return status;
     if (!result.converged)
@@ -298,6 +361,15 @@ pel_path_end pel_sim_get_path_end(const pel_sim *sim)
     return sim->path != NULL ? (pel_path_end)sim->path->ended : PEL_PATH_GOES_ON;
 }
 
+int32_t pel_sim_get_limit_points(const pel_sim *sim, pel_limit_point *points)
+{
+    if (sim == NULL || sim->path == NULL)
+        return 0;
+    if (points != NULL)
+        memcpy(points, sim->path->limits, (size_t)sim->path->limit_count * sizeof *points);
+    return sim->path->limit_count;
+}
+
 /* ---- snapshots ---- */
 
 void pel_sim_path_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -311,6 +383,9 @@ void pel_sim_path_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &path->first_change, sizeof path->first_change);
     pel_transfer(at, &path->stiffness, sizeof path->stiffness);
     pel_transfer(at, &sim->path->ended, sizeof sim->path->ended);
+    pel_transfer(at, &sim->path->slope, sizeof sim->path->slope);
+    pel_transfer(at, &sim->path->limit_count, sizeof sim->path->limit_count);
+    pel_transfer(at, sim->path->limits, sizeof sim->path->limits);
     pel_transfer(at, &state->load_factor, sizeof state->load_factor);
     pel_transfer(at, &state->load_factor_before, sizeof state->load_factor_before);
 }

@@ -4,12 +4,16 @@
 #define PEL_MINIMISE_STEP_PATH_H
 
 #include "newton/newton.h"
+#include "pellicle/sim_reading.h"
 #include "stage/stage.h"
 #include "stage/transfer.h"
 
 struct pel_sim_path {
     pel_newton_path path; /* in snapshots but for its direction, which follows from the last two states */
     int32_t ended;        /* pel_path_end; in snapshots */
+    double slope;         /* of the factor over the length behind the last state; in snapshots, and */
+    int32_t limit_count;  /* of the points found so far, and */
+    pel_limit_point limits[PEL_LIMIT_POINTS];
 };
 
 /* After pel_sim_newton_create. PEL_OUT_OF_MEMORY. */

@@ -150,9 +150,11 @@ typedef struct pel_newton_path {
     double length;       /* m, of the next step: root of the mean square of the displacements, in the metric of masses;
                             0 = not begun */
     double first_change; /* of the factor, that sets the length of the first step */
+    double most_length;  /* m, of the first step; 0 = any */
     double stiffness;    /* N/m along the path when it began */
     double *direction;   /* (unknown_count) m, the last step */
     int32_t iterations;  /* of the last step */
+    double slope;        /* 1/m, of the factor over the length at its end; NAN = not known */
 } pel_newton_path;
 
 /* One step along the path, from a balance (path.c). The factor of the problem is that of the path. Where it does

@@ -11,7 +11,11 @@
        x_1 = (K + s a a^T)^-1 (s c a - g),   x_2 = (K + s a a^T)^-1 L,   df = (c - a . x_1) / (a . x_2),
        dx = x_1 + df x_2
 
-   where c is what the way lacks. */
+   where c is what the way lacks. With M = K + s a a^T, y = M^-1 a and M symmetric, the path at a balance has the slope
+
+       df / dc = (1 - s a . y) / (L . y)
+
+   which changes its sign at a limit point. */
 #include "base/status.h"
 #include "newton/run.h"
 
@@ -141,6 +145,8 @@ static bool begin_path(newton_run *run, pel_newton_path *path)
         return false;
     path->stiffness = pel_newton_dot(newton, newton->load, newton->answer) / (length * length);
     path->length = path->first_change * length;
+    if (path->most_length > 0 && path->length > path->most_length)
+        path->length = path->most_length;
     return path->stiffness > 0 && isfinite(path->length);
 }
 
@@ -154,6 +160,17 @@ static double go_along(newton_run *run, double change)
     pel_newton_go(run, share);
     run->factor += share * change;
     return way;
+}
+
+/* of the factor over the way, at the balance where the last evaluation was; the last preconditioner is near enough */
+static double find_slope(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    pel_newton_assemble(run);
+    if (run->status != PEL_OK || !pel_newton_solve_indefinite(run, newton->path, newton->answer))
+        return (double)NAN;
+    double lacks = 1 - run->path_stiffness * pel_newton_dot(newton, newton->path, newton->answer);
+    return lacks / pel_newton_dot(newton, newton->load, newton->answer);
 }
 
 /* true at a balance, a way of `length` along the path */
@@ -229,6 +246,8 @@ pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *probl
     run.path_stiffness = pel_newton_path_stiffness(path);
     if (goes)
         result->converged = go_to_balance(&run, path->length);
+    if (result->converged)
+        path->slope = find_slope(&run);
     result->converged &= run.status == PEL_OK;
     path->iterations = result->iterations;
     if (result->converged) {
