@@ -16,6 +16,7 @@
 #include "stage/stepper.h"
 
 #define HEAD "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}\n"
+#define BALL "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: geodesic-sphere, frequency: 10, radius: 0.05}\n"
 #define SHEET "version: 1\nduration: 0.05\nbodies:\n  - mesh: {shape: grid, nx: 8, ny: 8, size_x: 0.1, size_y: 0.1}\n"
 #define STEEL "    membrane: {preset: steel-sheet}\n    bending: {}\n"
 #define RUBBER "    membrane: {preset: rubber}\n    bending: {}\n"
@@ -89,6 +90,11 @@ static void test_choice(void **unused)
         /* contact */
         {SHEET STEEL PINNED "contact: {}\n", "implicit"},
         {SHEET STEEL "contact: {}\ngravity: [0, 0, -9.81]\n", "implicit"},
+        /* there xpbd is cheaper with more substeps than by default, but not with any number of them */
+        {BALL RUBBER "contact: {}\n", "xpbd"},
+        {BALL RUBBER "contact: {}\nsolver: {max_substeps: 200}\n", "implicit"},
+        {BALL RUBBER, "implicit"},
+        {BALL STEEL "contact: {}\n", "implicit"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         heard told = {.count = 0};
@@ -103,7 +109,11 @@ static void test_choice(void **unused)
             assert_string_equal(pel_method_words[method], takes);
             snprintf(line, sizeof line, "method %s: ", takes);
             assert_non_null(strstr(told.text, line));
-            assert_true(strstr(told.text, "xpbd would need ") != NULL || strstr(told.text, "xpbd does not support"));
+            if (method == PEL_METHOD_XPBD)
+                assert_in_range(scene->sim.solver.max_substeps, 201, 2000);
+            else
+                assert_true(strstr(told.text, "xpbd would need ") != NULL ||
+                            strstr(told.text, "xpbd does not support"));
             snprintf(line, sizeof line, "method: %s\n", takes);
             assert_non_null(strstr(pel_scene_text(scene), line));
             /* the resolved scene has it as written */

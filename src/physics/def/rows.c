@@ -468,8 +468,9 @@ static const pel_def_row rows[] = {
      .doc = "pbd, xpbd: number of parts of a step. auto: 1 for pbd; for xpbd as many as keep the stretch within 5 % of "
             "the material's, updated during the run"},
     {"solver.max_substeps", SOLVER(max_substeps), INTEGER, COUNT_FROM(1), .preset = "200", AUTO(0), WHEN(is_xpbd),
-     .doc = "xpbd: maximum number of automatic substeps. A scene without `method` uses implicit if it needs more, or "
-            "if implicit is cheaper and `max_substeps` is not given"},
+     .doc = "xpbd: maximum number of automatic substeps. A scene without `method` uses implicit if it needs more. "
+            "If neither is given, it uses the cheaper method, and xpbd takes up to as many substeps as cost less than "
+            "implicit"},
     {"solver.second_order", SOLVER(second_order), BOOLEAN_OR("auto"), .preset = "auto", AUTO(PEL_AUTO), WHEN(is_xpbd),
      STRUCTURE("the two remember different states"),
      .doc = "xpbd: second order in time (BDF2). auto: on without tools, contact, gas and target volumes"},

@@ -1,15 +1,20 @@
 /* The cost of a step is estimated from counts, so that a scene has the same method on all machines: processor time of
-   one core per triangle, measured on balls and sheets of 320 to 20,480 triangles (docs/solvers.md, cost of a step). A
-   step of implicit grows faster than the triangles, with the fill of its factor. */
+   one core per triangle, measured on balls and sheets of 320 to 20,480 triangles, with contact on things that press
+   against each other (docs/solvers.md, cost of a step). A step of implicit grows faster than the triangles, with the
+   fill of its factor. */
 #include "scene/method.h"
 
+#include "base/number.h"
+#include "base/status.h"
 #include "def/row.h"
+#include "keys/arena.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "stage/stepper.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static bool needs_projection(const pel_model *model)
 {
@@ -35,16 +40,25 @@ typedef struct step_cost {
 static step_cost cost_of(const pel_scene *scene, const pel_model *model)
 {
     enum { FREE, TOOLS, CONTACT };
-    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 40e-3}; /* of a triangle */
+    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 100e-3}; /* of a triangle */
     int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
     double triangles = model->triangle_begin[model->body_count];
     return (step_cost){substep[kind] * triangles, implicit[kind] * triangles * sqrt(sqrt(triangles / 1000))};
 }
 
 /* with more substeps than this, implicit is as exact in less time */
-static bool is_cheaper(const step_cost *cost, int32_t substeps)
+static int32_t most_substeps(const step_cost *cost)
 {
-    return cost->implicit < cost->substep * substeps;
+    return (int32_t)(cost->implicit / cost->substep);
+}
+
+/* two digits, for messages */
+static double rough(double x)
+{
+    double unit = 1e-6;
+    while (x >= 100 * unit)
+        unit *= 10;
+    return unit * round(x / unit);
 }
 
 static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
@@ -53,16 +67,35 @@ static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method
     pel_scene_value_at(root, "solver.method")->text = pel_method_words[method];
 }
 
+/* More substeps than by default, as many as cost less than implicit: stiffness may grow in the run. */
+static pel_status take_xpbd(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed,
+                            const step_cost *cost)
+{
+    pel_solver_def *solver = &scene->sim.solver;
+    char text[PEL_NUMBER_SIZE];
+    solver->max_substeps = most_substeps(cost);
+    pel_number_print(text, solver->max_substeps);
+    pel_scene_value *value = pel_scene_value_at(root, "solver.max_substeps");
+    value->number = solver->max_substeps;
+    value->text = pel_arena_text(reader->arena, text, strlen(text));
+    if (value->text == NULL)
+        return pel_fail_memory(reader->error);
+    pel_log_line(reader->log,
+                 "method xpbd: %d substeps in a step of %g s, about %g ms of one core against %g ms of implicit",
+                 (int)needed, solver->dt, rough(cost->substep * needed), rough(cost->implicit));
+    return PEL_OK;
+}
+
 static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene, int32_t needed,
-                          const step_cost *cost)
+                          const step_cost *cost, bool is_open)
 {
     const pel_solver_def *solver = &scene->sim.solver;
     char reason[100];
-    if (needed > solver->max_substeps)
+    if (!is_open)
         snprintf(reason, sizeof reason, "more than max_substeps %d", (int)solver->max_substeps);
     else
-        snprintf(reason, sizeof reason, "about %.2g ms of one core against %.2g ms", cost->substep * needed,
-                 cost->implicit);
+        snprintf(reason, sizeof reason, "about %g ms of one core against %g ms", rough(cost->substep * needed),
+                 rough(cost->implicit));
     pel_log_line(reader->log, "method implicit: xpbd would need %d substeps in a step of %g s, %s", (int)needed,
                  solver->dt, reason);
     set_method(root, scene, PEL_METHOD_IMPLICIT);
@@ -110,13 +143,15 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     const step_cost cost = cost_of(scene, model);
     /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
-    bool is_better = needed > solver->max_substeps || (is_open && is_cheaper(&cost, needed));
-    bool takes = status == PEL_OK && is_better && !needs_projection(model);
+    int32_t most = is_open ? most_substeps(&cost) : solver->max_substeps;
+    bool leaves = status != PEL_OK || needs_projection(model);
     pel_model_destroy(model);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
-    if (takes)
-        take_implicit(reader, root, scene, needed, &cost);
+    if (!leaves && needed > most)
+        take_implicit(reader, root, scene, needed, &cost, is_open);
+    else if (!leaves && needed > solver->max_substeps)
+        return take_xpbd(reader, root, scene, needed, &cost);
     return PEL_OK;
 }
 

@@ -5,10 +5,12 @@
 #include "keys/value.h"
 #include "pellicle/scene.h"
 
-/* Sets the method to implicit, in the def and in the tree, with a line to the log: where xpbd would need more than
-   max_substeps; where a step of implicit costs less than the substeps that xpbd needs, unless max_substeps is written;
-   and where the scene has supports, moments on edges or mid-edge bending, which xpbd lacks. Only in scenes that give
-   neither the method nor substeps or iterations, and no strain limit or region that caves in, which implicit lacks.
+/* Sets the method to implicit, in the def and in the tree, with a line to the log: where a step of implicit costs less
+   than the substeps that xpbd needs, or, if max_substeps is written or surfaces refine, where those are more than
+   max_substeps; and where the scene has supports, moments on edges or mid-edge bending, which xpbd lacks. Where xpbd
+   needs more substeps than max_substeps by default and is cheaper, it gets as many as cost less than implicit. Only in
+   scenes that give neither the method nor substeps or iterations, and no strain limit or region that caves in, which
+   implicit lacks.
    PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
