@@ -443,7 +443,8 @@ static const pel_def_row rows[] = {
      .doc = "quasi-static: x += alpha F dt^2 / m (paper A, eq. A-5); explicit: Euler's method on m a = F; pbd: paper "
             "B; pbd-distance: position-based dynamics of edge lengths; xpbd: position-based dynamics that follows the "
             "stiffness of the material; descent: minimises the energy under tools and contacts; static: equilibria by "
-            "Newton's method; implicit: the midpoint rule, BDF2 or implicit Euler by Newton's method. Default: xpbd if "
+            "Newton's method; implicit: the midpoint rule, two stages, BDF2 or implicit Euler by Newton's method. "
+            "Default: xpbd if "
             "a body has a membrane or springs by `young`, as tissue has; implicit if xpbd would be too soft or slower; "
             "quasi-static if springs are given by a stiffness in N/m"},
     {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", POSITIVE, DEFAULT(0.01),

@@ -79,7 +79,9 @@ pel_status pel_sim_step_beside(pel_sim *sim, pel_sim *const *beside, int32_t cou
         return status;
     pel_sim_newton *newton = sim->minimise->newton;
     bool has_ended = sim->path != NULL && sim->path->ended != PEL_PATH_GOES_ON;
+    newton->leads = count > 0;
     status = step_lead(sim, error);
+    newton->leads = false;
     pel_newton_problem problem;
     pel_minimise_context context = {.sim = sim};
     const pel_newton_terms terms = pel_sim_newton_terms(&context);

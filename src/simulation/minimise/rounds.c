@@ -185,6 +185,13 @@ static double rounding_force(const pel_sim *sim)
     return ROUNDING_ERRORS * DBL_EPSILON * sim->minimise->stiff_force;
 }
 
+/* What tools and contact leave alone may vibrate by forces that are small next to those of its supports: only loads and
+   inertia measure what is left of them. */
+static bool vibrates(const pel_sim *sim)
+{
+    return pel_sim_has_velocity(sim) && sim->tools->count == 0 && sim->contacts == NULL;
+}
+
 static pel_descent_problem make_problem(pel_minimise_context *context)
 {
     const pel_sim *sim = context->sim;
@@ -195,7 +202,9 @@ static pel_descent_problem make_problem(pel_minimise_context *context)
         .energy = energy_of,
         .context = context,
         .pool = sim->pool,
-        .held_share = pel_sim_has_velocity(sim) ? DYNAMIC_SHARE : LOAD_SHARE,
+        .held_share = !pel_sim_has_velocity(sim) ? LOAD_SHARE
+                      : vibrates(sim)            ? 0
+                                                 : DYNAMIC_SHARE,
         .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->minimise->mean_edge,
         .short_move = SHORT_SHARE * sim->minimise->size,
@@ -350,6 +359,8 @@ double pel_minimise_short_move(const pel_sim *sim)
 /* relative to the forces that act; Newton's method adds the same share of inertia */
 static double dynamic_tolerance(const pel_sim *sim, double loads)
 {
+    if (vibrates(sim))
+        return pel_max(DYNAMIC_SHARE * loads, rounding_force(sim));
     double acting = acting_force(sim, loads);
     return acting > 0 ? DYNAMIC_SHARE * acting : rounding_force(sim);
 }

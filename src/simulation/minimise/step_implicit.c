@@ -1,20 +1,34 @@
-/* The method `implicit`: m a + c v = F at the end of a step, solved by Newton's method (theory page, section 16).
+/* The method `implicit`: m a + c v = F in time, solved by Newton's method (theory page, section 16).
 
-   Inertia and drag act as springs from the vertices to points. With x and v at the start of the step, x' and v' one
-   step earlier and the unknown positions y, each scheme has the form
+   Inertia and drag act as springs from the vertices to points. With x and v at the start of the step, x' and v' at
+   another time and the unknown positions y, each scheme has the form
 
      u = rate (y - anchor),     m rate (u - carried) + c u = F(y)
 
      implicit Euler   rate 1/dt,       anchor x,                 carried v,                 x_1 = y,       v_1 = u
      BDF2             rate 3/(2 dt),   anchor (4 x - x') / 3,    carried (4 v - v') / 3,    x_1 = y,       v_1 = u
      midpoint         rate 2/dt,       anchor x,                 carried v,                 x_1 = 2 y - x, v_1 = 2 u - v
+     two stages       rate 1/(g dt),   anchor x,                 carried v,                 x' = y,        v' = u
+                      rate 1/(g dt),   anchor x + q (x' - x),    carried v + q (v' - v),    x_1 = y,       v_1 = u
 
-   Forces that change in time are evaluated at the time of y: in the middle of the step under the midpoint rule,
-   otherwise at its end. The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a
-   stiff body turns or crumples, it strains the positions at the end of the step and energy appears: BDF2 repeats such
-   steps. BDF2 damps unresolved motion and keeps sliding and resting contact at second order. Euler takes the first step
-   and those of a collision, where velocities jump. Under both a free body keeps its rotation (step_turn.h). Damping
-   along volumetric springs is c (u . e) e, with e from the start of the step. */
+   with x', v' one step earlier under BDF2, those of the first stage under two stages, g = 1 - 1/sqrt 2, q = 1/g - 1
+   (Alexander 1977). Loads act by their mean over the step, extrapolated to its end under BDF2, so that a free body has
+   their impulse in each step.
+
+   The midpoint rule conserves the energy of undamped motion that is nearly linear in a step. If a stiff body turns or
+   crumples, it strains the positions at the end of the step and energy appears: such a step is repeated in two stages,
+   and the next ones follow. Two stages cost two solves. They damp a motion of frequency w by (w g dt)^4 / 2 of its
+   amplitude in a step, and what the step does not resolve at once. BDF2 damps (w dt)^4 / 4 and needs no more than one
+   solve: it keeps sliding and resting contact at second order. Euler takes the first step of it and those of a
+   collision, where velocities jump, of loads that jump and of grasps that open. Under all but the midpoint rule a free
+   body keeps its rotation (step_turn.h). Damping along volumetric springs is c (u . e) e, with e from the start of the
+   step.
+
+   Tried on a cantilever of stiff springs and hinges in the plane (0.2 m of steel 0.5 mm thick, let go with its tip 1.2
+   and 12 mm aside, 9 periods of 20 steps; energy at the end over that at the start, and largest): midpoint 1.007 and
+   1.042, 338 and 338; generalised alpha with spectral radius 0.8 0.98 and 1.01, 1.11 and 2.64; with 0.5 0.93 and 1.00,
+   1.10 and 1.78; BDF2 0.50; two stages 0.96 and 1.00, 0.94 and 1.00. Means of strains in place of strains in the middle
+   (Simo, Tarnow 1992) keep it at 1.000 in all of these, but need stresses of two states for each law. */
 #include "base/assert.h"
 #include "base/lane.h"
 #include "base/memory.h"
@@ -42,12 +56,19 @@
 enum { COLLISION_STEPS = 2 };
 /* largest relative change of energy in a step of the midpoint rule */
 #define ENERGY_SHARE 0.01
-/* steps until the midpoint rule is tried again */
+/* steps in two stages until the midpoint rule is tried again */
 enum { UNRESOLVED_STEPS = 50 };
 
-static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 1, {1, 1, 0, false}};
-static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, 1, {1, 1, 0, true}};
-static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 2, {0.5, 0.5, 0.5, false}};
+/* g and q of the two stages */
+#define STAGE 0.29289321881345248
+#define STAGE_SHARE 2.4142135623730950
+
+static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 0, 1, {1, 1, 0, false}};
+static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, -1, 1, {1, 1, 0, true}};
+static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 0, 2, {0.5, 0.5, 0.5, false}};
+static const pel_implicit_scheme first_stage = {1 / STAGE, {1, 0}, {1, 0}, 0, 1, {STAGE, STAGE, 1 - STAGE, false}};
+static const pel_implicit_scheme second_stage = {
+    1 / STAGE, {1 - STAGE_SHARE, STAGE_SHARE}, {1 - STAGE_SHARE, STAGE_SHARE}, STAGE, 1, {1, 1, 0, false}};
 
 static bool has_radial_damping(const pel_sim *sim)
 {
@@ -136,7 +157,7 @@ static void find_collisions(const pel_sim *sim)
     mark_touched(sim, 0);
 }
 
-/* The midpoint rule enforces a keyed volume only in the middle of each step, so that its pressure would ring. */
+/* A volume that is driven is followed, not resolved: what inertia makes of it is damped. */
 static bool volume_moves(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -162,9 +183,13 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
     /* beside another simulation the scheme of its step, which is known */
     if (sim->minimise->newton->lead != NULL)
         return sim->minimise->newton->scheme;
-    if (sim->tools->count == 0 && !volume_moves(sim) && !pel_holds_move(sim) && sim->contacts == NULL &&
-        !sim->minimise->newton->is_damped && has_potential(sim) && sim->solver.budget <= 0 && state->unresolved == 0)
+    const pel_sim_newton *newton = sim->minimise->newton;
+    bool is_alone = sim->tools->count == 0 && sim->contacts == NULL && sim->solver.budget <= 0 && !newton->is_damped &&
+                    !volume_moves(sim);
+    if (is_alone && !pel_holds_move(sim) && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
+    if (is_alone && !newton->is_exact && !newton->leads)
+        return &first_stage;
     const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
     bool is_smooth =
         state->older_is_known && state->collision == 0 && !pel_loads_jump(sim, span) && !pel_tools_grasps_change(sim);
@@ -350,10 +375,10 @@ static bool changes_energy(pel_sim *sim, double potential_before)
     return !(fabs(change) <= ENERGY_SHARE * (kinetic + elastic) + energy_noise(sim));
 }
 
-static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
+static pel_status solve(pel_sim *sim, const pel_implicit_scheme *s, pel_step_result *result, pel_error *error)
 {
-    const pel_implicit_scheme *s = sim->minimise->newton->scheme = choose_scheme(sim);
-    pel_sim_turns_set(sim, s != &midpoint);
+    sim->minimise->newton->scheme = s;
+    pel_sim_turns_set(sim, s);
     set_points(sim, s);
     sim->minimise->acts = s->acts;
     set_radial(sim, s);
@@ -364,15 +389,40 @@ static pel_status solve(pel_sim *sim, pel_step_result *result, pel_error *error)
     return status;
 }
 
+/* the stages of a step, one after the other; one that fails ends it */
+static pel_status solve_in_stages(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_descent_result *sum = &sim->minimise->result;
+    size_t size = (size_t)sim->model->vertex_count * sizeof(pel_record);
+    pel_status status = solve(sim, &first_stage, result, error);
+    const pel_descent_result first = *sum;
+    if (status != PEL_OK || result->diverged)
+        return status;
+    memcpy(sim->minimise->newton->stage[0], sim->state->position_next, size);
+    memcpy(sim->minimise->newton->stage[1], sim->state->velocity_next, size);
+    status = solve(sim, &second_stage, result, error);
+    sum->iterations += first.iterations;
+    sum->evaluations += first.evaluations;
+    sum->residual = pel_max(sum->residual, first.residual);
+    sum->converged &= first.converged;
+    return status;
+}
+
+static pel_status solve_by(pel_sim *sim, const pel_implicit_scheme *s, pel_step_result *result, pel_error *error)
+{
+    return s == &first_stage ? solve_in_stages(sim, result, error) : solve(sim, s, result, error);
+}
+
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_minimise_begin_at_state(sim);
-    double elastic, before = choose_scheme(sim) == &midpoint ? potential_at(sim, sim->minimise->position, &elastic) : 0;
-    pel_status status = solve(sim, result, error);
+    const pel_implicit_scheme *s = choose_scheme(sim);
+    double elastic, before = s == &midpoint ? potential_at(sim, sim->minimise->position, &elastic) : 0;
+    pel_status status = solve_by(sim, s, result, error);
     bool is_beside = sim->minimise->newton->lead != NULL;
-    if (status == PEL_OK && !is_beside && sim->minimise->newton->scheme == &midpoint && changes_energy(sim, before)) {
+    if (status == PEL_OK && !is_beside && s == &midpoint && changes_energy(sim, before)) {
         sim->state->unresolved = UNRESOLVED_STEPS;
-        status = solve(sim, result, error);
+        status = solve_by(sim, choose_scheme(sim), result, error);
     }
     if (status != PEL_OK)
         return status;

@@ -58,8 +58,10 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         newton->groups = pel_allocate((size_t)sim->model->body_count, sizeof *newton->groups);
         newton->collided = pel_allocate((size_t)sim->model->body_count, sizeof *newton->collided);
         newton->turns = pel_allocate((size_t)sim->model->body_count, sizeof *newton->turns);
-        room &= newton->point_stiffness != NULL && newton->points != NULL && newton->groups != NULL &&
-                newton->collided != NULL && newton->turns != NULL;
+        for (int i = 0; i < 2; i++)
+            newton->stage[i] = pel_allocate_aligned(vertices, sizeof *newton->stage[i]);
+        room &= newton->stage[0] != NULL && newton->stage[1] != NULL && newton->point_stiffness != NULL &&
+                newton->points != NULL && newton->groups != NULL && newton->collided != NULL && newton->turns != NULL;
     }
     return room ? PEL_OK : pel_fail_memory(error);
 }
@@ -72,7 +74,7 @@ void pel_sim_newton_destroy(pel_sim *sim)
     pel_newton_destroy(sim->newton);
     PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
                  newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
-                 newton->kinks, newton->turns);
+                 newton->kinks, newton->turns, newton->stage[0], newton->stage[1]);
     pel_free(newton);
 }
 

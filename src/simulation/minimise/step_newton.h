@@ -42,9 +42,12 @@ struct pel_sim_newton {
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
     pel_newton_choice choice;                 /* in snapshots */
     int64_t work;                             /* of the solver when the step began */
-    bool is_exact;                            /* steps in time are solved to rounding, for derivatives */
-    bool goes_on;                             /* the unknowns belong to the step in progress */
-    const pel_newton_lead *lead;              /* of a step beside another simulation (step_beside.c); null = none */
+    pel_record *stage[2]; /* (vertex_count) positions and velocities of the first stage of the step in progress; null in
+                             statics */
+    bool is_exact;        /* steps in time are solved to rounding, for derivatives */
+    bool goes_on;         /* the unknowns belong to the step in progress */
+    const pel_newton_lead *lead; /* of a step beside another simulation (step_beside.c); null = none */
+    bool leads;                  /* another one steps beside this one */
 };
 
 /* Unknowns, matrix and room, after sim->minimise was made. Errors of pel_newton_create. */
@@ -92,7 +95,8 @@ void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
  */
 typedef struct pel_implicit_scheme {
     double rate;
-    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of one step earlier */
+    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of another state */
+    double other;                    /* when that was, in steps after the start: one step earlier, or a stage */
     double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
     pel_span acts;                   /* when loads act, in steps after the start of the step */
 } pel_implicit_scheme;

@@ -77,12 +77,13 @@ static bool turn_for(const pel_rigid_motion *motion, double time, double q[4])
 
 /* ---- reference motions ---- */
 
-static bool set_turn(const pel_sim *sim, int32_t body, pel_sim_turn *turn)
+static bool set_turn(const pel_sim *sim, const pel_implicit_scheme *s, int32_t body, pel_sim_turn *turn)
 {
+    const double times[3] = {s->other, 0, s->acts.time};
     const pel_rigid_motion now = pel_rigid_motion_of(sim, body, sim->state->position, sim->state->velocity);
     pel_vec3_copy(now.center, turn->center);
     for (int i = 0; i < 3; i++) {
-        if (!turn_for(&now, (i - 1) * sim->step.dt, turn->rotation[i]))
+        if (!turn_for(&now, times[i] * sim->step.dt, turn->rotation[i]))
             return false;
         spin_after(&now, turn->rotation[i], turn->spin[i]);
     }
@@ -90,12 +91,12 @@ static bool set_turn(const pel_sim *sim, int32_t body, pel_sim_turn *turn)
     return pel_vec3_length(now.spin) > 0;
 }
 
-void pel_sim_turns_set(const pel_sim *sim, bool may_turn)
+void pel_sim_turns_set(const pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->minimise->newton;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        newton->turns[b].turns =
-            may_turn && !newton->is_exact && pel_sim_newton_is_free(sim, b) && set_turn(sim, b, &newton->turns[b]);
+        newton->turns[b].turns = s->end == 1 && !newton->is_exact && pel_sim_newton_is_free(sim, b) &&
+                                 set_turn(sim, s, b, &newton->turns[b]);
 }
 
 static void correct(const pel_sim_turn *turn, const pel_implicit_scheme *s, double rate, const double position[3],
@@ -123,11 +124,14 @@ void pel_sim_turn_refer(const pel_sim *sim, const pel_implicit_scheme *s, int32_
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
     const pel_sim_turn *turn = &sim->minimise->newton->turns[sim->model->body_of_slice[v / PEL_WIDTH]];
     const pel_state *state = sim->state;
+    pel_record *const *stage = sim->minimise->newton->stage;
+    const pel_record *other = s->other > 0 ? stage[0] : state->older_position;
+    const pel_record *its_velocity = s->other > 0 ? stage[1] : state->older_velocity;
     double position[3];
     pel_vertex_position(state->position, v, position);
     for (int k = 0; k < 3; k++) {
-        double older = s->position[1] != 0 ? s->position[1] * (double)state->older_position[v][k] : 0;
-        double before = s->velocity[1] != 0 ? s->velocity[1] * (double)state->older_velocity[v][k] : 0;
+        double older = s->position[1] != 0 ? s->position[1] * (double)other[v][k] : 0;
+        double before = s->velocity[1] != 0 ? s->velocity[1] * (double)its_velocity[v][k] : 0;
         anchor[k] = s->position[0] * position[k] + older;
         carried[k] = s->velocity[0] * (double)state->velocity[v][k] + before;
     }

@@ -13,7 +13,7 @@
 
 #include "minimise/step_newton.h"
 
-/* the reference motion of a body in a step: one step earlier, at its start and at its end */
+/* the reference motion of a body in a step: at the other state of the scheme, at the start and at the unknown one */
 typedef struct pel_sim_turn {
     bool turns;
     double center[3];      /* of mass, at the start */
@@ -22,8 +22,8 @@ typedef struct pel_sim_turn {
     double change[3];      /* rad/s2, of the last */
 } pel_sim_turn;
 
-/* The reference motions of a step; bodies that something holds have none. */
-void pel_sim_turns_set(const pel_sim *sim, bool may_turn);
+/* The reference motions of a step or stage; bodies that something holds have none, nor has the midpoint rule. */
+void pel_sim_turns_set(const pel_sim *sim, const pel_implicit_scheme *s);
 /* What a scheme takes the unknown position and velocity of a vertex from. */
 void pel_sim_turn_refer(const pel_sim *sim, const pel_implicit_scheme *s, int32_t v, double anchor[3],
                         double carried[3]);

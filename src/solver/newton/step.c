@@ -107,8 +107,8 @@ static double square_of(const double x[3])
     return x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
 }
 
-/* Sums of squares of forces on a body: those that are left, and those that act: loads, inertia, supports, and with what
-   balances the terms. */
+/* Sums of squares of forces on a body: those that are left, and those that act: loads, inertia, supports where the
+   tolerance counts them, and with what balances the terms. */
 typedef struct body_forces {
     double left, act;
 } body_forces;
@@ -117,9 +117,11 @@ static void add_forces(const newton_run *run, int32_t v, body_forces *sum)
 {
     const pel_newton_problem *problem = run->problem;
     const double *gradient = run->newton->gradient + 3 * (size_t)v;
+    double held = problem->held_share > 0 ? 1 : 0;
     double loads[3] = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
-        *(run->newton->fixed[3 * v + k] ? &sum->act : &sum->left) += gradient[k] * gradient[k];
+        bool is_fixed = run->newton->fixed[3 * v + k];
+        *(is_fixed ? &sum->act : &sum->left) += (is_fixed ? held : 1) * gradient[k] * gradient[k];
         double way = problem->points != NULL ? problem->points[v][k] - run->unknowns[3 * v + k] : 0;
         double inertia = problem->points != NULL ? problem->point_stiffness[v] * way : 0;
         loads[k] = problem->force != NULL ? problem->force[3 * v + k] : 0;
