@@ -83,7 +83,7 @@ static int32_t weld_of(const double (*positions)[3], int32_t vertex_count, const
                        int32_t triangle_count, pel_seams *seams)
 {
     int32_t map[64], count;
-    assert_int_equal(pel_seams_find(positions, vertex_count, triangles, triangle_count, map, &count, seams), PEL_OK);
+    assert_int_equal(pel_seams_find(positions, vertex_count, triangles, triangle_count, 0, map, &count, seams), PEL_OK);
     return count;
 }
 
@@ -116,6 +116,9 @@ static void test_what_stays_open(void **unused)
     /* not equal but near */
     p[3][0] = nextafter(1, 2);
     assert_int_equal(weld_of((const double(*)[3])p, 6, triangles, 2, &seams), 6);
+    int32_t map[12], count;
+    assert_int_equal(pel_seams_find((const double(*)[3])p, 6, triangles, 2, 1e-9, map, &count, &seams), PEL_OK);
+    assert_true(count == 4 && seams.closed_count == 1);
 }
 
 /* two closed bodies that share a face, and one that touches itself */
@@ -159,9 +162,9 @@ static void test_transitive(void **unused)
                 triangles[t][k] = (int32_t)(14 * random_between(&random, 0, 1));
         int32_t map[14], count;
         pel_seams seams;
-        assert_int_equal(
-            pel_seams_find((const double(*)[3])positions, 14, (const int32_t(*)[3])triangles, 10, map, &count, &seams),
-            PEL_OK);
+        assert_int_equal(pel_seams_find((const double(*)[3])positions, 14, (const int32_t(*)[3])triangles, 10, 0, map,
+                                        &count, &seams),
+                         PEL_OK);
         /* brute force: no edge gets worse */
         for (int a = 0; a < 14; a++) {
             for (int b = 0; b < 14; b++)

@@ -489,6 +489,43 @@ static void test_close_start(void **unused)
     assert_null(find_warning(&summary, "close-start"));
 }
 
+/* borders that differ by rounding are told, and so are three that meet; a seam is sewn, and one that shall stay open is
+   not told */
+static void test_open_seam(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *vertices, *override;
+        bool is_told;
+    } cases[] = {
+        {"v 1 0 0\nv 0 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n", "duration=0.01", false},
+        {"v 1 0 0\nv 0 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n", "bodies.0.mesh.weld=false", false},
+        {"v 1 1e-9 0\nv 0 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n", "duration=0.01", true},
+        {"v 1 1e-4 0\nv 0 0 0\nv 0 -1 0\nf 1 2 3\nf 4 5 6\n", "duration=0.01", false},
+        {"v 1 0 0\nv 0 0 0\nv 0 -1 0\nv 1 0 0\nv 0 0 0\nv 0 0 1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n", "duration=0.01", true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        pel_run_summary summary;
+        char text[600], path[256];
+        FILE *stream = fopen(in_folder(path, "", "seam.obj"), "wb");
+        assert_non_null(stream);
+        fprintf(stream, "v 0 0 0\nv 1 0 0\nv 0 1 0\n%s", cases[i].vertices);
+        fclose(stream);
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbodies:\n  - { name: sheet, mesh: { file: %s }, membrane: { young: 1e4, thickness: 0.01 } }\n"
+            "stop: { frames: 2 }\n",
+            path);
+        run_scene(text, &cases[i].override, 1, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "open-seam");
+        if ((warning != NULL) != cases[i].is_told)
+            fail_msg("case %zu: %s", i, warning != NULL ? warning->text : "no warning");
+        if (warning != NULL) {
+            assert_non_null(strstr(warning->text, "body 'sheet' is open along 1 edges"));
+            assert_non_null(strstr(warning->text, "--tolerance 1.4e-06"));
+        }
+    }
+}
+
 /* a tool that moves beside the body is told, with where it ends and where the body is; one that stands still is not,
  * nor one that presses */
 static void test_idle_tool(void **unused)
@@ -746,6 +783,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_grasp_empty),
         cmocka_unit_test(test_close_start),
+        cmocka_unit_test(test_open_seam),
         cmocka_unit_test(test_idle_tool),
         cmocka_unit_test(test_held_in_place),
         cmocka_unit_test(test_coarse_contact),

@@ -60,6 +60,11 @@ static const pel_def_row run_rows[] = {
     {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file; its path is relative to the scene"},
     {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off", "vtp"), .needs = "file", .preset = "auto",
      .doc = "format of the file; auto: by its extension and content, also glTF, FBX, 3MF and others"},
+    {"<mesh>.weld", BOOLEAN, .needs = "file", .preset = "true",
+     .doc =
+         "welds the seams of the file: borders that lie exactly on each other and run against each other, where "
+         "vertices stand twice because texture coordinates or normals differ. Regions name vertices by their numbers "
+         "in the file; the field `file_vertex` has the first of each vertex. false: slits stay open"},
     {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); applied first"},
     {"<mesh>.rotate", MAP, .doc = "rotation of the mesh about the origin; applied second"},

@@ -28,11 +28,20 @@ typedef struct pel_scene_value {
 } pel_scene_value;
 
 /* what all parts of reading one scene share */
+/* the vertices of a mesh whose seams were welded */
+typedef struct pel_scene_welding {
+    const struct pel_mesh *mesh;
+    const int32_t *index_of; /* (file_count) the vertex of each vertex of the file */
+    int32_t file_count;
+    struct pel_scene_welding *next;
+} pel_scene_welding;
+
 typedef struct pel_scene_reader {
     pel_arena *arena;
     const struct pel_scene_table *table;
     const pel_log *log;
     pel_error *error;
+    pel_scene_welding *weldings; /* of the meshes that have some */
 } pel_scene_reader;
 
 /* a new value at a place, null when out of memory (the error is filled) */

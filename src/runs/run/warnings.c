@@ -1,10 +1,12 @@
 #include "run/warnings.h"
 
+#include "base/memory.h"
 #include "base/status.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
+#include "mesh/seam.h"
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "model/model.h"
@@ -24,6 +26,8 @@
 
 /* stretch beyond the material's, as a share */
 #define SOFTNESS_LIMIT 0.05
+/* of the size of a body: borders that are that near are one seam */
+#define SEAM_SHARE 1e-6
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
 /* share from which one step is enough */
@@ -46,17 +50,29 @@ enum { LEAST_CONTACTS = 30 };
 #define SETTLED_SHARE 0.05
 
 static const char *const codes[PEL_WARN_COUNT] = {
-    [PEL_WARN_SOFT] = "softer-than-material",       [PEL_WARN_COARSE] = "coarse-mesh",
-    [PEL_WARN_MILLIMETRES] = "millimetres",         [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
-    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume", [PEL_WARN_UNCONVERGED] = "unconverged",
-    [PEL_WARN_UNSTABLE] = "unstable-balance",       [PEL_WARN_STRAY] = "stray-body",
-    [PEL_WARN_ENERGY] = "energy-appears",           [PEL_WARN_JAMMED] = "jammed",
-    [PEL_WARN_TOOL_HELD] = "tool-held-back",        [PEL_WARN_GRASP_LOST] = "grasp-lost",
-    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",         [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
-    [PEL_WARN_COARSE_CONTACT] = "coarse-contact",   [PEL_WARN_UNSETTLED] = "unsettled",
-    [PEL_WARN_HELD_IN_PLACE] = "held-in-place",     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
-    [PEL_WARN_CLOSE_START] = "close-start",         [PEL_WARN_HINGE_ROW] = "hinge-row",
-    [PEL_WARN_COARSE_LOAD] = "coarse-load",         [PEL_WARN_COARSE_MODE] = "coarse-mode",
+    [PEL_WARN_SOFT] = "softer-than-material",
+    [PEL_WARN_COARSE] = "coarse-mesh",
+    [PEL_WARN_MILLIMETRES] = "millimetres",
+    [PEL_WARN_INVERTED_MESH] = "inverted-mesh",
+    [PEL_WARN_INVERTED_VOLUME] = "inverted-volume",
+    [PEL_WARN_UNCONVERGED] = "unconverged",
+    [PEL_WARN_UNSTABLE] = "unstable-balance",
+    [PEL_WARN_STRAY] = "stray-body",
+    [PEL_WARN_ENERGY] = "energy-appears",
+    [PEL_WARN_JAMMED] = "jammed",
+    [PEL_WARN_TOOL_HELD] = "tool-held-back",
+    [PEL_WARN_GRASP_LOST] = "grasp-lost",
+    [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
+    [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_COARSE_CONTACT] = "coarse-contact",
+    [PEL_WARN_UNSETTLED] = "unsettled",
+    [PEL_WARN_HELD_IN_PLACE] = "held-in-place",
+    [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
+    [PEL_WARN_CLOSE_START] = "close-start",
+    [PEL_WARN_HINGE_ROW] = "hinge-row",
+    [PEL_WARN_OPEN_SEAM] = "open-seam",
+    [PEL_WARN_COARSE_LOAD] = "coarse-load",
+    [PEL_WARN_COARSE_MODE] = "coarse-mode",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -213,6 +229,28 @@ static pel_status check_start(pel_run_state *run, pel_error *error)
     return status;
 }
 
+/* Borders that lie on each other and were not sewn: which belong together is not clear, or they differ by rounding.
+   What would be sewn as it is was left open on purpose (mesh.weld). */
+static pel_status check_seams(pel_run_state *run, int32_t b, pel_error *error)
+{
+    const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
+    int32_t count, *index_of = pel_allocate((size_t)mesh->vertex_count, sizeof *index_of);
+    pel_seams exact = {0}, near = {0};
+    const double gap = SEAM_SHARE * pel_mesh_diagonal(mesh);
+    pel_status status = index_of != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+    for (int is_near = 0; is_near < 2 && status == PEL_OK; is_near++)
+        status = pel_seams_find((const double(*)[3])mesh->positions, mesh->vertex_count,
+                                (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, is_near ? gap : 0, index_of,
+                                &count, is_near ? &near : &exact);
+    pel_free(index_of);
+    if (status != PEL_OK)
+        return pel_fail_memory(error);
+    const int32_t open_count = near.open_count + near.closed_count - exact.closed_count;
+    if (open_count > 0)
+        flag_body(run, PEL_WARN_OPEN_SEAM, b, open_count, gap);
+    return PEL_OK;
+}
+
 pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 {
     double softness = pel_sim_softness(run->sim);
@@ -223,6 +261,8 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
     for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
         status = check_edges(run, b, error);
+        if (status == PEL_OK)
+            status = check_seams(run, b, error);
         check_size(run, b);
         check_orientation(run, b);
         check_filling(run, b);
@@ -414,6 +454,18 @@ static void tell_millimetres(const text_context *at)
     snprintf(at->text, at->size,
              "body '%s' is %.4g m across. if its mesh is in millimetres, write mesh: { ..., scale: 0.001 }", name,
              flagged->value);
+}
+
+static void tell_open_seam(const text_context *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_OPEN_SEAM, &name);
+    snprintf(
+        at->text, at->size,
+        "body '%s' is open along %.0f edges where borders lie within %.2g m of each other and were not welded: they "
+        "differ, or three or more meet there, or they run alike. weld the mesh: pellicle check FILE --fix OUT "
+        "--tolerance %.2g",
+        name, flagged->value, flagged->limit, flagged->limit);
 }
 
 static void tell_inverted_mesh(const text_context *at)
@@ -753,6 +805,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
+    [PEL_WARN_OPEN_SEAM] = tell_open_seam,
     [PEL_WARN_CLOSE_START] = tell_close_start,
     [PEL_WARN_HINGE_ROW] = tell_row,
     [PEL_WARN_COARSE_LOAD] = tell_load,
@@ -794,7 +847,8 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
 static bool is_of_scene(int kind)
 {
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
-           kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW;
+           kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
+           kind == PEL_WARN_OPEN_SEAM;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

@@ -1,10 +1,12 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 #include "scene/mesh.h"
 
+#include "base/memory.h"
 #include "keys/validate.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "mesh/seam.h"
 #include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/shape.h"
@@ -53,6 +55,33 @@ static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, 
     return file->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
 }
 
+/* Sews what the file gives twice. The scene names vertices by their numbers in the file, so that these are kept: in the
+   reader, and as the field file_vertex, the first of each place. */
+static pel_status weld(pel_scene_reader *reader, pel_mesh *mesh)
+{
+    const int32_t before = mesh->vertex_count;
+    int32_t *index_of;
+    pel_status status = pel_seams_weld(mesh, &index_of, reader->log, reader->error);
+    if (index_of == NULL)
+        return status;
+    int32_t *kept = pel_arena_take(reader->arena, (size_t)before, sizeof *kept);
+    pel_scene_welding *welding = pel_arena_take(reader->arena, 1, sizeof *welding);
+    double *first = pel_allocate((size_t)mesh->vertex_count, sizeof *first);
+    if (kept != NULL && welding != NULL && first != NULL) {
+        memcpy(kept, index_of, (size_t)before * sizeof *kept);
+        *welding = (pel_scene_welding){mesh, kept, before, reader->weldings};
+        reader->weldings = welding;
+        for (int32_t v = before - 1; v >= 0; v--)
+            first[index_of[v]] = v;
+        status = pel_mesh_add_field(mesh, "file_vertex", 1, first, reader->error);
+    } else {
+        status = pel_fail_memory(reader->error);
+    }
+    pel_free(index_of);
+    pel_free(first);
+    return status;
+}
+
 static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
 {
     /* in the order of the words in the table */
@@ -65,6 +94,8 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
     status = format == PEL_FORMAT_AUTO ? pel_mesh_import(file->text, reader->log, mesh, reader->error)
                                        : pel_mesh_read(file->text, format, reader->log, mesh, reader->error);
+    if (status == PEL_OK && pel_scene_value_number(value, "weld") > 0)
+        status = weld(reader, *mesh);
     /* errors inside the file have their own place */
     return status == PEL_BAD_FILE ? pel_scene_fail_at(reader, &file->place) : status;
 }

@@ -5,20 +5,25 @@
 
 #include <string.h>
 
-/* the listed vertices; each must exist, so that the message can name its place */
+/* the listed vertices, by their numbers in the file; each must exist, so that the message can name its place */
 static pel_status read_vertices(pel_scene_reader *reader, const pel_scene_value *list, const pel_mesh *mesh,
                                 pel_region *region)
 {
     int32_t *vertices = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *vertices);
     if (vertices == NULL)
         return pel_fail_memory(reader->error);
+    const pel_scene_welding *welding = reader->weldings;
+    while (welding != NULL && welding->mesh != mesh)
+        welding = welding->next;
+    const int32_t count = welding != NULL ? welding->file_count : mesh->vertex_count;
     for (const pel_scene_value *child = list->first; child != NULL; child = child->next) {
-        if (child->number >= mesh->vertex_count) {
+        if (child->number >= count) {
             pel_scene_fail(reader, &child->place, "the mesh has no vertex %.0f", child->number);
-            pel_fail_remedy(reader->error, "give numbers from 0 to %d", (int)mesh->vertex_count - 1);
+            pel_fail_remedy(reader->error, "give numbers from 0 to %d", (int)count - 1);
             return PEL_BAD_SCENE;
         }
-        vertices[region->vertex_count++] = (int32_t)child->number;
+        const int32_t vertex = (int32_t)child->number;
+        vertices[region->vertex_count++] = welding != NULL ? welding->index_of[vertex] : vertex;
     }
     region->kind = PEL_REGION_VERTICES;
     region->vertices = vertices;

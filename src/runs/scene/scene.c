@@ -132,7 +132,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
 static pel_status fill_scene(pel_scene *scene, const scene_source *source, const pel_log *log, pel_error *error)
 {
     pel_arena *arena = &((scene_storage *)scene->inner)->arena;
-    pel_scene_reader reader = {arena, pel_scene_table_create(arena), log, error};
+    pel_scene_reader reader = {.arena = arena, .table = pel_scene_table_create(arena), .log = log, .error = error};
     const char *folder = folder_of(arena, source->path);
     scene->path = pel_arena_text(arena, source->path, strlen(source->path));
     if (reader.table == NULL || folder == NULL || scene->path == NULL)

@@ -40,9 +40,10 @@ static bool is_same_edge(const int32_t (*triangles)[3], int32_t h, int32_t other
     return (a == c && b == d) || (a == d && b == c);
 }
 
-static pel_status find_border(sewing *s)
+static pel_status find_border(sewing *s, bool *any)
 {
     pel_edge_table edges;
+    *any = false;
     for (int32_t t = 0; t < s->triangle_count; t++)
         s->skip[t] = has_twice(s->triangles[t]);
     if (pel_edge_table_build(s->triangles, s->triangle_count, s->vertex_count, s->skip, &edges) != PEL_OK)
@@ -50,14 +51,20 @@ static pel_status find_border(sewing *s)
     for (int32_t e = 0; e < edges.edge_count; e++) {
         const int32_t h = edges.half_edge_of_edge[e];
         s->is_border[h] = edges.next_in_edge[h] < 0;
+        *any |= s->is_border[h];
     }
     pel_edge_table_clear(&edges);
+    return PEL_OK;
+}
+
+/* the triangles as their places have them */
+static void find_places(sewing *s)
+{
     for (int32_t t = 0; t < s->triangle_count; t++) {
         for (int i = 0; i < 3; i++)
             s->at[t][i] = s->place_of[s->triangles[t][i]];
         s->skip[t] = has_twice(s->at[t]);
     }
-    return PEL_OK;
 }
 
 /* joins the ends of two borders that are alone at their place and run against each other */
@@ -168,22 +175,25 @@ static pel_status sew_in_rounds(sewing *s, int32_t *index_of, int32_t *count, pe
 }
 
 pel_status pel_seams_find(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
-                          int32_t triangle_count, int32_t *index_of, int32_t *count, pel_seams *seams)
+                          int32_t triangle_count, double tolerance, int32_t *index_of, int32_t *count, pel_seams *seams)
 {
     sewing s = {.triangles = triangles, .vertex_count = vertex_count, .triangle_count = triangle_count};
     const size_t t = (size_t)triangle_count, v = (size_t)vertex_count;
-    int32_t place_count;
+    int32_t place_count = vertex_count;
+    bool has_border;
     *seams = (pel_seams){0};
     *count = vertex_count;
     pel_union_find_reset(index_of, vertex_count);
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(s.place_of, v), PEL_ROOM(s.at, t), PEL_ROOM(s.skip, t), PEL_ROOM(s.is_border, 3 * t),
                           PEL_ROOM(s.stays_open, v), PEL_ROOM(s.number_of, v)))
         return PEL_OUT_OF_MEMORY;
-    pel_status status = pel_weld_points(positions, vertex_count, 0, s.place_of, &place_count);
-    if (status == PEL_OK && place_count < vertex_count)
-        status = find_border(&s);
-    if (status == PEL_OK && place_count < vertex_count)
+    pel_status status = find_border(&s, &has_border);
+    if (status == PEL_OK && has_border)
+        status = pel_weld_points(positions, vertex_count, tolerance, s.place_of, &place_count);
+    if (status == PEL_OK && place_count < vertex_count) {
+        find_places(&s);
         status = sew_in_rounds(&s, index_of, count, seams);
+    }
     PEL_FREE_ALL(s.number_of, s.stays_open, s.is_border, s.skip, s.at, s.place_of);
     return status;
 }
@@ -249,7 +259,7 @@ pel_status pel_seams_weld(pel_mesh *mesh, int32_t **index_of, const pel_log *log
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(map, before), PEL_ROOM(first_of, before)))
         return pel_fail_memory(error);
     if (pel_seams_find((const double(*)[3])mesh->positions, before, (const int32_t(*)[3])mesh->triangles,
-                       mesh->triangle_count, map, &count, &seams) != PEL_OK) {
+                       mesh->triangle_count, 0, map, &count, &seams) != PEL_OK) {
         PEL_FREE_ALL(map, first_of);
         return pel_fail_memory(error);
     }

@@ -15,9 +15,11 @@ typedef struct pel_seams {
    appearance, count of numbers. Two edges on the border of the surface are a seam when their ends are exactly equal,
    they run against each other, and no third one lies there. Vertices that merely touch stay apart, and so do closed
    surfaces that share a face. Where sewing would leave an edge with three triangles or a triangle with a vertex twice,
-   nothing is sewn. triangles (triangle_count x 3) with indices in range. PEL_OK or PEL_OUT_OF_MEMORY. */
+   nothing is sewn. tolerance: 0 = exactly equal; otherwise as in pel_weld_points. triangles (triangle_count x 3) with
+   indices in range. PEL_OK or PEL_OUT_OF_MEMORY. */
 pel_status pel_seams_find(const double (*positions)[3], int32_t vertex_count, const int32_t (*triangles)[3],
-                          int32_t triangle_count, int32_t *index_of, int32_t *count, pel_seams *seams);
+                          int32_t triangle_count, double tolerance, int32_t *index_of, int32_t *count,
+                          pel_seams *seams);
 
 /* Welds the seams of a mesh, with a note in log (nullable) of what was welded and of what stays open. Fields keep the
    values of the first vertex. seams is nullable. index_of: nullable; receives a block (vertex_count before), the new
