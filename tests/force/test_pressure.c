@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "force/pressure.h"
+#include "shell_fixture.h"
 
 static const double rest_volume = 2.5;
 
@@ -83,11 +84,50 @@ static void test_conservative(void **unused)
     assert_true(pel_pressure_is_conservative(&body));
 }
 
+/* ---- the largest pressure ---- */
+
+static double largest_of(pel_membrane_kind kind, double thickness, bool is_open, double *ratio)
+{
+    pel_mesh *mesh = is_open ? make_grid(2, 2, 1, 1, PEL_GRID_ONE_DIAGONAL) : make_sphere(6);
+    pel_body_def body = shell_body(mesh, kind);
+    body.shell.membrane.young.value = 3e5;
+    body.shell.membrane.poisson = kind == PEL_MEMBRANE_STVK ? 0.3 : 0.5;
+    body.shell.membrane.thickness.value = thickness;
+    pel_model *model = make_model(&body);
+    double largest = pel_pressure_largest(model, 0, ratio);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    return largest;
+}
+
+static void test_largest(void **unused)
+{
+    (void)unused;
+    double ratio;
+    /* p = 2 mu h / R (1 / l - 1 / l^7): the largest at l = 7^(1/6); a polyhedron has more area for its volume */
+    double stretch = pow(7, 1.0 / 6), exact = 2e5 * 0.01 * (1 / stretch - pow(stretch, -7));
+    double found = largest_of(PEL_MEMBRANE_NEO_HOOKEAN, 0.01, false, &ratio);
+    assert_near(found / exact, 1, 0.02);
+    assert_near(ratio, sqrt(7), 1e-5);
+    assert_near(largest_of(PEL_MEMBRANE_NEO_HOOKEAN, 0.02, false, &ratio), 2 * found, 1e-12 * found);
+    /* these rise without end, and an open surface holds no pressure */
+    assert_true(largest_of(PEL_MEMBRANE_STVK, 0.01, false, &ratio) == HUGE_VAL);
+    assert_true(largest_of(PEL_MEMBRANE_GENT, 0.01, false, &ratio) == HUGE_VAL ||
+                largest_of(PEL_MEMBRANE_GENT, 0.01, false, &ratio) > found);
+    assert_true(largest_of(PEL_MEMBRANE_NEO_HOOKEAN, 0.01, true, &ratio) == HUGE_VAL);
+    const pel_key keys[3] = {{0, 0}, {1, 3}, {2, 1}};
+    const pel_shell keyed = {.pressure = {.kind = PEL_PRESSURE_GIVEN, .outside = {.value = -7}},
+                             .outside = {.keys = (pel_key *)keys, .key_count = 3}};
+    const pel_shell pressed = {.pressure = {.kind = PEL_PRESSURE_GIVEN, .outside = {.value = 7}}};
+    assert_true(pel_pressure_given(&keyed) == 21 && pel_pressure_given(&pressed) == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_potentials),
         cmocka_unit_test(test_conservative),
+        cmocka_unit_test(test_largest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 #include "shell_fixture.h"
 
 #include "failing_malloc.h"
+#include "pellicle/shape.h"
 #include "pellicle/sim_ledger.h"
 
 #include <string.h>
@@ -126,6 +127,103 @@ static void test_driven_volume(void **unused)
     double force = 4e3 * 20 / sqrt((double)s.mesh->vertex_count);
     assert_true(reading.residual < IN_FLOAT(1e-6, 2e-3) * force);
     end_stage(&s);
+}
+
+/* ---- starts without stiffness ---- */
+
+/* A flat disc without bending has no stiffness against a pressure at first: Hencky's 0.65344 a (p a / E h)^(1/3), nu
+ * 0.3
+ */
+static double deflection_of_disc(double pressure, pel_status *status)
+{
+    stage s;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_DISK);
+    def.radius = 1;
+    def.rings = 10;
+    assert_int_equal(pel_shape_create(&def, &s.mesh, NULL), PEL_OK);
+    static int32_t rim[60];
+    int32_t count = 0;
+    for (int32_t v = 0; v < s.mesh->vertex_count; v++)
+        if (hypot(s.mesh->positions[v][0], s.mesh->positions[v][1]) > 0.999)
+            rim[count++] = v;
+    pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e9;
+    body.shell.membrane.poisson = 0.3;
+    body.shell.membrane.thickness.value = 0.001;
+    body.shell.bending.model = PEL_BENDING_NONE;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.value = -pressure;
+    body.pinned = rim;
+    body.pinned_count = count;
+    s.model = make_model(&body);
+    const pel_sim_def sim_def = lone_sim(s.model, PEL_METHOD_STATIC, 1);
+    s.sim = make_sim(&sim_def);
+    *status = pel_sim_step(s.sim, NULL);
+    pel_solver_reading reading;
+    pel_sim_measures measures;
+    pel_sim_get_solver(s.sim, &reading);
+    pel_sim_measure(s.sim, &measures);
+    assert_true(reading.converged);
+    end_stage(&s);
+    return measures.max_displacement;
+}
+
+static void test_taut_start(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == 4)
+        skip();
+    pel_status status;
+    for (double pressure = 1; pressure < 200; pressure *= 100) {
+        double exact = 0.65344 * cbrt(pressure / (1e9 * 0.001));
+        assert_near(deflection_of_disc(pressure, &status) / exact, 1, 0.02);
+        assert_int_equal(status, PEL_OK);
+    }
+}
+
+/* a constraint that would flatten the ball as an energy is refused; a flat sheet has it */
+static void test_isometric_rest(void **unused)
+{
+    (void)unused;
+    pel_mesh *meshes[2] = {make_sphere(3), make_grid(4, 4, 1, 1, PEL_GRID_UNION_JACK)};
+    const pel_method methods[3] = {PEL_METHOD_STATIC, PEL_METHOD_IMPLICIT, PEL_METHOD_DESCENT};
+    for (int i = 0; i < 2; i++) {
+        pel_body_def body = shell_body(meshes[i], PEL_MEMBRANE_NEO_HOOKEAN);
+        body.shell.bending.model = PEL_BENDING_ISOMETRIC_REST;
+        pel_model *model = make_model(&body);
+        for (int m = 0; m < 3; m++) {
+            const pel_sim_def def = lone_sim(model, methods[m], 0.1);
+            pel_sim *sim = NULL;
+            pel_error error;
+            pel_status status = pel_sim_create(&def, &sim, &error);
+            assert_int_equal(status, i == 0 ? PEL_BAD_ARGUMENT : PEL_OK);
+            assert_true(i == 1 || strstr(error.remedy, "midedge") != NULL);
+            pel_sim_destroy(sim);
+        }
+        pel_model_destroy(model);
+        pel_mesh_destroy(meshes[i]);
+    }
+}
+
+/* beyond the largest pressure of a balloon there is no equilibrium, and the error names that pressure */
+static void test_largest_pressure(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(4);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e6;
+    body.shell.membrane.poisson = 0.5;
+    body.shell.membrane.thickness.value = 0.01;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.value = -6000;
+    pel_model *model = make_model(&body);
+    const pel_sim_def def = lone_sim(model, PEL_METHOD_STATIC, 1);
+    pel_sim *sim;
+    pel_error error;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_true(strstr(error.what, "6000 Pa") != NULL && strstr(error.what, "is 41") != NULL);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
 }
 
 /* ---- paths ---- */
@@ -427,6 +525,9 @@ int main(void)
         cmocka_unit_test(test_driven_volume),
         cmocka_unit_test(test_limit_point),
         cmocka_unit_test(test_arc_length),
+        cmocka_unit_test(test_taut_start),
+        cmocka_unit_test(test_isometric_rest),
+        cmocka_unit_test(test_largest_pressure),
         cmocka_unit_test(test_full_load),
         cmocka_unit_test(test_snap),
         cmocka_unit_test(test_bits),

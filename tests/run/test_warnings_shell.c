@@ -76,6 +76,26 @@ static void test_no_hinge_row(void **unused)
     assert_false(warns(STRIP("pinned: boundary", WEIGHT STATIC), no_change, 0, "hinge-row"));
 }
 
+#define BALLOON                                                                                                        \
+    "version: 1\nbodies:\n  - name: balloon\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"        \
+    "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"                          \
+    "    pressure: { inside: { keys: [[0, 0], [100, 5000]] } }\n" SHORT
+
+static void test_largest_pressure(void **unused)
+{
+    (void)unused;
+    const char *less[] = {"bodies.0.pressure={ inside: { keys: [[0, 0], [100, 4000]] } }"},
+               *stiff[] = {"bodies.0.membrane.material=stvk", "bodies.0.membrane.poisson=0.4"};
+    const char *kept[] = {"bodies.0.pressure={ volume: { target: 9, bulk: 10 } }"};
+    pel_run_summary summary;
+    const char *text = warning_of(BALLOON, no_change, 0, "largest-pressure", &summary);
+    /* 2 mu h / R (1 / l - 1 / l^7) at l = 7^(1/6): 4.13 kPa */
+    assert_true(text != NULL && strstr(text, "5000 Pa") != NULL && strstr(text, "about 41") != NULL);
+    assert_false(warns(BALLOON, less, 1, "largest-pressure"));
+    assert_false(warns(BALLOON, stiff, 2, "largest-pressure"));
+    assert_false(warns(BALLOON, kept, 1, "largest-pressure"));
+}
+
 /* ---- loads ---- */
 
 #define DISC                                                                                                           \
@@ -137,10 +157,8 @@ static void test_coarse_mode(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hinge_row),
-        cmocka_unit_test(test_no_hinge_row),
-        cmocka_unit_test(test_coarse_load),
-        cmocka_unit_test(test_coarse_mode),
+        cmocka_unit_test(test_hinge_row),   cmocka_unit_test(test_no_hinge_row),     cmocka_unit_test(test_coarse_load),
+        cmocka_unit_test(test_coarse_mode), cmocka_unit_test(test_largest_pressure),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -4,9 +4,15 @@
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "model/state.h"
+#include "pellicle/material.h"
 
 /* a gas squeezed to less than this share of its volume at rest presses as it does there */
 #define LEAST_GAS_VOLUME 1e-3
+
+/* stretches at which a membrane is looked at, and their ratio; beyond the last one its pressure rises without end */
+#define MOST_STRETCH 8.0
+#define STRETCH_RATIO 1.02
+enum { PEAK_ROUNDS = 40 };
 
 /* Pa, of the given pressure */
 static double outside_pressure(const pel_shell *shell, pel_span span, double load_factor)
@@ -94,4 +100,63 @@ double pel_body_volume(const pel_model *model, int32_t body, const pel_record *p
         volume += pel_vec3_cone_volume(at, x[0], x[1], x[2]);
     }
     return volume;
+}
+
+/* ---- the largest pressure ---- */
+
+/* N/m over young times thickness of the material: derivative of the energy per area by an equal stretch in all
+ * directions */
+static double tension_at(const pel_membrane_material *material, double stretch)
+{
+    const double gradient[6] = {stretch, 0, 0, stretch, 0, 0};
+    double stress[6];
+    pel_membrane_density(material, gradient, stress);
+    return (stress[0] + stress[3]) / (material->young * material->thickness);
+}
+
+/* N, of all triangles per tension */
+static double weight_of(const pel_shell *shell)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
+        sum += pel_shell_rest(shell, t).area * sheet.young * sheet.thickness;
+    }
+    return sum;
+}
+
+double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio)
+{
+    PEL_ASSERT_INDEX(body, model->body_count);
+    const pel_body *own = &model->bodies[body];
+    const pel_shell *shell = own->shell;
+    double best = 0, at = 1;
+    *ratio = 1;
+    if (shell == NULL || !shell->has_membrane || !own->closed || !(own->rest_volume > 0) || shell->region_count > 0 ||
+        own->has_volumetric || own->uniform_spring != 0)
+        return HUGE_VAL;
+    for (double stretch = 1; stretch < MOST_STRETCH; stretch *= STRETCH_RATIO) {
+        double pressure = tension_at(&shell->material, stretch) / (stretch * stretch);
+        at = pressure > best ? stretch : at;
+        best = pel_max(best, pressure);
+    }
+    if (at * STRETCH_RATIO * STRETCH_RATIO > MOST_STRETCH)
+        return HUGE_VAL;
+    double low = at / STRETCH_RATIO, high = at * STRETCH_RATIO;
+    for (int i = 0; i < PEAK_ROUNDS; i++) {
+        double a = low + (high - low) / 3, b = high - (high - low) / 3;
+        bool is_left = tension_at(&shell->material, a) / (a * a) > tension_at(&shell->material, b) / (b * b);
+        *(is_left ? &high : &low) = is_left ? b : a;
+    }
+    at = 0.5 * (low + high);
+    *ratio = at * at * at;
+    return weight_of(shell) * tension_at(&shell->material, at) / (3 * at * at * own->rest_volume);
+}
+
+double pel_pressure_given(const pel_shell *shell)
+{
+    double most = shell->outside.key_count > 0 ? -HUGE_VAL : -shell->pressure.outside.value;
+    for (int32_t k = 0; k < shell->outside.key_count; k++)
+        most = pel_max(most, -shell->pressure.outside.value * shell->outside.keys[k].value);
+    return shell->pressure.kind == PEL_PRESSURE_GIVEN && shell->pressure_weights == NULL ? pel_max(most, 0) : 0;
 }

@@ -20,6 +20,13 @@ bool pel_pressure_is_conservative(const pel_body *body);
 double pel_pressure_potential(const pel_shell *shell, pel_span span, double load_factor, double volume,
                               double rest_volume);
 
+/* The largest pressure from inside that a closed membrane balances when it grows alike in all directions, as a sphere
+   does exactly: the largest dU/dV of its elastic energy. HUGE_VAL where the pressure rises without end, or where
+   something else resists: springs, fibres. *ratio = volume there over that at rest. */
+double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio);
+/* The largest given pressure from inside over time, as far as it is the same everywhere; 0 = none. */
+double pel_pressure_given(const pel_shell *shell);
+
 /* Signed volume of a body at some positions, about its first vertex. */
 double pel_body_volume(const pel_model *model, int32_t body, const pel_record *position);
 

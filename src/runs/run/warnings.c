@@ -73,6 +73,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_OPEN_SEAM] = "open-seam",
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
     [PEL_WARN_COARSE_MODE] = "coarse-mode",
+    [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
 };
 
 void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
@@ -257,6 +258,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
     pel_status status = check_start(run, error);
     if (status == PEL_OK)
         status = pel_warnings_check_rows(run, error);
+    pel_warnings_check_pressures(run);
     if (softness > SOFTNESS_LIMIT)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
     for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
@@ -516,6 +518,8 @@ static void write_remedy(const text_context *at, bool has_contact, int32_t autom
     const char *body = free_body(at, has_contact);
     if (solver->budget > 0)
         snprintf(text, size, "use a larger solver.budget");
+    else if (at->run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count > 0)
+        snprintf(text, size, "use a smaller pressure, or prescribe the volume");
     else if (stepper->divides && solver->iterations <= 0)
         snprintf(text, size, "use a smaller solver.dt");
     else if (stepper->is_static && body != NULL)
@@ -776,6 +780,11 @@ static void tell_row(const text_context *at)
     pel_warnings_tell_row(at->run, at->text, at->size);
 }
 
+static void tell_pressure(const text_context *at)
+{
+    pel_warnings_tell_pressure(at->run, at->text, at->size);
+}
+
 static void tell_load(const text_context *at)
 {
     pel_warnings_tell_load(at->run, at->text, at->size);
@@ -808,6 +817,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_OPEN_SEAM] = tell_open_seam,
     [PEL_WARN_CLOSE_START] = tell_close_start,
     [PEL_WARN_HINGE_ROW] = tell_row,
+    [PEL_WARN_LARGEST_PRESSURE] = tell_pressure,
     [PEL_WARN_COARSE_LOAD] = tell_load,
     [PEL_WARN_COARSE_MODE] = tell_mode,
 };
@@ -848,7 +858,8 @@ static bool is_of_scene(int kind)
 {
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
-           kind == PEL_WARN_OPEN_SEAM;
+           kind == PEL_WARN_OPEN_SEAM ||
+           kind == PEL_WARN_LARGEST_PRESSURE;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

@@ -1,4 +1,6 @@
-/* Hinges. Pinned vertices hold positions, not rotations. If all held vertices of a body lie on a line, the body turns
+/* Rows of vertices that are hinges, pressures beyond the largest, loads and modes that a mesh is too coarse for.
+
+   Hinges. Pinned vertices hold positions, not rotations. If all held vertices of a body lie on a line, the body turns
    about it. That is meant for a door, and does not matter for cloth, which its own stiffness could not hold up either.
    It is told where a clamp could: with the moment M of the loads about the row, its length w, the length L of the body
    across it and the bending stiffness D, a clamped strip sags by s = M L / (3 D w) of its length (a force at its end;
@@ -19,6 +21,7 @@
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "force/pressure.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
@@ -233,6 +236,38 @@ void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size)
         "body '%s' is held along one row of vertices, and turns about it as on a hinge. to clamp it, use supports: "
         "[ { at: ..., rotation: fixed } ] under static and implicit, or pin a second row beside the first",
         run->scene->model.bodies[run->flagged[PEL_WARN_HINGE_ROW].body].name);
+}
+
+/* ---- pressures ---- */
+
+void pel_warnings_check_pressures(pel_run_state *run)
+{
+    const pel_model *model = run->sim->model;
+    const pel_solver_def *solver = &run->scene->sim.solver;
+    bool is_judged = solver->path != PEL_PATH_ARC_LENGTH && solver->analysis == PEL_ANALYSIS_NONE &&
+                     pel_stepper_knows_material(pel_stepper_of(solver->method));
+    for (int32_t b = 0; is_judged && b < model->body_count; b++) {
+        double ratio, largest = pel_pressure_largest(model, b, &ratio);
+        double given = model->bodies[b].shell != NULL ? pel_pressure_given(model->bodies[b].shell) : 0;
+        if (!(given > largest))
+            continue;
+        if (run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count == 0)
+            run->flagged[PEL_WARN_LARGEST_PRESSURE] = (pel_flagged_body){b, given, largest};
+        pel_warn(&run->totals.warnings, PEL_WARN_LARGEST_PRESSURE, 0, given);
+    }
+}
+
+void pel_warnings_tell_pressure(const pel_run_state *run, char *text, size_t size)
+{
+    const pel_flagged_body *flagged = &run->flagged[PEL_WARN_LARGEST_PRESSURE];
+    double ratio;
+    pel_pressure_largest(run->model, flagged->body, &ratio);
+    snprintf(
+        text, size,
+        "the pressure in body '%s' is up to %.4g Pa, but the largest that it balances is about %.4g Pa, at %.3g times "
+        "its volume: beyond it grows without bound. use less, prescribe the volume (pressure: { volume: ... }), or "
+        "follow the equilibria (solver: { path: arc-length })",
+        run->scene->model.bodies[flagged->body].name, flagged->value, flagged->limit, ratio);
 }
 
 /* ---- modes ---- */

@@ -1,6 +1,7 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
 #include "boundary/hold.h"
+#include "force/pressure.h"
 #include "minimise/constraint.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
@@ -44,6 +45,31 @@ static pel_status check_mechanisms(const pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* over the largest pressure of a body that grows alike: supports make it stiffer */
+#define PRESSURE_MARGIN 1.1
+
+/* a pressure that nothing balances */
+static pel_status check_pressures(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        double ratio, largest = pel_pressure_largest(sim->model, b, &ratio);
+        double given = body->shell != NULL ? pel_pressure_given(body->shell) : 0;
+        if (!(given > PRESSURE_MARGIN * largest))
+            continue;
+        pel_fail(error, PEL_BAD_ARGUMENT,
+                 "body '%s' has no equilibrium at %.4g Pa: the largest pressure that it balances is %.4g Pa, at %.3g "
+                 "times its volume",
+                 body->name, given, largest, ratio);
+        pel_fail_element(error, "body", b);
+        pel_fail_remedy(error,
+                        "use a smaller pressure, prescribe the volume (pressure: { volume: ... }), or follow the "
+                        "equilibria (solver: { path: arc-length })");
+        return PEL_BAD_ARGUMENT;
+    }
+    return PEL_OK;
+}
+
 static pel_status check_start(pel_sim *sim, pel_error *error)
 {
     pel_status status = sim->modes != NULL  ? pel_sim_modes_check(sim, error)
@@ -51,6 +77,9 @@ static pel_status check_start(pel_sim *sim, pel_error *error)
                                             : PEL_OK;
     if (status == PEL_OK)
         status = pel_minimise_check_start(sim, error);
+    bool holds = sim->contacts != NULL || sim->tools->count > 0 || sim->path != NULL;
+    if (status == PEL_OK && !holds)
+        status = check_pressures(sim, error);
     /* free motions are modes of frequency 0 */
     return status == PEL_OK && sim->modes == NULL ? check_mechanisms(sim, error) : status;
 }

@@ -5,6 +5,7 @@
 #include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
+#include "force/pressure.h"
 #include "method/bending_weight.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
@@ -29,6 +30,12 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
     sim->stepper->advise(sim, error);
+    double ratio, largest = pel_pressure_largest(model, (int32_t)(body - model->bodies), &ratio);
+    if (body->shell != NULL && pel_pressure_given(body->shell) > largest)
+        pel_fail_remedy(error,
+                        "use less than %.4g Pa, the largest pressure that it balances (at %.3g times its volume), or "
+                        "prescribe the volume (pressure: { volume: ... })",
+                        largest, ratio);
     return PEL_DIVERGED;
 }
 

@@ -6,11 +6,16 @@
 #include "force/mechanics.h"
 #include "force/pressure.h"
 #include "math/vec3.h"
+#include "pellicle/bending.h"
 #include "pellicle/sim_surface.h"
 #include "solve/shell_stability.h"
 #include "stage/surface_view.h"
 
+#include <math.h>
 #include <string.h>
+
+/* rad, between triangles of a flat mesh */
+#define FLAT_ANGLE 1e-5
 
 static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
 {
@@ -18,6 +23,22 @@ static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
         if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !pel_sim_is_projected(sim))
             return "anisotropy that caves in is a rule of position-based methods, not a force";
     return NULL;
+}
+
+/* The energy of isometric-rest is that of isometric less its value at rest: as a constraint it holds the rest shape,
+   but as an energy it flattens it. */
+static bool would_flatten(const pel_sim *sim, const pel_shell *shell)
+{
+    bool is_energy = shell->bending->has_hinges && !shell->bending->is_angle &&
+                     shell->bending->form == PEL_BENDING_REST_SUBTRACTED && !pel_sim_is_projected(sim);
+    for (int32_t i = 0; is_energy && i < shell->hinge_count; i++) {
+        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        double x[4][3];
+        pel_load_points(sim->model->rest, hinge.vertices, 4, x);
+        if (fabs(pel_dihedral_angle((const double(*)[3])x, NULL)) > FLAT_ANGLE)
+            return true;
+    }
+    return false;
 }
 
 static pel_status check_shells(const pel_sim *sim, pel_error *error)
@@ -36,6 +57,11 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 "strain_limit is a constraint of the methods pbd and xpbd");
+        if (would_flatten(sim, body->shell))
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "body", b, "use the bending model hinge or midedge, or the method xpbd",
+                "bending model isometric-rest holds a curved rest shape as a constraint only: as an "
+                "energy it flattens it");
         if (body->shell->bending->turns_edges && !sim->stepper->turns_edges)
             return pel_refuse_element(
                 error, PEL_BAD_ARGUMENT, "body", b,

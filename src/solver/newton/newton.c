@@ -621,6 +621,16 @@ static bool find_shifted_step(newton_run *run, double most)
     return false;
 }
 
+/* J, that the energy fell by in the step that was gone from newton->start; without a potential (pressure on an open
+   surface) the work of the mean force */
+static double fall_of(const newton_run *run, double energy, double share)
+{
+    const pel_newton *newton = run->newton;
+    if (newton->has_potential)
+        return energy - run->result->energy;
+    return -0.5 * share * (slope_of(newton, newton->start_gradient) + slope_of(newton, newton->gradient));
+}
+
 /* One step downhill from the last evaluation; false where there is none. */
 static bool go_downhill(newton_run *run, double most)
 {
@@ -631,9 +641,10 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
         double slope = slope_of(newton, newton->start_gradient);
-        pel_newton_go(run, pel_newton_find_share(newton));
+        double share = pel_newton_find_share(newton);
+        pel_newton_go(run, share);
         pel_newton_evaluate(run);
-        double fall = energy - run->result->energy;
+        double fall = fall_of(run, energy, share);
         if (pel_newton_is_finite(run) && (fall >= -DECREASE * slope - ROUNDING * parts ||
                                           (fall >= -ROUNDING * parts && run->result->residual < residual))) {
             run->shift = run->shift > LEAST_SHIFT * most ? SHRINK * run->shift : 0;
