@@ -37,13 +37,20 @@ typedef struct step_cost {
     double substep, implicit; /* a substep of xpbd, a step of implicit */
 } step_cost;
 
-static step_cost cost_of(const pel_scene *scene, const pel_model *model)
+static step_cost cost_of(const pel_scene *scene)
 {
     enum { FREE, TOOLS, CONTACT };
     static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 100e-3}; /* of a triangle */
     int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
-    double triangles = model->triangle_begin[model->body_count];
+    double triangles = 0;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        triangles += scene->model.bodies[b].mesh->triangle_count;
     return (step_cost){substep[kind] * triangles, implicit[kind] * triangles * sqrt(sqrt(triangles / 1000))};
+}
+
+double pel_scene_step_cost(const pel_scene *scene)
+{
+    return cost_of(scene).implicit;
 }
 
 /* with more substeps than this, implicit is as exact in less time */
@@ -140,7 +147,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
-    const step_cost cost = cost_of(scene, model);
+    const step_cost cost = cost_of(scene);
     /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
     int32_t most = is_open ? most_substeps(&cost) : solver->max_substeps;

@@ -14,6 +14,9 @@
    PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
+/* ms of one core, of a step of implicit, from counts */
+double pel_scene_step_cost(const pel_scene *scene);
+
 /* If the method solves for the edges, bodies without an explicit bending model get mid-edge bending, in the def and in
    the tree. Regions that curl need hinges. */
 void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene);

@@ -11,6 +11,7 @@
 #include "scene/defaults.h"
 #include "scene/method.h"
 #include "scene/portable.h"
+#include "scene/time_step.h"
 #include "stage/stepper.h"
 
 #include <stdio.h>
@@ -119,6 +120,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = pel_scene_choose_method(reader, root, scene);
     if (status == PEL_OK)
         pel_scene_choose_bending(root, scene);
+    if (status == PEL_OK)
+        status = pel_scene_choose_dt(reader, root, scene);
     /* default names have been added to the tree: sort it */
     if (status == PEL_OK)
         status = pel_scene_check(reader, root);

@@ -1,0 +1,82 @@
+/* The step of scenes that leave it to the program. */
+#include "check.h"
+
+#include <stdlib.h>
+
+#include "pellicle/scene.h"
+
+#define RULER                                                                                                          \
+    "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
+    "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n    membrane: { preset: steel-sheet }\n"     \
+    "    supports: [ { at: { box: { min: [-0.1001, -1, -1], max: [-0.0999, 1, 1] } }, rotation: fixed } ]\n"
+#define BALL                                                                                                           \
+    "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
+    "    membrane: { preset: steel-sheet }\n    bending: {}\n    pressure: { inside: 1000 }\n"
+#define SHEET                                                                                                          \
+    "version: 1\nbodies:\n  - name: card\n    mesh: { shape: grid, nx: 3, ny: 3, size_x: 9, size_y: 9 }\n"             \
+    "    membrane: { preset: rubber }\n"
+
+typedef struct heard {
+    char text[2000];
+} heard;
+
+static void hear(void *user, const char *text)
+{
+    heard *told = user;
+    size_t length = strlen(told->text);
+    snprintf(told->text + length, sizeof told->text - length, "%s\n", text);
+}
+
+/* what moves and goes on moving gets a step that resolves it, if that is affordable; all else the default */
+static void test_choice(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text;
+        double dt;
+        const char *says; /* null = nothing of dt */
+    } cases[] = {
+        {RULER "duration: 1\n", 0.002, "vibration of body 'ruler', 10."},
+        {RULER "duration: 1\nsolver: { dt: 0.01 }\n", 0.01, NULL},
+        {RULER "duration: 1\nsolver: { drag: 5 }\n", 0.01, NULL},
+        {RULER "duration: 1\nsolver: { method: static }\n", 0.01, NULL},
+        {RULER "duration: 1\noutput: { every_frame: 1 }\n", 0.01, NULL},
+        {RULER "stop: { frames: 3 }\n", 0.01, NULL},
+        {RULER "duration: 1\ntools: [ { shape: sphere, radius: 0.01, motion: [ { position: [0, 0, 1] } ] } ]\n", 0.01,
+         NULL},
+        {RULER "duration: 1000\n", 0.01, NULL},
+        {RULER "duration: 150\n", 0.01, "it is damped"},
+        {RULER "duration: 1\nloads: [ { name: flick, force: [0, 0, 1], from: 0.1, until: 0.104 } ]\n", 0.0004,
+         "load 'flick' does in 0.004 s"},
+        {RULER "duration: 1\nloads: [ { force: [0, 0, 1], keys: [[0, 0], [0.1, 1], [0.108, 1], [0.15, 0]] } ]\n", 0.002,
+         "vibration of body 'ruler', 10."},
+        {BALL "duration: 1\n", 0.01, NULL},
+        {SHEET "duration: 1\n", 0.01, NULL},
+        {SHEET "solver: { method: implicit }\nduration: 1\nloads: [ { name: flick, force: [0, 0, 1], until: 0.04 } ]\n",
+         0.005, "load 'flick' does in 0.04 s"},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        heard told = {""};
+        pel_log log = {.write = hear, .user = &told};
+        pel_scene *scene = NULL;
+        pel_error error = {0};
+        char message[1000];
+        if (pel_scene_parse("a.yaml", cases[c].text, strlen(cases[c].text), NULL, 0, &log, &scene, &error) != PEL_OK)
+            print_error("%s\n", pel_error_text(&error, message, sizeof message));
+        assert_non_null(scene);
+        const char *line = strstr(told.text, "dt ");
+        bool says = cases[c].says != NULL ? line != NULL && strstr(line, cases[c].says) != NULL : line == NULL;
+        char number[40];
+        snprintf(number, sizeof number, "dt: %g\n", cases[c].dt);
+        if (!says || fabs(scene->sim.solver.dt - cases[c].dt) > 1e-12)
+            fail_msg("case %d: dt %g, %s", (int)c, scene->sim.solver.dt, told.text);
+        assert_non_null(strstr(pel_scene_text(scene), number));
+        pel_scene_destroy(scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
