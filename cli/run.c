@@ -5,6 +5,7 @@
 #include <pellicle/frames.h>
 #include <pellicle/run.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -138,7 +139,10 @@ static void print_summary(const cli_call *call, const pel_scene *scene, const ch
     printf("  displacement at end    %.6g m\n", s->residual_displacement);
     if (scene->sim.tool_count > 0)
         printf("  largest tool force     %.6g N\n", s->max_tool_force);
-    printf("  volume at end          %.6g of that at rest\n", s->volume_ratio_final);
+    if (isfinite(s->volume_ratio_final))
+        printf("  volume at end          %.6g m3, %.6g of that at rest\n", s->volume_final, s->volume_ratio_final);
+    else if (s->volume_final != 0)
+        printf("  volume at end          %.6g m3\n", s->volume_final);
     if (s->self_intersections_final >= 0)
         printf("  self-intersections     %lld pairs of triangles at end\n", (long long)s->self_intersections_final);
     for (int m = 0; m < s->mode_count; ++m)

@@ -16,7 +16,7 @@ extern "C" {
 /* Unit of the mass of a body. */
 typedef enum pel_mass_kind {
     PEL_MASS_PER_VERTEX, /* mass [kg] on each vertex (paper A: 1) */
-    PEL_MASS_TOTAL,      /* mass [kg] of the body, distributed evenly over its vertices (paper A: total / number) */
+    PEL_MASS_TOTAL,      /* mass [kg] of the body, distributed by area: a third of the adjacent triangles */
     PEL_MASS_DENSITY     /* mass = density [kg/m3] x thickness [m] x a third of the area of the adjacent triangles */
 } pel_mass_kind;
 

@@ -102,10 +102,12 @@ typedef struct pel_run_summary {
     const char *status; /* "done", "stopped", "diverged", "failed"; lives forever; "" if nothing was written */
     int64_t frames;     /* rows of the series, frame 0 included */
     int64_t steps;
-    double time_simulated;   /* s */
-    double wall_s;           /* s, of all calls of pel_run for this run */
-    double steps_per_second; /* steps per wall time of stepping only */
-    double volume_ratio_final, area_ratio_final;
+    double time_simulated;     /* s */
+    double wall_s;             /* s, of all calls of pel_run for this run */
+    double steps_per_second;   /* steps per wall time of stepping only */
+    double volume_final;       /* m3, enclosed by closed bodies */
+    double volume_ratio_final; /* the same relative to rest; NaN if each body is open, or flat at rest */
+    double area_ratio_final;
     double max_displacement;      /* m, largest over all frames */
     double residual_displacement; /* m, largest at the end */
     double max_tool_force;        /* N, largest over all tools and steps */

@@ -10,8 +10,9 @@ extern "C" {
 
 /* Sums over all bodies; the first columns of series.csv. */
 typedef struct pel_sim_measures {
-    double volume_ratio;       /* enclosed volume of closed bodies relative to rest; 1 if none is closed */
-    double least_volume_ratio; /* smallest volume ratio of a body; at most 0 if it is inside out */
+    double volume;             /* m3, enclosed by closed bodies */
+    double volume_ratio;       /* the same relative to rest; NaN if each body is open, or flat at rest */
+    double least_volume_ratio; /* smallest volume ratio of a body; at most 0 if it is inside out; NaN as above */
     double area_ratio;         /* area relative to rest */
     double kinetic_energy;     /* J, at the time of the positions (velocities of leapfrog are half a step earlier) */
     double elastic_energy;     /* J, the sum of the five below */
@@ -25,7 +26,7 @@ typedef struct pel_sim_measures {
     int64_t vertex_count, triangle_count, contact_count;
 } pel_sim_measures;
 PEL_API void pel_sim_measure(pel_sim *sim, pel_sim_measures *measures);
-/* Only volume_ratio, without the cost of forces. */
+/* Only volume_ratio, without the cost of forces; NaN if no body has a volume. */
 PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.

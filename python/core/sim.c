@@ -236,13 +236,21 @@ static PyObject *sim_counts(core_sim *self, PyObject *argument)
 
 #define MEASURE(member, kind) CORE_MEMBER(pel_sim_measures, member, kind)
 static const core_member measure_members[] = {
-    MEASURE(volume_ratio, CORE_DOUBLE),      MEASURE(least_volume_ratio, CORE_DOUBLE),
-    MEASURE(area_ratio, CORE_DOUBLE),        MEASURE(kinetic_energy, CORE_DOUBLE),
-    MEASURE(elastic_energy, CORE_DOUBLE),    MEASURE(spring_energy, CORE_DOUBLE),
-    MEASURE(volumetric_energy, CORE_DOUBLE), MEASURE(membrane_energy, CORE_DOUBLE),
-    MEASURE(bending_energy, CORE_DOUBLE),    MEASURE(fibre_energy, CORE_DOUBLE),
-    MEASURE(max_displacement, CORE_DOUBLE),  MEASURE(max_force, CORE_DOUBLE),
-    MEASURE(vertex_count, CORE_INT64),       MEASURE(triangle_count, CORE_INT64),
+    MEASURE(volume, CORE_DOUBLE),
+    MEASURE(volume_ratio, CORE_DOUBLE),
+    MEASURE(least_volume_ratio, CORE_DOUBLE),
+    MEASURE(area_ratio, CORE_DOUBLE),
+    MEASURE(kinetic_energy, CORE_DOUBLE),
+    MEASURE(elastic_energy, CORE_DOUBLE),
+    MEASURE(spring_energy, CORE_DOUBLE),
+    MEASURE(volumetric_energy, CORE_DOUBLE),
+    MEASURE(membrane_energy, CORE_DOUBLE),
+    MEASURE(bending_energy, CORE_DOUBLE),
+    MEASURE(fibre_energy, CORE_DOUBLE),
+    MEASURE(max_displacement, CORE_DOUBLE),
+    MEASURE(max_force, CORE_DOUBLE),
+    MEASURE(vertex_count, CORE_INT64),
+    MEASURE(triangle_count, CORE_INT64),
     MEASURE(contact_count, CORE_INT64),
 };
 

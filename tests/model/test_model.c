@@ -1,6 +1,7 @@
 /* The model: order and springs complete, masses, refusals. */
 #include "sim/fixture.h"
 
+#include "math/extremes.h"
 #include "model/model.h"
 #include "model/vertex_order.h"
 #include "pellicle/topology.h"
@@ -108,6 +109,38 @@ static void test_masses(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a total mass is distributed by area: a sheet with a dense root has its mean mass in the middle */
+static void test_total_by_area(void **unused)
+{
+    (void)unused;
+    pel_shape_def shape = pel_shape_def_default(PEL_SHAPE_GRID);
+    pel_mesh *mesh;
+    double moment = 0, sum = 0;
+    assert_int_equal(pel_shape_create(&shape, &mesh, NULL), PEL_OK);
+    double low = mesh->positions[0][0], high = low;
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        low = pel_min(low, mesh->positions[v][0]);
+        high = pel_max(high, mesh->positions[v][0]);
+    }
+    /* x in [0, 1], denser towards 0 */
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double x = (mesh->positions[v][0] - low) / (high - low);
+        mesh->positions[v][0] = x * x + 0.01 * x;
+    }
+    pel_body_def body = ball_body(mesh);
+    body.mass_kind = PEL_MASS_TOTAL;
+    body.mass = 3;
+    pel_model *model = make_model(&body);
+    for (int32_t i = 0; i < model->vertex_count; i++) {
+        moment += (double)model->mass[i] * (double)model->rest[i][0];
+        sum += (double)model->mass[i];
+    }
+    assert_near(sum, 3, 1e-5);
+    assert_near(moment / sum, 1.01 / 2, 0.01);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 static void refuse(pel_body_def body, const char *word, pel_status expected)
 {
     pel_model_def def = pel_model_def_default();
@@ -206,6 +239,7 @@ int main(void)
         cmocka_unit_test(test_springs_are_the_edges),
         cmocka_unit_test(test_lengths_without_springs),
         cmocka_unit_test(test_masses),
+        cmocka_unit_test(test_total_by_area),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_curves),
         cmocka_unit_test(test_curves_of_parameters),

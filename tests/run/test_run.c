@@ -13,14 +13,14 @@ static void test_files(void **unused)
     assert_int_equal(test.summary.frames, 10);
     assert_int_equal(test.summary.steps, 60);
     assert_near(test.summary.time_simulated, 0.6, 1e-12);
-    enum { MAX_DISPLACEMENT = 6, PROBE_FORCE = 12, PROBE_FORCE_MAX = 20 };
+    enum { MAX_DISPLACEMENT = 7, PROBE_FORCE = 13, PROBE_FORCE_MAX = 21 };
     assert_true(test.summary.max_displacement == largest_in_series(test.run, MAX_DISPLACEMENT));
     assert_true(test.summary.max_tool_force == largest_in_series(test.run, PROBE_FORCE_MAX));
     assert_true(test.summary.max_tool_force > largest_in_series(test.run, PROBE_FORCE));
     check_whole(test.run);
     assert_int_equal(check_list(test.run), 10);
     check_contains(test.run, "series.csv",
-                   "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
+                   "frame,time,volume,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,max_force,"
                    "vertices,triangles,contacts,step_ms,probe_force,probe_force_x,probe_force_y,probe_force_z,"
                    "probe_contacts,probe_x,probe_y,probe_z,probe_force_max,probe_held,probe_torque_x,probe_torque_y,"
                    "probe_torque_z,probe_force_known,clamp_force,");
@@ -154,6 +154,60 @@ static void test_volume_of_any_body(void **unused)
     }
 }
 
+/* A body that encloses nothing at rest has a volume and no ratio of it, nor has an open one. */
+static void test_ratio_of_nothing(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nstop: { frames: 4 }\nbodies:\n  - mesh: { file: %s }\n"
+        "    membrane: { young: 1e6, thickness: 0.001 }\n    bending: { model: none }\n    pressure: { inside: 200 }\n"
+        "solver: { dt: 0.002 }\noutput: { every_frame: 1 }\n";
+    /* two triangles on each other */
+    static const char flat[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nv 0.4 0.6 0\n"
+                               "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n";
+    char path[256], scene_text[700];
+    FILE *file = fopen(in_folder(path, "cushion.obj", ""), "w");
+    assert_non_null(file);
+    fputs(flat, file);
+    assert_int_equal(fclose(file), 0);
+    snprintf(scene_text, sizeof scene_text, text, path);
+    pel_scene *scene = load_scene(scene_text, NULL, 0);
+    run_case test = {.run = "cushion"};
+    check_run(scene, &test, PEL_OK);
+    check_contains("cushion", "summary.json", "\"volume_ratio_final\": null");
+    assert_true(isnan(test.summary.volume_ratio_final) && test.summary.volume_final > 0);
+    assert_true(test.summary.volume_final == largest_in_series("cushion", 2));
+    check_contains("cushion", "series.csv", ",0,,1,");
+    pel_scene_destroy(scene);
+}
+
+/* far from the origin frames are double, as the state is */
+static void test_far_frames(void **unused)
+{
+    (void)unused;
+    static const char text[] =
+        "version: 1\nstop: { frames: 1 }\ngravity: [0, 0, -9.81]\nbodies:\n"
+        "  - { mesh: { shape: grid, nx: 4, ny: 4, translate: [%s, 5846925, 0] }, membrane: { preset: silicone } }\n"
+        "tools: [{ name: pin, shape: sphere, radius: 0.1, motion: [{ position: [%s, 5846925, -3] }] }]\n"
+        "output: { every_frame: 1 }\n";
+    char scene_text[700], path[256];
+    snprintf(scene_text, sizeof scene_text, text, "615850.3", "615850.3");
+    pel_scene *scene = load_scene(scene_text, NULL, 0);
+    run_case test = {.run = "far"};
+    check_run(scene, &test, PEL_OK);
+    pel_mesh *mesh[2];
+    in_folder(path, "far", "final.ply");
+    assert_int_equal(pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &mesh[0], NULL), PEL_OK);
+    in_folder(path, "far", "frames/f00001.vtp");
+    assert_int_equal(pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &mesh[1], NULL), PEL_OK);
+    for (int32_t v = 0; v < mesh[0]->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            assert_true(mesh[0]->positions[v][c] == mesh[1]->positions[v][c]);
+    pel_mesh_destroy(mesh[0]);
+    pel_mesh_destroy(mesh[1]);
+    pel_scene_destroy(scene);
+}
+
 /* the last columns are sums of what the search for contacts did since the frame before */
 static void test_contact_columns(void **unused)
 {
@@ -208,7 +262,7 @@ static void test_speed(void **unused)
     assert_near(numbers[1], 80, 1e-6);
     assert_near(numbers[2], -1, 0);
     /* the pauses are no time of steps */
-    enum { STEP_MS = 11 };
+    enum { STEP_MS = 12 };
     double step_ms = largest_in_series("speed", STEP_MS);
     assert_true(step_ms > 0 && step_ms < 1e3);
     pel_scene_destroy(scene);
@@ -592,6 +646,8 @@ int main(void)
         cmocka_unit_test(test_frame_fields),
         cmocka_unit_test(test_refinement),
         cmocka_unit_test(test_volume_of_any_body),
+        cmocka_unit_test(test_ratio_of_nothing),
+        cmocka_unit_test(test_far_frames),
         cmocka_unit_test(test_contact_columns),
         cmocka_unit_test(test_speed),
         cmocka_unit_test(test_stops_within_steps),

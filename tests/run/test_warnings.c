@@ -1,79 +1,21 @@
 /* Warnings of runs: each is reported once, is in the summary, and disappears with its remedy. */
 #define _XOPEN_SOURCE 700 /* nftw */
 #include "random.h"
-#include "run/run_fixture.h"
+#include "run/warned.h"
 
 #include "pellicle/shape.h"
 #include "pellicle/sim_surface.h"
 #include "run/state.h"
+#include "run/warnings.h"
 
 #include <ctype.h>
-
-/* a thin shell under pressure; %s: more of it */
-#define SHELL                                                                                                          \
-    "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
-    "    membrane: { preset: rubber }\n    pressure: { inside: 2000 }\n"                                               \
-    "stop: { frames: 4 }\noutput: { every_frame: 1 }\n"
-
-/* lines of the log */
-typedef struct told_lines {
-    char text[4000];
-    int count;
-} told_lines;
-
-static void take_line(void *user, const char *text)
-{
-    told_lines *lines = user;
-    size_t length = strlen(lines->text);
-    snprintf(lines->text + length, sizeof lines->text - length, "%s\n", text);
-    lines->count++;
-}
-
-static told_lines run_scene(const char *text, const char *const *overrides, int32_t count, const char *resume,
-                            int64_t max_frames, pel_run_summary *summary)
-{
-    char path[256], checkpoint[256];
-    told_lines lines = {.count = 0};
-    const pel_log log = {take_line, &lines};
-    pel_scene *scene = load_scene(text, overrides, count);
-    pel_run_def def = pel_run_def_default();
-    pel_error error;
-    def.folder = in_folder(path, "warned", "");
-    def.resume = resume != NULL ? in_folder(checkpoint, "warned", resume) : NULL;
-    def.max_frames = max_frames;
-    def.thread_count = thread_count;
-    def.warnings = &log;
-    pel_status status = pel_run(scene, &def, summary, &error);
-    if (status != PEL_OK)
-        print_error("%s\n", error.what);
-    assert_int_equal(status, PEL_OK);
-    pel_scene_destroy(scene);
-    /* each warning is a line, and the other way round */
-    assert_int_equal(lines.count, summary->warning_count);
-    for (int32_t i = 0; i < summary->warning_count; i++) {
-        char entry[600];
-        assert_non_null(strstr(lines.text, summary->warnings[i].text));
-        snprintf(entry, sizeof entry, "{\"code\": \"%s\", \"first_frame\": %d, \"count\": %d, \"text\": \"%.20s",
-                 summary->warnings[i].code, (int)summary->warnings[i].first_frame, (int)summary->warnings[i].count,
-                 summary->warnings[i].text);
-        check_contains("warned", "summary.json", entry);
-    }
-    return lines;
-}
-
-static const pel_run_warning *find_warning(const pel_run_summary *summary, const char *code)
-{
-    for (int32_t i = 0; i < summary->warning_count; i++)
-        if (strcmp(summary->warnings[i].code, code) == 0)
-            return &summary->warnings[i];
-    return NULL;
-}
 
 static void test_clean_run(void **unused)
 {
     (void)unused;
+    const char *fall[] = {"gravity=[0, 0, -1]", "solver.method=explicit"};
     pel_run_summary summary;
-    run_scene(small, NULL, 0, NULL, 0, &summary);
+    run_scene(small, fall, 2, NULL, 0, &summary);
     assert_int_equal(summary.warning_count, 0);
     check_contains("warned", "summary.json", "\"warnings\": []");
     check_contains("warned", "summary.json", "\"energy\": {\"elastic_start\": ");
@@ -146,12 +88,6 @@ static void test_unconverged(void **unused)
     overrides[0] = "solver={ method: descent, iterations: 2000 }";
     run_scene(SHELL, overrides, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "unconverged"));
-    /* beyond the largest pressure that the balloon can hold: iterations do not help */
-    overrides[0] = "solver={ method: static }";
-    overrides[1] = "bodies.ball.pressure.inside=200000";
-    run_scene(SHELL, overrides, 2, NULL, 0, &summary);
-    assert_non_null(find_warning(&summary, "unconverged"));
-    assert_non_null(strstr(find_warning(&summary, "unconverged")->text, "use more steps (solver.steps"));
 }
 
 /* a twisted strip: the moment on the grasp, bending included, does the work that the strip holds */
@@ -300,27 +236,6 @@ static void test_lost_grasp(void **unused)
     assert_null(find_warning(&summary, "grasp-lost"));
 }
 
-static void test_millimetres(void **unused)
-{
-    (void)unused;
-    static const char large[] =
-        "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1, radius: 50 } }]\nduration: 1\n";
-    const char *overrides[] = {"bodies.0.mesh.scale=0.001"};
-    pel_run_summary summary;
-    run_scene(large, NULL, 0, NULL, 1, &summary);
-    assert_non_null(find_warning(&summary, "millimetres"));
-    run_scene(large, overrides, 1, NULL, 1, &summary);
-    assert_null(find_warning(&summary, "millimetres"));
-    /* a thick shell may be large; a thin one as large is doubtful */
-    const char *shell[] = {"bodies.0.mesh.radius=50", "bodies.0.membrane={ young: 1e6, thickness: 0.1 }",
-                           "solver.method=pbd"};
-    run_scene(SHELL, shell, 3, NULL, 1, &summary);
-    assert_null(find_warning(&summary, "millimetres"));
-    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.001 }";
-    run_scene(SHELL, shell, 3, NULL, 1, &summary);
-    assert_non_null(find_warning(&summary, "millimetres"));
-}
-
 /* a ball under a tool; %s: more of it */
 #define PRESSED                                                                                                        \
     "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
@@ -391,7 +306,8 @@ static void test_energy_appears(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
-/* a sheet that supports stretch in one step of statics: the mean of their force is not its path, more steps are */
+/* A sheet that supports stretch in one step of statics: the mean of their force is not its path, so the ledger does not
+   balance, but the sheet is in equilibrium, and the force of the supports is right. */
 static void test_energy_of_supports(void **unused)
 {
     (void)unused;
@@ -405,11 +321,10 @@ static void test_energy_of_supports(void **unused)
     const char *overrides[] = {"bodies.0.supports.1.keys=[[0, 0], [1, 1]]", "solver.steps=10"};
     pel_run_summary summary;
     run_scene(scene, NULL, 0, NULL, 0, &summary);
-    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
-    assert_non_null(warning);
-    assert_non_null(strstr(warning->text, "give them keys and raise solver.steps"));
+    assert_true(summary.ledger.energy_error > summary.ledger.tolerance);
+    assert_int_equal(summary.warning_count, 0);
     run_scene(scene, overrides, 2, NULL, 0, &summary);
-    assert_null(find_warning(&summary, "energy-appears"));
+    assert_true(summary.ledger.energy_error < summary.ledger.tolerance);
 }
 
 /* the work of gravity on a slab held by friction is rounding */
@@ -774,7 +689,6 @@ int main(void)
         cmocka_unit_test(test_twist),
         cmocka_unit_test(test_swing),
         cmocka_unit_test(test_lost_grasp),
-        cmocka_unit_test(test_millimetres),
         cmocka_unit_test(test_coarse_mesh),
         cmocka_unit_test(test_inverted_mesh),
         cmocka_unit_test(test_energy_appears),

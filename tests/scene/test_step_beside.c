@@ -110,7 +110,7 @@ static void read(stage *s, double readings[READINGS])
                                   measures.elastic_energy,
                                   ledger.work_loads,
                                   support.force[0],
-                                  measures.volume_ratio};
+                                  measures.volume};
     memcpy(readings, all, sizeof all);
 }
 

@@ -1,4 +1,5 @@
 /* Tools that start inside a body: the way out that the error tells, for every shape. */
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/shape.h"
 #include "sim/contact_scene.h"
@@ -114,9 +115,59 @@ static void test_sheet(void **unused)
     scene_end(&scene, sim);
 }
 
+static void begin_bag(contact_scene *scene, bool is_filled, bool is_mesh)
+{
+    scene_begin(scene, PEL_METHOD_XPBD);
+    scene_body(scene, make_sphere(6));
+    pel_body_def *body = &scene->bodies[0];
+    body->shell.membrane.on = true;
+    body->shell.membrane.young.value = 1e4;
+    body->shell.membrane.thickness.value = 0.01;
+    body->spring_stiffness.value = 0;
+    body->volumetric_stiffness.value = is_filled;
+    pel_tool_def *tool = scene_tool(scene, is_mesh ? PEL_TOOL_MESH : PEL_TOOL_SPHERE);
+    tool->radius = 0.3;
+    tool->mesh = is_mesh ? (scene->tool_mesh = make_box_mesh(0.2)) : NULL;
+    scene->def.contact.enabled = is_mesh;
+    scene_move(scene, 0, 0, 0, 3, 3, 1);
+}
+
+/* a tool in a bag is its content and carries it along; one that cuts the wall, or is in a filled body, is refused */
+static void test_content(void **unused)
+{
+    (void)unused;
+    static const double right[3] = {1, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        bool is_filled = i % 2 == 1, is_mesh = i / 2 == 1;
+        contact_scene scene;
+        begin_bag(&scene, is_filled, is_mesh);
+        pel_sim *sim = scene_create(&scene);
+        if (!is_filled && !is_mesh)
+            check_way(&scene, 0.9, 0, 0, 0.4, right);
+        scene_move(&scene, 0, 0, 0, 0, 1.5, 0.5);
+        assert_true((way_told(&scene) < 0) == !is_filled);
+        pel_sim_destroy(sim);
+        if (is_filled) {
+            scene_end(&scene, NULL);
+            continue;
+        }
+        sim = make_sim(&scene.def);
+        run_steps(sim, 60);
+        double x[362][3], top = 0;
+        int32_t count = pel_sim_vertex_count(sim, 0);
+        assert_int_equal(count, 362);
+        pel_sim_get_positions(sim, 0, x[0]);
+        for (int32_t v = 0; v < count; v++)
+            top = pel_max(top, x[v][2]);
+        /* the top of the tool is at 1.8, or at 1.7 */
+        assert_true(top > 1.65);
+        scene_end(&scene, sim);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_block), cmocka_unit_test(test_tilted_block),
-                                       cmocka_unit_test(test_sheet)};
+                                       cmocka_unit_test(test_sheet), cmocka_unit_test(test_content)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

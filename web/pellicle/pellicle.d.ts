@@ -103,6 +103,7 @@ export interface Summary {
     readonly tools: readonly { name: string; position: readonly number[]; rotation: readonly number[]; force: readonly number[] }[];
     /** energies and works in J, displacement in m */
     readonly measures: {
+        readonly volume: number | null;
         readonly volume_ratio: number | null;
         readonly area_ratio: number;
         readonly elastic_energy: number;

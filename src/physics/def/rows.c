@@ -103,7 +103,7 @@ static const pel_def_row rows[] = {
     {"bodies[].mass.per_vertex", BODY(mass, MASS), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, .initial = 1,
      WHEN(is_per_vertex), .doc = "mass of each vertex (paper A: 1)"},
     {"bodies[].mass.total", BODY(mass, MASS), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, WHEN(is_total),
-     .doc = "mass of the body, distributed evenly over its vertices"},
+     .doc = "mass of the body, distributed over its surface by area"},
     {"bodies[].mass.density", BODY(mass, MASS), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, .preset = "1000",
      WHEN(is_density), .doc = "density of the material"},
     {"bodies[].mass.thickness", BODY(thickness, MASS), .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP,

@@ -20,6 +20,8 @@
 #include <stdio.h>
 #include <string.h>
 
+/* a closed surface that encloses less than this share of area^1.5 is flat; a ball has 0.094 */
+#define LEAST_VOLUME 1e-6
 enum { BODY_COOKIE = 0x626f6479, MODEL_COOKIE = 0x6d6f6465 };
 
 pel_body_def pel_body_def_default(void)
@@ -155,9 +157,13 @@ static pel_status lump_areas(const pel_mesh *mesh, double *areas, double *total,
 }
 
 /* about the first vertex */
-static double rest_volume(const pel_mesh *mesh)
+static void measure_volume(pel_body *body)
 {
-    return pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
+    const pel_mesh *mesh = body->mesh;
+    double flat = LEAST_VOLUME * body->rest_area * sqrt(body->rest_area);
+    body->rest_volume =
+        pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, mesh->positions[0]);
+    body->has_volume = body->closed && fabs(body->rest_volume) > flat;
 }
 
 /* ---- arrays ---- */
@@ -198,7 +204,6 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
 {
     int32_t first = body->slice_begin * PEL_WIDTH, last = body->slice_end * PEL_WIDTH;
     double mean_area = body->rest_area / def->reference_count, depth = def->volumetric_depth;
-    int32_t base_count = pel_origins_base_count(def);
     for (int32_t i = first; i < last; i++) {
         bool padding = i - first >= def->mesh->vertex_count;
         int32_t v = order[padding ? 0 : i - first];
@@ -213,7 +218,7 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         body->model_index[v] = i;
         double mass = part * def->mass;
         if (def->mass_kind == PEL_MASS_TOTAL)
-            mass /= base_count;
+            mass = def->mass * (areas[v] / body->rest_area);
         else if (def->mass_kind == PEL_MASS_DENSITY)
             mass = def->mass * (pel_quantity_at(&def->thickness, v) * areas[v]);
         model->mass[i] = (pel_real)mass;
@@ -547,7 +552,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);
         for (int32_t b = 0; status == PEL_OK && b < def->body_count; b++)
-            made->bodies[b].rest_volume = rest_volume(made->bodies[b].mesh);
+            measure_volume(&made->bodies[b]);
         if (status == PEL_OK)
             status = keep_def(made, def, error);
     }
@@ -573,7 +578,7 @@ static pel_status refill_vertices(pel_model *model, int32_t b, pel_error *error)
 {
     pel_body *body = &model->bodies[b];
     const pel_body_def *def = &model->def.bodies[b];
-    bool has_areas = def->volumetric_by_area || def->volumetric_depth > 0 || def->mass_kind == PEL_MASS_DENSITY;
+    bool has_areas = def->volumetric_by_area || def->volumetric_depth > 0 || def->mass_kind != PEL_MASS_PER_VERTEX;
     double *areas = NULL;
     pel_status status = PEL_OK;
     if (has_areas) {

@@ -58,6 +58,7 @@ typedef struct pel_body {
     bool has_volumetric;
     bool is_foundation; /* its volumetric springs follow from a material: by area over depth */
     bool closed;
+    bool has_volume;      /* it is closed and not flat at rest */
     int32_t turned_count; /* triangles of the mesh as given that were inside out */
     double rest_volume, rest_area;
     double diameter;                         /* diagonal of the rest bounding box */

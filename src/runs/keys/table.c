@@ -49,7 +49,7 @@ static const pel_def_row run_rows[] = {
     {"output.compress", OUTPUT(compress), BOOLEAN, .preset = "false",
      .doc = "compresses the .vtp files (zlib): less than half the size; writing takes several times as long"},
     {"output.precision", OUTPUT(float64), WORD("single", "double"), .preset = "single",
-     .doc = "precision of the .vtp files"},
+     .doc = "precision of the .vtp files; single becomes double where it would lose 1e-5 of the size of a body"},
     {"output.checkpoint", OUTPUT(checkpoint), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
      .doc = "simulated time between checkpoints; 0: keeps only the last good state of a run that fails, is stopped or "
             "is killed"},

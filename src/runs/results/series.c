@@ -13,9 +13,10 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char first_columns[] = "frame,time,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,"
-                                    "max_force,vertices,triangles,contacts,step_ms";
-enum { FIRST_COLUMN_COUNT = 12 };
+static const char first_columns[] =
+    "frame,time,volume,volume_ratio,area_ratio,kinetic_energy,elastic_energy,max_displacement,"
+    "max_force,vertices,triangles,contacts,step_ms";
+enum { FIRST_COLUMN_COUNT = 13 };
 
 static const char *const tool_columns[] = {"force",    "force_x",  "force_y",  "force_z",    "contacts",
                                            "x",        "y",        "z",        "force_max",  "held",
@@ -44,7 +45,8 @@ static void put_number(pel_run_series *series, double value)
     char text[PEL_NUMBER_SIZE];
     pel_number_print(text, value);
     put_text(series, ",");
-    put_text(series, text);
+    /* a number that does not exist is an empty cell */
+    put_text(series, isnan(value) ? "" : text);
 }
 
 static void put_count(pel_run_series *series, const char *before, int64_t value)
@@ -362,9 +364,9 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
     const pel_sim_measures *m = &row->measures;
     series->length = 0;
     put_count(series, "", row->frame);
-    const double numbers[7] = {pel_sim_time(sim), m->volume_ratio,     m->area_ratio, m->kinetic_energy,
-                               m->elastic_energy, m->max_displacement, m->max_force};
-    for (int i = 0; i < 7; i++)
+    const double numbers[] = {pel_sim_time(sim), m->volume,         m->volume_ratio,     m->area_ratio,
+                              m->kinetic_energy, m->elastic_energy, m->max_displacement, m->max_force};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         put_number(series, numbers[i]);
     put_count(series, ",", m->vertex_count);
     put_count(series, ",", m->triangle_count);

@@ -181,6 +181,7 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     pel_json_number(json, "time_simulated", s->time_simulated);
     pel_json_number(json, "wall_s", s->wall_s);
     pel_json_number(json, "steps_per_second", s->steps_per_second);
+    pel_json_number(json, "volume_final", s->volume_final);
     pel_json_number(json, "volume_ratio_final", s->volume_ratio_final);
     pel_json_number(json, "area_ratio_final", s->area_ratio_final);
     pel_json_number(json, "max_displacement", s->max_displacement);

@@ -4,14 +4,20 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "base/text.h"
+#include "math/bounds.h"
 #include "math/extremes.h"
+#include "math/vec3.h"
 #include "observe/field.h"
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/sim_surface.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* of the size of a body: error of positions from which float does not suffice */
+#define FLOAT_ERROR 1e-5
 
 /* sources of fields that change with the surface alone */
 enum { SOURCE_MESH = PEL_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
@@ -372,6 +378,27 @@ pel_status pel_run_surface_read(pel_run_surface *surface, pel_sim *sim, pel_erro
     return read_fields(surface, sim, error);
 }
 
+bool pel_positions_need_double(const double *positions, int32_t vertex_count)
+{
+    double low[3], high[3], farthest = 0;
+    pel_bounds_clear(low, high);
+    for (int32_t v = 0; v < vertex_count; v++)
+        pel_bounds_add(low, high, positions + 3 * (size_t)v);
+    for (int c = 0; c < 3; c++)
+        farthest = pel_max(farthest, pel_max(fabs(low[c]), fabs(high[c])));
+    return vertex_count > 0 && 0.5 * (double)FLT_EPSILON * farthest > FLOAT_ERROR * pel_vec3_distance(low, high);
+}
+
+/* a body of its own may be small and far away */
+static bool needs_double(const pel_run_surface *surface)
+{
+    bool needs = false;
+    for (int32_t b = 0; b < surface->body_count; b++)
+        needs |= pel_positions_need_double(surface->positions + 3 * (size_t)surface->begin[b],
+                                           surface->begin[b + 1] - surface->begin[b]);
+    return needs;
+}
+
 pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def *output, const char *path,
                                  pel_error *error)
 {
@@ -386,7 +413,7 @@ pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def 
         .cell_field_count = surface->cell_field_count,
         .time = surface->time,
         .compress = output->compress,
-        .float64 = output->float64,
+        .float64 = output->float64 || needs_double(surface),
     };
     return pel_vtp_writer_write(surface->writer, path, &vtp, error);
 }

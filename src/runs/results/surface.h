@@ -36,7 +36,9 @@ void pel_run_surface_destroy(pel_run_surface *surface);
 
 /* Copies positions and fields of the simulation, which may continue before they are written. PEL_OUT_OF_MEMORY. */
 pel_status pel_run_surface_read(pel_run_surface *surface, pel_sim *sim, pel_error *error);
-/* Writes the last reading. */
+/* whether float positions would lose 1e-5 of their extent, as far from the origin */
+bool pel_positions_need_double(const double *positions, int32_t vertex_count);
+/* Writes the last reading, in double if asked for or needed. */
 pel_status pel_run_surface_write(pel_run_surface *surface, const pel_output_def *output, const char *path,
                                  pel_error *error);
 

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "geom/solid_surface.h"
 #include "results/folder.h"
+#include "results/surface.h"
 #include "tool/tool.h"
 
 #include <stdio.h>
@@ -153,7 +154,7 @@ static pel_status write_tool(const pel_tool_surface *surface, double time, const
         .triangles = surface->triangles[0],
         .time = time,
         .compress = output->compress,
-        .float64 = output->float64,
+        .float64 = output->float64 || pel_positions_need_double(surface->positions[0], surface->vertex_count),
     };
     return pel_vtp_write(path, &vtp, error);
 }

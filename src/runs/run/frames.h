@@ -11,7 +11,7 @@
 #include "results/tool_surface.h"
 #include "run/kept.h"
 #include "run/plan.h"
-#include "run/warnings.h"
+#include "run/tally.h"
 
 /* numbers that are kept of each tool */
 enum { PEL_TOOL_NUMBERS = 3 };

@@ -12,6 +12,7 @@
 #include "pellicle/sim_adjoint.h"
 #include "results/files.h"
 #include "run/state.h"
+#include "run/warnings.h"
 #include "sim/sim.h"
 #include "sim/snapshot.h"
 
@@ -172,13 +173,13 @@ static pel_status check_stop(const pel_run_state *run, pel_error *error)
 {
     bool any = !(run->scene->least_volume_ratio > 0);
     for (int32_t b = 0; b < pel_model_body_count(run->model); b++)
-        any |= pel_model_is_closed(run->model, b);
+        any |= run->model->bodies[b].has_volume;
     if (any)
         return PEL_OK;
     return pel_refuse(
         error, PEL_BAD_SCENE,
         "close the mesh with `pellicle check FILE --fix OUT --fill-holes 1000`, or stop by frames or time",
-        "stop.volume_ratio_below needs a volume, but no body is closed");
+        "stop.volume_ratio_below needs a volume, but each body is open, or flat at rest");
 }
 
 /* remedy for a run that xpbd makes too soft */

@@ -3,6 +3,7 @@
 #include "math/extremes.h"
 #include "pellicle/sim_reading.h"
 #include "run/state.h"
+#include "run/warnings.h"
 #include "scene/build.h"
 #include "stage/stepper.h"
 
@@ -44,6 +45,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .time_simulated = pel_sim_time(sim),
         .wall_s = totals->wall_seconds + pel_seconds() - run->start,
         .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
+        .volume_final = run->measures.volume,
         .volume_ratio_final = run->measures.volume_ratio,
         .area_ratio_final = run->measures.area_ratio,
         .max_displacement = pel_max(totals->max_displacement, run->measures.max_displacement),

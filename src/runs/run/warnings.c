@@ -1,5 +1,6 @@
 #include "run/warnings.h"
 
+#include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/extremes.h"
@@ -14,6 +15,7 @@
 #include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
+#include "run/warnings_bodies.h"
 #include "run/warnings_shell.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
@@ -33,19 +35,15 @@
 /* share from which one step is enough */
 #define JAM_AT_ONCE 0.5
 enum { JAM_STEPS = 10 };
-/* thickness over size: a large body as thin as that is probably measured in millimetres */
-#define THIN_SHARE 1e-4
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
-/* shares of the elastic energy of shells above which bending matters, and of the supplied energy below which is
-   rounding */
-#define LAYER_SHARE 0.1
-#define LEAST_ENERGY 1e-6
-
 /* a tool that touches fewer vertices has a force that depends on the mesh: a disc with a radius of three edges has 33.
    Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
    (docs/scenes.md) */
 enum { LEAST_CONTACTS = 30 };
+/* rounding errors of a position, in units of the last place; of the supplied energy: an excess that counts */
+#define ROUNDING_ERRORS 8
+#define EXCESS_SHARE 0.05
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
 
@@ -69,6 +67,11 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_HELD_IN_PLACE] = "held-in-place",
     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
     [PEL_WARN_CLOSE_START] = "close-start",
+    [PEL_WARN_POISSON] = "poisson-above-half",
+    [PEL_WARN_WEIGHTLESS] = "weightless-filling",
+    [PEL_WARN_HOLLOW] = "hollow-body",
+    [PEL_WARN_FALLS] = "falls-away",
+    [PEL_WARN_NOTHING] = "nothing-acts",
     [PEL_WARN_HINGE_ROW] = "hinge-row",
     [PEL_WARN_OPEN_SEAM] = "open-seam",
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
@@ -76,36 +79,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
 };
 
-void pel_warn(pel_warning_tallies *tallies, pel_warning_kind kind, int64_t frame, double value)
-{
-    pel_warning_tally *tally = &tallies->of[kind];
-    if (tally->count == 0 || frame < tally->first_frame)
-        tally->first_frame = frame;
-    tally->worst = tally->count == 0 ? value : pel_max(tally->worst, value);
-    tally->count++;
-}
-
-void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from)
-{
-    for (int k = 0; k < PEL_WARN_COUNT; k++) {
-        const pel_warning_tally *more = &from->of[k];
-        if (more->count == 0)
-            continue;
-        pel_warn(tallies, (pel_warning_kind)k, more->first_frame, more->worst);
-        tallies->of[k].count += more->count - 1;
-    }
-    *from = (pel_warning_tallies){0};
-}
-
 /* ---- the scene ---- */
-
-static double mean_of(const pel_quantity *quantity, int32_t count)
-{
-    double sum = 0;
-    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
-        sum += quantity->field[v] / count;
-    return quantity->field != NULL ? sum : quantity->value;
-}
 
 static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
 {
@@ -149,14 +123,6 @@ static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *ed
     return PEL_OK;
 }
 
-/* remembers the first body of its kind for the text */
-static void flag_body(pel_run_state *run, pel_warning_kind kind, int32_t b, double value, double limit)
-{
-    if (run->totals.warnings.of[kind].count == 0)
-        run->flagged[kind] = (pel_flagged_body){b, value, limit};
-    pel_warn(&run->totals.warnings, kind, 0, value);
-}
-
 /* Edges against sqrt(R h), the width of the layer in which a load bends a shell as well as stretching it (Calladine
    1983, Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter edges where needed. Loads
    that only stretch need no such edges: frames show whether it bends (bends_locally). */
@@ -172,19 +138,10 @@ static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
     if (status != PEL_OK)
         return status;
     edge = ldexp(edge, -body->refine.levels);
-    double limit = sqrt(radius * mean_of(&membrane->thickness, body->mesh->vertex_count));
+    double limit = sqrt(radius * pel_mean_quantity(&membrane->thickness, body->mesh->vertex_count));
     if (edge > limit && !(run->flagged[PEL_WARN_COARSE].limit > 0))
         run->flagged[PEL_WARN_COARSE] = (pel_flagged_body){b, edge, limit};
     return PEL_OK;
-}
-
-static void check_size(pel_run_state *run, int32_t b)
-{
-    const pel_body_def *body = &run->scene->model.bodies[b];
-    const pel_membrane_def *membrane = &body->shell.membrane;
-    double size = pel_mesh_diagonal(body->mesh), thickness = mean_of(&membrane->thickness, body->mesh->vertex_count);
-    if (size > PEL_LARGE_BODY && !(membrane->on && thickness > THIN_SHARE * size))
-        flag_body(run, PEL_WARN_MILLIMETRES, b, size, PEL_LARGE_BODY);
 }
 
 /* the model turned inside-out parts, so that pressure and volume have their usual sign */
@@ -192,7 +149,7 @@ static void check_orientation(pel_run_state *run, int32_t b)
 {
     int32_t turned = pel_model_turned_count(run->model, b);
     if (turned > 0)
-        flag_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
+        pel_warn_body(run, PEL_WARN_INVERTED_MESH, b, turned, 0);
 }
 
 /* at a place by something other than its filling */
@@ -212,10 +169,10 @@ static bool is_supported(const pel_scene *scene, int32_t b)
 static void check_filling(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
-    double stiffness = mean_of(&body->volumetric_stiffness, body->mesh->vertex_count);
+    double stiffness = pel_mean_quantity(&body->volumetric_stiffness, body->mesh->vertex_count);
     double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
     if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
-        flag_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
+        pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
 }
 
 /* elements nearer to each other than the thickness; intersections that the scene accepts are another matter */
@@ -248,7 +205,7 @@ static pel_status check_seams(pel_run_state *run, int32_t b, pel_error *error)
         return pel_fail_memory(error);
     const int32_t open_count = near.open_count + near.closed_count - exact.closed_count;
     if (open_count > 0)
-        flag_body(run, PEL_WARN_OPEN_SEAM, b, open_count, gap);
+        pel_warn_body(run, PEL_WARN_OPEN_SEAM, b, open_count, gap);
     return PEL_OK;
 }
 
@@ -265,7 +222,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
         status = check_edges(run, b, error);
         if (status == PEL_OK)
             status = check_seams(run, b, error);
-        check_size(run, b);
+        pel_warnings_check_body(run, b);
         check_orientation(run, b);
         check_filling(run, b);
     }
@@ -340,26 +297,6 @@ void pel_warnings_check_step(pel_run_state *run)
     check_tools(run, frame);
 }
 
-/* In that layer bending and stretching have energies of the same size (Pogorelov 1988, Bendings of Surfaces and
-   Stability of Shells, chapter 1). In a membrane state the share of bending is h / R; inextensional bending extends
-   over the length of the body. */
-static bool bends_locally(const pel_sim_measures *measures, const pel_sim_ledger *ledger)
-{
-    double bending = measures->bending_energy, both = bending + measures->membrane_energy;
-    return both > LEAST_ENERGY * ledger->supplied && bending > LAYER_SHARE * both && bending < (1 - LAYER_SHARE) * both;
-}
-
-void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
-                              const pel_sim_ledger *ledger)
-{
-    if (measures->least_volume_ratio <= 0)
-        pel_warn(tallies, PEL_WARN_INVERTED_VOLUME, frame, -measures->least_volume_ratio);
-    if (bends_locally(measures, ledger))
-        pel_warn(tallies, PEL_WARN_COARSE, frame, 0);
-    if (ledger->energy_error > ledger->tolerance)
-        pel_warn(tallies, PEL_WARN_ENERGY, frame, ledger->energy_error);
-}
-
 /* ---- the end ---- */
 
 /* vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
@@ -406,18 +343,12 @@ void pel_warnings_check_end(pel_run_state *run)
             pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
     pel_warnings_check_loads(run);
     check_rest(run, frame);
+    pel_warnings_check_bodies_end(run, frame);
 }
 
 /* ---- texts ---- */
 
-typedef struct text_context {
-    const pel_run_state *run;
-    const pel_warning_tally *tally;
-    char *text;
-    size_t size;
-} text_context;
-
-static void tell_softness(const text_context *at)
+static void tell_softness(const pel_warning_text *at)
 {
     const pel_solver_def *solver = &at->run->scene->sim.solver;
     const pel_model *model = at->run->model;
@@ -432,14 +363,14 @@ static void tell_softness(const text_context *at)
              (int)reading.needed_substeps, has_other ? ", or method implicit" : "");
 }
 
-static const pel_flagged_body *flagged_of(const text_context *at, pel_warning_kind kind, const char **name)
+static const pel_flagged_body *flagged_of(const pel_warning_text *at, pel_warning_kind kind, const char **name)
 {
     const pel_flagged_body *flagged = &at->run->flagged[kind];
     *name = at->run->scene->model.bodies[flagged->body].name;
     return flagged;
 }
 
-static void tell_coarseness(const text_context *at)
+static void tell_coarseness(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_COARSE, &name);
@@ -449,16 +380,7 @@ static void tell_coarseness(const text_context *at)
              name, flagged->value, flagged->limit, pel_max(ceil(pel_log2(flagged->value / flagged->limit)), 1), name);
 }
 
-static void tell_millimetres(const text_context *at)
-{
-    const char *name;
-    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_MILLIMETRES, &name);
-    snprintf(at->text, at->size,
-             "body '%s' is %.4g m across. if its mesh is in millimetres, write mesh: { ..., scale: 0.001 }", name,
-             flagged->value);
-}
-
-static void tell_open_seam(const text_context *at)
+static void tell_open_seam(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_OPEN_SEAM, &name);
@@ -470,7 +392,7 @@ static void tell_open_seam(const text_context *at)
         name, flagged->value, flagged->limit, flagged->limit);
 }
 
-static void tell_inverted_mesh(const text_context *at)
+static void tell_inverted_mesh(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_INVERTED_MESH, &name);
@@ -480,7 +402,7 @@ static void tell_inverted_mesh(const text_context *at)
              name, flagged->value);
 }
 
-static void tell_held_in_place(const text_context *at)
+static void tell_held_in_place(const pel_warning_text *at)
 {
     const char *name;
     flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
@@ -491,7 +413,7 @@ static void tell_held_in_place(const text_context *at)
              name);
 }
 
-static void tell_inverted_volume(const text_context *at)
+static void tell_inverted_volume(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
              "a body turned inside out: its volume is %.3g times that at rest. use smaller loads, switch contact on, "
@@ -500,7 +422,7 @@ static void tell_inverted_volume(const text_context *at)
 }
 
 /* the first body that contact alone may hold; null if there is none */
-static const char *free_body(const text_context *at, bool has_contact)
+static const char *free_body(const pel_warning_text *at, bool has_contact)
 {
     const pel_model_def *model = &at->run->scene->model;
     for (int32_t b = 0; has_contact && b < model->body_count; b++)
@@ -511,7 +433,7 @@ static const char *free_body(const text_context *at, bool has_contact)
 
 /* implicit steps are divided before they fail; static steps have more iterations than they can use, and find equilibria
    that are near */
-static void write_remedy(const text_context *at, bool has_contact, int32_t automatic, char *text, size_t size)
+static void write_remedy(const pel_warning_text *at, bool has_contact, int32_t automatic, char *text, size_t size)
 {
     const pel_solver_def *solver = &at->run->scene->sim.solver;
     const pel_stepper *stepper = pel_stepper_of(solver->method);
@@ -534,7 +456,7 @@ static void write_remedy(const text_context *at, bool has_contact, int32_t autom
                  (int)(solver->iterations > 0 ? solver->iterations : automatic));
 }
 
-static void tell_unconverged(const text_context *at)
+static void tell_unconverged(const pel_warning_text *at)
 {
     const pel_sim_def *sim = &at->run->scene->sim;
     if (pel_sim_get_path_end(at->run->sim) == PEL_PATH_END_LOST) {
@@ -555,7 +477,7 @@ static void tell_unconverged(const text_context *at)
              in_rounds ? ", or contacts are not settled" : "", remedy);
 }
 
-static void tell_unstable(const text_context *at)
+static void tell_unstable(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64 " states are unstable equilibria (buckling), and no stable one was found near "
@@ -563,7 +485,7 @@ static void tell_unstable(const text_context *at)
              at->tally->count, pel_sim_step_count(at->run->sim));
 }
 
-static void tell_stray(const text_context *at)
+static void tell_stray(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_STRAY, &name);
@@ -581,7 +503,7 @@ static const char *energy_remedy(const pel_sim_def *sim)
     return is_step ? "use a smaller solver.dt" : stepper->energy_remedy;
 }
 
-static void tell_energy(const text_context *at)
+static void tell_energy(const pel_warning_text *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
     const char *remedy = energy_remedy(&at->run->scene->sim);
@@ -592,7 +514,7 @@ static void tell_energy(const text_context *at)
         snprintf(at->text, at->size, "%.3g J appeared, though nothing was supplied. %s", worst, remedy);
 }
 
-static void tell_jam(const text_context *at)
+static void tell_jam(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
              "contact stepped back up to %.0f %% of all vertices, and in %" PRId64
@@ -640,7 +562,7 @@ static const char *others_text(const first_tool *first, char text[40])
     return text;
 }
 
-static void tell_tool(const text_context *at)
+static void tell_tool(const pel_warning_text *at)
 {
     char others[40];
     first_tool first = find_first_tool(at->run->sim, false);
@@ -650,7 +572,7 @@ static void tell_tool(const text_context *at)
              first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
 }
 
-static void tell_grasp(const text_context *at)
+static void tell_grasp(const pel_warning_text *at)
 {
     char others[40];
     first_tool first = find_first_tool(at->run->sim, true);
@@ -661,7 +583,7 @@ static void tell_grasp(const text_context *at)
              at->tally->count > 1 ? " and later" : "");
 }
 
-static void tell_empty_grasp(const text_context *at)
+static void tell_empty_grasp(const pel_warning_text *at)
 {
     const pel_sim_def *def = &at->run->scene->sim;
     int32_t t = (int32_t)-pel_min(at->tally->worst, 0);
@@ -672,7 +594,7 @@ static void tell_empty_grasp(const text_context *at)
              t < def->tool_count ? def->tools[t].name : "", at->tally->count);
 }
 
-static void tell_uncounted(const text_context *at)
+static void tell_uncounted(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
              "self-intersections at the end are not counted: too many triangles overlap, as around a vertex of "
@@ -718,7 +640,7 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
                  levels, 2.5 * mean_edge(body->mesh));
 }
 
-static void tell_coarse_contact(const text_context *at)
+static void tell_coarse_contact(const pel_warning_text *at)
 {
     char remedy[200];
     int32_t t = find_coarsest(at->run), contacts = at->run->tool_count > 0 ? pressed_count(at->run, t) : 0;
@@ -731,7 +653,7 @@ static void tell_coarse_contact(const text_context *at)
 }
 
 /* of the tool that is told, and of the bodies that it may touch */
-static void tell_idle_tool(const text_context *at)
+static void tell_idle_tool(const pel_warning_text *at)
 {
     const pel_scene *scene = at->run->scene;
     int32_t t = (int32_t)-pel_min(at->tally->worst, 0);
@@ -753,7 +675,7 @@ static void tell_idle_tool(const text_context *at)
         high[2]);
 }
 
-static void tell_close_start(const text_context *at)
+static void tell_close_start(const pel_warning_text *at)
 {
     const pel_start_gap *gap = &at->run->start_gap;
     char first[PEL_NAME_SIZE + 16], second[PEL_NAME_SIZE + 16];
@@ -767,7 +689,7 @@ static void tell_close_start(const text_context *at)
         same ? "parts of " : "", first, same ? "" : " and ", same ? "" : second, gap->gap, gap->thickness, gap->gap);
 }
 
-static void tell_unsettled(const text_context *at)
+static void tell_unsettled(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
              "the run ended before it settled: a net force of %.3g N remains, %.0f %% of the largest force. use a "
@@ -775,30 +697,35 @@ static void tell_unsettled(const text_context *at)
              at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
-static void tell_row(const text_context *at)
+static void tell_row(const pel_warning_text *at)
 {
     pel_warnings_tell_row(at->run, at->text, at->size);
 }
 
-static void tell_pressure(const text_context *at)
+static void tell_pressure(const pel_warning_text *at)
 {
     pel_warnings_tell_pressure(at->run, at->text, at->size);
 }
 
-static void tell_load(const text_context *at)
+static void tell_load(const pel_warning_text *at)
 {
     pel_warnings_tell_load(at->run, at->text, at->size);
 }
 
-static void tell_mode(const text_context *at)
+static void tell_mode(const pel_warning_text *at)
 {
     pel_warnings_tell_mode(at->run, at->text, at->size);
 }
 
-static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
+static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_SOFT] = tell_softness,
     [PEL_WARN_COARSE] = tell_coarseness,
-    [PEL_WARN_MILLIMETRES] = tell_millimetres,
+    [PEL_WARN_MILLIMETRES] = pel_tell_millimetres,
+    [PEL_WARN_POISSON] = pel_tell_poisson,
+    [PEL_WARN_WEIGHTLESS] = pel_tell_weightless,
+    [PEL_WARN_HOLLOW] = pel_tell_hollow,
+    [PEL_WARN_FALLS] = pel_tell_falls,
+    [PEL_WARN_NOTHING] = pel_tell_nothing,
     [PEL_WARN_INVERTED_MESH] = tell_inverted_mesh,
     [PEL_WARN_HELD_IN_PLACE] = tell_held_in_place,
     [PEL_WARN_INVERTED_VOLUME] = tell_inverted_volume,
@@ -822,11 +749,40 @@ static void (*const tellers[PEL_WARN_COUNT])(const text_context *at) = {
     [PEL_WARN_COARSE_MODE] = tell_mode,
 };
 
-/* created energy is compared with all energy supplied until the end of the run */
+/* J: positions are rounded in each substep, and the velocity takes that over its length */
+static double motion_noise(const pel_run_state *run)
+{
+    double mass = 0, farthest = 0, shortest = run->plan.dt;
+    pel_solver_reading solver;
+    pel_sim_get_solver(run->sim, &solver);
+    shortest /= pel_max(solver.most_substeps, 1);
+    for (int32_t v = 0; v < run->model->vertex_count; v++) {
+        mass += (double)run->model->mass[v];
+        for (int c = 0; c < 3; c++)
+            farthest = pel_max(farthest, fabs((double)run->model->rest[v][c]));
+    }
+    double speed = ROUNDING_ERRORS * (double)PEL_REAL_EPSILON * farthest / shortest;
+    return 0.5 * mass * speed * speed * pel_sim_time(run->sim) / shortest;
+}
+
+/* Created energy is compared with all energy supplied until the end of the run. Steps of statics that converged are
+   equilibria, whatever lies between them: there the ledger only shows that the work between them is that of the mean of
+   both forces. */
+static bool has_energy_appeared(const pel_run_state *run)
+{
+    const pel_warning_tally *tally = &run->totals.warnings.of[PEL_WARN_ENERGY];
+    const pel_stepper *stepper = pel_stepper_of(run->scene->sim.solver.method);
+    if (tally->count == 0 || !(tally->worst > run->ledger.tolerance))
+        return false;
+    if (stepper->is_static)
+        return run->totals.warnings.of[PEL_WARN_UNCONVERGED].count > 0;
+    return !stepper->has_velocity || tally->worst > EXCESS_SHARE * run->ledger.supplied + motion_noise(run);
+}
+
 static bool holds(const pel_run_state *run, pel_warning_kind kind)
 {
     const pel_warning_tally *tally = &run->totals.warnings.of[kind];
-    if (kind == PEL_WARN_COARSE)
+    if (kind == PEL_WARN_COARSE || kind == PEL_WARN_HOLLOW)
         return tally->count > 0 && run->flagged[kind].limit > 0;
     /* checkpoints do not contain the body: it is found again while it is away */
     if (kind == PEL_WARN_STRAY)
@@ -834,7 +790,7 @@ static bool holds(const pel_run_state *run, pel_warning_kind kind)
     if (kind == PEL_WARN_JAMMED)
         return tally->count >= JAM_STEPS || (tally->count > 0 && tally->worst >= JAM_AT_ONCE);
     if (kind == PEL_WARN_ENERGY)
-        return tally->count > 0 && tally->worst > run->ledger.tolerance;
+        return has_energy_appeared(run);
     return tally->count > 0;
 }
 
@@ -847,7 +803,7 @@ int32_t pel_warnings_list(const pel_run_state *run, pel_run_warning *warnings)
             continue;
         pel_run_warning *warning = &warnings[count++];
         *warning = (pel_run_warning){.code = codes[k], .first_frame = tally->first_frame, .count = tally->count};
-        text_context at = {run, tally, warning->text, sizeof warning->text};
+        pel_warning_text at = {run, tally, warning->text, sizeof warning->text};
         tellers[k](&at);
     }
     return count;
@@ -858,8 +814,8 @@ static bool is_of_scene(int kind)
 {
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
-           kind == PEL_WARN_OPEN_SEAM ||
-           kind == PEL_WARN_LARGEST_PRESSURE;
+           kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE || kind == PEL_WARN_POISSON ||
+           kind == PEL_WARN_WEIGHTLESS;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

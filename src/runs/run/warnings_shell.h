@@ -2,21 +2,21 @@
 #ifndef PEL_RUN_WARNINGS_SHELL_H
 #define PEL_RUN_WARNINGS_SHELL_H
 
-#include "run/warnings.h"
+#include "run/state.h"
 
 /* Before the first step: stiff shells that one row of vertices holds. PEL_OUT_OF_MEMORY. */
-pel_status pel_warnings_check_rows(struct pel_run_state *run, pel_error *error);
+pel_status pel_warnings_check_rows(pel_run_state *run, pel_error *error);
 /* Before the first step: pressures that no state of the body balances. */
-void pel_warnings_check_pressures(struct pel_run_state *run);
+void pel_warnings_check_pressures(pel_run_state *run);
 /* After a step of an analysis: waves of the mode that are short against the edges. */
-void pel_warnings_check_mode(struct pel_run_state *run);
+void pel_warnings_check_mode(pel_run_state *run);
 /* At the end of a run, with its measures: loads on few vertices. */
-void pel_warnings_check_loads(struct pel_run_state *run);
+void pel_warnings_check_loads(pel_run_state *run);
 
 /* their texts */
-void pel_warnings_tell_row(const struct pel_run_state *run, char *text, size_t size);
-void pel_warnings_tell_pressure(const struct pel_run_state *run, char *text, size_t size);
-void pel_warnings_tell_mode(const struct pel_run_state *run, char *text, size_t size);
-void pel_warnings_tell_load(const struct pel_run_state *run, char *text, size_t size);
+void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size);
+void pel_warnings_tell_pressure(const pel_run_state *run, char *text, size_t size);
+void pel_warnings_tell_mode(const pel_run_state *run, char *text, size_t size);
+void pel_warnings_tell_load(const pel_run_state *run, char *text, size_t size);
 
 #endif

@@ -38,6 +38,7 @@ static const struct summary_key {
     }
     KEY(max_displacement, KEY_DOUBLE),
     KEY(residual_displacement, KEY_DOUBLE),
+    KEY_OF(volume_final, KEY_DOUBLE, PEL_RUN_SURFACES),
     KEY_OF(volume_ratio_final, KEY_DOUBLE, PEL_RUN_SURFACES),
     KEY_OF(area_ratio_final, KEY_DOUBLE, PEL_RUN_SURFACES),
     KEY(max_tool_force, KEY_DOUBLE),

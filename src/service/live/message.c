@@ -240,6 +240,7 @@ static void put_measures(pel_json *json, pel_sim *sim)
     pel_sim_measure(sim, &m);
     pel_sim_get_ledger(sim, &ledger);
     pel_json_open(json, "measures", '{');
+    pel_json_number(json, "volume", m.volume);
     pel_json_number(json, "volume_ratio", m.volume_ratio);
     pel_json_number(json, "area_ratio", m.area_ratio);
     pel_json_number(json, "elastic_energy", m.elastic_energy);

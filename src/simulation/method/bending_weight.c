@@ -48,7 +48,7 @@ void pel_bending_weights_follow(pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
-        if (sim->stepper->weighs && is_automatic(body) && body->closed)
+        if (sim->stepper->weighs && is_automatic(body) && body->has_volume)
             follow(&sim->state->bending[b], pel_body_volume(sim->model, b, sim->state->position) / body->rest_volume);
     }
 }

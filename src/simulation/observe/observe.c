@@ -161,16 +161,18 @@ static void measure_surfaces(const pel_sim *sim, pel_sim_measures *measures)
             measure_surface(sim, sim->model->rest, b, &body_rest_area, &body_rest_volume);
         area += body_area;
         rest_area += body_rest_area;
-        volume += body->closed ? body_volume : 0;
-        rest_volume += body->closed ? body_rest_volume : 0;
-        if (body->closed)
+        measures->volume += body->closed ? body_volume : 0;
+        volume += body->has_volume ? body_volume : 0;
+        rest_volume += body->has_volume ? body_rest_volume : 0;
+        if (body->has_volume)
             measures->least_volume_ratio = pel_min(measures->least_volume_ratio, body_volume / body_rest_volume);
         measures->vertex_count += pel_sim_vertex_count(sim, b);
         measures->triangle_count += pel_sim_triangle_count(sim, b);
     }
     measures->area_ratio = area / rest_area;
-    measures->volume_ratio = rest_volume != 0 ? volume / rest_volume : 1;
-    measures->least_volume_ratio = isfinite(measures->least_volume_ratio) ? measures->least_volume_ratio : 1;
+    bool has_volume = isfinite(measures->least_volume_ratio);
+    measures->volume_ratio = has_volume ? volume / rest_volume : (double)NAN;
+    measures->least_volume_ratio = has_volume ? measures->least_volume_ratio : (double)NAN;
 }
 
 double pel_sim_volume_ratio(const pel_sim *sim)

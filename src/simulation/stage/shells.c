@@ -119,7 +119,7 @@ pel_status pel_shells_check_volume(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
-        if (body->shell == NULL || !body->closed || body->shell->pressure.kind == PEL_PRESSURE_NONE)
+        if (body->shell == NULL || !body->has_volume || body->shell->pressure.kind == PEL_PRESSURE_NONE)
             continue;
         double volume = pel_body_volume(sim->model, b, sim->state->position_next), ratio = volume / body->rest_volume;
         sim->checked_volumes[b] = volume;

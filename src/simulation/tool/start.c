@@ -1,6 +1,7 @@
-/* Tools that start inside a body are refused, with the displacement that frees them: the shortest one over the
-   directions tried: the axes of the world and of the tool, the normal of the deepest triangle, and the direction to the
-   point of the surface nearest to the tool's centre. Bisection finds the distance along a direction. */
+/* Tools that start inside a body are refused, with the displacement that frees them; the content of a bag is not. The
+   displacement is the shortest one over the directions tried: the axes of the world and of the tool, the normal of the
+   deepest triangle, and the direction to the point of the surface nearest to the tool's centre. Bisection finds the
+   distance along a direction. */
 #include "tool/start.h"
 
 #include "base/assert.h"
@@ -37,7 +38,8 @@ static void load_corners(const overlap *o, int32_t t, double corner[3][3])
         pel_vertex_position(o->sim->state->position, o->sim->model->triangles[t][c], corner[c]);
 }
 
-bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
+/* true when a point lies inside a closed body */
+static bool is_enclosed(const pel_sim *sim, const double point[3], int32_t body)
 {
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     const overlap o = {sim, NULL, body};
@@ -49,6 +51,14 @@ bool pel_tool_is_enclosed(const pel_sim *sim, const double point[3], int32_t bod
         sum += winding(corner[0], corner[1], corner[2]);
     }
     return fabs(sum) > 0.5;
+}
+
+bool pel_tool_starts_within(const pel_sim *sim, const double point[3], int32_t body)
+{
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
+    const pel_body *own = &sim->model->bodies[body];
+    bool is_bag = own->shell != NULL && own->shell->has_membrane && !own->has_volumetric;
+    return own->closed && !is_bag && is_enclosed(sim, point, body);
 }
 
 /* ---- solids ---- */
@@ -112,7 +122,7 @@ static bool overlaps(const overlap *o, const pel_pose *pose)
     pel_vec3_copy(pose->position, inner);
     if (o->tool->mesh != NULL)
         pel_pose_to_world(pose, o->tool->mesh->positions[0], inner);
-    return model->bodies[o->body].closed && pel_tool_is_enclosed(o->sim, inner, o->body);
+    return model->bodies[o->body].closed && is_enclosed(o->sim, inner, o->body);
 }
 
 static void add_direction(double directions[DIRECTION_LIMIT][3], int *count, const double direction[3])
@@ -207,8 +217,7 @@ pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *
             load_corners(&o, pel_surface_triangle(sim->model, b, i), corner);
             deepest = pel_max(deepest, depth_at(&o, &tool->pose, corner, out));
         }
-        bool is_inside = pel_tool_acts_on(tool, b) && sim->model->bodies[b].closed &&
-                         pel_tool_is_enclosed(sim, tool->pose.position, b);
+        bool is_inside = pel_tool_acts_on(tool, b) && pel_tool_starts_within(sim, tool->pose.position, b);
         if (is_inside || deepest > START_DEPTH * pel_tool_size(tool))
             return pel_tool_refuse_inside(sim, index, b, error);
     }

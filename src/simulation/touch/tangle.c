@@ -60,8 +60,8 @@ static pel_status refuse_tools(const pel_sim *sim, pel_error *error)
     for (int32_t i = 0; i < sim->tools->count; i++)
         for (int32_t b = 0; b < body_count; b++)
             if (sim->tools->items[i].mesh != NULL && sim->tools->items[i].press &&
-                pel_tool_acts_on(&sim->tools->items[i], b) && sim->model->bodies[b].closed &&
-                pel_tool_is_enclosed(sim, set->start[set->obstacles[i].point_begin], b))
+                pel_tool_acts_on(&sim->tools->items[i], b) &&
+                pel_tool_starts_within(sim, set->start[set->obstacles[i].point_begin], b))
                 return pel_tool_refuse_inside(sim, i, b, error);
     return PEL_OK;
 }

@@ -1,0 +1,263 @@
+/* Warnings about bodies: what they are made of, what fills them, and whether anything acts on them. */
+#include "run/warnings_bodies.h"
+
+#include "base/memory.h"
+#include "math/bounds.h"
+#include "math/extremes.h"
+#include "math/vec3.h"
+#include "mesh/figures.h"
+#include "model/model.h"
+#include "pellicle/sim_surface.h"
+#include "run/state.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* thickness over size from which a shell of more than 20 m, or of more than a metre, is probably in millimetres */
+#define THIN_SHARE 1e-4
+#define THINNEST_SHARE 2e-6
+#define THINNEST_SIZE 1.0
+/* m: organs are smaller */
+#define LARGE_ORGAN 5.0
+/* of the size of a body: motion below is rounding */
+#define STILL_SHARE 1e-9
+/* sizes of the scene that a body may fall */
+#define FALL_SIZES 10
+/* kg/m3, of the filling that a text proposes */
+#define WATER 1000.0
+
+double pel_mean_quantity(const pel_quantity *quantity, int32_t count)
+{
+    double sum = 0;
+    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
+        sum += quantity->field[v] / count;
+    return quantity->field != NULL ? sum : quantity->value;
+}
+
+static double mean_of(const pel_quantity *quantity, const pel_body_def *body)
+{
+    return pel_mean_quantity(quantity, body->mesh->vertex_count);
+}
+
+static bool has_volumetric(const pel_body_def *body)
+{
+    return body->volumetric_stiffness.key_count > 0 || mean_of(&body->volumetric_stiffness, body) > 0;
+}
+
+void pel_warn_body(pel_run_state *run, pel_warning_kind kind, int32_t b, double value, double limit)
+{
+    if (run->totals.warnings.of[kind].count == 0)
+        run->flagged[kind] = (pel_flagged_body){b, value, limit};
+    pel_warn(&run->totals.warnings, kind, 0, value);
+}
+
+/* ---- the scene ---- */
+
+static void check_size(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const pel_membrane_def *membrane = &body->shell.membrane;
+    double size = pel_mesh_diagonal(body->mesh), share = mean_of(&membrane->thickness, body) / size;
+    bool is_thin = (size > PEL_LARGE_BODY && share <= THIN_SHARE) || (size > THINNEST_SIZE && share <= THINNEST_SHARE);
+    if (membrane->on ? is_thin : size > LARGE_ORGAN)
+        pel_warn_body(run, PEL_WARN_MILLIMETRES, b, size, 0);
+}
+
+/* an isotropic solid has at most 0.5 */
+static void check_poisson(pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    double poisson = body->shell.membrane.poisson;
+    if (body->shell.membrane.on && poisson > 0.5)
+        pel_warn_body(run, PEL_WARN_POISSON, b, poisson, 0.5);
+}
+
+/* gravity acts on the skin alone */
+static void check_filling(pel_run_state *run, int32_t b)
+{
+    const pel_model_def *model = &run->scene->model;
+    const pel_body *body = &run->model->bodies[b];
+    if (model->bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME || !(pel_vec3_length(model->gravity) > 0))
+        return;
+    double mass = 0, filling = WATER * fabs(body->rest_volume);
+    for (int32_t i = body->slice_begin * PEL_WIDTH; i < body->slice_end * PEL_WIDTH; i++)
+        mass += (double)run->model->mass[i];
+    if (mass < filling)
+        pel_warn_body(run, PEL_WARN_WEIGHTLESS, b, mass, mass + filling);
+}
+
+/* a skin of springs with nothing in it: whether it collapses is seen in the frames */
+static bool is_hollow(const pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    return run->model->bodies[b].has_volume && body->spring_thickness > 0 && !body->shell.membrane.on &&
+           body->shell.pressure.kind == PEL_PRESSURE_NONE && !has_volumetric(body);
+}
+
+void pel_warnings_check_body(pel_run_state *run, int32_t b)
+{
+    check_size(run, b);
+    check_poisson(run, b);
+    check_filling(run, b);
+    if (is_hollow(run, b) && !(run->flagged[PEL_WARN_HOLLOW].limit > 0))
+        run->flagged[PEL_WARN_HOLLOW] = (pel_flagged_body){b, 0, 1};
+}
+
+/* ---- the end ---- */
+
+/* the box of the scene: bodies at rest and the ways of tools */
+static double scene_size(const pel_scene *scene)
+{
+    double low[3], high[3];
+    pel_bounds_clear(low, high);
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        pel_mesh_add_box(scene->model.bodies[b].mesh, low, high);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        for (int32_t k = 0; k < scene->sim.tools[t].key_count; k++)
+            pel_bounds_add(low, high, scene->sim.tools[t].keys[k].position);
+    return pel_vec3_distance(low, high);
+}
+
+/* m, from the mean of the vertices of the mesh at rest to that at present */
+static double way_of(const pel_run_state *run, int32_t b)
+{
+    const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
+    size_t count = (size_t)pel_sim_vertex_count(run->sim, b);
+    double *positions = pel_allocate(3 * count, sizeof *positions), way[3] = {0};
+    if (positions == NULL)
+        return 0;
+    pel_sim_get_positions(run->sim, b, positions);
+    /* the vertices of the mesh come first */
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            way[c] += (positions[3 * (size_t)v + (size_t)c] - mesh->positions[v][c]) / mesh->vertex_count;
+    pel_free(positions);
+    return pel_vec3_length(way);
+}
+
+static void check_falls(pel_run_state *run, int64_t frame)
+{
+    const pel_model_def *model = &run->scene->model;
+    double size = scene_size(run->scene);
+    for (int32_t b = 0; b < model->body_count && pel_vec3_length(model->gravity) > 0; b++) {
+        double way = way_of(run, b);
+        if (way < FALL_SIZES * size || pel_vec3_length(model->bodies[b].velocity) > 0)
+            continue;
+        if (run->totals.warnings.of[PEL_WARN_FALLS].count == 0)
+            run->flagged[PEL_WARN_FALLS] = (pel_flagged_body){b, way, size};
+        pel_warn(&run->totals.warnings, PEL_WARN_FALLS, frame, way);
+    }
+}
+
+/* the least diagonal of a body */
+static double least_size(const pel_scene *scene)
+{
+    double least = HUGE_VAL;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        least = pel_min(least, pel_mesh_diagonal(scene->model.bodies[b].mesh));
+    return least;
+}
+
+/* A tool that touches nothing has a warning of its own. */
+static void check_action(pel_run_state *run, int64_t frame)
+{
+    double most = pel_max(run->totals.max_displacement, run->measures.max_displacement);
+    bool is_still = run->ledger.supplied <= run->ledger.tolerance && most <= STILL_SHARE * least_size(run->scene);
+    bool is_idle = run->totals.warnings.of[PEL_WARN_TOOL_IDLE].count > 0;
+    if (is_still && !is_idle && run->session == NULL && pel_sim_analysis(run->sim) == PEL_ANALYSIS_NONE)
+        pel_warn(&run->totals.warnings, PEL_WARN_NOTHING, frame, 0);
+}
+
+void pel_warnings_check_bodies_end(pel_run_state *run, int64_t frame)
+{
+    check_falls(run, frame);
+    check_action(run, frame);
+}
+
+/* ---- texts ---- */
+
+static const pel_flagged_body *flagged_of(const pel_warning_text *at, pel_warning_kind kind, const char **name)
+{
+    const pel_flagged_body *flagged = &at->run->flagged[kind];
+    *name = at->run->scene->model.bodies[flagged->body].name;
+    return flagged;
+}
+
+void pel_tell_millimetres(const pel_warning_text *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_MILLIMETRES, &name);
+    const pel_body_def *body = &at->run->scene->model.bodies[flagged->body];
+    char thickness[80] = "";
+    if (body->shell.membrane.on)
+        snprintf(thickness, sizeof thickness, ", and its shell %.3g m thick",
+                 mean_of(&body->shell.membrane.thickness, body));
+    snprintf(at->text, at->size,
+             "body '%s' is %.4g m across%s. if its mesh is in millimetres, write mesh: { ..., "
+             "scale: 0.001 }",
+             name, flagged->value, thickness);
+}
+
+void pel_tell_poisson(const pel_warning_text *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_POISSON, &name);
+    snprintf(at->text, at->size,
+             "Poisson's ratio of body '%s' is %.3g: an isotropic solid has at most 0.5, which is incompressible. use "
+             "bodies.%s.membrane.poisson=0.5 or less, unless it is a sheet that is no solid, such as a net",
+             name, flagged->value, name);
+}
+
+void pel_tell_weightless(const pel_warning_text *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_WEIGHTLESS, &name);
+    snprintf(at->text, at->size,
+             "the filling of body '%s' has no weight: gravity acts on its skin of %.3g kg. with water in it use mass: "
+             "{ total: %.4g }",
+             name, flagged->value, flagged->limit);
+}
+
+void pel_tell_hollow(const pel_warning_text *at)
+{
+    const char *name;
+    flagged_of(at, PEL_WARN_HOLLOW, &name);
+    snprintf(at->text, at->size,
+             "nothing fills body '%s': it is a skin of springs, and it collapsed to %.2g of its volume. fill it: "
+             "volumetric: {} if it is pinned or held, pressure: { volume: { target: 1, bulk: 1e5 } } if it lies or "
+             "falls",
+             name, -at->tally->worst);
+}
+
+void pel_tell_falls(const pel_warning_text *at)
+{
+    const char *name;
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_FALLS, &name);
+    snprintf(at->text, at->size,
+             "body '%s' fell %.3g m, %.0f times the size of the scene: nothing holds it. pin it, put a tool under it, "
+             "or use a shorter duration",
+             name, flagged->value, flagged->value / flagged->limit);
+}
+
+/* a load that begins later; null if there is none */
+static const pel_load_def *late_load(const pel_run_state *run)
+{
+    for (int32_t i = 0; i < run->scene->sim.load_count; i++)
+        if (run->scene->sim.loads[i].from >= pel_sim_time(run->sim))
+            return &run->scene->sim.loads[i];
+    return NULL;
+}
+
+void pel_tell_nothing(const pel_warning_text *at)
+{
+    const pel_load_def *late = late_load(at->run);
+    if (late != NULL)
+        snprintf(at->text, at->size,
+                 "nothing acts: no vertex moved. load '%s' begins at t = %.6g s, and the run ends at %.6g s. use a "
+                 "longer duration",
+                 late->name, late->from, pel_sim_time(at->run->sim));
+    else
+        snprintf(at->text, at->size,
+                 "nothing acts: no vertex moved, and no work was done. add gravity, a load, a pressure, a velocity, or "
+                 "a tool that moves into a body");
+}

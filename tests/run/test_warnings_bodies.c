@@ -1,0 +1,164 @@
+/* Warnings about bodies: their size, material and filling, and whether anything acts on them. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/state.h"
+#include "run/warned.h"
+#include "run/warnings_bodies.h"
+
+static void test_millimetres(void **unused)
+{
+    (void)unused;
+    static const char large[] =
+        "version: 1\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 1, radius: 50 } }]\nduration: 1\n";
+    const char *overrides[] = {"bodies.0.mesh.scale=0.001"};
+    pel_run_summary summary;
+    run_scene(large, NULL, 0, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+    run_scene(large, overrides, 1, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+    /* an organ of 9 m is none, a ball of 4 m may be a number without unit */
+    overrides[0] = "bodies.0.mesh.scale=0.1";
+    run_scene(large, overrides, 1, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+    overrides[0] = "bodies.0.mesh.scale=0.02";
+    run_scene(large, overrides, 1, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+    /* a thick shell may be large; a thin one as large is doubtful */
+    const char *shell[] = {"bodies.0.mesh.radius=50", "bodies.0.membrane={ young: 1e6, thickness: 0.1 }",
+                           "solver.method=pbd"};
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.001 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_non_null(find_warning(&summary, "millimetres"));
+    /* the capsule of a lens of 9 m, and a weather balloon as large */
+    shell[0] = "bodies.0.mesh.radius=4.5";
+    shell[1] = "bodies.0.membrane={ preset: lens-capsule }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_non_null(strstr(find_warning(&summary, "millimetres")->text, "and its shell 1.5e-05 m thick"));
+    shell[1] = "bodies.0.membrane={ young: 1e8, thickness: 5e-5 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
+}
+
+static void test_poisson(void **unused)
+{
+    (void)unused;
+    const char *shell[] = {"bodies.0.membrane={ material: stvk, young: 1e6, thickness: 0.001, poisson: 0.6 }",
+                           "solver.method=pbd"};
+    pel_run_summary summary;
+    run_scene(SHELL, shell, 2, NULL, 1, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "poisson-above-half");
+    assert_true(warning != NULL && warning->first_frame == 0);
+    assert_non_null(strstr(warning->text, "Poisson's ratio of body 'ball' is 0.6"));
+    shell[0] = "bodies.0.membrane={ material: stvk, young: 1e6, thickness: 0.001, poisson: 0.5 }";
+    run_scene(SHELL, shell, 2, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "poisson-above-half"));
+}
+
+/* water in a balloon: the mass of the text gives its weight, and without gravity it has none */
+static void test_weightless_filling(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"bodies.0.pressure={ volume: { target: 1, bulk: 1e5 } }", "gravity=[0, 0, -9.81]",
+                               "solver.method=pbd", NULL};
+    char mass[80];
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 3, NULL, 1, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "weightless-filling");
+    assert_non_null(warning);
+    const char *total = strstr(warning->text, "{ total: ");
+    assert_non_null(total);
+    double kilograms = strtod(total + strlen("{ total: "), NULL);
+    /* of the ball and a skin of less than a tenth of that */
+    assert_true(kilograms > 0.45 && kilograms < 0.6);
+    snprintf(mass, sizeof mass, "bodies.0.mass={ total: %.5g }", kilograms);
+    overrides[3] = mass;
+    run_scene(SHELL, overrides, 4, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "weightless-filling"));
+    overrides[1] = "gravity=[0, 0, 0]";
+    run_scene(SHELL, overrides, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "weightless-filling"));
+}
+
+/* an organ without filling collapses on a table; each remedy of the text keeps it up */
+static void test_hollow(void **unused)
+{
+    (void)unused;
+    skip_if_slow();
+    static const char organ[] =
+        "version: 1\nbodies: [{ name: organ, mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.05 } }]\n"
+        "tools: [{ name: table, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.101] }] }]\n"
+        "gravity: [0, 0, -9.81]\ncontact: {}\nduration: 0.3\noutput: { every: 0.02 }\n";
+    const char *const remedies[] = {"bodies.0.volumetric={}", "bodies.0.pressure={ volume: { target: 1, bulk: 1e5 } }"};
+    pel_run_summary summary;
+    run_scene(organ, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "hollow-body");
+    assert_true(warning != NULL && warning->first_frame > 0);
+    assert_non_null(strstr(warning->text, "nothing fills body 'organ'"));
+    assert_true(summary.volume_ratio_final < 0.7);
+    for (int i = 0; i < 2; i++) {
+        run_scene(organ, &remedies[i], 1, NULL, 0, &summary);
+        assert_null(find_warning(&summary, "hollow-body"));
+        assert_true(summary.volume_ratio_final > 0.9);
+    }
+}
+
+/* a ball that falls past all of the scene, and the same ball above a table or thrown on purpose */
+static void test_falls_away(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"gravity=[0, 0, -9.81]",      "stop={ time: 0.6 }",
+                               "output.every_frame=100",     "solver={ method: pbd, dt: 0.01 }",
+                               "bodies.0.pressure.inside=0", NULL};
+    pel_run_summary summary;
+    run_scene(SHELL, overrides, 5, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "falls-away");
+    assert_non_null(warning);
+    const char *way = strstr(warning->text, "body 'ball' fell ");
+    assert_non_null(way);
+    assert_near(strtod(way + strlen("body 'ball' fell "), NULL), 9.81 * 0.36 / 2, 0.1);
+    overrides[5] = "bodies.0.velocity=[0, 0, -1]";
+    run_scene(SHELL, overrides, 6, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "falls-away"));
+    overrides[5] = "tools=[{ name: table, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.11] }] }]";
+    run_scene(SHELL, overrides, 6, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "falls-away"));
+}
+
+/* a scene in which nothing acts is told, not its rounding; so is a load that begins after the end */
+static void test_nothing_acts(void **unused)
+{
+    (void)unused;
+    static const char ball[] = "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 4, "
+                               "radius: 1, translate: [30, 40, 50] }, volumetric: {} }]\nduration: 0.1\n";
+    const char *late = "loads=[{ name: push, force: [1, 0, 0], from: 3 }]", *gravity = "gravity=[0, 0, -0.001]";
+    pel_run_summary summary;
+    run_scene(ball, NULL, 0, NULL, 0, &summary);
+    assert_int_equal(summary.warning_count, 1);
+    const pel_run_warning *warning = find_warning(&summary, "nothing-acts");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "add gravity, a load"));
+    run_scene(ball, &late, 1, NULL, 0, &summary);
+    warning = find_warning(&summary, "nothing-acts");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "load 'push' begins at t = 3 s, and the run ends at 0.1 s"));
+    run_scene(ball, &gravity, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "nothing-acts"));
+}
+
+static int two_threads(void **unused)
+{
+    (void)unused;
+    thread_count = 2;
+    return make_folder(NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
+        cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
+        cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_nothing_acts),
+    };
+    return cmocka_run_group_tests(tests, two_threads, clear_folder);
+}
