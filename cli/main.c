@@ -2,6 +2,7 @@
 #include "help.h"
 
 #include <pellicle/base.h>
+#include <pellicle/import.h>
 
 #include <errno.h>
 #include <signal.h>
@@ -63,6 +64,9 @@ int main(int argc, char **argv)
         puts("pellicle " PEL_VERSION);
         return close_output(CLI_DONE);
     }
+    /* hidden: started by pel_mesh_import */
+    if (argc == 3 && strcmp(first, "--import-child") == 0)
+        return pel_mesh_import_child(argv[2]);
     const cli_command *command = cli_command_find(first);
     if (command == NULL)
         return unknown_command(first);

@@ -15,15 +15,24 @@ extern "C" {
    folder. A file that requires an extension that we do not know is refused by its name. Points, lines, materials, bones
    and animation are omitted. The vertices and corners of all instances together are at most a million and 64 for each
    byte of the file.
-   Everything else (FBX, 3MF, Collada, ...) goes through the assimp library.
+   FBX, DAE, 3DS, 3MF, AMF, DXF, LWO and X3D are read through the library assimp, by the program `pellicle` in a process
+   of its own: with 60 s of processor time, 1 GiB and 100 bytes for each byte of the file, and no other files than those
+   of the mesh's folder that it names. If it dies of the file, that is an error. The program is the first of: the
+   environment variable PELLICLE_PROGRAM, which then must be right; `pellicle` or `bin/pellicle` in the folder of this
+   library or up to two folders above it, or of the running program; `pellicle` in the absolute folders of PATH. It
+   belongs to the user or to root.
    All meshes of a scene, each placed by its node and in the units of the file, are joined, polygons are split into
    triangles, and seams are welded: borders at exactly equal positions that run against each other, because such files
    split vertices where normals or texture coordinates differ. Bodies that merely touch stay apart.
    log (nullable) receives notes on what was joined, welded and omitted. On failure *mesh is null; free with
    pel_mesh_destroy.
    Errors: PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT (unknown format, damaged, no triangles),
-   PEL_OUT_OF_MEMORY. For formats that assimp reads, memory use is not bounded as in pel_mesh_read. */
+   PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
+
+/* The process that pel_mesh_import starts, for `pellicle --import-child FILE`: lowers the limits of this process, reads
+   the file and writes the mesh to standard output. Returns the exit status. */
+PEL_API int pel_mesh_import_child(const char *path);
 
 #ifdef __cplusplus
 }

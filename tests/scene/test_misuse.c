@@ -718,6 +718,8 @@ static void test_scenes(void **unused)
     pel_mesh *read;
     REFUSED("path", pel_mesh_import(NULL, NULL, &read, &error));
     REFUSED("mesh", pel_mesh_import("a.obj", NULL, NULL, &error));
+    assert_int_equal(pel_mesh_import_child(NULL), 1);
+    assert_int_equal(pel_mesh_import_child("a.obj"), 1);
     pel_scene *made;
     pel_error place = {.status = PEL_OK};
     size_t size = strlen(scene_text);
