@@ -362,6 +362,35 @@ static void test_energy_of_sweeps(void **unused)
     assert_null(find_warning(&summary, "energy-appears"));
 }
 
+/* what nothing damps keeps its energy, or the run says so, with a step that would do */
+static void test_unresolved(void **unused)
+{
+    (void)unused;
+    const char *const balloon =
+        "version: 1\nbodies:\n"
+        "  - name: balloon\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"
+        "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"
+        "    pressure: { inside: 2500 }\nduration: 0.3\n";
+    const char *overrides[] = {"solver.drag=20", "solver.dt=0.01"};
+    static const struct {
+        const char *method;
+        bool warns;
+    } cases[] = {{"solver.method=xpbd", true}, {"solver.method=implicit", false}};
+    pel_run_summary summary;
+    for (int i = 0; i < 2; i++) {
+        const char *own[] = {cases[i].method, overrides[i == 0 ? 0 : 1]};
+        run_scene(balloon, own, 1, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+        assert_true((warning != NULL) == cases[i].warns);
+        assert_true(warning == NULL || strstr(warning->text, "implicit with solver: { dt: 0.000") != NULL);
+        run_scene(balloon, own, 2, NULL, 0, &summary);
+        warning = find_warning(&summary, "unresolved-motion");
+        assert_true((warning != NULL) == !cases[i].warns);
+        assert_true(warning == NULL ||
+                    strstr(warning->text, "40 steps in the slowest vibration of body 'balloon'") != NULL);
+    }
+}
+
 /* a grasp that closes beside the body, or before the tool is there, is reported; one that holds is not */
 static void test_grasp_empty(void **unused)
 {
@@ -695,6 +724,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_supports),
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
+        cmocka_unit_test(test_unresolved),
         cmocka_unit_test(test_grasp_empty),
         cmocka_unit_test(test_close_start),
         cmocka_unit_test(test_open_seam),

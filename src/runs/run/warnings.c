@@ -17,6 +17,7 @@
 #include "run/state.h"
 #include "run/warnings_bodies.h"
 #include "run/warnings_shell.h"
+#include "scene/time_step.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
 
@@ -64,6 +65,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",
     [PEL_WARN_UNSETTLED] = "unsettled",
+    [PEL_WARN_UNRESOLVED] = "unresolved-motion",
     [PEL_WARN_HELD_IN_PLACE] = "held-in-place",
     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
     [PEL_WARN_CLOSE_START] = "close-start",
@@ -320,6 +322,19 @@ static void check_rest(pel_run_state *run, int64_t frame)
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
 }
 
+/* Of methods that follow a motion and the material. A volume that is driven is followed, not resolved. */
+static void check_motion(pel_run_state *run, int64_t frame)
+{
+    const pel_scene *scene = run->scene;
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    const pel_sim_ledger *ledger = &run->ledger;
+    bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
+    if (moves && pel_scene_is_undamped(scene) && ledger->dissipated_solver > ledger->tolerance)
+        pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, ledger->dissipated_solver / ledger->supplied);
+}
+
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
    the last steps may have fallen to nothing. */
 static bool is_idle(const pel_run_state *run, int32_t t)
@@ -344,6 +359,7 @@ void pel_warnings_check_end(pel_run_state *run)
     pel_warnings_check_loads(run);
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
+    check_motion(run, frame);
 }
 
 /* ---- texts ---- */
@@ -697,6 +713,22 @@ static void tell_unsettled(const pel_warning_text *at)
              at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
+/* a step that would do, or one a quarter as long where nothing is known to be faster */
+static void tell_unresolved(const pel_warning_text *at)
+{
+    const pel_scene *scene = at->run->scene;
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    double dt = scene->sim.solver.dt;
+    pel_fastest_motion most = {.dt = dt};
+    bool is_known = pel_scene_find_motion(scene, &most) == PEL_OK && most.dt < dt;
+    snprintf(
+        at->text, at->size,
+        "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
+        "was supplied. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
+        100 * at->tally->worst, stepper->minimises ? "" : "the method implicit with ", is_known ? most.dt : 0.25 * dt,
+        is_known ? ": " : "", is_known ? most.reason : "");
+}
+
 static void tell_row(const pel_warning_text *at)
 {
     pel_warnings_tell_row(at->run, at->text, at->size);
@@ -741,6 +773,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
+    [PEL_WARN_UNRESOLVED] = tell_unresolved,
     [PEL_WARN_OPEN_SEAM] = tell_open_seam,
     [PEL_WARN_CLOSE_START] = tell_close_start,
     [PEL_WARN_HINGE_ROW] = tell_row,
@@ -816,6 +849,7 @@ static bool is_of_scene(int kind)
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
            kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE || kind == PEL_WARN_POISSON ||
            kind == PEL_WARN_WEIGHTLESS;
+    kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

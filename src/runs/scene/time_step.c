@@ -5,6 +5,7 @@
    it does not resolve. */
 #include "scene/time_step.h"
 
+#include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
 #include "keys/arena.h"
@@ -27,12 +28,6 @@ enum { MODE_COUNT = 7 };
 
 static const int32_t divisors[] = {1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 80, 100};
 
-/* what asks for the shortest step */
-typedef struct fastest {
-    double dt;
-    char reason[160];
-} fastest;
-
 static bool is_damped(const pel_body_def *body)
 {
     const pel_quantity *numbers[] = {&body->spring_damping, &body->volumetric_damping};
@@ -42,21 +37,28 @@ static bool is_damped(const pel_body_def *body)
     return any;
 }
 
+bool pel_scene_is_undamped(const pel_scene *scene)
+{
+    bool any = scene->sim.tool_count > 0 || scene->sim.contact.enabled || scene->sim.solver.drag > 0;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        any |= is_damped(&scene->model.bodies[b]);
+    return !any;
+}
+
 /* the program may choose, and motion goes on */
 static bool is_open(const pel_scene_value *root, const pel_scene *scene)
 {
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
-    bool vibrates = stepper->minimises && stepper->has_velocity && scene->sim.tool_count == 0 &&
-                    !scene->sim.contact.enabled && !(scene->sim.solver.drag > 0);
+    bool vibrates = stepper->minimises && stepper->has_velocity && pel_scene_is_undamped(scene);
     bool counts = !(scene->output.every > 0) || scene->frame_limit > 0 || scene->sim.solver.budget > 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
-        vibrates &= !is_damped(&scene->model.bodies[b]) && scene->model.bodies[b].refine.levels == 0;
+        vibrates &= scene->model.bodies[b].refine.levels == 0;
     return vibrates && !counts && pel_scene_value_at(root, "solver.dt")->is_implied;
 }
 
 /* ---- loads ---- */
 
-static void take(fastest *most, double dt, const char *format, const char *name, double number)
+static void take(pel_fastest_motion *most, double dt, const char *format, const char *name, double number)
 {
     if (!(dt > 0 && dt < most->dt))
         return;
@@ -64,7 +66,7 @@ static void take(fastest *most, double dt, const char *format, const char *name,
     snprintf(most->reason, sizeof most->reason, format, name, number);
 }
 
-static void take_keys(fastest *most, const pel_key *keys, int32_t count, const char *name)
+static void take_keys(pel_fastest_motion *most, const pel_key *keys, int32_t count, const char *name)
 {
     for (int32_t k = 1; k < count; k++)
         if (keys[k].value != keys[k - 1].value)
@@ -72,7 +74,7 @@ static void take_keys(fastest *most, const pel_key *keys, int32_t count, const c
                  keys[k].time - keys[k - 1].time);
 }
 
-static void take_loads(fastest *most, const pel_scene *scene)
+static void take_loads(pel_fastest_motion *most, const pel_scene *scene)
 {
     for (int32_t l = 0; l < scene->sim.load_count; l++) {
         const pel_load_def *load = &scene->sim.loads[l];
@@ -129,13 +131,12 @@ static pel_method static_method(void)
     return (pel_method)method;
 }
 
-static pel_status take_vibrations(pel_scene_reader *reader, fastest *most, const pel_scene *scene)
+static pel_status take_vibrations(pel_fastest_motion *most, const pel_scene *scene)
 {
     size_t most_supports = scene->sim.support_count > 0 ? (size_t)scene->sim.support_count : 1;
-    pel_support_def *supports = pel_arena_take(reader->arena, most_supports, sizeof *supports);
-    if (supports == NULL)
-        return pel_fail_memory(reader->error);
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
+    pel_support_def *supports = pel_allocate(most_supports, sizeof *supports);
+    pel_status status = supports != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
+    for (int32_t b = 0; status == PEL_OK && b < scene->model.body_count; b++) {
         pel_sim_def def = scene->sim;
         double frequency;
         def.load_count = 0;
@@ -146,18 +147,27 @@ static pel_status take_vibrations(pel_scene_reader *reader, fastest *most, const
                 supports[def.support_count] = scene->sim.supports[i];
                 supports[def.support_count++].body = 0;
             }
+        def.solver = pel_sim_def_default().solver;
         def.solver.method = static_method();
         def.solver.analysis = PEL_ANALYSIS_MODAL;
         def.solver.mode_count = MODE_COUNT;
         def.solver.dt = scene->duration;
         if (find_frequency(scene, b, &def, &frequency) == PEL_OUT_OF_MEMORY)
-            return pel_fail_memory(reader->error);
+            status = PEL_OUT_OF_MEMORY;
         char name[PEL_NAME_SIZE + 8];
         snprintf(name, sizeof name, "'%s'", scene->model.bodies[b].name);
         take(most, frequency > 0 ? 1 / (STEPS_A_PERIOD * frequency) : 0,
              "40 steps in the slowest vibration of body %s, %.3g Hz", name, frequency);
     }
-    return PEL_OK;
+    pel_free(supports);
+    return status;
+}
+
+pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most)
+{
+    most->reason[0] = '\0';
+    take_loads(most, scene);
+    return take_vibrations(most, scene);
 }
 
 /* ---- choice ---- */
@@ -175,16 +185,17 @@ static pel_status set_dt(pel_scene_reader *reader, const pel_scene_value *root, 
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     double dt = scene->sim.solver.dt, cost = 1e-3 * pel_scene_step_cost(scene) * scene->duration / dt;
-    fastest most = {.dt = dt};
+    pel_fastest_motion most = {.dt = dt};
     int32_t last = (int32_t)(sizeof divisors / sizeof *divisors) - 1, chosen = 0;
     if (!is_open(root, scene) || divisors[1] * cost > MOST_COST)
         return PEL_OK;
-    take_loads(&most, scene);
-    pel_status status = take_vibrations(reader, &most, scene);
+    pel_status status = pel_scene_find_motion(scene, &most);
     while (status == PEL_OK && chosen < last && dt / divisors[chosen] > most.dt)
         chosen++;
-    if (status != PEL_OK || chosen == 0)
-        return status;
+    if (status != PEL_OK)
+        return pel_fail_memory(reader->error);
+    if (chosen == 0)
+        return PEL_OK;
     double shorter = dt / divisors[chosen];
     cost *= divisors[chosen];
     /* far from what steps could resolve: nobody waits for that */

@@ -5,6 +5,17 @@
 #include "keys/value.h"
 #include "pellicle/scene.h"
 
+/* what asks for the shortest step */
+typedef struct pel_fastest_motion {
+    double dt;        /* s */
+    char reason[160]; /* empty = nothing does */
+} pel_fastest_motion;
+
+/* neither tools, contact, drag nor damping: what moves goes on moving */
+bool pel_scene_is_undamped(const pel_scene *scene);
+/* Lowers dt to what resolves the vibrations and loads of a scene. PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most);
+
 /* Sets dt of the method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
    of the default would not resolve: neither tools, contact, drag nor damping, and a shorter vibration or load. Only in
    scenes that give no dt and count no steps. PEL_OUT_OF_MEMORY. */
