@@ -26,13 +26,17 @@ extern "C" {
    analysis; an enclosed gas or a target volume, which need a closed surface. PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_cut(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count, pel_error *error);
 
+/* Number of cuts at given times (pel_sim_def), and of those that are made. */
+PEL_API int32_t pel_sim_cut_count(const pel_sim *sim);
+PEL_API int32_t pel_sim_cuts_done(const pel_sim *sim);
+
 /* State of the cuts of one body. */
 typedef struct pel_cut_reading {
     double length;        /* m at rest, of edges that are open: half the length of their lips */
     int32_t copy_count;   /* vertices that are copies */
     int32_t island_count; /* pieces that the cuts have parted from the others */
 } pel_cut_reading;
-/* PEL_BAD_ARGUMENT for a body that does not exist, PEL_OUT_OF_MEMORY. */
+/* Of a body; -1 = the sums over all bodies. PEL_BAD_ARGUMENT for a body that does not exist, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error);
 /* (pel_sim_vertex_count) the vertex before all cuts that each vertex is a copy of, itself if it is none. */
 PEL_API void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins);

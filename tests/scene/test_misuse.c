@@ -517,7 +517,10 @@ static void test_sim_calls(void **unused)
     FAILS(pel_cut(sim, 0, NULL, 2, &error));
     FAILS(pel_cut(sim, 0, path, 2, &error));
     FAILS(pel_sim_get_cuts(NULL, 0, &cuts, &error));
-    FAILS(pel_sim_get_cuts(sim, -1, &cuts, &error));
+    FAILS(pel_sim_get_cuts(sim, -2, &cuts, &error));
+    FAILS(pel_sim_get_cuts(sim, 50, &cuts, &error));
+    SURVIVES(pel_sim_cut_count(NULL));
+    SURVIVES(pel_sim_cuts_done(NULL));
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
     SURVIVES(pel_sim_get_origins(sim, 0, NULL));

@@ -396,6 +396,18 @@ static const pel_def_row rows[] = {
     {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
      .doc = "angle, counter-clockwise; from 0 to 720 is two turns"},
 
+    {"cuts", DEFS_OF(SIM, pel_sim_def, cuts, cut_count, CUT, CUTS), LIST, .preset = "[]",
+     .doc = "cuts that open a surface along a path, for bodies that do not refine"},
+    {"cuts[]", MAP, .doc = "one cut"},
+    {"cuts[].at", CUT(at), FIXED, NUMBER, .unit = "s", AT_LEAST(0), DEFAULT(0),
+     .doc = "time of the cut: the start of the first step that begins then or later"},
+    {"cuts[].body", CUT(body), TEXT, .doc = "name of the body; optional if there is one"},
+    {"cuts[].path", CUT_LIST(vertices, vertex_count), LIST, COUNT_FROM(2), REQUIRED,
+     .doc = "points of the rest shape, or numbers of vertices that edges join. Between points the cut runs straight "
+            "over the surface: vertices of the mesh near it are moved onto it in the rest shape. It ends inside the "
+            "surface or at its border; a path that ends where it begins cuts a piece out"},
+    {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
+
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), MAP,
      .doc = "contact without interpenetration (paper B, section 4); optional"},
     {"contact.self", CONTACT(self), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
@@ -536,10 +548,6 @@ static const pel_def_row rows[] = {
 
     /* members without a key of their own */
     {NULL, BODY_LIST(origins, origin_count, MESH)},
-    {NULL, DEFS_OF(SIM, pel_sim_def, cuts, cut_count, CUT, CUTS)},
-    {NULL, CUT(at)},
-    {NULL, CUT(body)},
-    {NULL, CUT_LIST(vertices, vertex_count)},
     {NULL, FIBRES(axis)},
     {NULL, FIBRES(center)},
     {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},

@@ -24,7 +24,7 @@ pel_status pel_origins_check(const pel_body_def *def, int32_t body, pel_error *e
                                       (int)def->origins[v]);
     if (base < count && def->refine.levels > 0)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
-                                  "refine the mesh before (`pellicle mesh --refine`), and leave out `refine`",
+                                  "subdivide the mesh before (`pellicle subdivide`), and leave out `refine`",
                                   "a body that was cut does not refine");
     return PEL_OK;
 }

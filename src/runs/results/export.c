@@ -52,6 +52,11 @@ static pel_status open_bodies(pel_export_source *source, pel_error *error)
     source->body_vertex_count = source->outline.vertex_count;
     if (status != PEL_OK || source->outline.changed_frame < 0)
         return status;
+    status = pel_opened_mesh_create(frames, &source->opened, error);
+    if (status != PEL_OK || source->opened != NULL) {
+        source->body_vertex_count = source->opened != NULL ? source->opened->vertex_count : 0;
+        return status;
+    }
     status = pel_common_mesh_check(frames, source->outline.changed_frame, error);
     if (status == PEL_OK)
         status = pel_common_mesh_create(frames, &source->common, error);
@@ -64,6 +69,8 @@ pel_status pel_export_read_bodies(const pel_export_source *source, int32_t frame
 {
     if (source->common != NULL)
         return pel_common_mesh_read(source->common, frame, mesh, error);
+    if (source->opened != NULL)
+        return pel_opened_mesh_read(source->opened, frame, mesh, error);
     pel_status status = pel_frames_read(source->frames, frame, mesh, error);
     /* files may change between one reading and the next */
     if (status == PEL_OK && (*mesh)->vertex_count != source->body_vertex_count) {
@@ -95,7 +102,9 @@ void pel_export_close(pel_export_source *source)
     for (int32_t i = 0; source->tools != NULL && i < source->frames->tool_count; i++)
         pel_mesh_destroy(source->tools[i]);
     pel_free(source->tools);
+    pel_opened_mesh_destroy(source->opened);
     source->common = NULL;
+    source->opened = NULL;
     source->tools = NULL;
 }
 

@@ -4,13 +4,15 @@
 
 #include "pellicle/export.h"
 #include "results/common_mesh.h"
+#include "results/opened_mesh.h"
 
 #include <float.h>
 #include <math.h>
 
 typedef struct pel_export_source {
     const pel_frames *frames;
-    pel_common_mesh *common; /* null: constant triangles, frames are read unchanged */
+    pel_common_mesh *common; /* of a surface that refines */
+    pel_opened_mesh *opened; /* of one that cuts open; both null: constant triangles, frames are read unchanged */
     pel_frames_outline outline;
     int32_t body_vertex_count;
     int32_t vertex_count; /* with tools */

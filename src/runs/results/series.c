@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "pellicle/sim_reading.h"
+#include "pellicle/tear.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -146,6 +147,15 @@ static void put_residual(pel_run_series *series, const pel_sim *sim)
     put_number(series, reading.residual);
 }
 
+/* of scenes with cuts */
+static void put_cuts(pel_run_series *series, const pel_sim *sim, const pel_sim_ledger *ledger)
+{
+    pel_cut_reading cuts;
+    pel_sim_get_cuts(sim, -1, &cuts, NULL);
+    put_number(series, cuts.length);
+    put_number(series, ledger->dissipated_fracture);
+}
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
@@ -182,6 +192,8 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",limit_point");
     if (has_residual(sim))
         put_text(series, ",solver_residual");
+    if (pel_sim_cut_count(sim) > 0)
+        put_text(series, ",cut_length,dissipated_fracture");
     put_text(series, "\n");
 }
 
@@ -393,6 +405,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_number(series, limit_of(sim));
     if (has_residual(sim))
         put_residual(series, sim);
+    if (pel_sim_cut_count(sim) > 0)
+        put_cuts(series, sim, &row->ledger);
     put_text(series, "\n");
 }
 

@@ -6,6 +6,7 @@
 #include "pellicle/sim_contact.h"
 #include "pellicle/sim_ledger.h"
 #include "pellicle/sim_reading.h"
+#include "pellicle/tear.h"
 #include "results/folder.h"
 #include "stage/stepper.h"
 
@@ -149,12 +150,25 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
                    {"work_gravity", ledger->work_gravity},
                    {"work_material", ledger->work_material},
                    {"dissipated_drag", ledger->dissipated_drag},
+                   {"dissipated_fracture", ledger->dissipated_fracture},
                    {"dissipated_solver", ledger->dissipated_solver},
                    {"energy_error", ledger->energy_error},
                    {"supplied", ledger->supplied}};
     open_inline(json, "energy", '{');
     for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++)
         pel_json_number(json, entries[i].name, entries[i].value);
+    close_inline(json, '}');
+}
+
+static void write_cuts(pel_json *json, const pel_sim *sim, const pel_sim_ledger *ledger)
+{
+    pel_cut_reading cuts;
+    pel_sim_get_cuts(sim, -1, &cuts, NULL);
+    open_inline(json, "tear", '{');
+    pel_json_number(json, "length", cuts.length);
+    pel_json_number(json, "fracture_energy", ledger->dissipated_fracture);
+    pel_json_integer(json, "islands", cuts.island_count);
+    pel_json_integer(json, "cuts", pel_sim_cuts_done(sim));
     close_inline(json, '}');
 }
 
@@ -205,6 +219,8 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     if (pel_sim_contact_thickness(ending->sim) > 0)
         write_contact(json, ending->sim);
     write_ledger(json, &s->ledger);
+    if (pel_sim_cut_count(ending->sim) > 0)
+        write_cuts(json, ending->sim, &s->ledger);
     write_warnings(json, s);
     text_entry(json, "stop_reason", s->stop_reason);
     pel_json_integer(json, "volume_rises", s->volume_rises);

@@ -13,6 +13,7 @@
 #include "pellicle/measure.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
 
@@ -176,6 +177,10 @@ pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session 
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(session, error);
     *session = NULL;
+    /* pins and pressure of a session are by the vertices of the mesh */
+    if (pel_sim_cut_count(sim) > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "run it with `pellicle run`, or leave `cuts` out",
+                          "a session of a scene with cuts");
     pel_session *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);

@@ -8,9 +8,14 @@
 #include "pellicle/scene.h"
 
 /* Bodies (build_body.c): makes the meshes, resolves their paths in the tree. The meshes belong to the caller, who frees
-   mesh_count of them also when this fails. */
+   mesh_count of them also when this fails. `cuts` has room for those of the scene. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
-                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count);
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts);
+/* The cuts of one body (build_cuts.c): moves vertices of its mesh onto their paths, before anything else reads it. Then
+   whether each cut has found its body. */
+pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const char *name, int32_t body,
+                                int32_t body_count, pel_mesh *mesh, pel_cut_def *cuts);
+pel_status pel_scene_check_cuts(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene *scene);
 /* Loads, tools, contact, solver, output, duration, stop; default names of bodies are added to the tree. The meshes of
    tools are added to those of the bodies. */
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,

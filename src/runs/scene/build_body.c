@@ -125,7 +125,7 @@ static pel_status read_body(const pel_scene_part *source, pel_body_def *body)
 }
 
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
-                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts)
 {
     const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
     pel_body_def *bodies = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *bodies);
@@ -139,7 +139,10 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
             break;
         pel_scene_part source = {reader, value, meshes[count]};
         *mesh_count = count + 1;
-        status = read_body(&source, &bodies[count++]);
+        status = pel_scene_build_cuts(reader, root, pel_scene_value_entry(value, "name")->text, count,
+                                      pel_scene_value_count(list), meshes[count], cuts);
+        if (status == PEL_OK)
+            status = read_body(&source, &bodies[count++]);
     }
     scene->model = pel_model_def_default();
     scene->model.bodies = bodies;

@@ -106,12 +106,19 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     scene_storage *storage = scene->inner;
     int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
     int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
+    int32_t cut_count = pel_scene_value_count(pel_scene_value_entry(root, "cuts"));
     storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
-    if (storage->meshes == NULL)
+    pel_cut_def *cuts = pel_arena_take(reader->arena, (size_t)cut_count, sizeof *cuts);
+    if (storage->meshes == NULL || cuts == NULL)
         return pel_fail_memory(reader->error);
-    pel_status status = pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
+    pel_status status =
+        pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count, cuts);
     if (status == PEL_OK)
         status = pel_scene_build_sim(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
+    scene->sim.cuts = cuts;
+    scene->sim.cut_count = cut_count;
+    if (status == PEL_OK)
+        status = pel_scene_check_cuts(reader, root, scene);
     if (status != PEL_OK)
         return status;
     status = list_mesh_files(reader, root, body_count + tool_count, scene);

@@ -16,6 +16,7 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                        : sim->tools->count > 0                          ? "tools"
                        : sim->contacts != NULL                          ? "contact"
                        : sim->active != NULL                            ? "refinement"
+                       : sim->cuts_done < sim->def.cut_count            ? "cuts"
                        : sim->solver.budget > 0                         ? "a budget of time"
                                                                         : NULL;
     if (what == NULL)

@@ -210,12 +210,8 @@ static int32_t count_pieces(const pel_mesh *mesh, const int32_t *origins, int32_
     return count;
 }
 
-pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error)
+static pel_status add_body(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error)
 {
-    PEL_REFUSE_NULL(reading, error);
-    *reading = (pel_cut_reading){0};
-    if (!pel_sim_has_body(sim, body))
-        return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
     const pel_body *own = &sim->given->bodies[body];
     const pel_body_def *def = &sim->given->def.bodies[body];
     const pel_mesh *mesh = own->mesh;
@@ -229,10 +225,38 @@ pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *r
         if (pel_is_lip(own, h))
             reading->length += 0.5 * pel_vec3_distance(mesh->positions[v[h % 3]], mesh->positions[v[(h + 1) % 3]]);
     }
-    reading->copy_count = mesh->vertex_count - pel_origins_base_count(def);
-    reading->island_count = count_pieces(mesh, NULL, parents) - count_pieces(mesh, def->origins, parents);
+    reading->copy_count += mesh->vertex_count - pel_origins_base_count(def);
+    reading->island_count += count_pieces(mesh, NULL, parents) - count_pieces(mesh, def->origins, parents);
     pel_free(parents);
     return PEL_OK;
+}
+
+pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error)
+{
+    PEL_REFUSE_NULL(sim, error);
+    PEL_REFUSE_NULL(reading, error);
+    *reading = (pel_cut_reading){0};
+    if (body < -1 || body >= sim->given->body_count)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "body %d does not exist", (int)body);
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < sim->given->body_count; b++)
+        if (body < 0 || body == b)
+            status = add_body(sim, b, reading, error);
+    return status;
+}
+
+int32_t pel_sim_cut_count(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    return sim->def.cut_count;
+}
+
+int32_t pel_sim_cuts_done(const pel_sim *sim)
+{
+    if (sim == NULL)
+        return 0;
+    return sim->cuts_done;
 }
 
 void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins)

@@ -24,7 +24,7 @@ pel_status pel_cut_check_sim(const pel_sim *sim, pel_error *error)
 {
     if (sim->active != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT,
-                          "refine the mesh before (`pellicle mesh --refine`), and leave out `refine`",
+                          "subdivide the mesh before (`pellicle subdivide`), and leave out `refine`",
                           "a cut of bodies of which one refines");
     if (sim->def.solver.path != PEL_PATH_TIME || sim->def.solver.analysis != PEL_ANALYSIS_NONE)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use steps over time, without path and analysis",
