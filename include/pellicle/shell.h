@@ -44,10 +44,11 @@ typedef struct pel_bending_def {
 
 /* Effect of a region of fibres. */
 typedef enum pel_fibre_mode {
-    PEL_FIBRE_CAVE,   /* paper B: triangles with fibres shorter than at rest move inward along their normal */
+    PEL_FIBRE_CAVE,   /* triangles with fibres shorter than at rest move inward, by a bounded way in each step */
     PEL_FIBRE_STRAIN, /* elastic fibres: resist stretch */
     PEL_FIBRE_ACTIVE, /* fibres with the rest length `rest_length` times their length: a muscle */
-    PEL_FIBRE_CURL    /* multiplies the rest angles of hinges in the region by `curvature`: negative values cave in */
+    PEL_FIBRE_CURL,   /* multiplies the rest angles of hinges in the region by `curvature`: negative values cave in */
+    PEL_FIBRE_NORMAL  /* paper B's energy E_A of the fibres with the gradient `gradient` along the normal */
 } pel_fibre_mode;
 
 typedef enum pel_fibre_direction {
@@ -63,8 +64,9 @@ typedef struct pel_anisotropy_def {
     double stiffness; /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL */
     double strength;  /* cave: inward motion [m] of a triangle per step at a fibre strain of -5 %, proportional to the
                          square of the strain (to the energy), limited by max_step; > 0 */
-    double max_step;  /* cave: maximum inward motion per step as a share of the edge, for any sweeps and substeps;
-                         default: 0.05 */
+    double max_step;  /* as a share of the edge. cave: maximum inward motion per step, for any sweeps and substeps.
+                         normal, pbd: maximum motion by one correction. Default: 0.05 */
+    double gradient;  /* normal: k_A [N], > 0: a triangle with the energy E_A moves its corners by E_A / (3 k_A) */
     pel_quantity rest_length; /* active: factor on the rest length, 0 to 1 or more; may be keyed */
     double curvature;         /* curl: factor on rest angles; -1 inverts them */
     pel_fibre_direction direction;

@@ -70,6 +70,8 @@ typedef struct pel_solver_reading {
     int32_t least_substeps, most_substeps; /* of all steps taken */
     int32_t needed_substeps;               /* xpbd: largest automatic number without the limit max_substeps */
     bool second_order;                     /* xpbd: in use */
+    bool has_caving;                       /* pbd with fibres of the mode normal: the next member is valid */
+    double caving_limited;                 /* share of their corrections in the last step that max_step cut */
     double softness, most_softness;        /* pel_sim_softness, and its maximum over the steps */
 } pel_solver_reading;
 PEL_API void pel_sim_get_solver(const pel_sim *sim, pel_solver_reading *reading);

@@ -38,11 +38,11 @@ static void judge_stages(lab_experiment *experiment, const b_shrunk shapes[STAGE
 
 static pel_status run_figure_1(lab_experiment *experiment)
 {
-    char fibres[64], names[STAGES][64];
+    char fibres[B_FIBRES_SIZE], names[STAGES][64];
     const char *cap = experiment->bodies[0].cap;
     b_shrunk shapes[STAGES] = {{0}};
     double intersections = 0;
-    b_fibres("arap", fibres);
+    b_fibres(experiment, 0, "arap", fibres);
     const char *settings[STAGES][5] = {
         /* nothing holds: springs that are as good as none */
         {"bodies.0.membrane=", "bodies.0.bending=", "bodies.0.springs={ stiffness: 1.0e-9, damping: 0 }",
@@ -201,8 +201,8 @@ static pel_status run_sequence(lab_experiment *experiment, const char *what, boo
 {
     pel_status status = PEL_OK;
     for (int body = 0; status == PEL_OK && body < b_shown(experiment); body++) {
-        char energy[64], name[64];
-        const char *settings[] = {"stop.frames=200", fibres ? b_fibres("arap", energy) : NULL,
+        char energy[B_FIBRES_SIZE], name[64];
+        const char *settings[] = {"stop.frames=200", fibres ? b_fibres(experiment, body, "arap", energy) : NULL,
                                   experiment->bodies[body].cap, NULL};
         status = b_shrink(experiment, body, what, settings, &summaries[body]);
         if (status == PEL_OK)
@@ -304,11 +304,11 @@ static pel_status run_figure_6(lab_experiment *experiment)
                                 .cap_radius = 0.5};
     const b_body *bodies = experiment->bodies;
     experiment->bodies = &ball;
-    char energy[64];
+    char energy[B_FIBRES_SIZE];
     b_shrunk plain, caved;
     pel_run_summary summary;
     const char *without[] = {"stop.frames=40", NULL};
-    const char *with[] = {b_fibres("arap", energy), cap, without[0], NULL};
+    const char *with[] = {b_fibres(experiment, 0, "arap", energy), cap, without[0], NULL};
     pel_status status = b_shrink(experiment, 0, isotropic, without, &summary);
     if (status == PEL_OK)
         status = b_shrink(experiment, 0, fibred, with, &summary);
@@ -380,11 +380,11 @@ static pel_status draw_figure_8(lab_experiment *experiment, char names[WAYS][64]
 
 static pel_status run_figure_8(lab_experiment *experiment)
 {
-    char names[WAYS][64], energy[64];
+    char names[WAYS][64], energy[B_FIBRES_SIZE];
     b_shrunk shapes[WAYS] = {{0}};
     double volumes[WAYS] = {0};
     static const char fields[] = "output.fields=[displacement, mean_curvature, membrane_energy_density]";
-    b_fibres("arap", energy);
+    b_fibres(experiment, 0, "arap", energy);
     const char *settings[WAYS][4] = {{"bodies.0.bending.weight=0", fields},
                                      {"bodies.0.bending.weight=1", fields},
                                      {fields},
@@ -464,8 +464,8 @@ static pel_status run_figure_10(lab_experiment *experiment)
     pel_run_summary summaries[B_BODIES];
     pel_status status = PEL_OK;
     for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
-        char energy[64];
-        const char *settings[] = {b_fibres("arap", energy), experiment->bodies[body].cap,
+        char energy[B_FIBRES_SIZE];
+        const char *settings[] = {b_fibres(experiment, body, "arap", energy), experiment->bodies[body].cap,
                                   "output.fields=[displacement, pressure, mean_curvature, gaussian_curvature]", NULL};
         status = b_shrink(experiment, body, fibred, settings, &summaries[body]);
         b_run_name(experiment, body, fibred, names[body]);

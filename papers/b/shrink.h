@@ -40,8 +40,9 @@ pel_status b_last(const lab_experiment *experiment, const char *run, const char 
 pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const char *const *runs,
                           const char *const *labels, int count);
 
-/* A setting for fibres (E_A), before that of their region (cap of a body); returns text (64 bytes). */
-const char *b_fibres(const char *energy, char *text);
+/* A setting for fibres (E_A) of a body, before that of their region (its cap); returns text (B_FIBRES_SIZE bytes). */
+enum { B_FIBRES_SIZE = 96 };
+const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text);
 
 /* a frame of a run, or its last one */
 pel_status b_read_frame(const lab_experiment *experiment, const char *run, int frame, pel_mesh **mesh);

@@ -156,11 +156,25 @@ const lab_case b_figure_16_18 = {
 enum { FIBRES = 4 };
 static const char *const fibres[FIBRES] = {"none", "arap", "sqrt", "stvk"};
 
+/* over the frames after the first one */
+static pel_status mean_column(lab_experiment *experiment, const char *run, const char *column, double *mean)
+{
+    lab_series series;
+    pel_status status = lab_read_series(experiment, run, "frame", column, &series);
+    *mean = 0;
+    for (int i = 1; status == PEL_OK && i < series.count; i++)
+        *mean += series.y[i] / (series.count - 1);
+    lab_free_series(&series);
+    return status;
+}
+
 typedef struct caved {
     char names[FIBRES][64];
     double volumes[FIBRES]; /* in frame 100 */
     b_shrunk shapes[FIBRES];
-    double further; /* volume with arap over that with none, while both shrink */
+    double areas[FIBRES];   /* over that at rest, in the last frame */
+    double limited[FIBRES]; /* mean share of the corrections of E_A that their bound cut */
+    double further;         /* volume with arap over that with none, while both shrink */
     double intersections;
 } caved;
 
@@ -168,16 +182,21 @@ static pel_status run_fibres(lab_experiment *experiment, int body, caved *made)
 {
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < FIBRES; i++) {
-        char energy[64];
+        char energy[B_FIBRES_SIZE];
         int rises;
         pel_run_summary summary = {0};
-        const char *settings[] = {i > 0 ? b_fibres(fibres[i], energy) : NULL, experiment->bodies[body].cap, NULL};
+        const char *settings[] = {i > 0 ? b_fibres(experiment, body, fibres[i], energy) : NULL,
+                                  experiment->bodies[body].cap, NULL};
         status = b_shrink(experiment, body, fibres[i], settings, &summary);
         b_run_name(experiment, body, fibres[i], made->names[i]);
         if (status == PEL_OK)
             status = b_volume(experiment, made->names[i], 100, &made->volumes[i], &rises);
         if (status == PEL_OK)
             status = b_measure(experiment, body, made->names[i], 100, &made->shapes[i]);
+        if (status == PEL_OK)
+            status = b_last(experiment, made->names[i], "area_ratio", &made->areas[i]);
+        if (status == PEL_OK && i > 0)
+            status = mean_column(experiment, made->names[i], "caving_limited", &made->limited[i]);
         made->intersections += (double)summary.self_intersections_final;
     }
     if (status == PEL_OK)
@@ -205,6 +224,20 @@ static void judge_fibres(lab_experiment *experiment, const caved *made)
     for (int body = 0; body < experiment->body_count; body++)
         b_expect(experiment, body, "volume, arap minus sqrt", made[body].volumes[1] - made[body].volumes[2], 0, 1e-9,
                  "theory.md, section 4: I4 > 0");
+    lab_begin_claim(experiment, LAB_THEORY, "stvk, four times the energy of a small strain, caves in deeper", NULL);
+    for (int body = 0; body < experiment->body_count; body++)
+        b_at_least(experiment, body, "depth of the cap, stvk / arap",
+                   made[body].shapes[3].cap_depth / made[body].shapes[1].cap_depth, 1.2, "theory.md, section 4");
+    lab_begin_claim(experiment, LAB_THEORY, "E_A decides the depth, not the bound of a correction; the area stays",
+                    NULL);
+    for (int body = 0; body < experiment->body_count; body++)
+        for (int i = 1; i < FIBRES; i += 2) {
+            char text[56];
+            snprintf(text, sizeof text, "%s, share of corrections that are cut", fibres[i]);
+            b_at_most(experiment, body, text, made[body].limited[i], 0.05, "docs/shells.md");
+            snprintf(text, sizeof text, "%s, area / area at rest", fibres[i]);
+            b_expect(experiment, body, text, made[body].areas[i], 1, 0.05, "docs/shells.md");
+        }
     b_begin_contact_claim(experiment);
     for (int body = 0; body < experiment->body_count; body++)
         b_no_intersections(experiment, body, "intersections at the end, all four", made[body].intersections);
@@ -251,17 +284,6 @@ const lab_case b_figure_19_20 = {
 };
 
 /* ---- table 2 ---- */
-
-static pel_status mean_column(lab_experiment *experiment, const char *run, const char *column, double *mean)
-{
-    lab_series series;
-    pel_status status = lab_read_series(experiment, run, "frame", column, &series);
-    *mean = 0;
-    for (int i = 1; status == PEL_OK && i < series.count; i++)
-        *mean += series.y[i] / (series.count - 1);
-    lab_free_series(&series);
-    return status;
-}
 
 /* pairs of a vertex and a triangle without it, and of two edges without a common vertex */
 static double all_pairs(const pel_mesh *mesh)

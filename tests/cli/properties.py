@@ -122,10 +122,12 @@ class Maker:
             if self.maybe(0.2):
                 body["bending"]["stiffness"] = self.number(1e-3, 1)
         if self.maybe(0.2):
-            mode = self.chance.choice(("cave", "strain", "active", "curl") if self.method in ("pbd", "xpbd") else ("strain", "active"))
+            mode = self.chance.choice(("cave", "normal", "strain", "active", "curl") if self.method in ("pbd", "xpbd") else ("normal", "strain", "active"))
             fibres = body["anisotropy"] = {"mode": mode, "direction": self.vector(1)}
             if mode == "cave":
                 fibres["strength"] = self.number(1e-4, 1e-2)
+            elif mode == "normal":
+                fibres["gradient"] = self.number(1, 1e4)
             elif mode == "active":
                 fibres["rest_length"] = self.quantity(0.7, 1)
 

@@ -53,6 +53,18 @@ static double tangent_pressure(const element *e, const double *x, const pel_tang
     return pel_pressure_tangent(e->pressure, x, request, sum);
 }
 
+static double tangent_push(const element *e, const double *x, const pel_tangent_request *request,
+                           const pel_tangent_sum *sum)
+{
+    return pel_push_tangent(&e->line, e->pressure, x, request, sum);
+}
+
+/* without a potential that the energy tells */
+static bool has_potential(const element *e)
+{
+    return e->tangent != tangent_pressure && e->tangent != tangent_push;
+}
+
 /* strains at x as reached from the reference in one finite step */
 static pel_face_turn turn_of(const double x[3][3])
 {
@@ -216,6 +228,17 @@ static element pressure_element(random_state *random)
     return e;
 }
 
+static element push_element(bool squared, random_state *random)
+{
+    element e = fibre_element(squared, 1, random);
+    e.name = squared ? "push, squared" : "push";
+    e.strains = 0;
+    e.tangent = tangent_push;
+    e.pressure = 0.8;
+    e.symmetric_part = true;
+    return e;
+}
+
 static element midedge_element(random_state *random)
 {
     element e = {.name = "midedge", .vertices = 3, .unknowns = 12, .strains = 3, .tangent = tangent_midedge};
@@ -228,7 +251,7 @@ static element midedge_element(random_state *random)
     return e;
 }
 
-enum { ELEMENT_COUNT = PEL_MEMBRANE_COUNT + 8 };
+enum { ELEMENT_COUNT = PEL_MEMBRANE_COUNT + 10 };
 
 static element make_element(int number, random_state *random)
 {
@@ -249,6 +272,10 @@ static element make_element(int number, random_state *random)
         return pressure_element(random);
     case 7:
         return midedge_element(random);
+    case 8:
+        return push_element(false, random);
+    case 9:
+        return push_element(true, random);
     default:
         return membrane_element(number, random);
     }
@@ -282,7 +309,7 @@ static void gradients_are_those_of_energies(void **unused)
             element e = make_element(number, &random);
             double x[12], gradient[12], hessian[12][12];
             deform(&e, &random, x);
-            if (e.tangent == tangent_pressure)
+            if (!has_potential(&e))
                 continue; /* its gradient is that of a closed surface: see below */
             const pel_tangent_request request = {0};
             evaluate(&e, x, &request, gradient, hessian);
@@ -426,7 +453,7 @@ static void rigid_motions_change_nothing(void **unused)
             element e = make_element(number, &random);
             double x[12];
             deform(&e, &random, x);
-            if (e.tangent != tangent_pressure)
+            if (has_potential(&e))
                 check_rigid(&e, x, &random);
         }
 }
@@ -438,7 +465,7 @@ static void rest_shapes_are_free_of_stress(void **unused)
     random_state random = {5};
     for (int number = 0; number < ELEMENT_COUNT; number++) {
         element e = make_element(number, &random);
-        if (e.tangent == tangent_pressure || e.strains == 0 || (e.line.kind == PEL_LINE_LENGTH && e.line.rest == 0.7))
+        if (!has_potential(&e) || e.strains == 0 || (e.line.kind == PEL_LINE_LENGTH && e.line.rest == 0.7))
             continue; /* not at rest there */
         double gradient[12], hessian[12][12], positive[12][12], x[12] = {0}, omega[3], mode[12] = {0};
         memcpy(x, e.rest_shape, sizeof(double) * 3 * (size_t)e.vertices);

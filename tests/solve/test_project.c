@@ -193,7 +193,8 @@ static void test_wide_is_plain(void **unused)
                     projector->pool = run == 2 ? pool : NULL;
                     disturb(model, state, 0.01);
                     pel_projector_begin(projector, state, 0);
-                    pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], projector->substep, 1);
+                    const pel_project_time steady = {projector->substep, 1, 1, 5};
+                    pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], &steady);
                     for (int i = 0; i < 3; i++)
                         pel_project_sweep(projector, state->position_next);
                     size_t size = (size_t)model->vertex_count * sizeof(pel_record);

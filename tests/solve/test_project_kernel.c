@@ -387,6 +387,56 @@ static void test_cave(void **unused)
     }
 }
 
+/* -w n E_A / (k_A sum w) for any masses, at most the bound, counted (by the wide and the plain kernel); nothing where a
+   fibre is longer than at rest */
+static void test_normal(void **unused)
+{
+    (void)unused;
+    random_state random = {12};
+    int cut = 0, free = 0, still = 0;
+    for (int n = 0; n < 100; n++) {
+        static sample s;
+        bool squared = n & 1;
+        make_batch(&s, squared ? PEL_CONSTRAINT_NORMAL_SQUARE : PEL_CONSTRAINT_NORMAL, 3, PEL_NORMAL_NUMBERS, 0);
+        random_points(&random, &s, 0.2, n % 3 == 0);
+        s.batch.law.share = (pel_real)0.7;
+        for (int i = 0; i < PEL_BLOCK; i++) {
+            const double numbers[PEL_NORMAL_NUMBERS] = {random_between(&random, -1, 1), random_between(&random, -1, 1),
+                                                        0.5, 0.03, 2};
+            for (int j = 0; j < PEL_NORMAL_NUMBERS; j++)
+                s.numbers[j * PEL_BLOCK + i] = (pel_real)numbers[j];
+        }
+        project(&s);
+        for (int lane = 0; lane < PEL_BLOCK; lane++) {
+            double x[4][3], y[4][3], normal[3], square = 0, sum = 0, most = 0;
+            points_of(&s, s.before, lane, x);
+            points_of(&s, s.x, lane, y);
+            for (int i = 0; i < 3; i++) {
+                double c0 = (double)s.numbers[lane], c1 = (double)s.numbers[PEL_BLOCK + lane];
+                square += pow(c0 * (x[0][i] - x[2][i]) + c1 * (x[1][i] - x[2][i]), 2);
+            }
+            double strain = squared ? square - 1 : sqrt(square) - 1;
+            double ratio = strain < 0 ? 0.5 * 0.5 * strain * strain : 0;
+            pel_vec3_triangle_normal(x[0], x[1], x[2], normal);
+            pel_vec3_normalize(normal);
+            for (int k = 0; k < 3; k++)
+                sum += (double)s.before[k * PEL_BLOCK + lane][3];
+            for (int k = 0; k < 3; k++) {
+                double way = sum > 0 ? ratio * (double)s.before[k * PEL_BLOCK + lane][3] / sum : 0;
+                most = fmax(most, way);
+                for (int i = 0; i < 3; i++)
+                    assert_near(y[k][i] - x[k][i], -0.7 * fmin(way, 0.03) * normal[i],
+                                sizeof(pel_real) == 8 ? 1e-14 : 1e-6);
+            }
+            assert_near((double)s.numbers[PEL_NORMAL_LIMITED * PEL_BLOCK + lane], most > 0.03 ? 4 : 2, 0);
+            cut += most > 0.03;
+            free += most > 0 && most < 0.03;
+            still += strain > 0;
+        }
+    }
+    assert_true(cut > 20 && free > 20 && still > 20);
+}
+
 static void check_linear_momentum(const sample *s, int count)
 {
     for (int lane = 0; lane < PEL_BLOCK; lane++)
@@ -460,6 +510,8 @@ static void test_collapsed(void **unused)
                 count = angle ? PEL_ANGLE_NUMBERS : PEL_ISOMETRIC_NUMBERS;
             else if (kind == PEL_CONSTRAINT_CAVE)
                 count = PEL_CAVE_NUMBERS;
+            else if (kind == PEL_CONSTRAINT_NORMAL || kind == PEL_CONSTRAINT_NORMAL_SQUARE)
+                count = PEL_NORMAL_NUMBERS;
             else if (kind == PEL_CONSTRAINT_LIMIT || kind >= PEL_CONSTRAINT_FIBRE_COMPLIANT)
                 count = 3;
             make_batch(&s, (pel_constraint)kind, edge ? 2 : hinge ? 4 : 3, count, 3);
@@ -549,6 +601,7 @@ int main(void)
         cmocka_unit_test(test_fibres),
         cmocka_unit_test(test_limit),
         cmocka_unit_test(test_cave),
+        cmocka_unit_test(test_normal),
         cmocka_unit_test(test_compliance),
         cmocka_unit_test(test_collapsed),
     };

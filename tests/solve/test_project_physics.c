@@ -568,6 +568,151 @@ static void test_cave_keeps_area(void **unused)
         }
 }
 
+/* ---- the energy with its gradient along the normal ---- */
+
+typedef struct pushed_run {
+    pel_method method;
+    pel_fibre_kind kind;
+    int32_t iterations, substeps;
+    double gradient, pressure;
+    const double *axis; /* of the fibres; null = towards the pole */
+} pushed_run;
+
+typedef struct pushed_shape {
+    double depth; /* m, mean way inward of the cap */
+    double area;  /* over that at rest */
+    double
+        across[2];  /* m, mean square distance from the plane x = 0, and y = 0, of what went in, weighted by the way */
+    double limited; /* largest share of a step's corrections that the bound cut, over a frame's mean */
+} pushed_shape;
+
+/* a ball that is alike along x and y */
+static pel_mesh *make_even_sphere(void)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_UV_SPHERE);
+    pel_mesh *mesh;
+    def.slices = 24;
+    def.rings = 16;
+    assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
+    return mesh;
+}
+
+/* a ball with fibres at its pole under a pressure that shortens them, after some steps */
+static pushed_shape run_pushed(const pushed_run *run)
+{
+    enum { STEPS = 40 };
+    pel_mesh *mesh = run->axis != NULL ? make_even_sphere() : make_sphere(8);
+    pel_anisotropy_def region = pel_anisotropy_def_default();
+    double *weights = calloc((size_t)mesh->vertex_count, sizeof *weights);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        weights[v] = mesh->positions[v][2] > 0.87;
+    region.mode = PEL_FIBRE_NORMAL;
+    region.kind = run->kind;
+    region.weights = weights;
+    region.stiffness = 1e3;
+    region.gradient = run->gradient;
+    region.center[2] = 1;
+    if (run->axis != NULL) {
+        region.direction = PEL_FIBRE_ALONG;
+        memcpy(region.axis, run->axis, sizeof region.axis);
+    }
+    pel_body_def body = pressed_body(mesh, 1e5, 0.01);
+    bool literal = run->method == PEL_METHOD_PBD;
+    body.shell.bending.model = literal ? PEL_BENDING_ISOMETRIC : PEL_BENDING_HINGE;
+    body.shell.bending.weight = 0.01;
+    body.shell.pressure.outside.value = run->pressure;
+    body.shell.anisotropies = &region;
+    body.shell.anisotropy_count = run->gradient > 0;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, run->method, 1.0 / 60, run->substeps);
+    def.solver.iterations = run->iterations > 0 ? run->iterations : def.solver.iterations;
+    def.solver.drag = literal ? 0 : 5;
+    pel_sim *sim = make_sim(&def);
+    pushed_shape shape = {0};
+    for (int n = 0; n < STEPS; n++) {
+        pel_solver_reading reading;
+        run_steps(sim, 1);
+        pel_sim_get_solver(sim, &reading);
+        assert_true(reading.has_caving == (literal && run->gradient > 0));
+        shape.limited += reading.has_caving ? reading.caving_limited / STEPS : 0;
+    }
+    pel_sim_measures measures;
+    pel_sim_measure(sim, &measures);
+    shape.area = measures.area_ratio;
+    double *x = malloc(3 * (size_t)mesh->vertex_count * sizeof *x), count = 0, sum = 0;
+    pel_sim_get_positions(sim, 0, x);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        if (mesh->positions[v][2] < 0.5)
+            continue;
+        double way = 1 - pel_vec3_dot(x + 3 * v, mesh->positions[v]);
+        if (weights[v] > 0) {
+            shape.depth += way;
+            count++;
+        }
+        sum += way;
+        for (int c = 0; c < 2; c++)
+            shape.across[c] += way * mesh->positions[v][c] * mesh->positions[v][c];
+    }
+    shape.depth /= count;
+    for (int c = 0; c < 2; c++)
+        shape.across[c] /= sum;
+    free(x);
+    free(weights);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    return shape;
+}
+
+/* over three decades of k_A the cap goes in deeper and deeper, the area stays, and the bound hardly acts */
+static void test_depth_follows_the_gradient(void **unused)
+{
+    (void)unused;
+    static const struct {
+        pushed_run run;
+        double first, factor;
+        int count;
+    } cases[] = {{{.method = PEL_METHOD_PBD, .pressure = 10}, 1000, 1 / 3.17, 7},
+                 {{.method = PEL_METHOD_PBD, .pressure = 10, .kind = PEL_FIBRE_STVK}, 4000, 1 / 3.17, 7},
+                 {{.method = PEL_METHOD_XPBD, .substeps = 20, .pressure = 6}, 1000, 0.1, 4}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        pushed_run run = cases[c].run;
+        double before = run_pushed(&run).depth;
+        run.gradient = cases[c].first;
+        for (int i = 0; i < cases[c].count; i++) {
+            pushed_shape shape = run_pushed(&run);
+            print_message("method %d, kind %d, k_A %g: depth %.5f, area %.4f, limited %.4f\n", (int)run.method,
+                          (int)run.kind, run.gradient, shape.depth, shape.area, shape.limited);
+            assert_true(shape.depth > before * (1 + 1e-6));
+            assert_near(shape.area, 1, 0.05);
+            assert_true(shape.limited < 0.05);
+            before = shape.depth;
+            run.gradient *= cases[c].factor;
+        }
+    }
+}
+
+/* the dent is narrower along the fibres, or longer, and turns with them */
+static void test_fibres_turn_the_dent(void **unused)
+{
+    (void)unused;
+    static const double axes[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    static const pel_method two[] = {PEL_METHOD_PBD, PEL_METHOD_XPBD};
+    for (int m = 0; m < 2; m++) {
+        pushed_shape shapes[2];
+        for (int a = 0; a < 2; a++)
+            shapes[a] = run_pushed(&(pushed_run){.method = two[m],
+                                                 .substeps = m == 0 ? 0 : 20,
+                                                 .gradient = m == 0 ? 5 : 2,
+                                                 .pressure = m == 0 ? 10 : 6,
+                                                 .axis = axes[a]});
+        double first = shapes[0].across[0] - shapes[0].across[1], second = shapes[1].across[0] - shapes[1].across[1];
+        print_message("method %d: %g along x, %g along y\n", (int)two[m], first, second);
+        assert_true(first * second < 0 && fabs(first) > 2e-4);
+        assert_near(second, -first, 0.1 * fabs(first));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -581,6 +726,8 @@ int main(void)
         cmocka_unit_test(test_regions),
         cmocka_unit_test(test_cave_is_bounded),
         cmocka_unit_test(test_cave_keeps_area),
+        cmocka_unit_test(test_depth_follows_the_gradient),
+        cmocka_unit_test(test_fibres_turn_the_dent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

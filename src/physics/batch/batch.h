@@ -30,9 +30,11 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_FIBRE_SQUARE,    /* the same, energy in the square of the length */
     PEL_CONSTRAINT_FIBRE_COMPLIANT, /* without the weight */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
-    PEL_CONSTRAINT_CAVE,     /* image weights, then as in pel_cave_number */
-    PEL_CONSTRAINT_LIMIT,    /* inverse of the rest matrix (3): principal stretches between two limits */
-    PEL_CONSTRAINT_PRESSURE, /* weight, or none where all are 1; a force, never projected */
+    PEL_CONSTRAINT_CAVE,          /* image weights, then as in pel_cave_number */
+    PEL_CONSTRAINT_NORMAL,        /* image weights, then as in pel_normal_number */
+    PEL_CONSTRAINT_NORMAL_SQUARE, /* the same, energy in the square of the length */
+    PEL_CONSTRAINT_LIMIT,         /* inverse of the rest matrix (3): principal stretches between two limits */
+    PEL_CONSTRAINT_PRESSURE,      /* weight, or none where all are 1; a force, never projected */
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
 
@@ -51,6 +53,14 @@ typedef enum pel_cave_number {
     PEL_CAVE_WAY = 6,    /* three: m, of each corner inward in a projection of this step */
     PEL_CAVE_NUMBERS = 9
 } pel_cave_number;
+
+/* numbers of a triangle with the energy E_A, whose gradient is along its normal */
+typedef enum pel_normal_number {
+    PEL_NORMAL_PUSH = 2, /* m: E_A over k_A at a strain of the fibre whose square is 2 */
+    PEL_NORMAL_MOST,     /* m: bound on the way of a corner in a correction of pbd */
+    PEL_NORMAL_LIMITED,  /* corrections of this step that the bound cut */
+    PEL_NORMAL_NUMBERS
+} pel_normal_number;
 
 /* numbers that all elements of a batch share */
 typedef struct pel_batch_law {
@@ -89,6 +99,12 @@ typedef struct pel_batch {
     uint8_t *has_fixed;    /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
     pel_record *reaction;  /* (model vertex_count) forces on the holders of vertices; null likewise */
 } pel_batch;
+
+/* energies of fibres whose gradient is along the normal */
+static inline bool pel_batch_is_push(const pel_batch *batch)
+{
+    return batch->kind == PEL_CONSTRAINT_NORMAL || batch->kind == PEL_CONSTRAINT_NORMAL_SQUARE;
+}
 
 static inline pel_real *pel_batch_number(const pel_batch *batch, int32_t i, int j)
 {

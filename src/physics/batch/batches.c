@@ -204,6 +204,17 @@ static void fill_cave(const plan *p, const pel_batch *batch, const pel_shell_fib
     }
 }
 
+/* push and bound of a triangle whose energy has its gradient along the normal */
+static void fill_normal(const pel_batch *batch, const pel_anisotropy_def *def, const pel_shell_fibre *fibre,
+                        double area, int32_t i)
+{
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
+    double edge = sqrt(4 / sqrt(3.0) * area); /* of a regular triangle of its area */
+    *pel_batch_number(batch, i, PEL_NORMAL_PUSH) = (pel_real)(fibre->weight * area * def->stiffness / def->gradient);
+    *pel_batch_number(batch, i, PEL_NORMAL_MOST) = (pel_real)(def->max_step * edge);
+    *pel_batch_number(batch, i, PEL_NORMAL_LIMITED) = 0;
+}
+
 static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_region *region, int32_t i)
 {
     PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
@@ -212,6 +223,10 @@ static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_re
     set_direction(batch, i, &rest, fibre.direction);
     if (batch->kind == PEL_CONSTRAINT_CAVE) {
         fill_cave(p, batch, &fibre, rest.area, i);
+        return;
+    }
+    if (region->def.mode == PEL_FIBRE_NORMAL) {
+        fill_normal(batch, &region->def, &fibre, rest.area, i);
         return;
     }
     *pel_batch_number(batch, i, 2) = (pel_real)(1 / (rest.area * region->def.stiffness * fibre.weight));
@@ -417,12 +432,17 @@ static pel_status add_region(plan *p, int32_t r, pel_error *error)
     batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT : PEL_CONSTRAINT_FIBRE_COMPLIANT;
     if (region->def.mode == PEL_FIBRE_CAVE) {
         batch = (pel_batch){.kind = PEL_CONSTRAINT_CAVE, .arity = 3, .number_count = PEL_CAVE_NUMBERS};
+    } else if (region->def.mode == PEL_FIBRE_NORMAL) {
+        batch = (pel_batch){.kind = squared ? PEL_CONSTRAINT_NORMAL_SQUARE : PEL_CONSTRAINT_NORMAL,
+                            .arity = 3,
+                            .number_count = PEL_NORMAL_NUMBERS};
     } else if (p->literal) {
         batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
         batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;
     }
     batch.region = r;
-    batch.is_projected = projects_shells(p);
+    /* the normal gradient is a constraint of pbd and a force of the other methods */
+    batch.is_projected = region->def.mode == PEL_FIBRE_NORMAL ? p->literal : projects_shells(p);
     const pel_batch *membrane = region->triangles == NULL && !changes(p, &batch) ? whole_membrane(p) : NULL;
     return membrane != NULL ? add_shared(p, batch, membrane, error) : add_batch(p, batch, error);
 }
@@ -518,14 +538,6 @@ static void update_pieces(const plan *p)
     }
 }
 
-static bool caves(const pel_shell *shell)
-{
-    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
-        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE)
-            return true;
-    return false;
-}
-
 /* frees memory that only bodies that refine need again */
 static void end_build(plan *p)
 {
@@ -552,7 +564,7 @@ static pel_status create_body(plan *p, pel_error *error)
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(made->pieces.piece_of_place, p->place_count), PEL_ROOM(made->scratch, 1)))
         return pel_fail_memory(error);
     update_pieces(p);
-    if (caves(p->body->shell)) {
+    if (p->body->shell != NULL && pel_shell_has_mode(p->body->shell, PEL_FIBRE_CAVE)) {
         made->areas = pel_allocate((size_t)p->place_count, sizeof *made->areas);
         if (made->areas == NULL)
             return pel_fail_memory(error);

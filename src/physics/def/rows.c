@@ -63,6 +63,8 @@ CONDITION(refines, pel_body_def, def->refine.levels > 0)
 CONDITION(looks_at_force, pel_body_def, refines(def) && def->refine.above > 0)
 CONDITION(looks_at_curvature, pel_body_def, refines(def) && def->refine.curvature_above > 0)
 CONDITION(caves, pel_anisotropy_def, def->mode == PEL_FIBRE_CAVE)
+CONDITION(has_max_step, pel_anisotropy_def, def->mode == PEL_FIBRE_CAVE || def->mode == PEL_FIBRE_NORMAL)
+CONDITION(is_normal, pel_anisotropy_def, def->mode == PEL_FIBRE_NORMAL)
 CONDITION(is_active, pel_anisotropy_def, def->mode == PEL_FIBRE_ACTIVE)
 CONDITION(curls, pel_anisotropy_def, def->mode == PEL_FIBRE_CURL)
 CONDITION(has_fibres, pel_anisotropy_def, def->mode != PEL_FIBRE_CURL)
@@ -520,12 +522,14 @@ static const pel_def_row rows[] = {
             "results do not depend on it"},
 
     {"<anisotropy>", MAP, .doc = "a region with fibres"},
-    {"<anisotropy>.mode", FIBRES(mode), FIXED, WORD("cave", "strain", "active", "curl"), ALTERNATIVE, .preset = "cave",
-     .doc = "cave: paper B's rule, moves triangles inward where fibres are shorter than at rest (pbd, xpbd); strain: "
-            "fibres resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
+    {"<anisotropy>.mode", FIBRES(mode), FIXED, WORD("cave", "strain", "active", "curl", "normal"), ALTERNATIVE,
+     .preset = "cave",
+     .doc = "normal: paper B's energy of the fibres with its gradient along the normal, moves triangles inward where "
+            "fibres are shorter than at rest; cave: the same with a bounded way per step (pbd, xpbd); strain: fibres "
+            "resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
     {"<anisotropy>.energy", FIBRES(kind), FIXED, WORD("arap", "stvk", "sqrt"), .preset = "arap",
      .doc =
-         "cave, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
+         "normal, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
          "1)^2, stvk k/2 (s^2 - 1)^2, which is 4 times as stiff at small strain"},
     {FIBRES_PATH("stiffness"), FIBRES(stiffness), NUMBER_OR("auto"), .unit = "N/m", POSITIVE, .preset = "auto",
      .initial = 1, WHEN(has_fibres),
@@ -535,8 +539,16 @@ static const pel_def_row rows[] = {
      .doc = "inward motion of a triangle per step if its fibre is 5 % shorter than at rest; proportional to the square "
             "of the shortening"},
     {FIBRES_PATH("max_step"), FIBRES(max_step), NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "cave",
-     DEFAULT(0.05), WHEN(caves),
+     DEFAULT(0.05), WHEN(has_max_step),
      .doc = "maximum inward motion of a triangle per step, relative to its edge, for any iterations and substeps"},
+    {FIBRES_PATH("gradient"), FIBRES(gradient), NUMBER, .unit = "N", POSITIVE, .needs = "mode", .needs_word = "normal",
+     REQUIRED, .initial = 1, WHEN(is_normal),
+     .doc = "k_A of paper B: in a sweep of pbd a triangle with the energy E_A moves its corners inward by E_A / (3 "
+            "k_A), if a step has five sweeps; in other methods its area carries the pressure stiffness / k_A times "
+            "E_A per area. Smaller values cave in deeper"},
+    {FIBRES_PATH("max_step"), NUMBER, BETWEEN(0, 1), .needs = "mode", .needs_word = "normal", .preset = "0.05",
+     .doc = "pbd: maximum motion of a corner by one correction, relative to the edge; a bound that should not act "
+            "(`caving_limited` in series.csv)"},
     {FIBRES_PATH("rest_length"), FIBRES(rest_length), QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active",
      REQUIRED, .initial = 1, WHEN(is_active), .doc = "rest length of the fibres, relative to the rest shape"},
     {FIBRES_PATH("curvature"), FIBRES(curvature), NUMBER, .needs = "mode", .needs_word = "curl", DEFAULT(-1),

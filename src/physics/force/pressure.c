@@ -60,6 +60,12 @@ bool pel_pressure_is_conservative(const pel_body *body)
            (body->closed && shell->pressure.form == PEL_PRESSURE_CONSISTENT && shell->pressure_weights == NULL);
 }
 
+bool pel_shell_has_potential(const pel_body *body)
+{
+    const pel_shell *shell = body->shell;
+    return shell == NULL || (pel_pressure_is_conservative(body) && !pel_shell_has_mode(shell, PEL_FIBRE_NORMAL));
+}
+
 /* the work of a gas from ratio 1 to this one, over pressure times volume at rest */
 static double gas_work(double ratio, double gamma)
 {

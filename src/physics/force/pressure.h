@@ -16,6 +16,10 @@ double pel_pressure_slope(const pel_shell *shell, double volume, double rest_vol
 /* True when the pressure is the negative gradient of a potential: consistent form, all of a closed body. */
 bool pel_pressure_is_conservative(const pel_body *body);
 
+/* True when all forces of the body's shell, if it has one, have a potential: such a pressure, no push of
+   PEL_FIBRE_NORMAL. */
+bool pel_shell_has_potential(const pel_body *body);
+
 /* That potential [J] at a volume: minus the integral of the difference over the volume, 0 at the rest volume. */
 double pel_pressure_potential(const pel_shell *shell, pel_span span, double load_factor, double volume,
                               double rest_volume);

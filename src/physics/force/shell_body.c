@@ -79,6 +79,7 @@ static pel_status start_body(pel_shell_forces *forces, int32_t b, pel_error *err
     *own = (pel_shell_body){.shell = body->shell, .body = b, .first_place = body->slice_begin * PEL_WIDTH};
     if (body->shell->pressure.kind != PEL_PRESSURE_NONE)
         own->pressure_part = pel_pressure_is_conservative(body) ? PEL_SHELL_CONSERVATIVE : PEL_SHELL_FOLLOWER;
+    own->is_pushed = pel_shell_has_mode(own->shell, PEL_FIBRE_NORMAL);
     own->place_count = pel_body_place_end(forces->model, b) - own->first_place;
     const pel_body_batches *batches = &forces->batches->bodies[b];
     /* it stands last */

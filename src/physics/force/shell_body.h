@@ -9,6 +9,7 @@ typedef struct pel_shell_body {
     int32_t body;
     int32_t first_place, place_count;
     int pressure_part;        /* which of the parts its pressure is; 0 = none */
+    bool is_pushed;           /* a region has the mode PEL_FIBRE_NORMAL */
     const pel_batch *pressed; /* the batch of its pressure; null = none */
     double pressure;          /* Pa, positive inflates: of the evaluation in progress */
     /* of pel_shell_forces_list, else null */
@@ -44,7 +45,8 @@ const pel_shell_body *pel_shell_body_of(const pel_shell_forces *forces, int32_t 
 
 /* ---- shell_lanes.c ---- */
 /* Adds the forces of the blocks begin .. end - 1 of a batch to force (vertex_count), which may be null; returns their
-   energy, 0 for a pressure. amount: rest length of fibres over that of the shape, or the pressure [Pa]. */
+   energy, 0 for a pressure. amount: rest length of fibres over that of the shape, stiffness of fibres that
+   push [N/m], or the pressure [Pa]. */
 double pel_shell_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position, double amount,
                        pel_record *force);
 /* Adds the weighted area vectors of a pressure's triangles to those of their corners, and lengths to the fourth. */
@@ -61,10 +63,10 @@ double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const dou
 /* The same of fibres i of a region in their triangle. */
 double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
                               const double x[3][3], double gradient[3][3]);
-/* fibres of a region that give forces */
+/* fibres of a region that have an energy */
 static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 {
-    return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
+    return pel_shell_region_is_elastic(region) ? region->fibre_count : 0;
 }
 /* fibres of a region in a triangle, -1 = none; sorted by triangle */
 int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);

@@ -25,13 +25,18 @@ static int part_of(const pel_shell_body *own, const pel_batch *batch)
         return 0;
     if (batch->kind == PEL_CONSTRAINT_PRESSURE)
         return own->pressure_part;
+    if (pel_batch_is_push(batch))
+        return batch->is_projected ? 0 : PEL_SHELL_FOLLOWER;
     return batch->arity == 4 ? PEL_SHELL_BENDING : batch->region >= 0 ? PEL_SHELL_FIBRES : PEL_SHELL_MEMBRANE;
 }
 
 static double amount_of(const shell_loop *loop, const pel_shell_body *own, const pel_batch *batch)
 {
-    return batch->region >= 0 ? pel_shell_rest_length(&own->shell->regions[batch->region], loop->span.time)
-                              : own->pressure;
+    if (batch->region < 0)
+        return own->pressure;
+    const pel_shell_region *region = &own->shell->regions[batch->region];
+    return region->def.mode == PEL_FIBRE_NORMAL ? region->def.stiffness
+                                                : pel_shell_rest_length(region, loop->span.time);
 }
 
 static void bundle_chunk(void *context, int32_t chunk)
@@ -48,7 +53,9 @@ static void bundle_chunk(void *context, int32_t chunk)
         int32_t begin = batch->bundle_begin[bundle->number], end = batch->bundle_begin[bundle->number + 1];
         if ((part & loop->parts) == 0)
             continue;
-        if (part != own->pressure_part)
+        if (batch->region >= 0 && part == PEL_SHELL_FOLLOWER)
+            pel_shell_sweep(batch, begin, end, loop->position, amount_of(loop, own, batch), loop->force);
+        else if (part != own->pressure_part)
             energy[part == PEL_SHELL_MEMBRANE  ? PEL_ENERGY_MEMBRANE
                    : part == PEL_SHELL_BENDING ? PEL_ENERGY_BENDING
                                                : PEL_ENERGY_FIBRES] +=
@@ -179,7 +186,7 @@ void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position
     shell_loop loop = {forces, position, force, span, PEL_SHELL_PRESSURE, 0};
     bool any = false;
     for (int32_t b = 0; forces != NULL && b < forces->model->body_count; b++)
-        any |= forces->bodies[b].pressure_part != 0;
+        any |= forces->bodies[b].pressure_part != 0 || forces->bodies[b].is_pushed;
     if (any)
         evaluate(&loop, false, pool);
 }

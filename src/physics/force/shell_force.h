@@ -3,7 +3,8 @@
    The blocks of batches add to the forces of their corners, in the order of bundles, which is the same for any number
    of threads, and so are the bits. Nothing is allocated. Loops over blocks (shell_lanes.c) have the precision of the
    state; values at vertices are computed element by element in double. The force of each part is the negative gradient
-   of its energy, but for pressure in the vertex-normal form or on a part of the surface. PEL_FIBRE_CAVE is a rule of
+   of its energy, but for pressure in the vertex-normal form or on a part of the surface, and for PEL_FIBRE_NORMAL,
+   whose follower force is a pressure of stiffness / k_A times E_A per area at rest. PEL_FIBRE_CAVE is a rule of
    position-based dynamics, not an energy: it gives no force. */
 #ifndef PEL_FORCE_SHELL_FORCE_H
 #define PEL_FORCE_SHELL_FORCE_H
@@ -16,7 +17,7 @@ typedef enum pel_shell_part {
     PEL_SHELL_BENDING = 2,
     PEL_SHELL_FIBRES = 4,
     PEL_SHELL_CONSERVATIVE = 8, /* pressure on bodies where it has a potential */
-    PEL_SHELL_FOLLOWER = 16,    /* pressure on the others */
+    PEL_SHELL_FOLLOWER = 16,    /* pressure on the others, and that of PEL_FIBRE_NORMAL */
     PEL_SHELL_PRESSURE = PEL_SHELL_CONSERVATIVE | PEL_SHELL_FOLLOWER,
     PEL_SHELL_ELASTIC = PEL_SHELL_MEMBRANE | PEL_SHELL_BENDING | PEL_SHELL_FIBRES,
     PEL_SHELL_ALL = PEL_SHELL_ELASTIC | PEL_SHELL_PRESSURE
@@ -47,7 +48,7 @@ void pel_shell_forces_set_load_factor(pel_shell_forces *forces, double factor);
 pel_shell_energy pel_shell_forces_add(pel_shell_forces *forces, const pel_record *position, pel_span span, int parts,
                                       pel_pool *pool, pel_record *force);
 
-/* Adds the forces of all pressures at a time to force (model vertex_count). */
+/* Adds the forces of all pressures, those of PEL_FIBRE_NORMAL included, at a time to force (model vertex_count). */
 void pel_shell_forces_press(pel_shell_forces *forces, const pel_record *position, pel_span span, pel_pool *pool,
                             pel_record *force);
 

@@ -118,6 +118,24 @@ PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_
     return stiffness * pel_law_fibre_energy(r);
 }
 
+/* a push of stiffness / k_A times a third of E_A along the inward normal on each corner */
+PEL_INLINE pel_lane push_normal(const pel_batch *batch, int32_t block, const pel_record *position, double stiffness,
+                                bool squared, pel_lane3 force[3])
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane3 x[3];
+    for (int k = 0; k < 3; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    pel_fibre_image f = pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]),
+                                           number_of(batch, block, 0), number_of(batch, block, 1));
+    pel_lane psi = pel_law_fibre_shortening(pel_law_fibre(f.square, pel_lane_splat(1), squared));
+    pel_lane push = pel_lane_splat((pel_real)(-stiffness / 3)) * number_of(batch, block, PEL_NORMAL_PUSH) * psi;
+    pel_lane3 normal = pel_area_vector(x[0], x[1], x[2]);
+    pel_lane scale = pel_lane_quotient(push, pel_lane_sqrt(pel_lane3_dot(normal, normal)));
+    force[0] = force[1] = force[2] = pel_lane3_scale(normal, scale);
+    return pel_lane_splat(0);
+}
+
 PEL_INLINE pel_lane weight_of(const pel_batch *batch, int32_t block)
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
@@ -168,6 +186,8 @@ PEL_FORCE_SWEEP(sweep_angle, 4, PEL_ANGLE_NUMBERS, bend_angle(batch, block, posi
 PEL_FORCE_SWEEP(sweep_isometric, 4, PEL_ISOMETRIC_NUMBERS, bend_isometric(batch, block, position, forces))
 PEL_FORCE_SWEEP(sweep_fibre, 3, given->number_count, pull_fibre(batch, block, position, amount, false, forces))
 PEL_FORCE_SWEEP(sweep_fibre_square, 3, given->number_count, pull_fibre(batch, block, position, amount, true, forces))
+PEL_FORCE_SWEEP(sweep_normal, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, position, amount, false, forces))
+PEL_FORCE_SWEEP(sweep_normal_square, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, position, amount, true, forces))
 PEL_FORCE_SWEEP(sweep_pressure, 3, given->number_count, press_area(batch, block, position, amount, forces))
 
 typedef double force_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
@@ -185,6 +205,8 @@ static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
     [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_fibre,
     [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,
     [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_fibre_square,
+    [PEL_CONSTRAINT_NORMAL] = sweep_normal,
+    [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,
     [PEL_CONSTRAINT_PRESSURE] = sweep_pressure,
 };
 

@@ -30,6 +30,17 @@ static pel_tangent_request request_of(const pel_tangent_loop *loop, const tangen
     };
 }
 
+/* a follower force, which has no stress */
+static void add_push(const pel_tangent_loop *loop, const pel_anisotropy_def *def, const pel_line *line, int32_t stress,
+                     const tangent_element *element)
+{
+    const pel_tangent_request request = {.kind = loop->input->kind};
+    if (loop->stresses != NULL)
+        loop->stresses[stress] = 0;
+    if (loop->step == NULL && !loop->input->leaves_followers)
+        pel_push_tangent(line, def->stiffness / (3 * def->gradient), element->x, &request, &element->sum);
+}
+
 static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
                          const tangent_element *element)
 {
@@ -42,6 +53,10 @@ static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *
         double length =
             active ? region->def.rest_length.value * curve_value(&region->rest_length, loop->input->span.time) : 1;
         const pel_line line = pel_line_of_fibre(&own->rests[t], squared, fibre->stiffness, length, fibre->direction);
+        if (region->def.mode == PEL_FIBRE_NORMAL) {
+            add_push(loop, &region->def, &line, stress + i - own->fibre_begin[t], element);
+            continue;
+        }
         const pel_tangent_request request = request_of(loop, element, stress + i - own->fibre_begin[t]);
         energy += pel_line_tangent(&line, element->x, &request, &element->sum);
     }

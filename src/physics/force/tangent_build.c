@@ -13,10 +13,10 @@
 
 /* ---- room ---- */
 
-/* fibres that have an energy */
-static bool has_energy(const pel_shell_region *region)
+/* fibres that give forces */
+static bool has_force(const pel_shell_region *region)
 {
-    return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
+    return pel_shell_region_is_elastic(region) || region->def.mode == PEL_FIBRE_NORMAL;
 }
 
 static bool has_springs(const pel_model *model, int32_t body)
@@ -40,7 +40,7 @@ static size_t fibre_limit(const pel_shell *shell)
 {
     size_t count = 0;
     for (int32_t r = 0; r < shell->region_count; r++)
-        if (has_energy(&shell->regions[r]))
+        if (has_force(&shell->regions[r]))
             count += (size_t)shell->regions[r].fibre_limit;
     return count;
 }
@@ -145,11 +145,11 @@ static void fill_fibres(pel_tangent_shell *own)
         return;
     memset(own->fibre_begin, 0, ((size_t)shell->triangle_count + 2) * sizeof *own->fibre_begin);
     for (int32_t r = 0; r < shell->region_count; r++)
-        for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++)
+        for (int32_t i = 0; has_force(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++)
             own->fibre_begin[pel_shell_fibre_triangle(&shell->regions[r], i) + 2]++;
     sum_counts(own->fibre_begin, shell->triangle_count);
     for (int32_t r = 0; r < shell->region_count; r++)
-        for (int32_t i = 0; has_energy(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++) {
+        for (int32_t i = 0; has_force(&shell->regions[r]) && i < shell->regions[r].fibre_count; i++) {
             const pel_shell_fibre fibre = pel_shell_fibre_of(shell, &shell->regions[r], i);
             own->fibres[own->fibre_begin[fibre.triangle + 1]++] =
                 (pel_tangent_fibre){.region = r,

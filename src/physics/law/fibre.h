@@ -23,4 +23,10 @@ PEL_INLINE pel_lane pel_law_fibre_energy(pel_fibre_response r)
     return PEL_CONSTANT(0.5) * r.strain * r.strain;
 }
 
+/* The energy of a fibre that is shorter than at rest, else 0: paper B's E_A as PEL_FIBRE_NORMAL takes it. */
+PEL_INLINE pel_lane pel_law_fibre_shortening(pel_fibre_response r)
+{
+    return pel_lane_where(pel_lane_above(pel_lane_splat(0), r.strain), pel_law_fibre_energy(r));
+}
+
 #endif

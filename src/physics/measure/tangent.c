@@ -144,3 +144,44 @@ double pel_pressure_tangent(double pressure, const double *x, const pel_tangent_
     }
     return energy;
 }
+
+/* adds the symmetric part of the derivative by corner b along c of the same vector `slope` (3) on each corner */
+static void add_push_column(const double slope[3], int b, int c, const pel_tangent_sum *sum)
+{
+    for (int a = 0; a < 9; a++) {
+        double half = 0.5 * slope[a % 3];
+        sum->hessian[a * sum->stride + 3 * b + c] += half;
+        sum->hessian[(3 * b + c) * sum->stride + a] += half;
+    }
+}
+
+double pel_push_tangent(const pel_line *fibre, double scale, const double *x, const pel_tangent_request *request,
+                        const pel_tangent_sum *sum)
+{
+    double y[3], normal[3], gradient[PEL_TANGENT_UNKNOWNS], length = line_vector(fibre, x, y);
+    bool squared = fibre->kind == PEL_LINE_SQUARE;
+    double strain = squared ? length * length - 1 : length - fibre->rest;
+    double energy = 0.5 * fibre->stiffness * strain * strain;
+    pel_vec3_triangle_normal(x, x + 3, x + 6, normal);
+    double size = pel_vec3_length(normal);
+    if (strain >= 0 || !(size > 0))
+        return 0;
+    pel_vec3_scale(normal, 1 / size, normal);
+    for (int a = 0; sum->gradient != NULL && a < 9; a++)
+        sum->gradient[a] += scale * energy * normal[a % 3];
+    if (sum->hessian == NULL || request->kind == PEL_TANGENT_POSITIVE)
+        return 0;
+    set_line_gradient(fibre, fibre->stiffness * strain * (squared ? 2 : pel_lane_quotient(1, length)), y, gradient);
+    for (int b = 0; b < 3; b++)
+        for (int c = 0; c < 3; c++) {
+            /* d (E n) = n dE + E (dN - n n.dN) / |N|, and dN = d x (x_b+1 - x_b+2) */
+            double unit[3] = {c == 0, c == 1, c == 2}, edge[3], turned[3], slope[3];
+            pel_vec3_subtract(x + 3 * ((b + 1) % 3), x + 3 * ((b + 2) % 3), edge);
+            pel_vec3_cross(unit, edge, turned);
+            pel_vec3_along(turned, -pel_vec3_dot(turned, normal), normal, turned);
+            for (int i = 0; i < 3; i++)
+                slope[i] = scale * (gradient[3 * b + c] * normal[i] + energy / size * turned[i]);
+            add_push_column(slope, b, c, sum);
+        }
+    return 0;
+}

@@ -89,4 +89,10 @@ double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double 
 double pel_pressure_tangent(double pressure, const double *x, const pel_tangent_request *request,
                             const pel_tangent_sum *sum);
 
+/* Push of a fibre of a triangle, x (9), along the inward unit normal: `scale` [1/m] times its energy where it is
+   shorter than at rest, on each corner (PEL_FIBRE_NORMAL). The Hessian is the symmetric part of the derivative. Returns
+   0: the push has no potential. */
+double pel_push_tangent(const pel_line *fibre, double scale, const double *x, const pel_tangent_request *request,
+                        const pel_tangent_sum *sum);
+
 #endif

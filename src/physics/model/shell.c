@@ -125,7 +125,7 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
                                    pel_error *error)
 {
     bool fibres = def->mode != PEL_FIBRE_CURL;
-    pel_status status = check_choice((int)def->mode, PEL_FIBRE_CURL + 1, body, "anisotropy mode", error);
+    pel_status status = check_choice((int)def->mode, PEL_FIBRE_NORMAL + 1, body, "anisotropy mode", error);
     if (status == PEL_OK)
         status = check_choice((int)def->kind, PEL_FIBRE_SQRT + 1, body, "fibre kind", error);
     if (status == PEL_OK)
@@ -134,7 +134,9 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
         status = check_number(def->stiffness, 1e-300, HUGE_VAL, body, "fibre stiffness", error);
     if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE && !(def->strength > 0 && isfinite(def->strength)))
         status = check_number(def->strength, 1e-300, HUGE_VAL, body, "anisotropy strength", error);
-    if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE)
+    if (status == PEL_OK && def->mode == PEL_FIBRE_NORMAL && !(def->gradient > 0 && isfinite(def->gradient)))
+        status = check_number(def->gradient, 1e-300, HUGE_VAL, body, "anisotropy gradient", error);
+    if (status == PEL_OK && (def->mode == PEL_FIBRE_CAVE || def->mode == PEL_FIBRE_NORMAL))
         status = check_number(def->max_step, 0, 1, body, "anisotropy max_step", error);
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
@@ -523,10 +525,15 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
 
 bool pel_shell_needs_projection(const pel_shell *shell)
 {
-    bool needs = shell != NULL && shell->strain_limit > 0;
-    for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
-        needs |= shell->regions[r].def.mode == PEL_FIBRE_CAVE;
-    return needs;
+    return shell != NULL && (shell->strain_limit > 0 || pel_shell_has_mode(shell, PEL_FIBRE_CAVE));
+}
+
+bool pel_shell_has_mode(const pel_shell *shell, pel_fibre_mode mode)
+{
+    for (int32_t r = 0; r < shell->region_count; r++)
+        if (shell->regions[r].def.mode == mode)
+            return true;
+    return false;
 }
 
 pel_status pel_shell_check_bending(const pel_shell *shell, int32_t body, pel_error *error)

@@ -120,6 +120,15 @@ static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
 
+/* fibres with an energy of their own: caving in and curls have none, and the push of PEL_FIBRE_NORMAL has no potential
+ */
+static inline bool pel_shell_region_is_elastic(const pel_shell_region *region)
+{
+    return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
+}
+/* true if a region has this mode */
+bool pel_shell_has_mode(const pel_shell *shell, pel_fibre_mode mode);
+
 static inline int32_t pel_shell_fibre_triangle(const pel_shell_region *region, int32_t i)
 {
     PEL_ASSERT_INDEX(i, region->fibre_count);

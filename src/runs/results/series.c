@@ -156,6 +156,20 @@ static void put_cuts(pel_run_series *series, const pel_sim *sim, const pel_sim_l
     put_number(series, ledger->dissipated_fracture);
 }
 
+static bool has_caving(const pel_sim *sim)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(sim, &reading);
+    return reading.has_caving;
+}
+
+static void put_caving(pel_run_series *series, const pel_sim *sim)
+{
+    pel_solver_reading reading;
+    pel_sim_get_solver(sim, &reading);
+    put_number(series, reading.caving_limited);
+}
+
 static void put_header(pel_run_series *series, const pel_sim *sim)
 {
     put_text(series, first_columns);
@@ -194,6 +208,8 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",solver_residual");
     if (pel_sim_cut_count(sim) > 0)
         put_text(series, ",cut_length,dissipated_fracture");
+    if (has_caving(sim))
+        put_text(series, ",caving_limited");
     put_text(series, "\n");
 }
 
@@ -407,6 +423,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_residual(series, sim);
     if (pel_sim_cut_count(sim) > 0)
         put_cuts(series, sim, &row->ledger);
+    if (has_caving(sim))
+        put_caving(series, sim);
     put_text(series, "\n");
 }
 

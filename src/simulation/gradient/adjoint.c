@@ -55,9 +55,11 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
         return pel_refuse(error, PEL_BAD_ARGUMENT, "remove tools and contact",
                           "derivatives exist only without tools and contact");
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        if (sim->model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&sim->model->bodies[b]))
-            return pel_refuse(error, PEL_BAD_ARGUMENT, "use the consistent form on a closed body",
-                              "pressure on a part of a surface, or in the form vertex-normal, has no potential");
+        if (!pel_shell_has_potential(&sim->model->bodies[b]))
+            return pel_refuse(error, PEL_BAD_ARGUMENT,
+                              "use the consistent form on a closed body, and fibres of another mode",
+                              "pressure on a part of a surface or in the form vertex-normal, and fibres of the mode "
+                              "normal, have no potential");
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;

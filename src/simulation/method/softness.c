@@ -296,6 +296,7 @@ void pel_substeps_read(const pel_sim *sim, pel_solver_reading *reading)
     reading->second_order = compliant && sim->solver.second_order != PEL_NO;
     reading->softness = pel_sim_softness(sim);
     reading->most_softness = sim->substeps->now.softness;
+    reading->has_caving = pel_projector_limited(sim->projector, &reading->caving_limited);
 }
 
 /* ---- snapshots ---- */

@@ -61,14 +61,13 @@ pel_status pel_minimise_check_held(const pel_sim *sim, const pel_record *force, 
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
-        const pel_shell *shell = body->shell;
         double net[3] = {0, 0, 0}, sum = 0, x[3];
         for (int32_t v = body->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, b); v++) {
             pel_vertex_position(force, v, x);
             pel_vec3_add(net, x, net);
             sum += pel_vec3_length(x);
         }
-        bool follows = shell != NULL && !pel_pressure_is_conservative(body);
+        bool follows = !pel_shell_has_potential(body);
         if (pel_vec3_length(net) > (follows ? FOLLOWER_RATIO : LOAD_RATIO) * sum && !is_held(sim, b))
             return refuse_free(sim, b, net, time, error);
     }

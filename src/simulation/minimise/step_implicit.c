@@ -173,7 +173,7 @@ static bool has_potential(const pel_sim *sim)
 {
     bool has = sim->loads->follower_count == 0 && sim->loads->edge_load_count == 0;
     for (int32_t b = 0; b < sim->model->body_count; b++)
-        has &= sim->model->bodies[b].shell == NULL || pel_pressure_is_conservative(&sim->model->bodies[b]);
+        has &= pel_shell_has_potential(&sim->model->bodies[b]);
     return has;
 }
 

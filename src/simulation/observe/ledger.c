@@ -257,12 +257,11 @@ static void add_pressure(pel_sim *sim, double time, double next)
     pel_loads_find_spans(sim, time, next, spans);
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
+        follows |= !pel_shell_has_potential(body);
         if (body->shell == NULL || body->shell->pressure.kind == PEL_PRESSURE_NONE)
             continue;
         if (pel_pressure_is_conservative(body))
             work += potential_work(sim, b, spans);
-        else
-            follows = true;
     }
     sim->ledger->sums.work_pressure += work + (follows ? follower_work(sim, spans) : 0);
 }

@@ -147,7 +147,7 @@ static pel_status create_system(pel_newton *newton, int32_t count, const int32_t
 static bool has_potential(const pel_model *model)
 {
     for (int32_t b = 0; b < model->body_count; b++)
-        if (model->bodies[b].shell != NULL && !pel_pressure_is_conservative(&model->bodies[b]))
+        if (!pel_shell_has_potential(&model->bodies[b]))
             return false;
     return true;
 }

@@ -344,9 +344,11 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
     double ratio = pel_min(projector->substep / projector->whole_substep, 1);
+    const pel_project_time time = {tau, ratio * ratio, projector->substep / projector->whole_dt,
+                                   projector->solver.iterations};
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], tau, ratio * ratio);
+        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], &time);
 }
 
 /* Where contacts press, the past is forgotten in each substep. To go on in second order would let all forces act at 4/9
@@ -475,6 +477,27 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held)
         projector->is_fixed[v] = !(model->inverse_mass[v] > 0) || (is_held != NULL && is_held[v]);
     for (int32_t b = 0; b < model->body_count; b++)
         pel_project_body_mark_fixed(&projector->batches->bodies[b], projector->is_fixed);
+}
+
+bool pel_projector_limited(const pel_projector *projector, double *share)
+{
+    const pel_batches *batches = projector->batches;
+    double limited = 0, count = 0;
+    for (int32_t b = 0; b < projector->model->body_count; b++)
+        for (int32_t i = 0; i < batches->bodies[b].batch_count; i++) {
+            const pel_batch *batch = &batches->bodies[b].batches[i];
+            if (!batch->is_projected || !pel_batch_is_push(batch))
+                continue;
+            for (int32_t e = 0; e < batch->block_count * PEL_BLOCK; e++) {
+                if (e % PEL_BLOCK >= batch->lane_counts[e / PEL_BLOCK])
+                    continue;
+                limited += (double)*pel_batch_number(batch, e, PEL_NORMAL_LIMITED);
+                count++;
+            }
+        }
+    const pel_solver_def *solver = &projector->solver;
+    *share = count > 0 ? limited / (count * solver->iterations * solver->substeps) : 0;
+    return count > 0;
 }
 
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body)

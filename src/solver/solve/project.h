@@ -104,6 +104,9 @@ bool pel_project_has_past(const pel_projector *projector, const pel_state *state
 /* Restarts the history of a body at the present state. */
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body);
 
+/* The share of the last step's corrections by PEL_FIBRE_NORMAL that their bound cut; false if there are none. */
+bool pel_projector_limited(const pel_projector *projector, double *share);
+
 /* After an accepted step: stores its history in the state. */
 void pel_projector_accept(pel_projector *projector, pel_state *state);
 
@@ -113,8 +116,14 @@ void pel_projector_accept(pel_projector *projector, pel_state *state);
 /* solver: dt and substeps of a whole step */
 void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver_def *solver, const pel_state *state,
                             double time);
-/* the time that compliances are over; share: of each correction of pbd */
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau, double share);
+typedef struct pel_project_time {
+    double tau;         /* s, that compliances are over */
+    double share;       /* of each correction of pbd */
+    double ratio;       /* of the substep to a whole step */
+    int32_t iterations; /* sweeps of a substep */
+} pel_project_time;
+
+void pel_project_body_set_time(pel_body_batches *own, const double *factors, const pel_project_time *time);
 /* Marks the blocks with a vertex that is fixed: there reactions are recorded. */
 void pel_project_body_mark_fixed(pel_body_batches *own, const uint8_t *is_fixed);
 

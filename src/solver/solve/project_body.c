@@ -13,6 +13,8 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_sol
                        pel_curve_value(region->rest_length.keys, region->rest_length.key_count, time));
     if (batch->kind == PEL_CONSTRAINT_CAVE)
         pel_project_cave_begin(batch, shell, state, solver);
+    for (int32_t i = 0; batch->is_projected && pel_batch_is_push(batch) && i < batch->block_count * PEL_BLOCK; i++)
+        *pel_batch_number(batch, i, PEL_NORMAL_LIMITED) = 0;
 }
 
 /* springs without stiffness and the paper's bending without weight do nothing */
@@ -37,15 +39,25 @@ void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver
     }
 }
 
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, double tau, double share)
+/* A push is no energy that sweeps bring down: each of them adds to it. Five sweeps of one substep push as in paper B;
+   other sweeps, substeps and parts of a step give the same acceleration. */
+enum { PAPER_SWEEPS = 5 };
+
+static double share_of(const pel_batch *batch, const pel_project_time *time)
 {
+    return pel_batch_is_push(batch) ? PAPER_SWEEPS / (double)time->iterations * time->ratio * time->ratio : time->share;
+}
+
+void pel_project_body_set_time(pel_body_batches *own, const double *factors, const pel_project_time *time)
+{
+    double tau = time->tau;
     for (int32_t i = 0; i < own->batch_count; i++) {
         pel_batch_law *law = &own->batches[i].law;
         double factor = own->batches[i].arity == 2 ? factors[PEL_SPRING_STIFFNESS] : 1;
         law->square_time = (pel_real)(tau * tau * factor);
         law->inverse_square = (pel_real)(1 / (tau * tau * factor));
         law->force_rate = (pel_real)(1 / (tau * tau));
-        law->share = (pel_real)share;
+        law->share = (pel_real)share_of(&own->batches[i], time);
     }
 }
 
@@ -66,7 +78,7 @@ void pel_project_body_mark_fixed(pel_body_batches *own, const uint8_t *is_fixed)
         if (!batch->is_projected)
             continue;
         /* caving in has no reaction */
-        bool reacts = batch->kind != PEL_CONSTRAINT_CAVE;
+        bool reacts = batch->kind != PEL_CONSTRAINT_CAVE && !pel_batch_is_push(batch);
         for (int32_t block = 0; block < batch->block_count; block++)
             batch->has_fixed[block] = reacts && has_fixed(batch, block, is_fixed);
     }

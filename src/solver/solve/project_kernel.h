@@ -602,6 +602,35 @@ PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane
     }
 }
 
+/* pbd: the constraint is the energy E_A of a fibre that is shorter than at rest, and its gradient k_A n on each corner:
+   the correction -w n E_A / (k_A sum w) goes inward, and never beyond the bound (project_body.c) */
+PEL_INLINE void project_normal(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                               pel_lane3 *ways, bool squared)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const pel_lane zero = pel_lane_splat(0), share = pel_lane_splat(batch->law.share);
+    pel_particle p[3];
+    pel_lane number[PEL_NORMAL_NUMBERS];
+    for (int k = 0; k < 3; k++)
+        p[k] = load_particle(batch, block, k, lane, positions);
+    for (int j = 0; j < PEL_NORMAL_NUMBERS; j++)
+        number[j] = number_of(batch, block, PEL_NORMAL_NUMBERS, j, lane);
+    pel_fibre_image f = pel_fibre_image_of(pel_lane3_subtract(p[0].at, p[2].at), pel_lane3_subtract(p[1].at, p[2].at),
+                                           number[0], number[1]);
+    pel_lane ratio =
+        number[PEL_NORMAL_PUSH] * pel_law_fibre_shortening(pel_law_fibre(f.square, pel_lane_splat(1), squared));
+    pel_lane3 normal = pel_area_vector(p[0].at, p[1].at, p[2].at);
+    pel_lane inverse = pel_lane_quotient(pel_lane_splat(-1), pel_lane_sqrt(pel_lane3_dot(normal, normal)));
+    pel_lane rate = pel_lane_quotient(ratio, p[0].fourth + p[1].fourth + p[2].fourth), limited = zero;
+    for (int k = 0; k < 3; k++) {
+        pel_lane way = rate * p[k].fourth;
+        limited = pel_lane_where(pel_lane_above(way, number[PEL_NORMAL_MOST]), pel_lane_splat(1)) + limited;
+        ways[k] = pel_lane3_scale(normal, inverse * share * pel_lane_min(way, number[PEL_NORMAL_MOST]));
+    }
+    pel_real *counts = batch->numbers + ((size_t)block * PEL_NORMAL_NUMBERS + PEL_NORMAL_LIMITED) * PEL_BLOCK;
+    pel_lane_store(counts, lane, number[PEL_NORMAL_LIMITED] + pel_lane_min(limited, pel_lane_splat(1)));
+}
+
 /* ---- sweeps ---- */
 
 /* float has twice the records for its registers: four points are moved at once while they are there */
@@ -821,6 +850,8 @@ static void sweep_limit(const pel_batch *batch, int32_t begin, int32_t end, pel_
 }
 
 PEL_PROJECT_SWEEP(sweep_cave, 3, project_cave(batch, block, lane, positions, ways))
+PEL_PROJECT_SWEEP(sweep_normal, 3, project_normal(batch, block, lane, positions, ways, false))
+PEL_PROJECT_SWEEP(sweep_normal_square, 3, project_normal(batch, block, lane, positions, ways, true))
 
 #define PEL_PROJECT_LAW_ROW(KIND, law, name)                                                                           \
     [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_##KIND] = sweep_##law,                                                     \
@@ -833,6 +864,7 @@ PEL_PROJECT_SWEEP(sweep_cave, 3, project_cave(batch, block, lane, positions, way
         [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge, [PEL_CONSTRAINT_FIBRE] = sweep_fibre,                     \
         [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square, [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,       \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
+        [PEL_CONSTRAINT_NORMAL] = sweep_normal, [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,                  \
         [PEL_CONSTRAINT_LIMIT] = sweep_limit,                                                                          \
     }
 

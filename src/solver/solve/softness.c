@@ -391,7 +391,7 @@ static int32_t element_count(const pel_model *model, int32_t body, int32_t kind)
     if (kind == BENDING)
         return b->shell->hinge_count;
     const pel_shell_region *region = &b->shell->regions[kind - FIBRES];
-    return region->def.mode != PEL_FIBRE_CAVE ? region->fibre_count : 0;
+    return pel_shell_region_is_elastic(region) ? region->fibre_count : 0;
 }
 
 /* elements of one kind from `first` on */
