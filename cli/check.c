@@ -2,6 +2,7 @@
 #include "cracks.h"
 #include "diagnostics.h"
 #include "intersections.h"
+#include "magnitudes.h"
 #include "parts.h"
 
 #include <pellicle/mesh_check.h>
@@ -396,8 +397,8 @@ static bool check_bodies(const cli_call *call, const pel_scene *scene, pel_json 
     return good;
 }
 
-/* makes model and simulation, so that everything is found that a run would refuse */
-static pel_status try_scene(const pel_scene *scene, pel_error *error)
+/* makes model and simulation, so that everything is found that a run would refuse, and tells magnitudes */
+static pel_status try_scene(const pel_scene *scene, const char *path, pel_json *json, pel_error *error)
 {
     pel_model *model = NULL;
     pel_sim *sim = NULL;
@@ -406,6 +407,14 @@ static pel_status try_scene(const pel_scene *scene, pel_error *error)
         pel_sim_def def = scene->sim;
         def.model = model;
         status = pel_sim_create(&def, &sim, error);
+    }
+    if (status == PEL_OK) {
+        int bodies = (int)scene->model.body_count;
+        if (json != NULL)
+            pel_json_bool(json, "ok", true);
+        else
+            printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
+        cli_tell_magnitudes(scene, sim, json);
     }
     pel_sim_destroy(sim);
     pel_model_destroy(model);
@@ -421,16 +430,10 @@ static int check_scene(const cli_call *call, pel_json *json)
         return cli_report_to(&error, json);
     int status = CLI_BAD_INPUT;
     if (check_bodies(call, scene, json)) {
-        if (try_scene(scene, &error) != PEL_OK) {
+        status = CLI_DONE;
+        if (try_scene(scene, path, json, &error) != PEL_OK) {
             pel_scene_locate(scene, &error);
             status = cli_report_to(&error, json);
-        } else {
-            status = CLI_DONE;
-            int bodies = (int)scene->model.body_count;
-            if (json != NULL)
-                pel_json_bool(json, "ok", true);
-            else
-                printf("%s: fine, %d %s, %g s\n", path, bodies, bodies == 1 ? "body" : "bodies", scene->duration);
         }
     }
     pel_scene_destroy(scene);

@@ -131,10 +131,21 @@ static void print_files(const char *folder)
     }
 }
 
+/* the first line: an analysis has modes, not a time */
+static void print_progress_made(const pel_scene *scene, const pel_run_summary *s)
+{
+    pel_analysis analysis = scene->sim.solver.analysis;
+    if (analysis == PEL_ANALYSIS_NONE)
+        printf("%s: %lld steps, %lld frames, %.6g s simulated in %.3g s (stepping alone: %.0f steps/s)\n", s->status,
+               (long long)s->steps, (long long)s->frames, s->time_simulated, s->wall_s, s->steps_per_second);
+    else
+        printf("%s: %d %s in %.3g s, a frame each\n", s->status, (int)s->mode_count,
+               analysis == PEL_ANALYSIS_MODAL ? "frequencies" : "load factors", s->wall_s);
+}
+
 static void print_summary(const cli_call *call, const pel_scene *scene, const char *folder, const pel_run_summary *s)
 {
-    printf("%s: %lld steps, %lld frames, %.6g s simulated in %.3g s (stepping alone: %.0f steps/s)\n", s->status,
-           (long long)s->steps, (long long)s->frames, s->time_simulated, s->wall_s, s->steps_per_second);
+    print_progress_made(scene, s);
     printf("  largest displacement   %.6g m\n", s->max_displacement);
     printf("  displacement at end    %.6g m\n", s->residual_displacement);
     if (scene->sim.tool_count > 0)

@@ -135,7 +135,10 @@ static const cli_command commands[] = {
         .text =
             "Lists every problem of FILE with its place and remedy. A file that ends in .yaml, .yml or .json is "
             "checked as a scene, with the meshes it names; any other file as a mesh. Elements are numbered from "
-            "0.\n\nExit status 0: no problem (notes may be printed), or the repaired mesh was written; 2: there are "
+            "0. Of a scene without errors it prints magnitudes: mass, the pressure or tension of 1 % strain, the "
+            "pressure that "
+            "buckles a closed shell, the time to fall, the lowest frequency (up to 3,000 vertices), and the cost of a "
+            "run.\n\nExit status 0: no problem (notes may be printed), or the repaired mesh was written; 2: there are "
             "errors (the file cannot be simulated) or warnings (it can be simulated, but the result is probably not "
             "the intended one).\n\n--fix welds vertices at the same position; removes invalid, duplicate and flat "
             "triangles and unused vertices; divides the neighbour of a flat triangle if a slit would remain; splits "
