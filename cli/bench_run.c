@@ -95,6 +95,7 @@ static pel_status run(writing *w, const pel_scene *scene, double *best, pel_erro
     pel_run_def def = pel_run_def_default();
     pel_run_summary summary;
     def.folder = run_folder(w, w->run_count++, path);
+    def.overwrite = true;
     double start = pel_seconds();
     pel_status status = pel_run(scene, &def, &summary, error);
     *best = fmin(*best, pel_seconds() - start);

@@ -97,8 +97,11 @@ static bool choose_folder(const cli_call *call, char folder[PEL_RUN_PATH_SIZE])
                           slash != NULL ? path : ".");
     } else {
         const char *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+        /* "." and ".." are no names */
+        if (dot != NULL && strspn(name, ".") >= (size_t)(dot - name))
+            dot = NULL;
         length = snprintf(folder, PEL_RUN_PATH_SIZE, "results/%.*s",
-                          dot != NULL && dot != name ? (int)(dot - name) : (int)strlen(name), name);
+                          dot != NULL ? (int)(dot - name) : (int)strlen(name), name);
     }
     if (length < 0 || length >= PEL_RUN_PATH_SIZE)
         return cli_complain("the path of the output folder is too long. choose a shorter one with -o"), false;
@@ -210,6 +213,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
     def.max_frames = cli_count(call, "frames");
     def.thread_count = cli_count(call, "threads");
     def.resume = cli_value(call, "resume");
+    def.overwrite = cli_has(call, "overwrite");
     def.progress = show_progress;
     def.wanted = is_wanted;
     def.user = &d;

@@ -45,8 +45,11 @@ static const cli_command commands[] = {
                      .letter = 'o',
                      .kind = CLI_FOLDER,
                      .value = "DIR",
-                     .doc = "folder of the results; default: results/ and the scene's name, or with --resume the "
-                            "folder of the checkpoint"},
+                     .doc =
+                         "folder of the results; default: results/ and the scene's name, or with --resume the "
+                         "folder of the checkpoint. It is new or empty, or that of an older run, which moves aside to "
+                         "DIR.1"},
+                    {.name = "overwrite", .kind = CLI_FLAG, .doc = "remove the older run in the folder instead"},
                     {.name = "set",
                      .kind = CLI_SETTING,
                      .repeated = true,

@@ -51,7 +51,10 @@ typedef struct pel_run_beside {
 } pel_run_beside;
 
 typedef struct pel_run_def {
-    const char *folder; /* created with its parents if missing; null = write no files, only the summary and `row` */
+    const char *folder; /* created with its parents if missing; null = write no files, only the summary and `row`. It
+                           gets a mark, the file .pellicle-run; without the mark it must be empty, and nothing in it is
+                           changed. An older run moves aside to the first free of NAME.1, NAME.2, ... */
+    bool overwrite;     /* the files of the older run are removed instead */
     int64_t max_frames; /* ends the run (status "done") at this frame; frame 0 is the initial state; 0 = at the scene's
                            duration */
     int32_t thread_count; /* 0 = as in the scene; 1 = everything in the calling thread, including frames; results do not
@@ -130,6 +133,10 @@ typedef struct pel_run_summary {
     pel_run_warning warnings[PEL_RUN_WARNING_LIMIT]; /* (warning_count) */
     char checkpoint[PEL_RUN_PATH_SIZE + 64];         /* path of the last good state, empty if none was written */
 } pel_run_summary;
+
+/* Makes the folder one of a run before the run, for those who put files of their own into it first: an older run moves
+   aside or, with overwrite, stays to be removed. Then run with def.overwrite. Errors as for the folder of pel_run. */
+PEL_API pel_status pel_run_take_folder(const char *folder, bool overwrite, const pel_log *log, pel_error *error);
 
 /* Runs a scene. With `resume` the series is truncated to the checkpoint and continued with the same bits: except for
    wall times, all files equal those of an uninterrupted run. Returns PEL_OK; PEL_STOPPED (progress or wanted returned

@@ -86,6 +86,7 @@ static pel_status run_scene(lab_experiment *experiment, const char *name, const 
     char folder[LAB_PATH_SIZE];
     pel_run_def def = pel_run_def_default();
     def.folder = lab_path(experiment, name, folder);
+    def.overwrite = true;
     lab_tell_run(experiment, name);
     return pel_run(scene, &def, summary, experiment->error);
 }

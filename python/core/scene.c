@@ -202,15 +202,16 @@ PyType_Spec core_scene_spec = {"pellicle._core.Scene", sizeof(core_scene), 0, Py
 
 /* ---- whole runs ---- */
 
-/* run(scene, folder, frames, threads, resume, warnings) */
+/* run(scene, folder, frames, threads, resume, overwrite) */
 static PyObject *run(PyObject *module, PyObject *arguments)
 {
     (void)module;
     core_scene *scene;
     const char *folder, *resume;
     long long frames;
-    int threads;
-    if (!PyArg_ParseTuple(arguments, "O!sLiz:run", core_scene_type, &scene, &folder, &frames, &threads, &resume))
+    int threads, overwrite;
+    if (!PyArg_ParseTuple(arguments, "O!sLizp:run", core_scene_type, &scene, &folder, &frames, &threads, &resume,
+                          &overwrite))
         return NULL;
     pel_run_def def = pel_run_def_default();
     double next_look = 0;
@@ -218,6 +219,7 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     def.max_frames = frames;
     def.thread_count = threads;
     def.resume = resume;
+    def.overwrite = overwrite != 0;
     def.wanted = core_is_wanted;
     def.user = &next_look;
     /* large: not on the stack of a thread */
@@ -233,6 +235,19 @@ static PyObject *run(PyObject *module, PyObject *arguments)
     if (PyErr_Occurred())
         return NULL;
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
+}
+
+/* take_folder(folder, overwrite) */
+static PyObject *take_folder(PyObject *module, PyObject *arguments)
+{
+    (void)module;
+    const char *folder;
+    int overwrite;
+    pel_error error;
+    if (!PyArg_ParseTuple(arguments, "sp:take_folder", &folder, &overwrite))
+        return NULL;
+    return pel_run_take_folder(folder, overwrite != 0, NULL, &error) == PEL_OK ? Py_NewRef(Py_None)
+                                                                               : core_raise(&error);
 }
 
 /* results of runs that are stepped together */
@@ -374,6 +389,7 @@ static PyObject *write_report(PyObject *module, PyObject *arguments)
 
 PyMethodDef core_run_methods[] = {
     {"run", run, METH_VARARGS, NULL},
+    {"take_folder", take_folder, METH_VARARGS, NULL},
     {"series", series, METH_VARARGS, NULL},
     {"write_report", write_report, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},

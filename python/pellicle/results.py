@@ -151,6 +151,7 @@ def run(
     overrides: Optional[Mapping[str, Any]] = None,
     frames: int = 0,
     threads: int = 0,
+    overwrite: bool = False,
 ) -> Run:
     """Run a scene to its end like ``pellicle run``, write the results into a folder, and read them.
 
@@ -167,6 +168,8 @@ def run(
         Number of the frame at which the run ends (frame 0 is the initial state). 0: the run ends at the end of the scene.
     threads : int
         Threads of the run. 0: the number of the scene. The results do not depend on it.
+    overwrite : bool
+        Remove the older run in the folder; otherwise it moves aside to ``folder.1``.
 
     Returns
     -------
@@ -188,9 +191,11 @@ def run(
         source = source._source
     if isinstance(source, Mapping) and _has_mesh(source):
         meshes = os.path.join(folder, "meshes")
+        _core.take_folder(folder, overwrite)
+        overwrite = True
         shutil.rmtree(meshes, ignore_errors=True)
         os.makedirs(meshes)
         source = _keep_meshes(source, meshes, "")
     scene = Scene(source, overrides)
-    _core.run(scene._core, folder, frames, threads, None)
+    _core.run(scene._core, folder, frames, threads, None, overwrite)
     return Run(folder)

@@ -76,12 +76,66 @@ static void test_clear(void **unused)
     assert_true(!removed && is_there("notes.txt") && is_there("frames/f00001.txt"));
 }
 
+/* folders of others are refused as they are; those of runs move aside, or stay to be cleared */
+static void test_claim(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH], here[4096];
+    pel_error error;
+    /* files like those of a run, without its mark */
+    assert_int_equal(pel_run_folder_claim(folder, NULL, false, NULL, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "none that says that they are of a run"));
+    assert_int_equal(pel_run_folder_claim(folder, NULL, true, NULL, &error), PEL_BAD_FILE);
+    assert_int_equal(pel_run_folder_claim("/", NULL, true, NULL, &error), PEL_BAD_FILE);
+    assert_true(is_there("series.csv") && is_there("summary.json") && !is_there(".pellicle-run"));
+    /* its own checkpoint makes it that of a run, another one does not */
+    folder_write_text(folder, "checkpoint-1.pel", "");
+    assert_int_equal(pel_run_folder_claim(folder, folder_path(path, folder, "checkpoint-1.pel"), false, NULL, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_run_folder_claim(folder, "/etc/passwd", false, NULL, NULL), PEL_BAD_FILE);
+    /* what a killed program left is nothing */
+    char other[FOLDER_PATH], file[2 * FOLDER_PATH];
+    assert_int_equal(mkdir(folder_path(other, folder, "other"), 0777), 0);
+    folder_write_text(folder, "other/.pellicle-lock", "");
+    folder_write_text(folder, "other/.pellicle-1-2.tmp", "");
+    assert_int_equal(pel_run_folder_claim(other, NULL, false, NULL, NULL), PEL_OK);
+    assert_int_equal(pel_run_folder_open(other, NULL), PEL_OK);
+    snprintf(file, sizeof file, "%s/.pellicle-run", other);
+    assert_int_equal(access(file, F_OK), 0);
+    /* a run that is at work is left alone */
+    int lock;
+    assert_int_equal(pel_run_folder_lock(other, &lock, NULL), PEL_OK);
+    assert_int_equal(pel_run_folder_claim(other, NULL, false, NULL, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.what, "another run"));
+    pel_run_folder_unlock(other, lock);
+    /* aside to the first free number */
+    assert_int_equal(pel_run_folder_claim(other, NULL, true, NULL, NULL), PEL_OK);
+    assert_int_equal(access(file, F_OK), 0);
+    for (int number = 1; number <= 2; number++) {
+        assert_int_equal(pel_run_folder_open(other, NULL), PEL_OK);
+        folder_write_text(folder, "other/mine", "mine");
+        assert_int_equal(pel_run_folder_claim(other, NULL, false, NULL, NULL), PEL_OK);
+        assert_int_equal(access(other, F_OK), -1);
+        snprintf(file, sizeof file, "%s.%d/mine", other, number);
+        assert_int_equal(access(file, F_OK), 0);
+    }
+    /* not from inside */
+    assert_int_equal(pel_run_folder_open(other, NULL), PEL_OK);
+    assert_non_null(getcwd(here, sizeof here));
+    assert_int_equal(chdir(other), 0);
+    assert_int_equal(pel_run_folder_claim(".", NULL, false, NULL, &error), PEL_BAD_FILE);
+    assert_int_equal(pel_run_folder_claim(".", NULL, true, NULL, &error), PEL_OK);
+    assert_int_equal(chdir(here), 0);
+    assert_non_null(strstr(error.remedy, "--overwrite"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_names),
         cmocka_unit_test_setup_teardown(test_lock, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_clear, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_claim, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -141,6 +141,7 @@ typedef struct run_case {
     const char *block;   /* name in the folder that another folder takes at step 30; nullable */
     double keep_seconds; /* 0 = as by default */
     int64_t max_frames;
+    bool overwrite;
     int32_t threads;
     pel_run_summary summary;
     pel_error error;
@@ -184,6 +185,7 @@ static inline pel_status do_run(const pel_scene *scene, run_case *test)
     def.folder = in_folder(path, test->run, "");
     def.resume = test->resume != NULL ? in_folder(resume, test->run, test->resume) : NULL;
     def.max_frames = test->max_frames;
+    def.overwrite = test->overwrite;
     def.thread_count = test->threads > 0 ? test->threads : thread_count;
     def.keep_seconds = test->keep_seconds > 0 ? test->keep_seconds : def.keep_seconds;
     def.progress = watch;

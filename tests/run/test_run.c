@@ -309,7 +309,7 @@ static void test_stops_within_steps(void **unused)
     pel_scene_destroy(scene);
 }
 
-/* an older, longer run is replaced; files that are none of a run stay */
+/* an older, longer run moves aside, or is replaced; files that are none of a run stay */
 static void test_takes_over_folder(void **unused)
 {
     (void)unused;
@@ -319,8 +319,16 @@ static void test_takes_over_folder(void **unused)
     write_text("again", "notes.txt", "mine");
     write_text("again", "frames/picture.png", "mine");
     write_text("again", "frames/.pellicle-1-0.tmp", "left over");
-    test.max_frames = 2;
     check_run(scene, &test, PEL_OK);
+    assert_true(exists("again.1", "notes.txt") && exists("again.1", "frames/picture.png"));
+    check_same_results("again.1", "again", test.summary.frames);
+    write_text("again", "notes.txt", "mine");
+    write_text("again", "frames/picture.png", "mine");
+    write_text("again", "frames/.pellicle-1-0.tmp", "left over");
+    test.max_frames = 2;
+    test.overwrite = true;
+    check_run(scene, &test, PEL_OK);
+    assert_false(exists("again.2", ""));
     assert_int_equal(test.summary.frames, 3);
     assert_int_equal(test.summary.steps, 14);
     check_whole("again");
@@ -332,6 +340,31 @@ static void test_takes_over_folder(void **unused)
     check_run(scene, &rest, PEL_OK);
     check_run(scene, &whole, PEL_OK);
     check_same_results("again-whole", "again", whole.summary.frames);
+    pel_scene_destroy(scene);
+}
+
+/* a folder with files of others stays as it is, whatever their names */
+static void test_folder_of_others(void **unused)
+{
+    (void)unused;
+    static const char *const names[] = {"scene.yaml", "series.csv", "summary.json", "final.ply", "frames.pvd"};
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    char path[256], *bytes;
+    size_t size;
+    assert_int_equal(mkdir(in_folder(path, "others", ""), 0777), 0);
+    for (int i = 0; i < 5; i++)
+        write_text("others", names[i], "mine");
+    for (int overwrite = 0; overwrite < 2; overwrite++) {
+        run_case test = {.run = "others", .overwrite = overwrite != 0};
+        check_run(scene, &test, PEL_BAD_FILE);
+        assert_non_null(strstr(test.error.what, "none that says that they are of a run"));
+        for (int i = 0; i < 5; i++) {
+            read_text("others", names[i], &bytes, &size);
+            assert_true(size == 4 && memcmp(bytes, "mine", 4) == 0);
+            pel_free(bytes);
+        }
+        assert_false(exists("others", "frames") || exists("others", ".pellicle-run"));
+    }
     pel_scene_destroy(scene);
 }
 
@@ -652,6 +685,7 @@ int main(void)
         cmocka_unit_test(test_speed),
         cmocka_unit_test(test_stops_within_steps),
         cmocka_unit_test(test_takes_over_folder),
+        cmocka_unit_test(test_folder_of_others),
         cmocka_unit_test(test_bad_folders),
         cmocka_unit_test(test_nothing_written),
         cmocka_unit_test(test_own_scene),

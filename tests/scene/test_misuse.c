@@ -746,6 +746,7 @@ static void test_scenes(void **unused)
     REFUSED("scene", pel_run(NULL, &def, &summary, &error));
     REFUSED("def", pel_run(scene, NULL, &summary, &error));
     REFUSED("summary", pel_run(scene, &def, NULL, &error));
+    REFUSED("folder", pel_run_take_folder(NULL, false, NULL, &error));
     def.folder = "";
     REFUSED("folder", pel_run(scene, &def, &summary, &error));
     def.folder = NULL, def.resume = "checkpoint";

@@ -2,6 +2,7 @@
 #include "results/folder.h"
 
 #include "base/status.h"
+#include "io/file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -65,6 +66,29 @@ static bool make_folder(const char *path)
     return S_ISDIR(information.st_mode);
 }
 
+/* a folder with this file is one of a run, whatever its name and those of its other files */
+static const char mark_name[] = ".pellicle-run";
+
+static bool has_mark(const char *folder)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    struct stat information;
+    return lstat(join(path, folder, mark_name), &information) == 0 && S_ISREG(information.st_mode);
+}
+
+static bool write_mark(const char *folder)
+{
+    static const char text[] = "the folder of a run of pellicle: the next one moves it aside\n";
+    char path[PEL_RUN_FILE_SIZE];
+    if (has_mark(folder))
+        return true;
+    int descriptor = open(join(path, folder, mark_name), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    const bool written = descriptor >= 0 && write(descriptor, text, sizeof text - 1) == (ssize_t)sizeof text - 1;
+    if (descriptor >= 0)
+        close(descriptor);
+    return written;
+}
+
 pel_status pel_run_folder_open(const char *folder, pel_error *error)
 {
     char path[PEL_RUN_FILE_SIZE];
@@ -82,7 +106,7 @@ pel_status pel_run_folder_open(const char *folder, pel_error *error)
         return fail_folder(folder, "cannot write into the output folder", errno, error);
     if (!make_folder(path) || access(path, W_OK | X_OK) != 0)
         return fail_folder(path, "cannot write into the folder", errno, error);
-    return PEL_OK;
+    return write_mark(folder) ? PEL_OK : fail_folder(folder, "cannot write into the folder", errno, error);
 }
 
 /* the file that is locked; it holds who does */
@@ -149,6 +173,109 @@ void pel_run_folder_unlock(const char *folder, int lock)
     close(lock);
 }
 
+/* temporary files of pel_file_writer, left by a killed program */
+static bool is_temporary(const char *name)
+{
+    size_t length = strlen(name);
+    return strncmp(name, ".pellicle-", 10) == 0 && length > 4 && strcmp(name + length - 4, ".tmp") == 0;
+}
+
+/* ---- what is there before a run ---- */
+
+/* nothing but what a killed program left */
+static bool is_empty(const char *folder)
+{
+    DIR *stream = opendir(folder);
+    bool empty = stream != NULL;
+    for (struct dirent *entry = empty ? readdir(stream) : NULL; empty && entry != NULL; entry = readdir(stream))
+        empty = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 || is_temporary(entry->d_name) ||
+                strcmp(entry->d_name, lock_name) == 0;
+    if (stream != NULL)
+        closedir(stream);
+    return empty;
+}
+
+static pel_status fail_claim(const char *folder, const char *what, const char *remedy, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_FILE, "%s", what);
+    pel_fail_remedy(error, "%s", remedy);
+    pel_fail_place(error, folder, 0, 0);
+    return PEL_BAD_FILE;
+}
+
+/* whether the checkpoint is in the folder */
+static bool is_home_of(const char *folder, const char *checkpoint)
+{
+    char file[PATH_MAX];
+    struct stat there, here;
+    if (realpath(checkpoint, file) == NULL)
+        return false;
+    *strrchr(file, '/') = '\0';
+    return stat(file[0] != '\0' ? file : "/", &there) == 0 && stat(folder, &here) == 0 && there.st_dev == here.st_dev &&
+           there.st_ino == here.st_ino;
+}
+
+/* the folder is the current one or above it: what follows would still be in the old one */
+static bool is_around_us(const char *absolute)
+{
+    char here[PATH_MAX];
+    const size_t length = strlen(absolute);
+    return getcwd(here, sizeof here) == NULL ||
+           (strncmp(here, absolute, length) == 0 && (here[length] == '/' || here[length] == '\0'));
+}
+
+static pel_status rename_aside(const char *folder, const char *absolute, const pel_log *log, pel_error *error)
+{
+    char aside[PATH_MAX + 24];
+    struct stat information;
+    int number = 1;
+    do
+        snprintf(aside, sizeof aside, "%s.%d", absolute, number++);
+    while (lstat(aside, &information) == 0 && number < INT_MAX);
+    if (rename(absolute, aside) != 0) {
+        number = errno;
+        fail_folder(folder, "cannot move the older run in the folder aside", number, error);
+        pel_fail_remedy(error, "choose another output folder, or write over the older run with --overwrite");
+        return PEL_BAD_FILE;
+    }
+    pel_log_line(log, "the older run in %s is %s now", folder, aside);
+    return PEL_OK;
+}
+
+/* no other run may be in it meanwhile */
+static pel_status move_aside(const char *folder, const pel_log *log, pel_error *error)
+{
+    char absolute[PATH_MAX];
+    int lock;
+    if (realpath(folder, absolute) == NULL)
+        return fail_folder(folder, "cannot find the output folder", errno, error);
+    if (is_around_us(absolute))
+        return fail_claim(folder,
+                          "the folder has an older run, and cannot move aside because the command runs inside it",
+                          "choose another output folder, or write over the older run with --overwrite", error);
+    pel_status status = pel_run_folder_lock(folder, &lock, error);
+    if (status != PEL_OK)
+        return status;
+    /* the lock's file has no place in it */
+    pel_run_folder_unlock(folder, lock);
+    return rename_aside(folder, absolute, log, error);
+}
+
+pel_status pel_run_folder_claim(const char *folder, const char *resume, bool overwrite, const pel_log *log,
+                                pel_error *error)
+{
+    struct stat information;
+    if (stat(folder, &information) != 0 || !S_ISDIR(information.st_mode))
+        return PEL_OK; /* making it tells */
+    const bool marked = has_mark(folder);
+    if (marked && !overwrite && resume == NULL)
+        return move_aside(folder, log, error);
+    if (marked || is_empty(folder) || (resume != NULL && is_home_of(folder, resume)))
+        return PEL_OK;
+    return fail_claim(folder, "the folder has files, and none that says that they are of a run",
+                      "choose a new or empty folder with -o; nothing was changed", error);
+}
+
 /* the number between two texts, such as f00012.vtp; -1 if the name does not match */
 static int64_t number_in_name(const char *name, const char *before, const char *after)
 {
@@ -171,13 +298,6 @@ static int64_t tool_frame_in_name(const char *name)
         return -1;
     snprintf(before, sizeof before, "%.*s", (int)(dash - name), name);
     return number_in_name(before, "t", "");
-}
-
-/* temporary files of pel_file_writer, left by a killed program */
-static bool is_temporary(const char *name)
-{
-    size_t length = strlen(name);
-    return strncmp(name, ".pellicle-", 10) == 0 && length > 4 && strcmp(name + length - 4, ".tmp") == 0;
 }
 
 static bool is_file(const char *name, pel_run_file file)
@@ -235,12 +355,14 @@ pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool re
     return status;
 }
 
-bool pel_run_folder_takes(const char *folder, const char *path, bool resume)
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume, bool overwrite)
 {
     char file[PATH_MAX];
     struct stat there, here;
     if (realpath(path, file) == NULL)
         return false;
+    if (!resume && !overwrite && has_mark(folder))
+        return pel_file_check_inside(folder, path, NULL) == PEL_OK;
     char *slash = strrchr(file, '/');
     *slash = '\0';
     return is_stale(slash + 1, false, 0, resume) && stat(slash > file ? file : "/", &there) == 0 &&

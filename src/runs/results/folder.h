@@ -17,7 +17,16 @@ const char *pel_run_tool_path(char path[PEL_RUN_FILE_SIZE], const char *folder, 
 /* folder/checkpoint-120.pel */
 const char *pel_run_checkpoint_path(char path[PEL_RUN_FILE_SIZE], const char *folder, int64_t step);
 
-/* Makes the folder with its parents and `frames` in it. PEL_BAD_FILE if that fails or the folder is not writable. */
+/* Decides what becomes of what is in the folder before a run. One that has the mark of a run (.pellicle-run) moves
+   aside to the first free of NAME.1, NAME.2, ..., with a note in log, or stays to be cleared with `overwrite`. One
+   without the mark must be missing or empty. resume: the checkpoint to go on from, null = none; it makes its own folder
+   that of a run. PEL_BAD_FILE: a folder with other files, one that cannot be moved (a mount, a folder above the current
+   one), another run is in it. */
+pel_status pel_run_folder_claim(const char *folder, const char *resume, bool overwrite, const pel_log *log,
+                                pel_error *error);
+
+/* Makes the folder with its parents, its mark and `frames` in it. PEL_BAD_FILE if that fails or the folder is not
+   writable. */
 pel_status pel_run_folder_open(const char *folder, pel_error *error);
 
 /* Keeps other runs out of the folder until it is unlocked or the program ends in any way. *lock receives the argument
@@ -29,8 +38,8 @@ void pel_run_folder_unlock(const char *folder, int lock);
    only summary.json and final.ply with `resume`. *removed tells whether there were any. */
 pel_status pel_run_folder_clear(const char *folder, int64_t first_frame, bool resume, bool *removed, pel_error *error);
 
-/* Whether such a run writes over a file that is there, or removes it. */
-bool pel_run_folder_takes(const char *folder, const char *path, bool resume);
+/* Whether such a run writes over a file that is there, removes it or moves it aside. */
+bool pel_run_folder_takes(const char *folder, const char *path, bool resume, bool overwrite);
 
 /* Sets space on the disk aside (false when there is not enough), and gives it back, so that the last files of a run can
    be written after frames have filled the disk. */

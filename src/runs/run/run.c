@@ -61,7 +61,8 @@ static pel_status check_def(const pel_run_def *def, pel_error *error)
 /* never overwrite the run's own scene or meshes */
 static pel_status check_input(const pel_run_def *def, const char *path, const char *what, pel_error *error)
 {
-    if (path == NULL || def->folder == NULL || !pel_run_folder_takes(def->folder, path, def->resume != NULL))
+    if (path == NULL || def->folder == NULL ||
+        !pel_run_folder_takes(def->folder, path, def->resume != NULL, def->overwrite))
         return PEL_OK;
     pel_fail(error, PEL_BAD_FILE, "the run would overwrite its own %s", what);
     pel_fail_remedy(error, "choose another output folder");
@@ -270,6 +271,15 @@ static void release(pel_run_state *run)
 
 /* ---- files ---- */
 
+pel_status pel_run_take_folder(const char *folder, bool overwrite, const pel_log *log, pel_error *error)
+{
+    PEL_REFUSE_NULL(folder, error);
+    if (folder[0] == '\0' || strlen(folder) >= PEL_RUN_PATH_SIZE)
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the name of the output folder is empty or very long");
+    pel_status status = pel_run_folder_claim(folder, NULL, overwrite, log, error);
+    return status == PEL_OK ? pel_run_folder_open(folder, error) : status;
+}
+
 static pel_status write_scene(const pel_run_state *run, bool finished, pel_error *error)
 {
     return pel_results_write_scene(run->def->folder, pel_scene_text(run->scene), run->sim, finished, error);
@@ -290,7 +300,9 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     if (folder == NULL)
         return pel_run_frames_begin(&run->frames, run->sim, 0, false, error);
     bool resume = run->def->resume != NULL, removed = false;
-    pel_status status = pel_run_folder_open(folder, error);
+    pel_status status = pel_run_folder_claim(folder, run->def->resume, run->def->overwrite, run->def->log, error);
+    if (status == PEL_OK)
+        status = pel_run_folder_open(folder, error);
     if (status == PEL_OK)
         status = pel_run_folder_lock(folder, &run->lock, error);
     /* it is cut back: not a file elsewhere that a link leads to */

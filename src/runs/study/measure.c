@@ -444,6 +444,7 @@ static pel_status run_scene(const pel_study *study, const pel_scene *scene, cons
 {
     pel_run_def def = pel_run_def_default();
     def.folder = folder;
+    def.overwrite = true;
     def.thread_count = 1;
     def.keep_seconds = 0;
     /* a third of a small run; `warnings` counts one that it gives */
