@@ -849,7 +849,6 @@ static bool is_of_scene(int kind)
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
            kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE || kind == PEL_WARN_POISSON ||
            kind == PEL_WARN_WEIGHTLESS;
-    kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)
