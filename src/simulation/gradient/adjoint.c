@@ -2,7 +2,8 @@
 
    With m the multipliers and the gradient g = dE/dx - F: a load F changes f by m . dF, a number p of the elements by -m
    . dg/dp. Vertices held at their rest positions move with them. In a step of the method implicit x_1 = e y + (1 - e)
-   x_0 with the unknowns y of the step, whose matrix includes the inertia. */
+   x_0 with the unknowns y of the step, whose matrix includes the inertia. The second stage of a step depends on the
+   first one, which has a solution of its own. */
 #include "gradient/adjoint.h"
 
 #include "base/memory.h"
@@ -102,6 +103,18 @@ void pel_adjoint_take_problem(pel_sim *sim, double end, pel_newton_problem *prob
     };
     memcpy(sim->state->position_next, sim->state->position,
            (size_t)sim->model->vertex_count * sizeof *sim->state->position);
+}
+
+/* the same of the first stage of that step, after the whole step's */
+static void take_first(pel_sim *sim, const pel_implicit_scheme *first, pel_newton_problem *problem)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    const pel_span acts = first->acts;
+    double dt = sim->step.dt;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        pel_vertex_position(newton->stage[0], v, newton->unknowns + 3 * (size_t)v);
+    pel_sim_newton_settle_at(sim);
+    problem->span = (pel_span){pel_sim_time(sim) - (1 - acts.time) * dt, acts.back * dt, acts.ahead * dt, false};
 }
 
 /* ---- results ---- */
@@ -229,12 +242,12 @@ void pel_adjoint_end(pel_adjoint_work *a)
     pel_free(a->bodies);
 }
 
-pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
+/* of the problem that was taken */
+static pel_status solve(pel_adjoint_work *a, pel_error *error)
 {
     const pel_adjoint *def = a->def;
     pel_sim *sim = a->sim;
     pel_newton *newton = sim->newton;
-    pel_adjoint_take_problem(sim, end, &a->problem);
     memcpy(a->unknowns, sim->minimise->newton->unknowns,
            (size_t)pel_newton_pattern(newton)->unknown_count * sizeof(double));
     /* loads and places may have changed since */
@@ -263,6 +276,33 @@ pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
     return PEL_OK;
 }
 
+pel_status pel_adjoint_solve(pel_adjoint_work *a, double end, pel_error *error)
+{
+    pel_adjoint_take_problem(a->sim, end, &a->problem);
+    return solve(a, error);
+}
+
+pel_status pel_adjoint_solve_first(pel_adjoint_work *a, const pel_implicit_scheme *first, pel_error *error)
+{
+    take_first(a->sim, first, &a->problem);
+    return solve(a, error);
+}
+
+/* by the unknowns of the first stage, from the multipliers of the second one: its anchor and what it carries */
+static void take_gradient_of_first(pel_adjoint_work *a, const pel_implicit_scheme *second)
+{
+    const pel_sim *sim = a->sim;
+    const double *stiffness = sim->minimise->newton->point_stiffness;
+    double rate = second->rate / sim->step.dt, rate_of_first = second->first->rate / sim->step.dt;
+    memset(a->gradient, 0, (size_t)pel_newton_pattern(sim->newton)->unknown_count * sizeof *a->gradient);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double mass = sim->model->inverse_mass[v] > 0 ? (double)sim->model->mass[v] : 0;
+        double share = second->position[1] * stiffness[v] + second->velocity[1] * rate_of_first * mass * rate;
+        for (int32_t u = 3 * v; mass > 0 && u < 3 * v + 3; u++)
+            a->gradient[u] = share * a->multipliers[u];
+    }
+}
+
 static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_error *error)
 {
     pel_status status = pel_adjoint_check(sim, def, error);
@@ -288,11 +328,16 @@ pel_status pel_sim_adjoint(pel_sim *sim, const pel_adjoint *def, pel_error *erro
     if (status != PEL_OK)
         return status;
     pel_adjoint_work a;
-    double end = sim->minimise->newton->point_stiffness != NULL ? 1 / sim->minimise->acts.time : 1;
+    const pel_implicit_scheme *s = sim->minimise->newton->scheme; /* null in statics */
+    double end = s != NULL ? s->end : 1;
     status = pel_adjoint_begin(&a, sim, def, error);
     if (status == PEL_OK) {
         take_gradient(&a, end);
         status = pel_adjoint_solve(&a, end, error);
+    }
+    if (status == PEL_OK && s != NULL && s->first != NULL) {
+        take_gradient_of_first(&a, s);
+        status = pel_adjoint_solve_first(&a, s->first, error);
     }
     pel_adjoint_end(&a);
     return status;

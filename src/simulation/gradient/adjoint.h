@@ -2,6 +2,7 @@
 #ifndef PEL_GRADIENT_ADJOINT_H
 #define PEL_GRADIENT_ADJOINT_H
 
+#include "minimise/step_newton.h"
 #include "newton/newton.h"
 #include "pellicle/sim_adjoint.h"
 #include "stage/stage.h"
@@ -28,5 +29,7 @@ void pel_adjoint_end(pel_adjoint_work *work);
 /* Multipliers of `gradient`, which is by the unknowns y of the last step, x_1 = end y + (1 - end) x_0, and is written
    over; adds the derivatives by the numbers of the model. Errors of pel_newton_adjoint. */
 pel_status pel_adjoint_solve(pel_adjoint_work *work, double end, pel_error *error);
+/* The same by the unknowns of the first stage of the last step, which was taken in two. */
+pel_status pel_adjoint_solve_first(pel_adjoint_work *work, const pel_implicit_scheme *first, pel_error *error);
 
 #endif

@@ -9,7 +9,8 @@
      df/dp = m' dF/dp,   df/danchor = s m' - e rate / dt b,   df/dcarried = m rate / dt m',
 
    with s the stiffness of the springs that represent inertia and drag. Anchor and carried depend on the state at the
-   start of the step, under BDF2 on the previous one as well. States are kept at every n-th of n^2 steps, those in
+   start of the step, under BDF2 on the previous one as well, in the second of two stages on the end of the first one.
+   States are kept at every n-th of n^2 steps, those in
    between are recomputed n at a time (Griewank 1992): three steps and one linear system a step, and 2 n states. The
    steps are solved to rounding, so that derivatives are those of their solution. */
 #include "base/memory.h"
@@ -207,6 +208,25 @@ static void carry_back(path *p, const pel_implicit_scheme *s)
     }
 }
 
+static void swap(double **a, double **b)
+{
+    double *other = *a;
+    *a = *b;
+    *b = other;
+}
+
+/* The other state of the second stage is the end of the first one, not the step before. */
+static pel_status go_back_a_stage(path *p, const pel_implicit_scheme *first, pel_error *error)
+{
+    swap(&p->position, &p->older_position);
+    swap(&p->velocity, &p->older_velocity);
+    take_gradient(p, first);
+    pel_status status = pel_adjoint_solve_first(&p->work, first, error);
+    if (status == PEL_OK)
+        carry_back(p, first);
+    return status;
+}
+
 static pel_status go_back_a_step(path *p, int64_t k, const unsigned char *state, pel_error *error)
 {
     pel_status status = pel_sim_load(p->sim, state, p->size, error);
@@ -221,7 +241,7 @@ static pel_status go_back_a_step(path *p, int64_t k, const unsigned char *state,
     status = pel_adjoint_solve(&p->work, s->end, error);
     if (status == PEL_OK)
         carry_back(p, s);
-    return status;
+    return status == PEL_OK && s->first != NULL ? go_back_a_stage(p, s->first, error) : status;
 }
 
 /* the steps from a state that was kept to the next one */

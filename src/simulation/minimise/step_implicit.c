@@ -63,12 +63,14 @@ enum { UNRESOLVED_STEPS = 50 };
 #define STAGE 0.29289321881345248
 #define STAGE_SHARE 2.4142135623730950
 
-static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 0, 1, {1, 1, 0, false}};
-static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, -1, 1, {1, 1, 0, true}};
-static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 0, 2, {0.5, 0.5, 0.5, false}};
-static const pel_implicit_scheme first_stage = {1 / STAGE, {1, 0}, {1, 0}, 0, 1, {STAGE, STAGE, 1 - STAGE, false}};
+static const pel_implicit_scheme euler = {1, {1, 0}, {1, 0}, 0, NULL, 1, {1, 1, 0, false}};
+static const pel_implicit_scheme bdf2 = {1.5, {4.0 / 3, -1.0 / 3}, {4.0 / 3, -1.0 / 3}, -1, NULL, 1, {1, 1, 0, true}};
+static const pel_implicit_scheme midpoint = {2, {1, 0}, {1, 0}, 0, NULL, 2, {0.5, 0.5, 0.5, false}};
+static const pel_implicit_scheme first_stage = {
+    1 / STAGE, {1, 0}, {1, 0}, 0, NULL, 1, {STAGE, STAGE, 1 - STAGE, false}};
 static const pel_implicit_scheme second_stage = {
-    1 / STAGE, {1 - STAGE_SHARE, STAGE_SHARE}, {1 - STAGE_SHARE, STAGE_SHARE}, STAGE, 1, {1, 1, 0, false}};
+    1 / STAGE,       {1 - STAGE_SHARE, STAGE_SHARE}, {1 - STAGE_SHARE, STAGE_SHARE}, STAGE, &first_stage, 1,
+    {1, 1, 0, false}};
 
 static bool has_radial_damping(const pel_sim *sim)
 {
@@ -188,7 +190,7 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
                     !volume_moves(sim);
     if (is_alone && !pel_holds_move(sim) && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
-    if (is_alone && !newton->is_exact && !newton->leads)
+    if (is_alone && !newton->leads)
         return &first_stage;
     const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
     bool is_smooth =

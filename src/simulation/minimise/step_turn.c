@@ -125,8 +125,8 @@ void pel_sim_turn_refer(const pel_sim *sim, const pel_implicit_scheme *s, int32_
     const pel_sim_turn *turn = &sim->minimise->newton->turns[sim->model->body_of_slice[v / PEL_WIDTH]];
     const pel_state *state = sim->state;
     pel_record *const *stage = sim->minimise->newton->stage;
-    const pel_record *other = s->other > 0 ? stage[0] : state->older_position;
-    const pel_record *its_velocity = s->other > 0 ? stage[1] : state->older_velocity;
+    const pel_record *other = s->first != NULL ? stage[0] : state->older_position;
+    const pel_record *its_velocity = s->first != NULL ? stage[1] : state->older_velocity;
     double position[3];
     pel_vertex_position(state->position, v, position);
     for (int k = 0; k < 3; k++) {
