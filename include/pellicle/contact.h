@@ -37,6 +37,7 @@ typedef struct pel_contact_def {
                            each other, and elasticity decides the rebound. Methods with velocities only */
     pel_ccd_method method; /* detection of contacts; the guard at the end of a step is always conservative */
     pel_contact_response response;
+    bool sleep;           /* bodies that rest in contact are left out of steps until something changes (pbd, xpbd) */
     bool allow_tangled;   /* accept a start with intersections: ignore these pairs until they separate */
     int32_t sweeps;       /* maximum number of sweeps over the contacts after a step; 0 = 10 */
     int32_t limit;        /* maximum number of contacts; 0 = 64 per vertex. The guard handles the excess */

@@ -57,6 +57,7 @@ typedef struct pel_contact_statistics {
     int64_t fall_backs;                                /* vertices stepped back, all steps */
     int64_t tools_held;                                /* tools stopped, all steps */
     int64_t steps_divided;                             /* steps that were done in parts */
+    double sleeping;                                   /* sum over the steps of the share of vertices that slept */
     int64_t tangled;                                   /* pairs of triangles that intersect at present */
     double find_seconds, solve_seconds, guard_seconds; /* searching, correcting, guarding the end of the step */
 } pel_contact_statistics;

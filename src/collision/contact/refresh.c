@@ -47,8 +47,8 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     set->list.active = NULL;
     set->travel = 0;
     set->is_measured = false;
-    if (set->list.count > 0)
-        memset(set->calm, 0, (size_t)set->list.count * sizeof *set->calm);
+    for (int32_t c = 0; c < set->list.count; c++)
+        set->calm[c] = pel_contact_sleeps(set, &set->keys[c]) ? HUGE_VAL : 0;
     for (int32_t c = 0; c < set->list.count; c++) {
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);
@@ -87,6 +87,8 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
     for (int32_t c = 0; c < set->list.count; c++) {
         const pel_contact *contact = &set->list.contacts[c];
         pel_contact_key *key = &set->keys[c];
+        if (pel_contact_sleeps(set, key))
+            continue;
         key->load = rate * (double)contact->multiplier;
         key->earlier = rate * (double)contact->earlier;
         for (int k = 0; k < 3; k++)
@@ -392,6 +394,8 @@ static void refresh_chunk(void *context, int32_t chunk)
         /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
         if (!job->is_first && set->list.contacts[c].multiplier > 0)
             continue;
+        if (pel_contact_sleeps(set, &set->keys[c]))
+            continue;
         if (job->looks_at_all || !(set->calm[c] > 0) || !has_hardly_moved(job, c))
             refresh_pair(job, c);
     }
@@ -418,7 +422,7 @@ static void list_active(pel_contact_set *set)
     list->active_count = 0;
     for (int32_t c = 0; c < list->count; c++) {
         bool is_loaded = list->contacts[c].multiplier > 0;
-        if (!is_loaded && (set->calm[c] > 0 || set->keys[c].is_off))
+        if (pel_contact_sleeps(set, &set->keys[c]) || (!is_loaded && (set->calm[c] > 0 || set->keys[c].is_off)))
             continue;
         if (is_again(set, c) && !is_loaded)
             pel_contact_switch_off(&list->contacts[c]);

@@ -79,12 +79,12 @@ void pel_contact_set_destroy(pel_contact_set *set)
     if (set == NULL)
         return;
     pel_collider_destroy(set->collider);
-    PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->start,
-                 set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys, set->other_keys,
-                 set->calm, set->active, set->measured, set->other_contacts, set->heights.list.contacts,
-                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
-                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
-                 set->body_shares, set->body_impacts);
+    PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
+                 set->start, set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys,
+                 set->other_keys, set->calm, set->active, set->measured, set->other_contacts,
+                 set->heights.list.contacts, set->heights.triangles, set->heights.bounds, set->heights.places,
+                 set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
+                 set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
     pel_free(set);
 }
 
@@ -150,6 +150,12 @@ static pel_contact_key make_key(const pel_contact_set *set, const pel_collision 
     for (int i = 0; i < 4 && key.obstacle < 0; i++)
         key.obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);
     return key;
+}
+
+bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key)
+{
+    const int32_t *group = set->group_of_point;
+    return set->asleep_count > 0 && set->is_asleep[group[key->points[0]]] && set->is_asleep[group[key->points[3]]];
 }
 
 static int compare_keys(const pel_contact_key *a, const pel_contact_key *b)
@@ -255,7 +261,7 @@ static bool take_over(merger *m, const pel_contact_key *key)
         int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
         if (order >= 0)
             return order == 0;
-        if (m->is_anew)
+        if (m->is_anew && !pel_contact_sleeps(set, &set->keys[m->old]))
             continue;
         set->other_keys[m->count] = set->keys[m->old];
         set->other_contacts[m->count++] = set->list.contacts[m->old];
@@ -312,6 +318,8 @@ static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_con
     memcpy(contact->drag, old->drag, sizeof contact->drag);
     memcpy(contact->stopped, old->stopped, sizeof contact->stopped);
     key->has_pushed = own->has_pushed;
+    key->mean_load = own->mean_load;
+    pel_vec3_copy(own->mean_drag, key->mean_drag);
     key->slack = own->slack;
     key->load = own->load;
     key->earlier = own->earlier;
@@ -401,6 +409,8 @@ static bool may_meet(const void *context, pel_collision *pair)
     const int32_t *group = set->group_of_point;
     int32_t first = pel_contact_obstacle_of(set, pair->vertices[0]);
     int32_t obstacle = first >= 0 ? first : pel_contact_obstacle_of(set, pair->vertices[3]);
+    if (set->asleep_count > 0 && set->is_asleep[group[pair->vertices[0]]] && set->is_asleep[group[pair->vertices[3]]])
+        return false;
     /* the substeps see these as solids */
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
@@ -450,6 +460,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
     pel_contact_set *set = m->set;
     pel_contact_key key = make_key(set, pair);
+    if (pel_contact_sleeps(set, &key))
+        return;
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = pel_contact_start_distance(set, pair);
     double thickness =
@@ -568,8 +580,11 @@ void pel_contact_set_calm(pel_contact_set *set)
     if (!set->was_widened)
         set->margin = half > least ? half : least;
     set->was_widened = false;
-    for (int32_t c = 0; c < set->list.count; c++)
+    for (int32_t c = 0; c < set->list.count; c++) {
         set->keys[c].has_pushed = false;
+        set->keys[c].mean_load = 0;
+        memset(set->keys[c].mean_drag, 0, sizeof set->keys[c].mean_drag);
+    }
 }
 
 void pel_contact_set_widen(pel_contact_set *set)

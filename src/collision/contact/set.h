@@ -96,8 +96,9 @@ typedef struct pel_contact_key {
     double gap;      /* m, between the features, when it was looked at last */
     double apart[3]; /* m, way between its places at that time */
     double room;     /* m, by which it was farther apart than its layer; 0 = it is near */
-    double load, earlier, /* N, along the normal in the last substep and the one before */
-        drag[3];          /* N, across it; warm start of the next substep */
+    double load, earlier,           /* N, along the normal in the last substep and the one before */
+        drag[3];                    /* N, across it; warm start of the next substep */
+    double mean_load, mean_drag[3]; /* N, over the substeps of this step */
 } pel_contact_key;
 
 /* What comes too near on the way of a step. */
@@ -166,9 +167,11 @@ typedef struct pel_contact_set {
     int32_t obstacle_triangle_count;
     int32_t (*next_triangles)[3]; /* (next_count) the next surface, until it is finished */
     int32_t next_count;
-    int32_t *group_of_point;                       /* (point_count) its body, or body_count and its obstacle */
-    uint8_t *may_meet;                             /* (groups x groups) */
-    double (*start)[3], (*end)[3];                 /* (point_count) */
+    int32_t *group_of_point;       /* (point_count) its body, or body_count and its obstacle */
+    uint8_t *may_meet;             /* (groups x groups) */
+    uint8_t *is_asleep;            /* (groups) nothing of it moves: pairs of two such groups are kept as they are */
+    int32_t asleep_count;          /* bodies that are left out of the solver; 0 = is_asleep says nothing */
+    double (*start)[3], (*end)[3]; /* (point_count) */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
     double dt, time;                               /* s, of the step, to be brought; of the way from start to end */
@@ -249,6 +252,8 @@ bool pel_contact_set_expect(pel_contact_set *set, int32_t count);
 bool pel_contact_set_restore(pel_contact_set *set);
 /* Takes over the pairs and the margin of another set of the same points and triangles. False when out of memory. */
 bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from);
+/* Whether both sides are asleep. */
+bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */

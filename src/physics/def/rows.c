@@ -440,6 +440,10 @@ static const pel_def_row rows[] = {
     {"contact.start", CONTACT(allow_tangled), FIXED, WORD("refuse", "tangled"), .preset = "refuse",
      .doc = "refuse: bodies that intersect at the start are an error; tangled: ignores these pairs until they have "
             "separated"},
+    {"contact.sleep", CONTACT(sleep), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
+     .doc = "pbd, xpbd: bodies that rest in contact are left out of steps until something that moves comes near, or a "
+            "load, a key or a parameter changes for them. Bodies with pinned or held vertices and models that refine "
+            "stay awake"},
     {"contact.sweeps", CONTACT(sweeps), INTEGER, COUNT_FROM(1), .preset = "10", AUTO(0), WHEN(is_enabled),
      .doc = "maximum number of sweeps over the contacts after a step"},
     {"contact.limit", CONTACT(limit), INTEGER, COUNT_FROM(0), .preset = "0", WHEN(is_enabled),

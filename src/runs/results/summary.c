@@ -80,6 +80,8 @@ static void write_contact(pel_json *json, const pel_sim *sim)
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++)
         pel_json_integer(json, counts[i].name, counts[i].count);
     pel_json_number(json, "cubics_saved", s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);
+    int64_t steps = pel_sim_step_count(sim);
+    pel_json_number(json, "sleeping_share", steps > 0 ? s.sleeping / (double)steps : 0);
     pel_json_number(json, "find_s", s.find_seconds);
     pel_json_number(json, "solve_s", s.solve_seconds);
     pel_json_number(json, "guard_s", s.guard_seconds);

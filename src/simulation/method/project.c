@@ -11,6 +11,7 @@
 #include "tool/solid.h"
 #include "tool/tools.h"
 #include "touch/contact.h"
+#include "touch/sleep.h"
 
 #include <string.h>
 
@@ -130,9 +131,12 @@ static void run_substep(pel_sim *sim, int32_t number)
     /* second order: forces belong to the end of a substep */
     double h = projector->substep, end = pel_sim_time(sim) + (number + 1) * h;
     const pel_span span = {.time = end, .back = h, .extrapolates = pel_project_has_past(projector, state, place)};
-    if (number > 0)
+    if (number > 0) {
         pel_tools_follow_grasps(sim, end - 0.5 * h);
+        pel_sleep_follow_held(sim);
+    }
     pel_tools_place(sim, (double)(number + 1) / count);
+    projector->is_asleep = pel_sleep_bodies(sim);
     find_forces(sim, span, number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
@@ -180,24 +184,50 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     if (pel_contacts_stray(sim, sim->state->position_next, 1))
         pel_contact_set_widen(sim->contacts);
     pel_contact_set_keep_loads(sim->contacts);
+    pel_contacts_tally_asleep(sim);
+    return status;
+}
+
+/* nothing can move: a substep as long as the step, without sweeps */
+static void rest(pel_sim *sim)
+{
+    pel_substep_place place = (pel_substep_place)(PEL_SUBSTEP_FIRST | PEL_SUBSTEP_LAST);
+    pel_tools_place(sim, 1);
+    pel_loads_begin_tally(sim, sim->projector->substep);
+    sim->projector->is_asleep = pel_sleep_bodies(sim);
+    pel_project_predict(sim->projector, sim->state, sim->force, &sim->tools->boundary, place);
+    pel_project_finish(sim->projector, sim->state, NULL, 0, &sim->tools->boundary, place);
+    pel_contacts_tally_asleep(sim);
+}
+
+/* what may touch in this step; what wakes by it is searched anew */
+static pel_status find_contacts(pel_sim *sim, bool has_pairs, pel_error *error)
+{
+    pel_status status;
+    do {
+        status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
+        if (status == PEL_OK && has_pairs)
+            status = pel_contact_heights_find(sim->contacts, sim->state->position, error);
+        if (status == PEL_OK && sim->tools->solids != NULL)
+            status = pel_solids_find(sim, error);
+    } while (status == PEL_OK && pel_sleep_meet_tools(sim));
     return status;
 }
 
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
-    pel_state *state = sim->state;
     pel_tools_begin(sim, pel_sim_next_time(sim));
-    bool has_pairs = pel_sim_has_loop_contacts(sim);
-    pel_status status = has_pairs ? pel_contacts_find(sim, 0, error) : PEL_OK;
-    if (status == PEL_OK && has_pairs)
-        status = pel_contact_heights_find(sim->contacts, state->position, error);
-    if (status == PEL_OK && sim->tools->solids != NULL)
-        status = pel_solids_find(sim, error);
-    if (status != PEL_OK)
-        return status;
-    pel_projector_begin(sim->projector, state, pel_sim_time(sim));
-    status = run_substeps(sim, error);
-    result->diverged = !pel_sim_all_inside(sim);
+    pel_projector_begin(sim->projector, sim->state, pel_sim_time(sim));
+    pel_sleep_begin_step(sim);
+    /* forces of pins are means over substeps */
+    bool rests = pel_sleep_is_everywhere(sim) && sim->projector->reaction == NULL;
+    pel_status status = find_contacts(sim, pel_sim_has_loop_contacts(sim) && !rests, error);
+    if (status == PEL_OK && rests)
+        rest(sim);
+    else if (status == PEL_OK) {
+        status = run_substeps(sim, error);
+        result->diverged = !pel_sim_all_inside(sim);
+    }
     return status;
 }
 
@@ -223,6 +253,7 @@ static void restart(pel_sim *sim, int32_t body)
 static void accept(pel_sim *sim)
 {
     pel_projector_accept(sim->projector, sim->state);
+    pel_sleep_end_step(sim);
 }
 
 /* ---- held vertices ---- */

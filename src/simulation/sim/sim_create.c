@@ -28,6 +28,7 @@
 #include "tool/solid.h"
 #include "tool/support.h"
 #include "touch/restitution.h"
+#include "touch/sleep.h"
 
 enum { SIM_COOKIE = 0x73696d21 };
 
@@ -270,6 +271,8 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_sleep_create(sim, error);
     if (status != PEL_OK)
         return status;
     pel_parts_create(sim);

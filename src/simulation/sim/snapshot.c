@@ -31,12 +31,13 @@
 #include "tool/support.h"
 #include "tool/tools.h"
 #include "touch/contact.h"
+#include "touch/sleep.h"
 #include "touch/transfer.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 15 };
+enum { SNAPSHOT_VERSION = 16 };
 
 typedef struct header {
     char magic[8];
@@ -86,8 +87,8 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
                                                 pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors};
     static pel_transfer_part *const after[] = {
         pel_supports_transfer, pel_touch_transfer_forces,     pel_touch_transfer_pairs,    pel_transfer_held,
-        pel_forces_transfer,   pel_touch_transfer_statistics, pel_touch_transfer_collider, pel_minimise_transfer,
-        pel_sim_path_transfer, pel_sim_modes_transfer,        pel_ledger_transfer};
+        pel_forces_transfer,   pel_touch_transfer_statistics, pel_touch_transfer_collider, pel_sleep_transfer,
+        pel_minimise_transfer, pel_sim_path_transfer,         pel_sim_modes_transfer,      pel_ledger_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -278,7 +279,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
     sim->touch->is_carried = false;
     /* first, so that readings of tools are complete even if other data are damaged */
     bool has_tools = pel_tools_restore(sim);
-    bool has_pairs = pel_touch_restore(sim) && !place.is_short && place.at == place.size;
+    bool has_pairs = pel_touch_restore(sim) && pel_sleep_restore(sim) && !place.is_short && place.at == place.size;
     pel_ledger_follow(sim);
     if (sim->contact_forces.is_short || place.is_full)
         return pel_fail_memory(error);

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "contact/set.h"
 #include "contact/sweep.h"
 #include "math/extremes.h"
 #include "stage/accessors.h"
@@ -207,6 +208,15 @@ void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)
     }
 }
 
+/* its body is left out of the step */
+static bool sleeps(const pel_sim *sim, int32_t c)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    int32_t v = sim->tools->solids->list.contacts[c].vertices[0];
+    return contacts != NULL && contacts->asleep_count > 0 &&
+           contacts->is_asleep[sim->model->body_of_slice[v / PEL_WIDTH]];
+}
+
 void pel_solids_begin_substep(pel_sim *sim, double substep)
 {
     pel_sim_solids *solids = sim->tools->solids;
@@ -221,7 +231,8 @@ void pel_solids_begin_substep(pel_sim *sim, double substep)
         contact->earlier = (pel_real)(square * pair->earlier);
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * pair->drag[k]);
-        pair->slack = pair->slack > gain ? pair->slack - gain : 0;
+        if (!sleeps(sim, c))
+            pair->slack = pair->slack > gain ? pair->slack - gain : 0;
     }
 }
 
@@ -384,21 +395,58 @@ static bool has_room(const pel_sim *sim, const pel_solid_pair *pair)
     return pel_vec3_distance(local, pair->place) < pair->room;
 }
 
+static void refresh_pair(const pel_sim *sim, const pel_record *start, bool is_first, int32_t c)
+{
+    pel_solid_pair *pair = &sim->tools->solids->pairs[c];
+    pair->is_near = true;
+    if (pair->triangle < 0)
+        refresh_vertex(sim, start, pair, &sim->tools->solids->list.contacts[c]);
+    else
+        refresh_triangle(sim, start, is_first, pair, &sim->tools->solids->list.contacts[c]);
+}
+
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
 {
     pel_sim_solids *solids = sim->tools->solids;
     for (int32_t c = 0; c < solids->list.count; c++) {
-        pel_solid_pair *pair = &solids->pairs[c];
+        const pel_solid_pair *pair = &solids->pairs[c];
+        if (sleeps(sim, c))
+            continue;
         if (pair->room > 0 && has_room(sim, pair))
             continue;
         /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
         if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
             continue;
-        pair->is_near = true;
-        if (pair->triangle < 0)
-            refresh_vertex(sim, start, pair, &solids->list.contacts[c]);
-        else
-            refresh_triangle(sim, start, is_first, pair, &solids->list.contacts[c]);
+        refresh_pair(sim, start, is_first, c);
+    }
+}
+
+void pel_solids_keep_means(const pel_sim *sim, const uint8_t *fell_asleep)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; solids != NULL && c < solids->list.count; c++) {
+        pel_solid_pair *pair = &solids->pairs[c];
+        if (!fell_asleep[sim->model->body_of_slice[solids->list.contacts[c].vertices[0] / PEL_WIDTH]])
+            continue;
+        pair->load = pair->earlier = pair->mean_load;
+        pel_vec3_copy(pair->mean_drag, pair->drag);
+    }
+}
+
+void pel_solids_tally_asleep(pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        const pel_solid_pair *pair = &solids->pairs[c];
+        pel_contact *contact = &solids->list.contacts[c];
+        if (!(pair->load > 0) || !sleeps(sim, c))
+            continue;
+        contact->multiplier = (pel_real)pair->load;
+        for (int k = 0; k < 3; k++)
+            contact->drag[k] = (pel_real)pair->drag[k];
+        refresh_pair(sim, sim->state->position, false, c);
+        if (contact->multiplier > 0)
+            pel_contact_take(sim, pair->tool, contact, 1);
     }
 }
 
@@ -409,10 +457,15 @@ void pel_solids_tally(pel_sim *sim, double rate)
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_contact *contact = &solids->list.contacts[c];
         pel_solid_pair *pair = &solids->pairs[c];
+        if (sleeps(sim, c))
+            continue;
         pair->earlier = (double)contact->earlier / square;
         pair->load = (double)contact->multiplier / square;
         for (int k = 0; k < 3; k++)
             pair->drag[k] = (double)contact->drag[k] / square;
+        pair->mean_load += rate * (double)contact->multiplier;
+        for (int k = 0; k < 3; k++)
+            pair->mean_drag[k] += rate * (double)contact->drag[k];
         if (contact->multiplier > 0)
             pel_contact_take(sim, pair->tool, contact, rate);
     }

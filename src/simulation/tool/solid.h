@@ -18,7 +18,8 @@ typedef struct pel_solid_pair {
     double room;     /* m, that a vertex may go from `place` before it is looked at again; 0 = it is near */
     double place[3]; /* of the vertex in the tool's frame at the last look */
     double slack;    /* m, by which it may be in the tool: it was so at the start */
-    double load, earlier, drag[3]; /* N, along the normal and across it; warm start of the next substep */
+    double load, earlier, drag[3];  /* N, along the normal and across it; warm start of the next substep */
+    double mean_load, mean_drag[3]; /* N, over the substeps of this step */
 } pel_solid_pair;
 
 struct pel_sim_solids {
@@ -49,6 +50,11 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
 
 /* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */
 void pel_solids_tally(pel_sim *sim, double rate);
+
+/* The bodies (body_count) that fell asleep: their pairs keep the mean loads of the step. */
+void pel_solids_keep_means(const pel_sim *sim, const uint8_t *fell_asleep);
+/* After the substeps: kept loads on what is asleep act on the tools in this step. */
+void pel_solids_tally_asleep(pel_sim *sim);
 
 /* After an event of refinement: pairs of vertices whose places were given up are forgotten. */
 void pel_solids_release(pel_sim *sim);

@@ -20,6 +20,7 @@
 #include "tool/reading.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
+#include "touch/sleep.h"
 #include "touch/tangle.h"
 
 #include <string.h>
@@ -282,6 +283,7 @@ void pel_contacts_destroy(pel_sim *sim)
 {
     pel_contact_set_destroy(sim->contacts);
     sim->contacts = NULL;
+    pel_sleep_destroy(sim);
     pel_free(sim->touch->revisions);
     pel_free(sim->touch->before_event);
 }
@@ -370,8 +372,10 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
         return status;
     }
     /* numbers of features are of their surface */
-    if (!is_same)
+    if (!is_same) {
         sim->contacts->list.count = 0;
+        pel_sleep_wake_all(sim);
+    }
     sim->touch->is_loaded = sim->touch->is_carried = false;
     if (is_known)
         return pel_tangles_recall(sim->contacts, error);
@@ -448,7 +452,11 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     expect_vertices(sim);
     sim->touch->found_at = 0;
     pel_contact_set_calm(sim->contacts);
-    return pel_contact_set_find(sim->contacts, least, sim->step.dt, error);
+    pel_status status;
+    do
+        status = pel_contact_set_find(sim->contacts, least, sim->step.dt, error);
+    while (status == PEL_OK && pel_sleep_meet(sim));
+    return status;
 }
 
 bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
@@ -487,7 +495,10 @@ pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pe
     sim->touch->found_at = share;
     pel_contact_set_widen(contacts);
     double substep = contacts->list.substep;
-    pel_status status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), error);
+    pel_status status;
+    do
+        status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), error);
+    while (status == PEL_OK && pel_sleep_meet(sim));
     if (status == PEL_OK)
         pel_contact_set_recall_loads(contacts, substep);
     return status;
@@ -687,7 +698,12 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
     pel_contacts_begin(&sim->contacts->list, sim->step.dt);
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
-    pel_status status = step(sim, result, error);
+    pel_status status = PEL_OK;
+    if (pel_sleep_is_everywhere(sim)) {
+        release_tools(sim);
+        sim->part.is_refused = false;
+    } else
+        status = step(sim, result, error);
     if (status != PEL_OK || sim->part.is_refused || sim->part.is_repeated) {
         pel_tools_return(sim);
         return status;
@@ -705,9 +721,31 @@ void pel_contacts_tally(pel_sim *sim, double rate)
         const pel_contact *contact = &contacts->list.contacts[c];
         if (!(contact->multiplier > 0))
             continue;
-        contacts->keys[c].has_pushed = true;
-        pel_contact_take(sim, contacts->keys[c].obstacle, contact, rate);
+        pel_contact_key *key = &contacts->keys[c];
+        key->has_pushed = true;
+        key->mean_load += rate * (double)contact->multiplier;
+        for (int k = 0; k < 3; k++)
+            key->mean_drag[k] += rate * (double)contact->drag[k];
+        pel_contact_take(sim, key->obstacle, contact, rate);
     }
+}
+
+void pel_contacts_tally_asleep(pel_sim *sim)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    for (int32_t c = 0; contacts != NULL && contacts->asleep_count > 0 && c < contacts->list.count; c++) {
+        pel_contact_key *key = &contacts->keys[c];
+        if (!(key->load > 0) || !pel_contact_sleeps(contacts, key))
+            continue;
+        pel_contact contact = contacts->list.contacts[c];
+        contact.multiplier = (pel_real)key->load;
+        for (int k = 0; k < 3; k++)
+            contact.drag[k] = (pel_real)key->drag[k];
+        key->has_pushed = true;
+        pel_contact_take(sim, key->obstacle, &contact, 1);
+    }
+    if (contacts != NULL && contacts->asleep_count > 0 && sim->tools->solids != NULL)
+        pel_solids_tally_asleep(sim);
 }
 
 pel_status pel_contacts_begin_step(pel_sim *sim, pel_error *error)

@@ -16,6 +16,8 @@ typedef struct pel_collision_state {
     double risen;            /* m, beyond that */
 } pel_collision_state;
 
+typedef struct pel_sleep pel_sleep; /* (sleep.c) */
+
 /* State of contact in addition to the set. */
 struct pel_touch {
     pel_contact_def def;
@@ -26,6 +28,7 @@ struct pel_touch {
     void *before_event; /* (event_size) snapshot, of models that refine; else null */
     size_t event_size, event_room;
     size_t event_least;              /* of one without lists (sim/snapshot.h) */
+    pel_sleep *sleep;                /* null = nothing sleeps */
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
 };
 
@@ -50,6 +53,8 @@ bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
  */
 pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
                                    pel_error *error);
+/* After the substeps: kept loads of what is asleep are forces of the step. */
+void pel_contacts_tally_asleep(pel_sim *sim);
 /* Between steps: contacts of these groups carry nothing any more, nor does a tool's with a body. */
 void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b);
 /* During a minimisation: adds pairs too close on the way to the new positions, and finds the conflicts. */

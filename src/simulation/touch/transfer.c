@@ -97,7 +97,13 @@ typedef struct layer_name {
     uint32_t traits;
 } layer_name;
 
-enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2 };
+/* of a pair that is asleep: it is not found again */
+typedef struct layer_place {
+    int32_t points[4], obstacle, unused;
+    double weights[4], normal[3], friction;
+} layer_place;
+
+enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2, LAYER_IS_ASLEEP = 4 };
 
 static bool has_numbers(const pel_contact_key *key)
 {
@@ -105,34 +111,75 @@ static bool has_numbers(const pel_contact_key *key)
            key->drag[2] != 0;
 }
 
-static void save_layer(pel_cursor *at, const pel_contact_key *key, const pel_contact *contact)
+static void save_layer(pel_cursor *at, const pel_contact_set *set, int32_t c)
 {
+    const pel_contact_key *key = &set->keys[c];
+    const pel_contact *contact = &set->list.contacts[c];
+    bool sleeps = pel_contact_sleeps(set, key);
     layer_name name = {key->first, key->second,
-                       (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u)};
+                       (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u) |
+                           (sleeps ? LAYER_IS_ASLEEP : 0u)};
     layer_numbers numbers = {
         .load = key->load, .earlier = key->earlier, .slack = key->slack, .compliance = (double)contact->compliance};
+    layer_place place = {.obstacle = key->obstacle, .friction = (double)contact->friction};
     pel_vec3_copy(key->drag, numbers.drag);
+    for (int i = 0; i < 4; i++) {
+        place.points[i] = key->points[i];
+        place.weights[i] = (double)contact->weights[i];
+    }
+    for (int k = 0; k < 3; k++)
+        place.normal[k] = (double)contact->normal[k];
     pel_transfer(at, &name, sizeof name);
     if (has_numbers(key))
         pel_transfer(at, &numbers, sizeof numbers);
+    if (sleeps)
+        pel_transfer(at, &place, sizeof place);
 }
 
-static void load_layer(pel_cursor *at, pel_contact_key *key, pel_contact *contact)
+static void take_place(const pel_contact_set *set, const layer_place *place, pel_contact_key *key, pel_contact *contact)
+{
+    key->obstacle = place->obstacle;
+    contact->friction = (pel_real)place->friction;
+    for (int i = 0; i < 4; i++) {
+        key->points[i] = place->points[i];
+        contact->vertices[i] = place->points[i] < set->vertex_count ? place->points[i] : 0;
+        contact->weights[i] = (pel_real)place->weights[i];
+    }
+    for (int k = 0; k < 3; k++)
+        contact->normal[k] = (pel_real)place->normal[k];
+}
+
+/* damaged ones take no place */
+static bool is_place(const pel_contact_set *set, const layer_place *place)
+{
+    bool is_whole = place->obstacle >= -1 && place->obstacle < set->def.obstacle_count;
+    for (int i = 0; i < 4; i++)
+        is_whole &= place->points[i] >= 0 && place->points[i] < set->point_count && isfinite(place->weights[i]);
+    return is_whole && isfinite(place->normal[0] + place->normal[1] + place->normal[2] + place->friction);
+}
+
+static void load_layer(pel_cursor *at, const pel_contact_set *set, pel_contact_key *key, pel_contact *contact)
 {
     layer_name name = {0};
     layer_numbers numbers = {0};
+    layer_place place = {.obstacle = -1};
     pel_transfer(at, &name, sizeof name);
     if ((name.traits & LAYER_HAS_NUMBERS) != 0)
         pel_transfer(at, &numbers, sizeof numbers);
+    if ((name.traits & LAYER_IS_ASLEEP) != 0)
+        pel_transfer(at, &place, sizeof place);
     *key = (pel_contact_key){.edge_edge = (name.traits & LAYER_EDGES) != 0,
                              .first = name.first,
                              .second = name.second,
                              .obstacle = -1,
+                             .border = PEL_NO_BORDER,
                              .slack = numbers.slack,
                              .load = numbers.load,
                              .earlier = numbers.earlier};
     pel_vec3_copy(numbers.drag, key->drag);
     *contact = (pel_contact){.compliance = (pel_real)numbers.compliance};
+    if ((name.traits & LAYER_IS_ASLEEP) != 0 && is_place(set, &place))
+        take_place(set, &place, key, contact);
 }
 
 void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -155,9 +202,9 @@ void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unuse
     }
     for (int32_t c = 0; c < set->list.count; c++) {
         if (at->load)
-            load_layer(at, &set->keys[c], &set->list.contacts[c]);
+            load_layer(at, set, &set->keys[c], &set->list.contacts[c]);
         else
-            save_layer(at, &set->keys[c], &set->list.contacts[c]);
+            save_layer(at, set, c);
     }
 }
 

@@ -107,6 +107,8 @@ static void sweep_bundle(void *context, int32_t chunk)
     const pel_batches *batches = job->projector->batches;
     const pel_bundle *bundle = &batches->bundles[job->first + chunk];
     const pel_body_batches *body = &batches->bodies[bundle->body];
+    if (job->projector->is_asleep != NULL && job->projector->is_asleep[bundle->body])
+        return;
     pel_batch_sweep *const *kernels = job->projector->is_plain ? pel_project_plain : pel_project_wide;
     for (int32_t i = 0; i < body->batch_count; i++) {
         const pel_batch *batch = &body->batches[i];
@@ -275,13 +277,29 @@ static void restraint_chunk(void *context, int32_t chunk)
             restraint_of(projector, v, job->state->factors[projector->model->body_of_slice[v / PEL_WIDTH]]);
 }
 
+/* a vertex of a body that sleeps: nothing moves it in this substep */
+static void keep_vertex(const vertex_job *job, int32_t v)
+{
+    pel_projector *projector = job->projector;
+    pel_record x = job->first ? job->state->position[v] : job->state->position_next[v];
+    job->state->position_next[v] = pel_record_with(x, 0);
+    projector->base[v] = x;
+    job->force[v] = (pel_record){0};
+    if (job->state->older_position == NULL)
+        return;
+    projector->older_position[v] = x;
+    projector->older_velocity[v] = (pel_record){0};
+}
+
 static void predict_chunk(void *context, int32_t chunk)
 {
     const vertex_job *job = context;
     const pel_projector *projector = job->projector;
     bool is_plain = job->is_moving && projector->reaction == NULL && !projector->is_held;
     for (int32_t v = chunk * VERTEX_CHUNK; v < vertex_chunk_end(job, chunk); v++) {
-        if (is_plain)
+        if (projector->is_asleep != NULL && projector->is_asleep[projector->model->body_of_slice[v / PEL_WIDTH]])
+            keep_vertex(job, v);
+        else if (is_plain)
             predict_vertex(job, v, true);
         else
             predict_vertex(job, v, false);
