@@ -713,14 +713,15 @@ static void tell_unsettled(const pel_warning_text *at)
              at->run->measures.unbalanced_force, 100 * at->tally->worst);
 }
 
-/* a step that would do, or one a quarter as long where nothing is known to be faster */
+/* a step that would do, or one a quarter as long where nothing is known that is so fast: large motion has higher
+   frequencies than that about rest */
 static void tell_unresolved(const pel_warning_text *at)
 {
     const pel_scene *scene = at->run->scene;
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
     double dt = scene->sim.solver.dt;
     pel_fastest_motion most = {.dt = dt};
-    bool is_known = pel_scene_find_motion(scene, &most) == PEL_OK && most.dt < dt;
+    bool is_known = pel_scene_find_motion(scene, &most) == PEL_OK && most.dt < 0.25 * dt;
     snprintf(
         at->text, at->size,
         "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
