@@ -47,6 +47,8 @@ enum { LEAST_CONTACTS = 30 };
 #define EXCESS_SHARE 0.05
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
+/* of the energy that was supplied: more than that is told in joules alone */
+#define MOST_SHARE 1000
 
 static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_SOFT] = "softer-than-material",
@@ -523,11 +525,11 @@ static void tell_energy(const pel_warning_text *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
     const char *remedy = energy_remedy(&at->run->scene->sim);
-    if (supplied > 0)
+    if (worst <= MOST_SHARE * supplied)
         snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
                  100 * worst / supplied, supplied, remedy);
     else
-        snprintf(at->text, at->size, "%.3g J appeared, though nothing was supplied. %s", worst, remedy);
+        snprintf(at->text, at->size, "%.3g J appeared, though only %.3g J were supplied. %s", worst, supplied, remedy);
 }
 
 static void tell_jam(const pel_warning_text *at)
