@@ -330,39 +330,55 @@ const lab_case b_figure_13 = {
 
 /* ---- figure 14 ---- */
 
+/* membrane energy of a run over that of another one in the last frame that both have */
+static pel_status compare_energies(const lab_experiment *experiment, const char *run, const char *other, double *ratio)
+{
+    lab_series series[2] = {{0}};
+    pel_status status = lab_read_series(experiment, run, "frame", "membrane_energy", &series[0]);
+    if (status == PEL_OK)
+        status = lab_read_series(experiment, other, "frame", "membrane_energy", &series[1]);
+    int last = (series[0].count < series[1].count ? series[0].count : series[1].count) - 1;
+    if (status == PEL_OK)
+        *ratio = series[0].y[last] / series[1].y[last];
+    lab_free_series(&series[0]);
+    lab_free_series(&series[1]);
+    return status;
+}
+
 static pel_status run_figure_14(lab_experiment *experiment)
 {
     static const char *const methods[2] = {"pbd", "pbd-distance"};
     static char names[B_SHOWN][2][64];
     b_shrunk shapes[B_SHOWN][2] = {{{0}}}, early[B_SHOWN][2] = {{{0}}};
-    double energies[B_SHOWN][2] = {{0}};
+    double energies[B_SHOWN] = {0};
     pel_status status = PEL_OK;
     for (int body = 0; body < b_shown(experiment); body++)
         for (int i = 0; status == PEL_OK && i < 2; i++) {
             char method[64];
             pel_run_summary summary;
             snprintf(method, sizeof method, "solver.method=%s", methods[i]);
-            const char *settings[] = {method, NULL};
+            /* "by the elastic energy": E_S alone */
+            const char *settings[] = {method, "bodies.0.bending=", NULL};
             status = b_shrink(experiment, body, methods[i], settings, &summary);
             b_run_name(experiment, body, methods[i], names[body][i]);
-            if (status == PEL_OK)
-                status = b_last(experiment, names[body][i], "membrane_energy", &energies[body][i]);
             if (status == PEL_OK)
                 status = b_measure(experiment, body, names[body][i], 50, &early[body][i]);
             if (status == PEL_OK)
                 status = b_measure(experiment, body, names[body][i], -1, &shapes[body][i]);
         }
+    for (int body = 0; status == PEL_OK && body < b_shown(experiment); body++)
+        status = compare_energies(experiment, names[body][0], names[body][1], &energies[body]);
     if (status != PEL_OK)
         return status;
-    lab_begin_claim(experiment, LAB_PAPER, "in frame 50 energies and distances do not differ clearly",
-                    "distance constraints resist only changes of edge lengths, and have collapsed by then");
+    lab_begin_claim(experiment, LAB_PAPER, "in frame 50 energies and distances do not differ clearly", NULL);
     for (int body = 0; body < b_shown(experiment); body++)
         b_expect(experiment, body, "displacement of the body, distances / energies, frame 50",
-                 early[body][1].body_way / early[body][0].body_way, 1, 0.25, B_PAPER ", figure 14; 0.25 is ours");
-    lab_begin_claim(experiment, LAB_PAPER, "by frame 100 distance constraints have overstretched the surface", NULL);
+                 early[body][1].body_way / early[body][0].body_way, 1, 0.1, B_PAPER ", figure 14; 0.1 is ours");
+    lab_begin_claim(experiment, LAB_PAPER, "by frame 100 distance constraints have overstretched the surface",
+                    "without E_B both surfaces are crumpled to a third or half of their area, and most of the energy "
+                    "is that of compression, of which the more crumpled one has more");
     for (int body = 0; body < b_shown(experiment); body++) {
-        b_at_most(experiment, body, "stretch energy, energies / distances", energies[body][0] / energies[body][1], 1,
-                  B_PAPER ", figure 14");
+        b_at_most(experiment, body, "stretch energy, energies / distances", energies[body], 1, B_PAPER ", figure 14");
         b_tell(experiment, body, "longest edge / at rest, distances", shapes[body][1].most_stretch,
                shapes[body][0].most_stretch, "energies");
     }
@@ -417,7 +433,8 @@ static pel_status run_method(lab_experiment *experiment, int body, int method, c
         /* one shape for all: beyond the buckling pressure there is no equilibrium to minimise to */
         "bodies.0.pressure={ volume: { target: { keys: [[0, 1], [0.5, 0.8]] }, bulk: 500 } }",
         "stop.frames=30",
-        "contact.self=false",
+        "bodies.0.bending=", /* "by the elastic energy": E_S alone */
+        "contact=",
         "solver.threads=1",
         NULL,
     };

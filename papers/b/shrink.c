@@ -108,6 +108,23 @@ pel_status b_volume(const lab_experiment *experiment, const char *run, int frame
     return status;
 }
 
+pel_status b_turns(const lab_experiment *experiment, const char *run, int frame, int *turns)
+{
+    lab_series series;
+    pel_status status = lab_read_series(experiment, run, "frame", "volume_ratio", &series);
+    double before = 0;
+    *turns = 0;
+    for (int i = 1; status == PEL_OK && i < series.count && i <= frame; i++) {
+        double way = series.y[i] - series.y[i - 1];
+        if (fabs(way) <= 1e-7)
+            continue;
+        *turns += before * way < 0;
+        before = way;
+    }
+    lab_free_series(&series);
+    return status;
+}
+
 pel_status b_volume_ratio(const lab_experiment *experiment, const char *run, const char *other, int frame,
                           double *ratio)
 {

@@ -30,6 +30,8 @@ int b_shown(const lab_experiment *experiment);
 
 /* volume over that at rest in a frame of a run, or its last one; rises of it up to there */
 pel_status b_volume(const lab_experiment *experiment, const char *run, int frame, double *ratio, int *rises);
+/* turns of the volume from falling to rising, or back, until a frame of a run */
+pel_status b_turns(const lab_experiment *experiment, const char *run, int frame, int *turns);
 /* volume of a run over that of another one in a frame, or in the last one that both have */
 pel_status b_volume_ratio(const lab_experiment *experiment, const char *run, const char *other, int frame,
                           double *ratio);
