@@ -38,6 +38,22 @@ typedef struct pel_cut_reading {
 } pel_cut_reading;
 /* Of a body; -1 = the sums over all bodies. PEL_BAD_ARGUMENT for a body that does not exist, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error);
+/* The end of a cut inside a surface. */
+typedef struct pel_tip {
+    int32_t body, vertex;
+    double position[3]; /* m, at present */
+    double ahead[3];    /* unit, in the rest shape: the direction of the last edge of the cut */
+    double force[3];    /* N, configurational force in the rest shape: energy released per length by which the tip moves
+                           on in its direction. Divided by the thickness it is the energy release rate [J/m2] */
+    double release;     /* N, its magnitude */
+} pel_tip;
+/* The tips of a body in the order of their vertices: the first `room` of them, and the number of all. The force is a
+   domain integral over four rings of triangles, of membrane, fibres and springs; of a state in balance without forces
+   on vertices, filling and contact within the rings, and away from other tips and borders. On flat parts of the rest
+   shape it is exact up to the error of the elements. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room, int32_t *count,
+                                pel_error *error);
+
 /* (pel_sim_vertex_count) the vertex before all cuts that each vertex is a copy of, itself if it is none. */
 PEL_API void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins);
 

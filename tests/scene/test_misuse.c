@@ -519,6 +519,11 @@ static void test_sim_calls(void **unused)
     FAILS(pel_sim_get_cuts(NULL, 0, &cuts, &error));
     FAILS(pel_sim_get_cuts(sim, -2, &cuts, &error));
     FAILS(pel_sim_get_cuts(sim, 50, &cuts, &error));
+    int32_t tip_count;
+    REFUSED("sim", pel_sim_tips(NULL, 0, NULL, 0, &tip_count, &error));
+    REFUSED("count", pel_sim_tips(sim, 0, NULL, 0, NULL, &error));
+    FAILS(pel_sim_tips(sim, -1, NULL, 0, &tip_count, &error));
+    FAILS(pel_sim_tips(sim, 0, NULL, 3, &tip_count, &error));
     SURVIVES(pel_sim_cut_count(NULL));
     SURVIVES(pel_sim_cuts_done(NULL));
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));

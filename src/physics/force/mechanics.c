@@ -226,6 +226,35 @@ void pel_mechanics_fill(const pel_shell_forces *forces, int32_t body, int32_t tr
     }
 }
 
+static void add_corners(const double part[3][3], double gradient[3][3])
+{
+    for (int c = 0; c < 3; c++)
+        pel_vec3_add(gradient[c], part[c], gradient[c]);
+}
+
+double pel_mechanics_gradient(const pel_shell_forces *forces, int32_t body, int32_t t, const pel_record *position,
+                              double time, double gradient[3][3])
+{
+    const pel_shell_body *own = forces != NULL ? pel_shell_body_of(forces, body) : NULL;
+    double x[3][3], part[3][3], energy = 0;
+    if (own == NULL)
+        return 0;
+    const pel_shell *shell = own->shell;
+    pel_load_points(position, shell->corners[t], 3, x);
+    if (shell->has_membrane) {
+        energy += pel_shell_membrane_energy(own, t, (const double(*)[3])x, part);
+        add_corners((const double(*)[3])part, gradient);
+    }
+    for (int32_t r = 0; r < shell->region_count; r++) {
+        int32_t fibre = pel_shell_find_fibre(&shell->regions[r], t);
+        if (fibre < 0)
+            continue;
+        energy += pel_shell_fibre_energy(shell, &shell->regions[r], fibre, time, (const double(*)[3])x, part);
+        add_corners((const double(*)[3])part, gradient);
+    }
+    return energy;
+}
+
 /* columns f1, f2 times a tensor in the plane (11, 22, 12) times their transpose: xx, yy, zz, xy, yz, xz */
 static void to_space(const double f[6], double scale, const double plane[3], double out[6])
 {

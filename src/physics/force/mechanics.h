@@ -11,6 +11,10 @@
 void pel_mechanics_fill(const pel_shell_forces *forces, int32_t body, int32_t triangle_count,
                         const pel_record *position, double time, pel_triangle_mechanics *triangles);
 
+/* Energy [J] of membrane and fibres in triangle t, whose gradients on the corners are added; 0 for a body without. */
+double pel_mechanics_gradient(const pel_shell_forces *forces, int32_t body, int32_t t, const pel_record *position,
+                              double time, double gradient[3][3]);
+
 /* Adds mid-edge bending of a body at the unknowns of the tangent. */
 void pel_mechanics_add_midedge(pel_tangent *tangent, const double *unknowns, pel_pool *pool, int32_t body,
                                pel_triangle_mechanics *triangles);
