@@ -44,7 +44,7 @@ typedef struct sleep_body {
 
 struct pel_sleep {
     sleep_body *bodies;     /* (body_count) */
-    pel_record *mean, *sum; /* (vertex_count) m: mean place in the last window, sum over the present one */
+    pel_record *mean, *sum; /* (vertex_count) m: mean place in the last window, sum of the ways from it in this one */
     uint8_t *is_asleep;     /* (body_count) for the method */
     uint8_t *can_move;      /* (body_count) has vertices that are not pinned */
     uint8_t *is_free;       /* (body_count) has no pinned ones */
@@ -316,7 +316,7 @@ static bool end_window(const pel_sim *sim, int32_t body, double limit)
     pel_real share = (pel_real)(1.0 / sleep->bodies[body].count);
     double most = 0;
     for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
-        pel_record mean = share * sleep->sum[v];
+        pel_record mean = sleep->mean[v] + share * sleep->sum[v];
         most = pel_max(most, distance(mean, sleep->mean[v]));
         sleep->mean[v] = mean;
     }
@@ -335,7 +335,7 @@ static void follow(const pel_sim *sim, int32_t body)
         memset(sleep->sum + begin, 0, (size_t)(end - begin) * sizeof *x);
     for (int32_t v = begin; v < end; v++) {
         most = pel_max(most, distance(x[v], sleep->mean[v]));
-        sleep->sum[v] += x[v];
+        sleep->sum[v] += x[v] - sleep->mean[v];
     }
     own->count++;
     if (!(most <= STAY_SHARE * thickness)) {
