@@ -4,7 +4,9 @@
 
 #include <pellicle/study.h>
 
+#include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,8 +33,8 @@ static bool can_fit(const char *python)
 {
     char name[4096];
     snprintf(name, sizeof name, "%s", python);
-    char *words[] = {name, "-c", "import sys\ntry:\n    import pellicle, scipy\nexcept ImportError:\n    sys.exit(1)",
-                     NULL};
+    char *words[] = {name, "-P", "-c",
+                     "import sys\ntry:\n    import pellicle, scipy\nexcept ImportError:\n    sys.exit(1)", NULL};
     return run_python(python, words) == 0;
 }
 
@@ -40,9 +42,20 @@ static bool can_fit(const char *python)
 static const char *find_python(void)
 {
     static const char *const known[] = {"python3", "/usr/bin/python3"};
+    static const char *const beside[] = {"venv/bin/python3", "../venv/bin/python3"};
+    static char path[PATH_MAX + 32];
+    char program[PATH_MAX] = "";
     const char *chosen = getenv("PELLICLE_PYTHON");
     if (chosen != NULL)
         return can_fit(chosen) ? chosen : NULL;
+    /* that of `make python`, beside the program */
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    char *slash = length > 0 ? strrchr(program, '/') : NULL;
+    for (size_t i = 0; slash != NULL && i < sizeof beside / sizeof *beside; i++) {
+        snprintf(path, sizeof path, "%.*s/%s", (int)(slash - program), program, beside[i]);
+        if (access(path, X_OK) == 0 && can_fit(path))
+            return path;
+    }
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (can_fit(known[i]))
             return known[i];
@@ -60,12 +73,14 @@ int cli_calibrate(const cli_call *call)
     pel_fit_destroy(json);
     const char *python = find_python();
     if (python == NULL) {
-        cli_complain("calibration needs a Python with the packages pellicle and scipy. install them with 'make python' "
+        cli_complain("calibration needs a Python of 3.11 or later with the packages pellicle and scipy. install them "
+                     "with 'make python' "
                      "or 'pip install .', then name the program in the environment variable PELLICLE_PYTHON");
         return CLI_FAILED;
     }
     const char *output = cli_value(call, "output");
     words[count++] = (char *)python;
+    words[count++] = "-P";
     words[count++] = "-m";
     words[count++] = "pellicle";
     words[count++] = "calibrate";
@@ -79,5 +94,12 @@ int cli_calibrate(const cli_call *call)
     if (cli_has(call, "quiet"))
         words[count++] = "--quiet";
     words[count] = NULL;
-    return run_python(python, words);
+    const int status = run_python(python, words);
+    char result[PATH_MAX];
+    if (status == CLI_DONE && output != NULL &&
+        (snprintf(result, sizeof result, "%s/fit.json", output) >= (int)sizeof result || access(result, R_OK) != 0)) {
+        cli_complain("%s ended without a result: there is no %s. check what it imports", python, result);
+        return CLI_FAILED;
+    }
+    return status;
 }

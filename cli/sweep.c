@@ -126,6 +126,25 @@ static void put_quoted(FILE *file, const char *text)
     fputc('\'', file);
 }
 
+/* a path in an #SBATCH line, where % begins a pattern */
+static void put_pattern(FILE *file, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        if (*text == '"' || *text == '\\' || *text == '%')
+            fputc(*text == '%' ? '%' : '\\', file);
+        fputc(*text, file);
+    }
+}
+
+/* a line end in a name would begin a line of the job */
+static bool has_control(const char *text)
+{
+    for (; *text != '\0'; text++)
+        if ((unsigned char)*text < ' ' || *text == 0x7f)
+            return true;
+    return false;
+}
+
 static bool write_job(const cli_call *call, const char *job, const char *study, const char *folder, int chunks)
 {
     char program[SWEEP_PATH] = "pellicle";
@@ -136,7 +155,9 @@ static bool write_job(const cli_call *call, const char *job, const char *study, 
     if (file == NULL)
         return false;
     fprintf(file, "#!/bin/sh\n#SBATCH --job-name=pellicle\n#SBATCH --array=1-%d\n#SBATCH --output=", chunks);
-    fprintf(file, "\"%s/slurm-%%a.log\"\n", folder);
+    fputc('"', file);
+    put_pattern(file, folder);
+    fputs("/slurm-%a.log\"\n", file);
     fputs("# options of yours go to sbatch on the command line, or here: #SBATCH --time=1:00:00\nexec ", file);
     put_quoted(file, program);
     fputs(" sweep ", file);
@@ -144,8 +165,10 @@ static bool write_job(const cli_call *call, const char *job, const char *study, 
     fputs(" -o ", file);
     put_quoted(file, folder);
     fprintf(file, " --chunk \"$SLURM_ARRAY_TASK_ID/%d\" --jobs \"${SLURM_CPUS_PER_TASK:-1}\" --quiet", chunks);
-    if (cli_has(call, "timeout"))
-        fprintf(file, " --timeout %s", cli_value(call, "timeout"));
+    if (cli_has(call, "timeout")) {
+        fputs(" --timeout ", file);
+        put_quoted(file, cli_value(call, "timeout"));
+    }
     fputs(cli_has(call, "retry") ? " --retry\n" : "\n", file);
     bool whole = ferror(file) == 0;
     return fclose(file) == 0 && whole;
@@ -192,6 +215,9 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     }
     if (realpath(folder, place) == NULL || realpath(call->arguments[0], file) == NULL)
         return cli_complain("%s: %s. choose another folder with -o", folder, strerror(errno));
+    if (has_control(place) || has_control(file))
+        return cli_complain("the path of the study or of its folder has a control character, which a job cannot name. "
+                            "rename it");
     snprintf(job, sizeof job, "%s/job.sh", place);
     if (!write_job(call, job, file, place, chunks)) {
         cli_complain("%s: cannot write the job: %s", job, strerror(errno));
