@@ -544,6 +544,16 @@ static void test_refusals(void **unused)
         assert_sim_refused(&def, "caves in");
     }
     pel_model_destroy(model);
+    /* a push has no reaction: a free body has no equilibrium */
+    cave.mode = PEL_FIBRE_NORMAL;
+    cave.gradient = 1;
+    model = make_model(&body);
+    const pel_method equilibria[] = {PEL_METHOD_DESCENT, PEL_METHOD_STATIC};
+    for (int i = 0; i < 2; i++) {
+        pel_sim_def def = lone_sim(model, equilibria[i], 1e-3);
+        assert_sim_refused(&def, "no reaction");
+    }
+    pel_model_destroy(model);
     body.shell.anisotropy_count = 0;
     model = make_model(&body);
     pel_sim_def def = lone_sim(model, PEL_METHOD_DESCENT, 1e-3);

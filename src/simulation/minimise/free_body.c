@@ -57,6 +57,21 @@ static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net
         sim->model->bodies[body].name, net[0], net[1], net[2], time);
 }
 
+/* a push has no reaction: not even its net force of 0 at rest is one that a free body can bear */
+static pel_status check_pushed(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (body->shell != NULL && pel_shell_has_mode(body->shell, PEL_FIBRE_NORMAL) && !is_held(sim, b))
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "pin vertices, add volumetric springs, or use the method implicit, xpbd or pbd",
+                                      "nothing holds body '%s' against its fibres of the mode normal, whose push has "
+                                      "no reaction: it has no equilibrium",
+                                      body->name);
+    }
+    return PEL_OK;
+}
+
 pel_status pel_minimise_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -88,7 +103,9 @@ static pel_status check_at(pel_sim *sim, double time, pel_error *error)
 pel_status pel_minimise_check_start(pel_sim *sim, pel_error *error)
 {
     double dt = sim->step.dt;
-    pel_status status = check_at(sim, dt, error);
+    pel_status status = check_pushed(sim, error);
+    if (status == PEL_OK)
+        status = check_at(sim, dt, error);
     /* loads that begin later, and their keys */
     for (int32_t l = 0; status == PEL_OK && l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
