@@ -1,5 +1,4 @@
 /* Derivatives by an adjoint solution against differences of whole solutions. */
-#include "minimise/step_newton.h"
 #include "shell_fixture.h"
 #include "sim/fixture.h"
 
@@ -340,12 +339,6 @@ static void test_refusals(void **unused)
     assert_int_equal(ask(&s, &error), PEL_BAD_ARGUMENT);
     assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
     assert_int_equal(ask(&s, &error), PEL_OK);
-    /* nor does the last of two stages know the first */
-    s.sim->minimise->newton->is_damped = false;
-    s.sim->state->unresolved = 2;
-    assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
-    assert_int_equal(ask(&s, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "two stages"));
     free(bytes);
     release(&s);
 }

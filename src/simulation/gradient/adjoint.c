@@ -314,9 +314,6 @@ static pel_status check_state(const pel_sim *sim, const pel_adjoint *def, pel_er
     if (status == PEL_OK && (sim->state->step == 0 || has_no_step))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "step first",
                           "there is no state yet whose derivatives could be computed");
-    if (status == PEL_OK && newton != NULL && newton->scheme != NULL && newton->scheme->other > 0)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "take the step by pel_sim_adjoint_steps, with a step_count of 1",
-                          "the last step was taken in two stages, whose derivatives are not those of one solve");
     return status;
 }
 

@@ -98,8 +98,8 @@ typedef struct pel_implicit_scheme {
     double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of another state */
     double other;                    /* when that was, in steps after the start: one step earlier, or a stage */
     const struct pel_implicit_scheme *first; /* the stage before this one, which is that other state; null = none */
-    double end;                      /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
-    pel_span acts;                   /* when loads act, in steps after the start of the step */
+    double end;                              /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+    pel_span acts;                           /* when loads act, in steps after the start of the step */
 } pel_implicit_scheme;
 
 #endif
