@@ -36,7 +36,9 @@ typedef struct pel_scene {
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
-    double duration;           /* s */
+    double duration;               /* s */
+    int32_t imperfection_mode;     /* buckling mode that the meshes have been changed by, from 1 */
+    double imperfection_amplitude; /* m, its largest displacement; 0 = none */
     double rest_speed;         /* m/s; a run ends if loads and tools have ended and no vertex is faster; 0 = never */
     double least_volume_ratio; /* a run ends if the ratio of the volume to that at rest is smaller; 0 = never */
     bool stop_at_contact;      /* a run ends if a body touches itself or another body */

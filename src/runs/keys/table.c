@@ -20,6 +20,15 @@ static const pel_def_row first_rows[] = {
 };
 
 static const pel_def_row run_rows[] = {
+    {"imperfection", MAP,
+     .doc =
+         "changes the rest shapes by a buckling mode under the loads of the scene (as analysis: buckling finds it), so "
+         "that equilibria leave the straight branch: post-buckling, wrinkles; optional"},
+    {"imperfection.mode", SCENE(imperfection_mode), INTEGER, BETWEEN(1, 100), .preset = "1",
+     .doc = "number of the mode, by rising load factor"},
+    {"imperfection.amplitude", SCENE(imperfection_amplitude), NUMBER, .unit = "m", POSITIVE, REQUIRED,
+     .doc = "largest displacement of a vertex by the mode, for example a tenth of the thickness"},
+
     {"duration", SCENE(duration), NUMBER, .unit = "s", POSITIVE, REQUIRED, .supplied = "",
      .doc = "simulated time; optional if stop.time or stop.frames is set, and under static: its steps and frames then "
             "go to the last key, or it takes one step if nothing has keys"},

@@ -481,7 +481,8 @@ static void tell_unconverged(const pel_warning_text *at)
         snprintf(
             at->text, at->size,
             "the path ends at load factor %.6g: even the shortest step finds no equilibrium beyond it. two paths may "
-            "cross there (buckling): add a small load that selects one, or find the factor with analysis: buckling",
+            "cross there (buckling): add an imperfection or a small load that selects one, or find the factor with "
+            "analysis: buckling",
             pel_sim_load_factor(at->run->sim));
         return;
     }
@@ -497,10 +498,14 @@ static void tell_unconverged(const pel_warning_text *at)
 
 static void tell_unstable(const pel_warning_text *at)
 {
+    bool is_path = pel_sim_path_kind(at->run->sim) == PEL_PATH_ARC_LENGTH;
     snprintf(at->text, at->size,
-             "%" PRId64 " of %" PRId64 " states are unstable equilibria (buckling), and no stable one was found near "
-             "them. add a small load that selects a direction, or use path: arc-length",
-             at->tally->count, pel_sim_step_count(at->run->sim));
+             "%" PRId64 " of %" PRId64
+             " states are unstable equilibria: %s. add an imperfection ({ mode: 1, amplitude: a "
+             "tenth of the thickness }), or a small load that selects a direction",
+             at->tally->count, pel_sim_step_count(at->run->sim),
+             is_path ? "another path crosses this one (buckling), and leads on with less energy"
+                     : "the body buckles, and no stable equilibrium was found near them");
 }
 
 static void tell_stray(const pel_warning_text *at)

@@ -45,6 +45,11 @@ pel_status pel_scene_build_tissue(const pel_scene_part *source, pel_body_def *bo
 /* Fibres of a body, and the kind and region of its pressure (build_shell.c). */
 pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell);
 
+/* Changes the meshes (mesh_count) of the bodies by the buckling mode of `imperfection` (imperfection.c). PEL_BAD_SCENE
+   where there is no such mode; PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_make_imperfect(pel_scene_reader *reader, pel_scene_value *root, pel_scene *scene,
+                                    pel_mesh *const *meshes, int32_t mesh_count);
+
 /* every `name` of a list of maps stands once */
 pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value *list);
 

@@ -128,6 +128,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     if (status == PEL_OK)
         pel_scene_choose_bending(root, scene);
     if (status == PEL_OK)
+        status = pel_scene_make_imperfect(reader, root, scene, storage->meshes, storage->mesh_count);
+    if (status == PEL_OK)
         status = pel_scene_choose_dt(reader, root, scene);
     /* default names have been added to the tree: sort it */
     if (status == PEL_OK)

@@ -250,6 +250,7 @@ static void take(pel_sim *sim, const pel_newton_result *result)
     own->residual = result->residual;
     own->held_force = result->held_force;
     own->converged = result->converged;
+    own->unstable = result->unstable;
 }
 
 static void adapt_length(pel_sim *sim)
@@ -331,6 +332,8 @@ pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *err
         return status;
     if (!result.converged)
         own->ended = PEL_PATH_END_LOST;
+    /* before a limit point the balance loses its stability only where another path crosses */
+    result.unstable = result.converged && own->limit_count == 0 && own->slope > 0 && !own->path.is_stable;
     take(sim, &result);
     adapt_length(sim);
     set_factor(sim, own->path.factor);

@@ -38,8 +38,14 @@ enum { PAIRS = 6 };
 /* of the decrease that a step promises; changes below this share of the energy's parts may be rounding */
 #define DECREASE 1e-3
 #define ROUNDING 1e-13
-/* of the size, by which a balance that is no minimum is left */
-#define NUDGE 1e-7
+/* of the size, ways by which a balance that is no minimum is left along its lowest mode */
+#define FIRST_NUDGE 1e-4
+#define LAST_NUDGE 2e-2
+#define NUDGE_GROWTH 10.0
+/* of the size, that each step downhill from there moves a vertex by: not beyond the minimum beside it */
+#define LEAVING_SHARE 0.02
+/* inverse iterations for that mode */
+enum { MODE_ROUNDS = 20, LEAVING_ROUNDS = 3 };
 /* parts of the loads, where all at once lead nowhere: the first one, the least; by how much they grow and shrink */
 #define FIRST_PART 0.25
 #define LEAST_PART (1.0 / 1024)
@@ -641,7 +647,8 @@ static bool go_downhill(newton_run *run, double most)
     memcpy(newton->start_gradient, newton->gradient, bytes);
     while (find_shifted_step(run, most)) {
         double slope = slope_of(newton, newton->start_gradient);
-        double share = pel_newton_find_share(newton);
+        double share = pel_newton_find_share(newton), longest = share * pel_newton_longest_move(newton);
+        share *= run->longest > 0 && longest > run->longest ? run->longest / longest : 1;
         pel_newton_go(run, share);
         pel_newton_evaluate(run);
         double fall = fall_of(run, energy, share);
@@ -752,35 +759,60 @@ static bool is_stable(newton_run *run)
     return run->status == PEL_OK && pel_newton_make_factor(run);
 }
 
-/* A small move of all free vertices, always the same; the steps downhill find where it grows. */
-static void nudge(newton_run *run)
+/* newton->step = the lowest mode of the exact tangent, its largest component 1: inverse iterations with the factor of
+   the tangent plus the least multiple of the masses that makes it positive, from a vector that is always the same.
+   Where modes lie close together, a mixture of them. False without a factor. */
+static bool find_lowest_mode(newton_run *run)
 {
     pel_newton *newton = run->newton;
+    int32_t count = newton->pattern->unknown_count;
     uint32_t random = 1;
-    for (int32_t u = 0; u < 3 * newton->pattern->vertex_count; u++) {
+    for (int32_t u = 0; u < count; u++) {
         random = random * 1664525u + 1013904223u;
-        if (!newton->fixed[u] && newton->frame[u / 3] < 0)
-            run->unknowns[u] += NUDGE * newton->size * ((double)(random >> 8) / (1 << 23) - 1);
+        newton->step[u] = newton->fixed[u] ? 0 : (double)(random >> 8) / (1 << 23) - 1;
     }
+    if (run->status != PEL_OK || !pel_newton_make_preconditioner(run))
+        return false;
+    for (int i = 0; i < MODE_ROUNDS; i++) {
+        double largest = 0;
+        for (int32_t u = 0; u < count; u++)
+            newton->right[u] = newton->fixed[u] ? 0 : newton->masses[u] * newton->step[u];
+        pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
+        for (int32_t u = 0; u < 3 * newton->pattern->vertex_count; u++)
+            largest = fabs(newton->step[u]) > fabs(largest) ? newton->step[u] : largest;
+        if (!(fabs(largest) > 0) || !isfinite(largest))
+            return false;
+        for (int32_t u = 0; u < count; u++)
+            newton->step[u] /= largest;
+    }
+    return true;
 }
 
-/* From a balance that is no minimum downhill to one that is; where there is none within reach, back to the balance. */
+/* From a balance that is no minimum along its lowest mode, farther and farther, and downhill to one that is; where
+   there is none within reach, back to the balance. */
 static void leave_balance(newton_run *run)
 {
     pel_newton *newton = run->newton;
     size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
     memcpy(newton->part_start, run->unknowns, bytes);
     memcpy(newton->part_walked, newton->walked, bytes);
-    run->limit = run->result->iterations + run->problem->iterations;
-    nudge(run);
-    go_down(run);
-    if (run->status != PEL_OK || (run->result->converged && is_stable(run)))
-        return;
-    memcpy(run->unknowns, newton->part_start, bytes);
-    memcpy(newton->walked, newton->part_walked, bytes);
-    run->kind = PEL_TANGENT_EXACT;
-    run->has_stresses = false;
-    pel_newton_evaluate(run);
+    for (double nudge = FIRST_NUDGE; nudge <= LAST_NUDGE; nudge *= NUDGE_GROWTH) {
+        run->limit = run->result->iterations + LEAVING_ROUNDS * run->problem->iterations;
+        if (!find_lowest_mode(run))
+            break;
+        run->longest = LEAVING_SHARE * newton->size;
+        pel_newton_go(run, nudge * newton->size);
+        go_down(run);
+        run->longest = 0;
+        if (run->status != PEL_OK || (run->result->converged && is_stable(run)))
+            return;
+        memcpy(run->unknowns, newton->part_start, bytes);
+        memcpy(newton->walked, newton->part_walked, bytes);
+        run->kind = PEL_TANGENT_EXACT;
+        run->has_stresses = false;
+        pel_newton_evaluate(run);
+        pel_newton_assemble(run);
+    }
     run->result->converged = run->status == PEL_OK;
     run->result->stuck = false;
     run->result->unstable = true;

@@ -155,6 +155,7 @@ typedef struct pel_newton_path {
     double *direction;   /* (unknown_count) m, the last step */
     int32_t iterations;  /* of the last step */
     double slope;        /* 1/m, of the factor over the length at its end; NAN = not known */
+    bool is_stable;      /* so is the balance there, under loads that stay */
 } pel_newton_path;
 
 /* One step along the path, from a balance (path.c). The factor of the problem is that of the path. Where it does

@@ -24,10 +24,6 @@
 
 /* of the spring along the path, over the stiffness of the body there when it began */
 #define SPRING 10.0
-/* multiples of the masses under the matrix of the preconditioner, of stiffness over mass; their growth */
-#define LEAST_SHIFT 1e-9
-#define MOST_SHIFT 1e3
-#define SHIFT_GROWTH 4.0
 /* systems in one step of a path; products in one system */
 enum { STEP_ITERATIONS = 14, MOST_PRODUCTS = 100 };
 #define SOLVE_TOLERANCE 1e-9
@@ -44,22 +40,6 @@ void pel_newton_find_load(newton_run *run)
     pel_newton_evaluate(run);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->load[u] = newton->fixed[u] ? 0 : newton->gradient[u] - newton->load[u];
-}
-
-bool pel_newton_make_preconditioner(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    double scale = pel_newton_stiffness_scale(newton), shift = 0;
-    bool made = pel_newton_make_factor(run);
-    for (double next = LEAST_SHIFT * scale; !made && run->status == PEL_OK && next < MOST_SHIFT * scale;
-         next *= SHIFT_GROWTH) {
-        pel_matrix_add_diagonal(newton->matrix, next - shift, newton->masses);
-        shift = next;
-        made = pel_newton_make_factor(run);
-    }
-    if (shift > 0)
-        pel_matrix_add_diagonal(newton->matrix, -shift, newton->masses);
-    return made;
 }
 
 bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution)
@@ -162,12 +142,14 @@ static double go_along(newton_run *run, double change)
     return way;
 }
 
-/* of the factor over the way, at the balance where the last evaluation was; the last preconditioner is near enough */
+/* of the factor over the way, at the balance where the last evaluation was */
 static double find_slope(newton_run *run)
 {
     pel_newton *newton = run->newton;
     pel_newton_assemble(run);
-    if (run->status != PEL_OK || !pel_newton_solve_indefinite(run, newton->path, newton->answer))
+    /* that of the last step may have been on the other side of a point where the balance becomes unstable */
+    if (run->status != PEL_OK || !pel_newton_make_preconditioner(run) ||
+        !pel_newton_solve_indefinite(run, newton->path, newton->answer))
         return (double)NAN;
     double lacks = 1 - run->path_stiffness * pel_newton_dot(newton, newton->path, newton->answer);
     return lacks / pel_newton_dot(newton, newton->load, newton->answer);
@@ -248,6 +230,7 @@ pel_status pel_newton_follow(pel_newton *newton, const pel_newton_problem *probl
         result->converged = go_to_balance(&run, path->length);
     if (result->converged)
         path->slope = find_slope(&run);
+    path->is_stable = !run.is_shifted;
     result->converged &= run.status == PEL_OK;
     path->iterations = result->iterations;
     if (result->converged) {

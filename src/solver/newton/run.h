@@ -94,10 +94,12 @@ typedef struct newton_run {
     double shift;          /* 1/s2, of the masses */
     double parts;          /* J, sum of the sizes of the energy's parts */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
+    double longest;        /* m, that a step downhill moves any vertex by; 0 = any */
     int32_t limit;         /* of iterations so far */
     double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
+    bool is_shifted;       /* the last matrix of a path was not positive definite */
     bool has_best;
     bool rests;          /* at the last evaluation, where it was asked */
     int32_t quasi_steps; /* with the present factor (quasi.c) */
@@ -133,6 +135,9 @@ void pel_newton_assemble(newton_run *run);
 bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot);
 /* in float, with a little on the diagonal, then in double from now on; false where the matrix is not positive */
 bool pel_newton_make_factor(newton_run *run);
+/* A factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays.
+ */
+bool pel_newton_make_preconditioner(newton_run *run);
 /* newton->step of newton->right by conjugate gradients with the factor */
 pel_pcg_end pel_newton_solve(newton_run *run, int32_t products);
 /* terms of the system of a run (context) besides the matrix: volumes, and the stiffness along the direction of a path
@@ -162,11 +167,8 @@ void pel_newton_space_destroy(pel_newton_space *space);
 void pel_newton_find_load(newton_run *run);
 /* stiffness of the spring along a path */
 double pel_newton_path_stiffness(const pel_newton_path *path);
-/* Room for the two below. PEL_OUT_OF_MEMORY. */
+/* Room for paths: a factor in double, and that of minimal residuals. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_make_path_room(pel_newton *newton, pel_error *error);
-/* A factor of the matrix, or of that plus the least multiple of the masses which makes it positive; the matrix stays.
- */
-bool pel_newton_make_preconditioner(newton_run *run);
 /* The solution of the matrix, which may be indefinite, volumes and the spring along the path included. */
 bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *solution);
 

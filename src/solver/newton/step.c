@@ -31,6 +31,10 @@ enum { ASSEMBLY_WORK = 2, FACTOR_WORK = 5 };
 
 /* of the tolerance, that a step of L-BFGS may leave */
 #define QUASI_SHARE 0.1
+/* multiples of the masses under the matrix of the preconditioner, of stiffness over mass; their growth */
+#define LEAST_SHIFT 1e-9
+#define MOST_SHIFT 1e3
+#define SHIFT_GROWTH 4.0
 /* ---- energy, forces, matrix ---- */
 
 /* loads are constant forces on positions and moments on edges; a moment has no part in the energy */
@@ -370,6 +374,23 @@ bool pel_newton_make_factor(newton_run *run)
         return false;
     newton->precision = PEL_FACTOR_DOUBLE;
     return pel_newton_compute_factor(run, 0, &pivot);
+}
+
+bool pel_newton_make_preconditioner(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    double scale = pel_newton_stiffness_scale(newton), shift = 0;
+    bool made = pel_newton_make_factor(run);
+    for (double next = LEAST_SHIFT * scale; !made && run->status == PEL_OK && next < MOST_SHIFT * scale;
+         next *= SHIFT_GROWTH) {
+        pel_matrix_add_diagonal(newton->matrix, next - shift, newton->masses);
+        shift = next;
+        made = pel_newton_make_factor(run);
+    }
+    if (shift > 0)
+        pel_matrix_add_diagonal(newton->matrix, -shift, newton->masses);
+    run->is_shifted = shift > 0;
+    return made;
 }
 
 /* what is solved for the skew part goes on from step to step, and so do its errors */
