@@ -35,8 +35,8 @@ static const char bending[] = "    bending: {model: hinge, stiffness: 1.0e-3}\n"
 static const char *const fibres[] = {
     "", "    anisotropy: [{mode: active, stiffness: 5, rest_length: 0.9, direction: [1, 0, 0]}]\n",
     "    anisotropy: [{mode: curl, curvature: -0.5, stiffness: 5}]\n",
-    "    anisotropy: [{mode: normal, stiffness: 5, gradient: 2, max_step: 0.1}, {mode: cave, stiffness: 5, strength: "
-    "0.01, region: {sphere: {center: [0,0,1], radius: 0.5}}}]\n"};
+    ("    anisotropy: [{mode: normal, stiffness: 5, gradient: 2, max_step: 0.1},\n      {mode: cave, stiffness: 5, "
+     "strength: 0.01, region: {sphere: {center: [0,0,1], radius: 0.5}}}]\n")};
 static const char *const masses[] = {"mass: {density: 1000, thickness: 0.01}", "mass: {per_vertex: 1}",
                                      "mass: {total: 80}"};
 static const char *const pressures[] = {"{outside: 2}", "{gas: {pressure: 1000}}", "{volume: {target: 1, bulk: 100}}"};

@@ -6,7 +6,9 @@
 #include "io/file.h"
 #include "pellicle/frames.h"
 #include "pellicle/run.h"
+#include "pellicle/json.h"
 #include "pellicle/study.h"
+#include "study/study.h"
 
 #include <ftw.h>
 #include <pthread.h>
@@ -197,6 +199,27 @@ static void test_latin(void **unused)
 }
 
 /* ---- rows ---- */
+
+/* spreadsheets compute none of the texts, and numbers stay numbers */
+static void test_cells(void **unused)
+{
+    (void)unused;
+    static const char *const cells[][2] = {
+        {"=1+1", "'=1+1"}, {"+cmd|x", "'+cmd|x"},     {"-2", "-2"},          {"-1.5e-3", "-1.5e-3"},
+        {"+inf", "+inf"},  {"@SUM(A1)", "'@SUM(A1)"}, {"-x,y", "\"'-x,y\""}, {"a=b", "a=b"},
+        {"", ""},          {"\tx", "'\tx"},           {"-", "'-"},
+    };
+    for (size_t i = 0; i < sizeof cells / sizeof *cells; i++) {
+        char *text = NULL;
+        size_t size;
+        FILE *file = open_memstream(&text, &size);
+        pel_json json = {.file = file};
+        pel_study_put_cell(&json, cells[i][0]);
+        fclose(file);
+        assert_string_equal(text, cells[i][1]);
+        free(text);
+    }
+}
 
 static void test_failed_runs_are_rows(void **unused)
 {
@@ -722,6 +745,7 @@ int main(void)
         cmocka_unit_test(test_column_of_some_runs),
         cmocka_unit_test(test_design),
         cmocka_unit_test(test_latin),
+        cmocka_unit_test(test_cells),
         cmocka_unit_test(test_failed_runs_are_rows),
         cmocka_unit_test(test_measures),
         cmocka_unit_test(test_kept_runs),

@@ -222,8 +222,12 @@ tools:
   - name: plate
     shape: box
     size: [2, 2, 0.1]
-    motion: [ { position: [0, 0, 1.3] }, { time: 0.5, position: [0, 0, 0.8] } ]
-contact: { self: true }
+    motion: [ { position: [0, 0, 1.3] }, { time: 0.5, position: [0, 0, -0.7] } ]
+  - name: floor
+    shape: box
+    size: [2, 2, 0.1]
+    motion: [ { position: [0, 0, -1.1] } ]
+contact: { self: true, thickness: 0.03 }
 solver: { method: xpbd, dt: 0.01, drag: 1 }
 duration: 0.5
 output: { every: 0.05, fields: [contact, displacement] }

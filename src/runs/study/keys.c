@@ -1,5 +1,7 @@
 #include "study/study.h"
 
+#include "base/number.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -152,13 +154,24 @@ void pel_study_put_value(pel_json *json, const pel_scene_value *value,
     pel_json_print(json, is_list ? "]" : "}");
 }
 
+/* a text that spreadsheets would compute: it begins like a formula and is no number */
+static bool is_formula(const char *text)
+{
+    double value;
+    if (text[0] == '\0' || strchr("=+-@\t\r", text[0]) == NULL)
+        return false;
+    const char *end = text + strlen(text);
+    return pel_number_parse(text, end, &value) != end;
+}
+
 void pel_study_put_cell(pel_json *json, const char *text)
 {
+    const char *mark = is_formula(text) ? "'" : "";
     if (strpbrk(text, ",\"\r\n") == NULL) {
-        pel_json_print(json, "%s", text);
+        pel_json_print(json, "%s%s", mark, text);
         return;
     }
-    pel_json_print(json, "\"");
+    pel_json_print(json, "\"%s", mark);
     while (*text != '\0') {
         int plain = (int)strcspn(text, "\"\r\n");
         pel_json_print(json, "%.*s%s", plain, text, text[plain] == '"' ? "\"\"" : text[plain] != '\0' ? " " : "");

@@ -124,7 +124,8 @@ void pel_study_fail_file(pel_scene_reader *reader, const pel_scene_value *value)
 /* A value in one line, in the brackets of JSON, with scalars as put_scalar writes them. */
 void pel_study_put_value(pel_json *json, const pel_scene_value *value,
                          void (*put_scalar)(pel_json *json, const pel_scene_value *scalar));
-/* the text of a cell of a CSV file, in quotes where it needs them */
+/* The text of a cell of a CSV file, in quotes where it needs them. What begins with = + - @ or a tab and is no number
+   begins with ' then, so that spreadsheets show it and compute nothing (OWASP, CSV injection). */
 void pel_study_put_cell(pel_json *json, const char *text);
 
 #endif
