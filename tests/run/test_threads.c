@@ -133,7 +133,9 @@ static void test_one_folder(void **unused)
     (void)unused;
     pel_scene *scene = load_scene();
     shared_work works[THREADS];
-    start_all(works, &(shared_work){.scene = scene}, run_in_one_folder);
+    /* in later rounds there is an older run, which one of them moves aside */
+    for (int round = 0; round < 3; round++)
+        start_all(works, &(shared_work){.scene = scene}, run_in_one_folder);
     assert_int_equal(access("threads-one/.pellicle-lock", F_OK), -1);
     assert_int_equal(access("threads-one/summary.json", F_OK), 0);
     pel_scene_destroy(scene);

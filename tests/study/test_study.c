@@ -5,8 +5,8 @@
 #include "failing_malloc.h"
 #include "io/file.h"
 #include "pellicle/frames.h"
-#include "pellicle/run.h"
 #include "pellicle/json.h"
+#include "pellicle/run.h"
 #include "pellicle/study.h"
 #include "study/study.h"
 

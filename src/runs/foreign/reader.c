@@ -273,7 +273,7 @@ static void set_limits(const char *path)
     if (stat(path, &information) != 0)
         information.st_size = 0;
         /* sanitizers reserve terabytes */
-#ifndef __SANITIZE_ADDRESS__
+#ifndef HAS_ADDRESS_SANITIZER
     limit(RLIMIT_AS, PEL_CHILD_MEMORY(information.st_size));
 #endif
 }
@@ -349,6 +349,15 @@ int pel_mesh_import_child(const char *path)
 
 #else
 #include "pellicle/import.h"
+
+/* it reserves more addresses than the limit of memory permits */
+#if defined(__SANITIZE_ADDRESS__)
+#define HAS_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HAS_ADDRESS_SANITIZER
+#endif
+#endif
 
 int pel_mesh_import_child(const char *path)
 {

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char *join(char path[PEL_RUN_FILE_SIZE], const char *folder, const char *name)
@@ -171,6 +172,33 @@ void pel_run_folder_unlock(const char *folder, int lock)
         return;
     unlink(join(path, folder, lock_name));
     close(lock);
+}
+
+/* ms between tries, and the most of them */
+enum { QUEUE_PAUSE = 10, QUEUE_TRIES = 500 };
+
+int pel_run_folder_queue(const char *folder)
+{
+    char parent[PEL_RUN_FILE_SIZE];
+    snprintf(parent, sizeof parent, "%s", folder);
+    size_t length = strlen(parent);
+    while (length > 1 && parent[length - 1] == '/')
+        parent[--length] = '\0';
+    char *slash = strrchr(parent, '/');
+    if (slash == NULL)
+        memcpy(parent, ".", 2);
+    else
+        slash[slash == parent] = '\0';
+    int queue = open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (int i = 0; queue >= 0 && i < QUEUE_TRIES && flock(queue, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; i++)
+        nanosleep(&(struct timespec){.tv_nsec = QUEUE_PAUSE * 1000000}, NULL);
+    return queue;
+}
+
+void pel_run_folder_leave_queue(int queue)
+{
+    if (queue >= 0)
+        close(queue);
 }
 
 /* temporary files of pel_file_writer, left by a killed program */

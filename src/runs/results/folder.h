@@ -29,6 +29,11 @@ pel_status pel_run_folder_claim(const char *folder, const char *resume, bool ove
    writable. */
 pel_status pel_run_folder_open(const char *folder, pel_error *error);
 
+/* From claiming a folder to locking it one run comes after the other: another one would move the new folder aside
+   before it is locked. A lock on the folder around it, for which it waits at most 5 s; -1 if that has none yet. */
+int pel_run_folder_queue(const char *folder);
+void pel_run_folder_leave_queue(int queue);
+
 /* Keeps other runs out of the folder until it is unlocked or the program ends in any way. *lock receives the argument
    of unlocking, -1 if the file system has no locks. PEL_BAD_FILE, with the owner, if another run holds it. */
 pel_status pel_run_folder_lock(const char *folder, int *lock, pel_error *error);

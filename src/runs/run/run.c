@@ -276,8 +276,26 @@ pel_status pel_run_take_folder(const char *folder, bool overwrite, const pel_log
     PEL_REFUSE_NULL(folder, error);
     if (folder[0] == '\0' || strlen(folder) >= PEL_RUN_PATH_SIZE)
         return pel_fail(error, PEL_BAD_ARGUMENT, "the name of the output folder is empty or very long");
+    int queue = pel_run_folder_queue(folder);
     pel_status status = pel_run_folder_claim(folder, NULL, overwrite, log, error);
-    return status == PEL_OK ? pel_run_folder_open(folder, error) : status;
+    if (status == PEL_OK)
+        status = pel_run_folder_open(folder, error);
+    pel_run_folder_leave_queue(queue);
+    return status;
+}
+
+/* for this run alone */
+static pel_status lock_folder(pel_run_state *run, pel_error *error)
+{
+    const pel_run_def *def = run->def;
+    int queue = pel_run_folder_queue(def->folder);
+    pel_status status = pel_run_folder_claim(def->folder, def->resume, def->overwrite, def->log, error);
+    if (status == PEL_OK)
+        status = pel_run_folder_open(def->folder, error);
+    if (status == PEL_OK)
+        status = pel_run_folder_lock(def->folder, &run->lock, error);
+    pel_run_folder_leave_queue(queue);
+    return status;
 }
 
 static pel_status write_scene(const pel_run_state *run, bool finished, pel_error *error)
@@ -300,11 +318,7 @@ static pel_status open_folder(pel_run_state *run, pel_error *error)
     if (folder == NULL)
         return pel_run_frames_begin(&run->frames, run->sim, 0, false, error);
     bool resume = run->def->resume != NULL, removed = false;
-    pel_status status = pel_run_folder_claim(folder, run->def->resume, run->def->overwrite, run->def->log, error);
-    if (status == PEL_OK)
-        status = pel_run_folder_open(folder, error);
-    if (status == PEL_OK)
-        status = pel_run_folder_lock(folder, &run->lock, error);
+    pel_status status = lock_folder(run, error);
     /* it is cut back: not a file elsewhere that a link leads to */
     char series[PEL_RUN_FILE_SIZE];
     if (status == PEL_OK && resume)
