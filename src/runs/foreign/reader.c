@@ -262,6 +262,15 @@ static void limit(int resource, uint64_t most)
     setrlimit((__rlimit_resource_t)resource, &now);
 }
 
+/* it reserves more addresses than the limit of memory permits */
+#if defined(__SANITIZE_ADDRESS__)
+#define HAS_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HAS_ADDRESS_SANITIZER
+#endif
+#endif
+
 static void set_limits(const char *path)
 {
     struct stat information = {0};
@@ -272,7 +281,6 @@ static void set_limits(const char *path)
     limit(RLIMIT_CPU, PEL_CHILD_CPU_SECONDS);
     if (stat(path, &information) != 0)
         information.st_size = 0;
-        /* sanitizers reserve terabytes */
 #ifndef HAS_ADDRESS_SANITIZER
     limit(RLIMIT_AS, PEL_CHILD_MEMORY(information.st_size));
 #endif
@@ -349,15 +357,6 @@ int pel_mesh_import_child(const char *path)
 
 #else
 #include "pellicle/import.h"
-
-/* it reserves more addresses than the limit of memory permits */
-#if defined(__SANITIZE_ADDRESS__)
-#define HAS_ADDRESS_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define HAS_ADDRESS_SANITIZER
-#endif
-#endif
 
 int pel_mesh_import_child(const char *path)
 {
