@@ -18,9 +18,7 @@
 #define STRAIN 0.01
 /* s, and steps, that the estimate of the cost may take; a body with more vertices has no modal analysis */
 #define COST_SECONDS 0.3
-enum { COST_STEPS = 20, ANALYSED_VERTICES = 3000, MODE_COUNT = 7 };
-/* of the highest of these modes: lower frequencies are rigid motions */
-#define RIGID_SHARE 1e-3
+enum { COST_STEPS = 20, ANALYSED_VERTICES = 3000 };
 
 /* NaN where it does not apply */
 typedef struct magnitudes {
@@ -86,43 +84,14 @@ static void judge_membrane(const pel_body_def *body, int is_closed, double radiu
         found->buckling_pressure = 2 * stiffness * thickness / (radius * radius * sqrt(3 * (1 - poisson * poisson)));
 }
 
-/* Hz, of a body alone with its supports; NaN where it is not known */
+/* Hz; NaN where it is not known */
 static double find_frequency(const pel_scene *scene, int32_t b)
 {
-    pel_body_def body = scene->model.bodies[b];
-    pel_model_def own = scene->model;
-    pel_sim_def def = scene->sim;
-    double values[MODE_COUNT], frequency = (double)NAN;
-    pel_model *model = NULL;
-    pel_sim *sim = NULL;
-    int has_elsewhere = scene->model.body_count > 1 && scene->sim.support_count > 0;
-    if (body.mesh->vertex_count > ANALYSED_VERTICES || body.refine.levels > 0 || has_elsewhere)
-        return frequency;
-    body.shell.pressure.kind = PEL_PRESSURE_NONE;
-    own.bodies = &body;
-    own.body_count = 1;
-    for (int i = 0; i < 3; i++)
-        own.gravity[i] = 0;
-    def.load_count = def.tool_count = 0;
-    def.contact.enabled = false;
-    def.solver = pel_sim_def_default().solver;
-    def.solver.method = PEL_METHOD_STATIC;
-    def.solver.analysis = PEL_ANALYSIS_MODAL;
-    def.solver.mode_count = MODE_COUNT;
-    def.solver.dt = 1;
-    pel_status status = pel_model_create(&own, &model, NULL);
-    def.model = model;
-    if (status == PEL_OK)
-        status = pel_sim_create(&def, &sim, NULL);
-    if (status == PEL_OK)
-        status = pel_sim_step(sim, NULL);
-    int32_t count = status == PEL_OK ? pel_sim_get_modes(sim, values) : 0;
-    for (int32_t i = 0; i < count && !(frequency > 0); i++)
-        if (values[i] > RIGID_SHARE * values[count - 1])
-            frequency = values[i];
-    pel_sim_destroy(sim);
-    pel_model_destroy(model);
-    return frequency;
+    const pel_body_def *body = &scene->model.bodies[b];
+    double frequency = 0;
+    if (body->mesh->vertex_count <= ANALYSED_VERTICES && body->refine.levels == 0)
+        pel_scene_frequency(scene, b, &frequency);
+    return frequency > 0 ? frequency : (double)NAN;
 }
 
 static magnitudes judge(const pel_scene *scene, const pel_sim *sim, int32_t b)

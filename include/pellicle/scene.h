@@ -70,6 +70,11 @@ PEL_API pel_status pel_scene_parse(const char *path, const char *text, size_t si
    gives the same scene and the same text. Zero-terminated; lives as long as the scene. */
 PEL_API const char *pel_scene_text(const pel_scene *scene);
 
+/* Hz: the lowest frequency of a body about its rest, alone, with its pins and its supports where they are at the end of
+   the scene; without loads, pressure, tools and contact. A modal analysis, whose status is returned; 0 if it fails or
+   nothing vibrates. PEL_BAD_ARGUMENT for a body that does not exist. */
+PEL_API pel_status pel_scene_frequency(const pel_scene *scene, int32_t body, double *frequency);
+
 /* Adds the place in the scene to an error of pel_model_create or pel_sim_create: that of the body, load or tool in the
    error, that of alpha or dt for PEL_UNSTABLE, otherwise only the file. Other errors do not change. */
 PEL_API void pel_scene_locate(const pel_scene *scene, pel_error *error);

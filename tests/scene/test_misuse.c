@@ -743,6 +743,11 @@ static void test_scenes(void **unused)
     GIVES(pel_scene_text(NULL)[0] == '\0');
     SURVIVES(pel_scene_locate(NULL, &place));
     SURVIVES(pel_scene_locate(scene, NULL));
+    double frequency;
+    GIVES(pel_scene_frequency(NULL, 0, &frequency) == PEL_BAD_ARGUMENT);
+    GIVES(pel_scene_frequency(scene, 0, NULL) == PEL_BAD_ARGUMENT);
+    GIVES(pel_scene_frequency(scene, -1, &frequency) == PEL_BAD_ARGUMENT);
+    GIVES(pel_scene_frequency(scene, scene->model.body_count, &frequency) == PEL_BAD_ARGUMENT);
     REFUSED("file", pel_scene_write_schema(NULL, &error));
     REFUSED("file", pel_scene_write_reference(NULL, &error));
     REFUSED("file", pel_scene_write_parameters(NULL, &error));

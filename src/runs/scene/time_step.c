@@ -93,8 +93,8 @@ static void take_loads(pel_fastest_motion *most, const pel_scene *scene)
 
 /* ---- vibrations ---- */
 
-/* Hz, of a body alone; 0 where it is not known */
-static pel_status find_frequency(const pel_scene *scene, int32_t b, pel_sim_def *def, double *frequency)
+/* by a modal analysis of def; 0 where there is none */
+static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, double *frequency)
 {
     pel_body_def body = scene->model.bodies[b];
     pel_model_def own = scene->model;
@@ -106,7 +106,6 @@ static pel_status find_frequency(const pel_scene *scene, int32_t b, pel_sim_def 
     own.body_count = 1;
     for (int i = 0; i < 3; i++)
         own.gravity[i] = 0;
-    *frequency = 0;
     pel_status status = pel_model_create(&own, &model, NULL);
     def->model = model;
     if (status == PEL_OK)
@@ -131,36 +130,46 @@ static pel_method static_method(void)
     return (pel_method)method;
 }
 
+pel_status pel_scene_frequency(const pel_scene *scene, int32_t body, double *frequency)
+{
+    if (scene == NULL || frequency == NULL || body < 0 || body >= scene->model.body_count)
+        return PEL_BAD_ARGUMENT;
+    pel_sim_def def = scene->sim;
+    pel_support_def *supports = pel_allocate((size_t)scene->sim.support_count + 1, sizeof *supports);
+    *frequency = 0;
+    if (supports == NULL)
+        return PEL_OUT_OF_MEMORY;
+    def.load_count = def.tool_count = def.cut_count = 0;
+    def.contact.enabled = false;
+    def.supports = supports;
+    def.support_count = 0;
+    for (int32_t i = 0; i < scene->sim.support_count; i++)
+        if (scene->sim.supports[i].body == body) {
+            supports[def.support_count] = scene->sim.supports[i];
+            supports[def.support_count++].body = 0;
+        }
+    def.solver = pel_sim_def_default().solver;
+    def.solver.method = static_method();
+    def.solver.analysis = PEL_ANALYSIS_MODAL;
+    def.solver.mode_count = MODE_COUNT;
+    def.solver.dt = scene->duration;
+    pel_status status = analyse(scene, body, &def, frequency);
+    pel_free(supports);
+    return status;
+}
+
 static pel_status take_vibrations(pel_fastest_motion *most, const pel_scene *scene)
 {
-    size_t most_supports = scene->sim.support_count > 0 ? (size_t)scene->sim.support_count : 1;
-    pel_support_def *supports = pel_allocate(most_supports, sizeof *supports);
-    pel_status status = supports != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
-    for (int32_t b = 0; status == PEL_OK && b < scene->model.body_count; b++) {
-        pel_sim_def def = scene->sim;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
         double frequency;
-        def.load_count = 0;
-        def.supports = supports;
-        def.support_count = 0;
-        for (int32_t i = 0; i < scene->sim.support_count; i++)
-            if (scene->sim.supports[i].body == b) {
-                supports[def.support_count] = scene->sim.supports[i];
-                supports[def.support_count++].body = 0;
-            }
-        def.solver = pel_sim_def_default().solver;
-        def.solver.method = static_method();
-        def.solver.analysis = PEL_ANALYSIS_MODAL;
-        def.solver.mode_count = MODE_COUNT;
-        def.solver.dt = scene->duration;
-        if (find_frequency(scene, b, &def, &frequency) == PEL_OUT_OF_MEMORY)
-            status = PEL_OUT_OF_MEMORY;
+        if (pel_scene_frequency(scene, b, &frequency) == PEL_OUT_OF_MEMORY)
+            return PEL_OUT_OF_MEMORY;
         char name[PEL_NAME_SIZE + 8];
         snprintf(name, sizeof name, "'%s'", scene->model.bodies[b].name);
         take(most, frequency > 0 ? 1 / (STEPS_A_PERIOD * frequency) : 0,
              "40 steps in the slowest vibration of body %s, %.3g Hz", name, frequency);
     }
-    pel_free(supports);
-    return status;
+    return PEL_OK;
 }
 
 pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most)
