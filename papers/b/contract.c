@@ -2,6 +2,7 @@
 #include "papers/b/shrink.h"
 
 #include <pellicle/measure.h>
+#include <pellicle/mesh_io.h>
 #include <pellicle/topology.h>
 
 #include <math.h>
@@ -140,8 +141,28 @@ static pel_status check_pressure(const pel_mesh *mesh, double pressure, double o
     return PEL_OK;
 }
 
+/* the surface with cos alpha as the paper draws it, that of the force and the vertical, as folder/BODY-angle.ply */
+static pel_status write_angle(const lab_experiment *experiment, pel_mesh *mesh, const char *name)
+{
+    char path[LAB_PATH_SIZE];
+    const pel_field *force = pel_mesh_field(mesh, "pressure");
+    double *cosine = calloc((size_t)mesh->vertex_count, sizeof *cosine);
+    if (cosine == NULL)
+        return pel_fail_memory(experiment->error);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        const double *f = force->values + 3 * (size_t)v;
+        cosine[v] = f[2] / sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    }
+    pel_status status = pel_mesh_add_field(mesh, "cos_alpha", 1, cosine, experiment->error);
+    if (status == PEL_OK)
+        status = pel_mesh_write(lab_path(experiment, name, path), PEL_FORMAT_AUTO, mesh, NULL, experiment->error);
+    free(cosine);
+    return status;
+}
+
 static pel_status run_figure_2(lab_experiment *experiment)
 {
+    static char angles[B_SHOWN][64];
     double off[B_SHOWN][2];
     pel_status status = PEL_OK;
     lab_picture force = {.caption = "force of the pressure on the vertices at rest",
@@ -165,6 +186,9 @@ static pel_status run_figure_2(lab_experiment *experiment)
             status = b_read_frame(experiment, names[body], 0, &mesh);
         if (status == PEL_OK)
             status = check_pressure(mesh, experiment->bodies[body].pressure, off[body], experiment->error);
+        snprintf(angles[body], sizeof angles[body], "%s-angle.ply", experiment->bodies[body].name);
+        if (status == PEL_OK)
+            status = write_angle(experiment, mesh, angles[body]);
         pel_mesh_destroy(mesh);
         force.labels[body] = experiment->bodies[body].name;
     }
@@ -179,10 +203,13 @@ static pel_status run_figure_2(lab_experiment *experiment)
         b_expect(experiment, body, "error of cos alpha", off[body][1], 0, 1e-6, B_PAPER ", figure 2");
     status = lab_add_picture(experiment, &force);
     lab_picture angle = force;
-    angle.caption = "vertical part of the outward normal: minus the paper's cos alpha";
-    angle.field = "normal";
-    angle.component = 3;
+    angle.caption = "cos alpha: red where the pressure acts upward, blue where it acts downward";
+    angle.field = "cos_alpha";
     angle.unit = "";
+    angle.range[0] = -1;
+    angle.range[1] = 1;
+    for (int body = 0; body < b_shown(experiment); body++)
+        angle.runs[body] = angles[body];
     return status == PEL_OK ? lab_add_picture(experiment, &angle) : status;
 }
 
