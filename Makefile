@@ -71,7 +71,7 @@ site: program wasm ## build the documentation as web pages in build/site, with s
 	@tools/site $(PROGRAM)
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
-	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md
+	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/numbers.inc
 
 pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures

@@ -1,6 +1,7 @@
 #include "papers/lab/experiment.h"
 
 #include "papers/lab/file.h"
+#include "papers/lab/stored.h"
 #include "papers/lab/trial.h"
 
 #include <pellicle/mesh_io.h>
@@ -49,6 +50,11 @@ pel_status lab_run_case(const lab_case *which, lab_experiment *experiment)
     if (strcmp(which->group, "own") == 0)
         lab_begin_claim(experiment, which->origin, which->doc, NULL);
     pel_status status = which->run(experiment);
+    if (status == PEL_OK && experiment->has_numbers) {
+        const lab_stored *numbers;
+        int count = lab_stored_numbers(&numbers);
+        lab_judge_stored(experiment, numbers, count);
+    }
     experiment->seconds = pel_seconds() - begin;
     if (status == PEL_OK && experiment->is_incomplete)
         status = pel_fail_memory(experiment->error);

@@ -25,6 +25,7 @@ struct lab_experiment {
     const struct b_body *bodies; /* (body_count) of paper B (papers/b/body.h) */
     int body_count;
     bool given_mesh;    /* the body is the user's: a paper's claims need not hold on it */
+    bool has_numbers;   /* its bodies are those of the stored numbers (stored.h) */
     bool is_incomplete; /* memory was out for a claim, a number or an image */
     lab_claim *claims;  /* (claim_count) */
     lab_finding *findings;
