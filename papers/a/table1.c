@@ -1,4 +1,4 @@
-/* Table 1 of paper A: cost of local refinement. */
+/* Table 1 of paper A, cost of local refinement; and the rates that it asks of a simulation. */
 #include "papers/a/cases.h"
 #include "papers/a/spheres.h"
 
@@ -68,4 +68,37 @@ const lab_case a_table_1 = {
     .doc = "times of 500 steps on the base, globally and locally refined",
     .group = "paper A",
     .run = run_table_1,
+};
+
+/* ---- rates ---- */
+
+static pel_status run_rates(lab_experiment *experiment)
+{
+    static const char source[] = "paper A, section 1: touch needs 300 steps a second, sight 24 pictures";
+    static const char *const names[3] = {"base", "global", "local"};
+    a_times times;
+    pel_status status = measure_table(&times, experiment->error);
+    if (status != PEL_OK)
+        return status;
+    lab_begin_claim(experiment, LAB_PAPER, "a simulation that is felt needs 300 steps a second", NULL);
+    for (int i = 0; i < 3; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s: steps a second", names[i]);
+        lab_at_least(experiment, name,
+                     500 / times.seconds[i == 0   ? A_BASE
+                                         : i == 1 ? A_EVERYWHERE
+                                                  : A_LOCAL],
+                     300, source);
+    }
+    lab_begin_claim(experiment, LAB_PAPER, "one that is seen needs 24 pictures a second, of .01 s each step", NULL);
+    lab_at_most(experiment, "global: time of 4 steps / time between two pictures",
+                4 * 24 * times.seconds[A_EVERYWHERE] / 500, 1, source);
+    return PEL_OK;
+}
+
+const lab_case a_rates = {
+    .name = "rates",
+    .doc = "steps a second of the base, the globally and the locally refined ball",
+    .group = "paper A",
+    .run = run_rates,
 };

@@ -4,6 +4,6 @@
 
 #include "papers/lab/experiment.h"
 
-extern const lab_case own_accuracy, own_shells, own_refinement, own_validation;
+extern const lab_case own_shells, own_refinement, own_validation;
 
 #endif
