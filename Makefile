@@ -7,13 +7,13 @@ PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction python format docs pictures install deb packages clean
+.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction mutants-of-the-papers python format docs pictures install deb packages clean
 
 build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
 
 help: ## print this list
-	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 18
+	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1\t/p' Makefile | expand -t 32
 
 # the program and its libraries, without the tests
 program: build/$(PRESET)/build.ninja
@@ -72,6 +72,9 @@ site: program wasm ## build the documentation as web pages in build/site, with s
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/numbers.inc
+
+mutants-of-the-papers: packages ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)
+	@tools/mutants-of-the-papers
 
 pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures
