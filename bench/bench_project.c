@@ -48,11 +48,12 @@ static void disturb(const pel_model *model, pel_state *state, double size)
 static bench_spread time_sweeps(pel_projector *projector, const pel_model *model, pel_state *state, double size)
 {
     double times[ROUNDS];
-    const pel_project_time time = {projector->substep, 1, 1, projector->solver.iterations};
+    const pel_project_time time = {projector->substep, 1, 1, projector->solver.iterations, projector->substep, NULL};
     for (int round = 0; round < ROUNDS; round++) {
         disturb(model, state, size);
         pel_projector_begin(projector, state, 0);
-        pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], &time);
+        pel_project_body_set_time(&projector->model->bodies[0], &projector->batches->bodies[0], state->factors[0],
+                                  &time);
         double begin = pel_seconds();
         for (int i = 0; i < SWEEPS; i++)
             pel_project_sweep(projector, state->position_next);

@@ -22,6 +22,8 @@ typedef struct pel_membrane_def {
     double stiffening;      /* fung; default: 10 */
     double strain_limit;    /* 0 to less than 1; pbd, xpbd: principal stretches differ from 1 by at most this (Provot
                                1995); 0 = no limit. Other methods refuse it */
+    double retardation; /* s, >= 0: viscous stress over the stiffness times the rate of strain (Kelvin, Voigt); implicit
+                           and xpbd, other methods in time refuse it */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {
@@ -40,6 +42,7 @@ typedef struct pel_bending_def {
                       so that the volume falls without jitter */
     pel_quantity stiffness; /* N m: flexural rigidity D, for all methods except pbd; negative: from young, poisson and
                                thickness of the membrane; no keys */
+    double retardation;     /* s, >= 0: of angles, as that of membranes; models hinge and midedge */
 } pel_bending_def;
 
 /* Effect of a region of fibres. */

@@ -27,7 +27,14 @@ typedef struct element {
                       const pel_tangent_sum *sum);
     double rest_shape[12];
     bool symmetric_part; /* the Hessian is the symmetric part of the derivative of the gradient */
+    bool is_viscous;
+    double viscous[3 * PEL_VISCOUS_NUMBERS];
 } element;
+
+static pel_tangent_request request_of(const element *e)
+{
+    return (pel_tangent_request){.viscous = e->is_viscous ? e->viscous : NULL, .rate = 1.6};
+}
 
 static double tangent_membrane(const element *e, const double *x, const pel_tangent_request *request,
                                const pel_tangent_sum *sum)
@@ -98,7 +105,7 @@ static double tangent_midedge(const element *e, const double *x, const pel_tange
 static double energy_of(const void *context, const double *x)
 {
     const element *e = context;
-    const pel_tangent_request request = {0};
+    const pel_tangent_request request = request_of(e);
     const pel_tangent_sum none = {0};
     return e->tangent(e, x, &request, &none);
 }
@@ -111,7 +118,7 @@ typedef struct component {
 static double gradient_component(const void *context, const double *x)
 {
     const component *of = context;
-    const pel_tangent_request request = {0};
+    const pel_tangent_request request = request_of(of->e);
     double gradient[PEL_TANGENT_UNKNOWNS] = {0};
     const pel_tangent_sum sum = {.gradient = gradient};
     of->e->tangent(of->e, x, &request, &sum);
@@ -298,6 +305,51 @@ static void deform(element *e, random_state *random, double *x)
         e->alpha[l] = random_between(random, -0.6, 0.6);
 }
 
+/* every other element: a positive viscosity, and strains that rates refer to */
+static void make_viscous(element *e, int round)
+{
+    random_state random = {(uint64_t)round};
+    e->is_viscous = round % 2 == 1;
+    for (int i = 0; i < e->strains; i++) {
+        double *row = e->viscous + PEL_VISCOUS_NUMBERS * i;
+        row[0] = random_between(&random, -0.3, 0.3);
+        for (int j = 0; j < 3; j++)
+            row[1 + j] = i == j ? 1.1 + i : 0.2 * (i + j);
+    }
+}
+
+/* the strains and stiffnesses that an element writes are what a viscous one refers to: without a rate of strain it is
+   elastic, and its viscous stress is the retardation times the change of the stress by the same strain again */
+static void rates_refer_to_written_strains(void **unused)
+{
+    (void)unused;
+    random_state random = {9};
+    for (int number = 0; number < ELEMENT_COUNT; number++) {
+        element e = make_element(number, &random);
+        double x[12], elastic[12], viscous[12], hessian[2][12][12], written[12] = {0};
+        deform(&e, &random, x);
+        if (!has_potential(&e) || e.strains == 0)
+            continue;
+        pel_tangent_request request = {.kind = PEL_TANGENT_POSITIVE, .strain = written};
+        evaluate(&e, x, &request, elastic, hessian[0]);
+        request = (pel_tangent_request){.viscous = written, .rate = 3};
+        evaluate(&e, x, &request, viscous, hessian[1]);
+        for (int i = 0; i < e.unknowns; i++)
+            assert_near(viscous[i], elastic[i], 1e-13 * (largest(elastic, 12) + 1));
+        for (int i = 0; i < e.strains; i++) {
+            assert_true(written[PEL_VISCOUS_NUMBERS * i + 1 + i] > 0);
+            written[PEL_VISCOUS_NUMBERS * i] -= 0.01;
+        }
+        const pel_tangent_sum none = {0};
+        const pel_tangent_request plain = {0};
+        double expected = 0;
+        for (int i = 0; i < e.strains; i++)
+            for (int j = 0; j < e.strains; j++)
+                expected += 0.5 * 3 * 1e-4 * written[PEL_VISCOUS_NUMBERS * i + 1 + j];
+        assert_near(e.tangent(&e, x, &request, &none) - e.tangent(&e, x, &plain, &none), expected, 1e-12);
+    }
+}
+
 /* ---- tests ---- */
 
 static void gradients_are_those_of_energies(void **unused)
@@ -311,7 +363,8 @@ static void gradients_are_those_of_energies(void **unused)
             deform(&e, &random, x);
             if (!has_potential(&e))
                 continue; /* its gradient is that of a closed surface: see below */
-            const pel_tangent_request request = {0};
+            make_viscous(&e, round);
+            const pel_tangent_request request = request_of(&e);
             evaluate(&e, x, &request, gradient, hessian);
             double size = largest(gradient, e.unknowns) + 1e-3;
             for (int i = 0; i < e.unknowns; i++) {
@@ -332,7 +385,8 @@ static void hessians_are_those_of_gradients(void **unused)
             element e = make_element(number, &random);
             double x[12], gradient[12], hessian[12][12], numeric[12][12];
             deform(&e, &random, x);
-            const pel_tangent_request request = {0};
+            make_viscous(&e, round);
+            const pel_tangent_request request = request_of(&e);
             evaluate(&e, x, &request, gradient, hessian);
             double size = largest(&hessian[0][0], 144);
             for (int i = 0; i < e.unknowns; i++)
@@ -453,6 +507,7 @@ static void rigid_motions_change_nothing(void **unused)
             element e = make_element(number, &random);
             double x[12];
             deform(&e, &random, x);
+            make_viscous(&e, round);
             if (has_potential(&e))
                 check_rigid(&e, x, &random);
         }
@@ -665,6 +720,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gradients_are_those_of_energies),
         cmocka_unit_test(hessians_are_those_of_gradients),
+        cmocka_unit_test(rates_refer_to_written_strains),
         cmocka_unit_test(midedge_hessian_is_that_of_finite_steps),
         cmocka_unit_test(finite_turns_add_up),
         cmocka_unit_test(rigid_motions_change_nothing),

@@ -193,8 +193,9 @@ static void test_wide_is_plain(void **unused)
                     projector->pool = run == 2 ? pool : NULL;
                     disturb(model, state, 0.01);
                     pel_projector_begin(projector, state, 0);
-                    const pel_project_time steady = {projector->substep, 1, 1, 5};
-                    pel_project_body_set_time(&projector->batches->bodies[0], state->factors[0], &steady);
+                    const pel_project_time steady = {projector->substep, 1, 1, 5, projector->substep, NULL};
+                    pel_project_body_set_time(&projector->model->bodies[0], &projector->batches->bodies[0],
+                                              state->factors[0], &steady);
                     for (int i = 0; i < 3; i++)
                         pel_project_sweep(projector, state->position_next);
                     size_t size = (size_t)model->vertex_count * sizeof(pel_record);

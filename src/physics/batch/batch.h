@@ -74,6 +74,7 @@ typedef struct pel_batch_law {
     pel_real rest_length;    /* fibres: factor on the length at rest, now */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
+    pel_real viscosity;      /* of compliant kinds: retardation over the length of a substep; 0 = elastic */
     pel_real force_rate;     /* 1/s2: from displacements times masses to forces */
 } pel_batch_law;
 
@@ -95,9 +96,10 @@ typedef struct pel_batch {
     uint8_t *lane_counts;  /* (capacity) lanes used */
     uint8_t *followers;    /* (capacity) blocks after this one that are computed with it; all of one colour */
     /* of projection */
-    pel_real *multipliers; /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
-    uint8_t *has_fixed;    /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
-    pel_record *reaction;  /* (model vertex_count) forces on the holders of vertices; null likewise */
+    const pel_record *before; /* (model vertex_count) positions at the start of the substep, of viscous ones */
+    pel_real *multipliers;    /* (capacity x multiplier_count x PEL_BLOCK) of xpbd with iterations; else null */
+    uint8_t *has_fixed;   /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
+    pel_record *reaction; /* (model vertex_count) forces on the holders of vertices; null likewise */
 } pel_batch;
 
 /* energies of fibres whose gradient is along the normal */

@@ -76,7 +76,7 @@ const char *const *pel_def_row_words(const pel_def_row *row)
 
 bool pel_def_row_may_be_keyed(const pel_def_row *row)
 {
-    return row->store == PEL_STORE_KEYS || (row->like != NULL && strcmp(row->like, "<quantity>") == 0);
+    return row->store == PEL_STORE_KEYS || (row->store == PEL_STORE_QUANTITY && strcmp(row->like, "<field>") != 0);
 }
 
 /* ---- values ---- */

@@ -127,8 +127,18 @@ static const pel_def_row rows[] = {
     {"bodies[].springs.stiffness", BODY(spring_stiffness, SPRINGS), QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
      .initial = 3, WHEN(has_spring_stiffness),
      .doc = "stiffness k of each edge, independent of its length (paper A: 3), so that a finer mesh is stiffer"},
-    {"bodies[].springs.damping", BODY(spring_damping, SPRINGS), QUANTITY, .unit = "N s/m", AT_LEAST(0),
-     .needs = "stiffness", DEFAULT(0.5), WHEN(has_spring_stiffness), .doc = "damping d of each vertex (eq. A-2)"},
+    {"bodies[].springs.damping", BODY(spring_damping, SPRINGS), .forms = PEL_FORM_NUMBER | PEL_FORM_MAP,
+     .like = "<spring damping>", .unit = "N s/m", AT_LEAST(0), .needs = "stiffness", DEFAULT(0.5),
+     WHEN(has_spring_stiffness),
+     .doc = "a number: damping d of each vertex (eq. A-2). { stiffness: SECONDS } or { loss_factor: NUMBER }: "
+            "`viscosity`"},
+    {"bodies[].springs.viscosity", MAP,
+     .doc = "damping by the rate of the springs' lengths, as that of `membrane`; optional"},
+    {"bodies[].springs.viscosity.stiffness", BODY(spring_retardation, SPRINGS), NUMBER, .unit = "s", AT_LEAST(0),
+     ALTERNATIVE, STRUCTURE("a run has room for rates of strain from its start"),
+     .doc = "viscous force over stiffness times the rate of the length"},
+    {"bodies[].springs.viscosity.loss_factor", NUMBER, BETWEEN(0, 2), ALTERNATIVE,
+     .doc = "loss factor at the lowest frequency of the body, which the run tells"},
     {"bodies[].contact", MAP, .doc = "contact parameters of this body; default: those of `contact`"},
     {"bodies[].contact.friction", BODY(friction, SURFACE), NUMBER, AT_LEAST(0), AUTO(-1),
      .doc = "Coulomb's coefficient of the body"},
@@ -238,6 +248,18 @@ static const pel_def_row rows[] = {
      WHEN(has_membrane),
      .doc = "pbd and xpbd, for cloth: keeps principal stretches between 1 - strain_limit and 1 + strain_limit; "
             "default: no limit"},
+    {"bodies[].membrane.damping", MAP,
+     .doc =
+         "damping of the material by its rate of strain (Kelvin and Voigt), which leaves rigid motion alone; methods "
+         "implicit and xpbd; optional"},
+    {"bodies[].membrane.damping.stiffness", MEMBRANE(retardation), NUMBER, .unit = "s", AT_LEAST(0), ALTERNATIVE,
+     WHEN(has_membrane), STRUCTURE("a run has room for rates of strain from its start"),
+     .doc =
+         "viscous stress over stiffness times rate of strain: a vibration of angular frequency w loses stiffness * w "
+         "/ 2 of critical damping"},
+    {"bodies[].membrane.damping.loss_factor", NUMBER, BETWEEN(0, 2), ALTERNATIVE,
+     .doc =
+         "loss factor at the lowest frequency of the body, which the run tells: twice the ratio to critical damping"},
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
             "material, but none under pbd and pbd-distance"},
@@ -256,6 +278,13 @@ static const pel_def_row rows[] = {
      WORDS("auto"), .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto", AUTO(-1), WHEN(has_bending),
      .doc = "flexural rigidity D, for all methods but pbd and pbd-distance; auto: E h^3 / (12 (1 - nu^2)) of the "
             "membrane"},
+    {"bodies[].bending.damping", MAP,
+     .doc = "damping by the rate of bending, as that of `membrane`; models hinge and midedge; optional"},
+    {"bodies[].bending.damping.stiffness", BENDING(retardation), NUMBER, .unit = "s", AT_LEAST(0), ALTERNATIVE,
+     WHEN(has_bending), STRUCTURE("a run has room for rates of strain from its start"),
+     .doc = "viscous moment over rigidity times rate of curvature"},
+    {"bodies[].bending.damping.loss_factor", NUMBER, BETWEEN(0, 2), ALTERNATIVE,
+     .doc = "loss factor at the lowest frequency of the body, which the run tells"},
     {"bodies[].anisotropy", DEFS_OF(BODY, pel_body_def, shell.anisotropies, shell.anisotropy_count, FIBRES, ANISOTROPY),
      .forms = PEL_FORM_MAP | PEL_FORM_LIST, COUNT_FROM(1), .like = "<anisotropy>",
      .doc = "regions with fibres (paper B, section 3): one map or a list of them; optional"},

@@ -11,6 +11,7 @@
 typedef struct tangent_element {
     double x[PEL_TANGENT_UNKNOWNS], step[PEL_TANGENT_UNKNOWNS];
     pel_tangent_sum sum;
+    double strain[PEL_VISCOUS_NUMBERS]; /* of elements with one strain */
 } tangent_element;
 
 /* ---- elements ---- */
@@ -20,14 +21,25 @@ static double curve_value(const pel_curve *curve, double time)
     return pel_curve_value(curve->keys, curve->key_count, time);
 }
 
-static pel_tangent_request request_of(const pel_tangent_loop *loop, const tangent_element *element, int32_t stress)
+static pel_tangent_request request_of(const pel_tangent_loop *loop, tangent_element *element, int32_t stress)
 {
+    const double *viscous = loop->input->viscous;
     return (pel_tangent_request){
         .kind = loop->input->kind,
         .stress = loop->input->stresses != NULL ? loop->input->stresses + stress : NULL,
         .step = loop->step != NULL ? element->step : NULL,
         .extrapolated = loop->stresses != NULL ? loop->stresses + stress : NULL,
+        .viscous = viscous != NULL ? viscous + PEL_VISCOUS_NUMBERS * (size_t)stress : NULL,
+        .rate = loop->input->rate,
+        .strain = loop->viscous != NULL ? element->strain : NULL,
     };
+}
+
+/* after an element with one strain */
+static void refer(const pel_tangent_loop *loop, const tangent_element *element, int32_t stress, double retardation)
+{
+    if (loop->viscous != NULL)
+        pel_tangent_refer(loop, stress, retardation, element->strain);
 }
 
 /* a follower force, which has no stress */
@@ -37,12 +49,14 @@ static void add_push(const pel_tangent_loop *loop, const pel_anisotropy_def *def
     const pel_tangent_request request = {.kind = loop->input->kind};
     if (loop->stresses != NULL)
         loop->stresses[stress] = 0;
-    if (loop->step == NULL && !loop->input->leaves_followers)
+    if (loop->viscous != NULL)
+        memset(loop->viscous + PEL_VISCOUS_NUMBERS * (size_t)stress, 0, PEL_VISCOUS_NUMBERS * sizeof(double));
+    if (pel_tangent_sums(loop) && !loop->input->leaves_followers)
         pel_push_tangent(line, def->stiffness / (3 * def->gradient), element->x, &request, &element->sum);
 }
 
 static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t t, int32_t stress,
-                         const tangent_element *element)
+                         tangent_element *element)
 {
     PEL_ASSERT_INDEX(t, own->shell->triangle_count);
     double energy = 0;
@@ -59,6 +73,7 @@ static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *
         }
         const pel_tangent_request request = request_of(loop, element, stress + i - own->fibre_begin[t]);
         energy += pel_line_tangent(&line, element->x, &request, &element->sum);
+        refer(loop, element, stress + i - own->fibre_begin[t], 0);
     }
     return energy;
 }
@@ -66,17 +81,17 @@ static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *
 /* what a triangle has besides membrane and mid-edge bending */
 static bool has_more(const pel_tangent_loop *loop, const pel_tangent_shell *own)
 {
-    return own->fibre_begin != NULL || (own->pressure != 0 && loop->step == NULL);
+    return own->fibre_begin != NULL || (own->pressure != 0 && pel_tangent_sums(loop));
 }
 
 static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t t,
-                         const tangent_element *element, pel_tangent_energy *energy)
+                         tangent_element *element, pel_tangent_energy *energy)
 {
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
     if (own->fibre_begin != NULL)
         energy->fibres += add_fibres(loop, own, t, pel_tangent_stress(own, part, t) + part->strains, element);
-    if (own->pressure != 0 && loop->step == NULL) {
+    if (own->pressure != 0 && pel_tangent_sums(loop)) {
         double weight = shell->pressure_weights != NULL ? shell->pressure_weights[t] : 1;
         const pel_tangent_request request = {.kind = loop->input->kind};
         pel_tangent_sum sum = element->sum;
@@ -86,16 +101,18 @@ static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *p
     }
 }
 
-static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
-                      const tangent_element *element, pel_tangent_energy *energy)
+static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, tangent_element *element,
+                      pel_tangent_energy *energy)
 {
     PEL_ASSERT_INDEX(i, part->count);
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const pel_shell *shell = own->shell;
-    const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
+    const int32_t stress = part->first_stress + i * part->strains;
+    const pel_tangent_request request = request_of(loop, element, stress);
     if (own->hinges != NULL) {
         energy->bending += pel_hinge_tangent(&own->hinges[i], pel_shell_hinge_stiffness(shell, i), element->x, &request,
                                              &element->sum);
+        refer(loop, element, stress, shell->bending_retardation);
         return;
     }
     const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
@@ -111,15 +128,17 @@ static double factor_of(const pel_tangent_loop *loop, int32_t body, pel_paramete
     return loop->input->state != NULL ? loop->input->state->factors[body][parameter] : 1;
 }
 
-static void add_spring(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i,
-                       const tangent_element *element, pel_tangent_energy *energy)
+static void add_spring(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, tangent_element *element,
+                       pel_tangent_energy *energy)
 {
     PEL_ASSERT_INDEX(i, part->count);
     const pel_tangent_spring *spring = &loop->tangent->springs[i];
     const pel_line line = pel_line_of_spring(spring->stiffness * factor_of(loop, spring->body, PEL_SPRING_STIFFNESS),
                                              spring->rest_length);
-    const pel_tangent_request request = request_of(loop, element, part->first_stress + i * part->strains);
+    const int32_t stress = part->first_stress + i * part->strains;
+    const pel_tangent_request request = request_of(loop, element, stress);
     energy->springs += pel_line_tangent(&line, element->x, &request, &element->sum);
+    refer(loop, element, stress, loop->tangent->model->bodies[spring->body].spring_retardation);
 }
 
 /* a spring of length 0 from a vertex to a point */
@@ -356,7 +375,7 @@ static pel_tangent_energy run_loop(pel_tangent_loop *loop, pel_pool *pool)
     pel_tangent *tangent = loop->tangent;
     pel_tangent_energy energy = {0};
     pel_tangent_find_angles(tangent, loop->input->unknowns, pool);
-    for (int32_t i = 0; i < tangent->shell_count && loop->step == NULL; i++)
+    for (int32_t i = 0; i < tangent->shell_count && pel_tangent_sums(loop); i++)
         energy.pressure += find_pressure(loop, &tangent->shells[i]);
     pel_pool_run(pool, tangent->chunk_count, element_chunk, loop);
     for (int32_t chunk = 0; chunk < tangent->chunk_count; chunk++) {
@@ -382,7 +401,7 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
                                         double *gradient)
 {
     tangent->input = *input;
-    pel_tangent_loop loop = {tangent, input, gradient, NULL, NULL};
+    pel_tangent_loop loop = {.tangent = tangent, .input = input, .gradient = gradient};
     return run_loop(&loop, pool);
 }
 
@@ -405,16 +424,60 @@ double pel_tangent_energy_sum(const pel_tangent_energy *energy)
            energy->pressure;
 }
 
-void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
-                             double *stresses)
+/* a loop that leaves the last evaluation as it is */
+static pel_tangent_energy run_beside(pel_tangent_loop *loop, pel_pool *pool)
 {
-    pel_tangent_loop loop = {tangent, input, NULL, step, stresses};
+    pel_tangent *tangent = loop->tangent;
     size_t bytes = (size_t)tangent->pattern.edge_count * sizeof *tangent->half_angles;
     if (bytes > 0)
         memcpy(tangent->settle[0], tangent->half_angles, bytes);
-    run_loop(&loop, pool);
+    const pel_tangent_energy energy = run_loop(loop, pool);
     if (bytes > 0)
         memcpy(tangent->half_angles, tangent->settle[0], bytes);
+    return energy;
+}
+
+void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
+                             double *stresses)
+{
+    pel_tangent_loop loop = {.tangent = tangent, .input = input, .step = step, .stresses = stresses};
+    run_beside(&loop, pool);
+}
+
+/* ---- rates of strain ---- */
+
+bool pel_tangent_is_viscous(const pel_tangent *tangent)
+{
+    bool any = false;
+    for (int32_t b = 0; b < tangent->model->body_count; b++)
+        any |= pel_body_is_viscous(&tangent->model->bodies[b]);
+    return any;
+}
+
+void pel_tangent_refer_rates(pel_tangent *tangent, const pel_tangent_input *input, double weight, bool is_other,
+                             pel_pool *pool, double *viscous)
+{
+    pel_tangent_input own = *input;
+    own.kind = PEL_TANGENT_POSITIVE;
+    own.viscous = NULL;
+    pel_tangent_loop loop = {
+        .tangent = tangent, .input = &own, .viscous = viscous, .weight = weight, .is_other = is_other};
+    run_beside(&loop, pool);
+}
+
+double pel_tangent_viscous_loss(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool)
+{
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        pel_tangent_input own = *input;
+        own.viscous = i == 0 ? input->viscous : NULL;
+        own.leaves_followers = true;
+        pel_tangent_loop loop = {.tangent = tangent, .input = &own};
+        const pel_tangent_energy energy = run_beside(&loop, pool);
+        /* twice the part of the energy that the rates are */
+        sum += (i == 0 ? 2 : -2) * (energy.membrane + energy.bending + energy.edges + energy.springs);
+    }
+    return sum;
 }
 
 void pel_tangent_follow(pel_tangent *tangent, const double *unknowns)

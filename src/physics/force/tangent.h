@@ -69,6 +69,8 @@ typedef struct pel_tangent_input {
     const double (*points)[3];     /* (vertex_count) */
     const double *load_factor;     /* of given pressure; null = 1 */
     bool leaves_followers;         /* without pressure that has no potential */
+    const double *viscous; /* (stress_count x PEL_VISCOUS_NUMBERS) see pel_tangent_refer_rates; null = elastic */
+    double rate;           /* 1/s, of strains less those that their rates refer to */
 } pel_tangent_input;
 
 typedef struct pel_tangent_energy {
@@ -107,6 +109,15 @@ double pel_tangent_energy_sum(const pel_tangent_energy *energy);
    the evaluation at the end of the step: before it, or after it where its input has the array. */
 void pel_tangent_extrapolate(pel_tangent *tangent, const pel_tangent_input *input, const double *step, pel_pool *pool,
                              double *stresses);
+
+/* true if the material of a body resists rates of strain: members `retardation` of shells and bodies. */
+bool pel_tangent_is_viscous(const pel_tangent *tangent);
+/* What rates of strain refer to, to viscous (stress_count x PEL_VISCOUS_NUMBERS): `weight` times the strains at the
+   input, and the retardation times the positive stiffness there. Another state then adds its weighted strains. */
+void pel_tangent_refer_rates(pel_tangent *tangent, const pel_tangent_input *input, double weight, bool is_other,
+                             pel_pool *pool, double *viscous);
+/* J: what rates of strain take out in 1 / rate at the input, which has `viscous`. */
+double pel_tangent_viscous_loss(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool);
 
 /* unknowns + scale step: positions are added, xi takes psi and the finite turns of its triangles. */
 void pel_tangent_advance(pel_tangent *tangent, double *unknowns, const double *step, double scale, pel_pool *pool);

@@ -102,7 +102,26 @@ typedef struct pel_tangent_loop {
     double *gradient; /* null = not asked for */
     const double *step;
     double *stresses; /* extrapolates over the step; both null = not asked for */
+    double *viscous;  /* gets strains and stiffnesses, or adds to the former; null = not asked for */
+    double weight;    /* of these strains */
+    bool is_other;
 } pel_tangent_loop;
+
+/* forces and energies are asked for, not numbers of strains */
+static inline bool pel_tangent_sums(const pel_tangent_loop *loop)
+{
+    return loop->stresses == NULL && loop->viscous == NULL;
+}
+
+/* the numbers of a strain, which have its own values */
+static inline void pel_tangent_refer(const pel_tangent_loop *loop, int32_t stress, double retardation,
+                                     const double own[PEL_VISCOUS_NUMBERS])
+{
+    double *numbers = loop->viscous + PEL_VISCOUS_NUMBERS * (size_t)stress;
+    numbers[0] = loop->weight * own[0] + (loop->is_other ? numbers[0] : 0);
+    for (int j = 1; j < PEL_VISCOUS_NUMBERS && !loop->is_other; j++)
+        numbers[j] = retardation * own[j];
+}
 
 /* the place of a triangle's first stress, in a part of triangles; those of its fibres follow */
 static inline int32_t pel_tangent_stress(const pel_tangent_shell *own, const pel_tangent_part *part, int32_t t)

@@ -9,17 +9,19 @@ enum { LANES = PEL_TANGENT_LANES, STRAINS = PEL_MEMBRANE_STRAINS + PEL_MIDEDGE_S
 /* triangles at hand: what their elements need */
 typedef struct triangle_lanes {
     pel_tangent_kind kind;
-    bool has_stress;
+    bool has_stress, is_viscous;
     pel_lane3 x[3];
     pel_lane step[PEL_TANGENT_UNKNOWNS], stress[STRAINS];
     pel_sheet sheet;
     pel_lane stiffness[6], alpha[3], sign[3];
+    pel_lane viscous[STRAINS * PEL_VISCOUS_NUMBERS];
+    double rate;
 } triangle_lanes;
 
 /* and what they give */
 typedef struct triangle_sums {
     pel_lane membrane, edges; /* energies */
-    pel_lane gradient[PEL_TANGENT_UNKNOWNS], extrapolated[STRAINS];
+    pel_lane gradient[PEL_TANGENT_UNKNOWNS], extrapolated[STRAINS], strain[STRAINS * PEL_VISCOUS_NUMBERS];
     pel_lane hessian[PEL_TANGENT_UNKNOWNS * PEL_TANGENT_UNKNOWNS];
 } triangle_sums;
 
@@ -109,18 +111,19 @@ static void load_edges(const pel_tangent_loop *loop, const pel_tangent_shell *ow
         in->stiffness[k] = pel_tangent_gather(stiffness, k);
 }
 
-static void load_stresses(const double *stresses, const int32_t at[LANES], int strains, pel_lane *stress)
+/* the first `count` of the numbers that each strain has */
+static void load_numbers(const double *numbers, int each, const int32_t at[LANES], int count, pel_lane *lanes)
 {
     const double *from[LANES];
     for (int l = 0; l < LANES; l++)
-        from[l] = stresses + at[l];
-    for (int k = 0; k < strains; k++)
-        stress[k] = pel_tangent_gather(from, k);
+        from[l] = numbers + (size_t)each * (size_t)at[l];
+    for (int k = 0; k < count; k++)
+        lanes[k] = pel_tangent_gather(from, k);
 }
 
 /* constant flags: what is not asked for is not computed */
 PEL_INLINE void evaluate(const triangle_lanes *in, bool is_sheet, bool is_plate, bool has_gradient, bool has_hessian,
-                         bool extrapolates, triangle_sums *out)
+                         bool extrapolates, bool refers, triangle_sums *out)
 {
     const pel_strain_sum sum = {has_gradient ? out->gradient : NULL, has_hessian ? out->hessian : NULL,
                                 PEL_TANGENT_UNKNOWNS};
@@ -130,12 +133,21 @@ PEL_INLINE void evaluate(const triangle_lanes *in, bool is_sheet, bool is_plate,
         out->hessian[i] = pel_lane_splat(0);
     for (int i = 0; extrapolates && i < STRAINS; i++)
         out->extrapolated[i] = pel_lane_splat(0);
-    pel_strain_request request = {in->kind, in->has_stress ? in->stress : NULL, extrapolates ? in->step : NULL,
-                                  extrapolates ? out->extrapolated : NULL};
+    for (int i = 0; refers && i < STRAINS * PEL_VISCOUS_NUMBERS; i++)
+        out->strain[i] = pel_lane_splat(0);
+    pel_strain_request request = {.kind = in->kind,
+                                  .stress = in->has_stress ? in->stress : NULL,
+                                  .step = extrapolates ? in->step : NULL,
+                                  .extrapolated = extrapolates ? out->extrapolated : NULL,
+                                  .viscous = in->is_viscous ? in->viscous : NULL,
+                                  .rate = in->rate,
+                                  .strain = refers ? out->strain : NULL};
     if (is_sheet)
         out->membrane = pel_sheet_tangent(&in->sheet, in->x, &request, &sum);
     request.stress = in->has_stress ? in->stress + PEL_MEMBRANE_STRAINS : NULL;
     request.extrapolated = extrapolates ? out->extrapolated + PEL_MEMBRANE_STRAINS : NULL;
+    request.viscous = in->is_viscous ? in->viscous + PEL_MEMBRANE_STRAINS * PEL_VISCOUS_NUMBERS : NULL;
+    request.strain = refers ? out->strain + PEL_MEMBRANE_STRAINS * PEL_VISCOUS_NUMBERS : NULL;
     if (is_plate)
         out->edges = pel_plate_tangent(in->stiffness, in->alpha, in->sign, in->x, &request, &sum);
 }
@@ -156,9 +168,27 @@ static void load(const pel_tangent_loop *loop, const pel_tangent_part *part, con
     if (own->midedges != NULL)
         load_edges(loop, own, t, in);
     if (in->has_stress)
-        load_stresses(loop->input->stresses, places, part->strains, in->stress);
+        load_numbers(loop->input->stresses, 1, places, part->strains, in->stress);
+    if (in->is_viscous)
+        load_numbers(loop->input->viscous, PEL_VISCOUS_NUMBERS, places, part->strains * PEL_VISCOUS_NUMBERS,
+                     in->viscous);
     if (loop->step != NULL)
         load_step(loop, nodes, own->midedges != NULL, in);
+}
+
+/* the strains of a triangle, which is in a lane */
+static void refer_strains(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t t,
+                          const triangle_sums *sums, int lane)
+{
+    const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
+    for (int k = 0; k < part->strains; k++) {
+        double numbers[PEL_VISCOUS_NUMBERS];
+        for (int j = 0; j < PEL_VISCOUS_NUMBERS; j++)
+            numbers[j] = pel_tangent_lane(&sums->strain[PEL_VISCOUS_NUMBERS * k + j], lane);
+        pel_tangent_refer(loop, pel_tangent_stress(own, part, t) + k,
+                          k < PEL_MEMBRANE_STRAINS ? own->shell->membrane_retardation : own->shell->bending_retardation,
+                          numbers);
+    }
 }
 
 void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part *part, const int32_t *triangles,
@@ -167,7 +197,10 @@ void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part 
     const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
     const bool is_sheet = own->shell->has_membrane, is_plate = own->midedges != NULL;
     const int n = part->unknowns;
-    triangle_lanes in = {.kind = loop->input->kind, .has_stress = loop->input->stresses != NULL};
+    triangle_lanes in = {.kind = loop->input->kind,
+                         .has_stress = loop->input->stresses != NULL,
+                         .is_viscous = loop->input->viscous != NULL,
+                         .rate = loop->input->rate};
     triangle_sums out;
     for (int32_t first = 0; first < count; first += LANES) {
         const int lanes = count - first < LANES ? count - first : LANES;
@@ -176,13 +209,15 @@ void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part 
             t[l] = triangles[first + (l < lanes ? l : 0)];
         load(loop, part, t, &in);
         if (matrices != NULL)
-            evaluate(&in, is_sheet, is_plate, false, true, false, &out);
+            evaluate(&in, is_sheet, is_plate, false, true, false, false, &out);
         else if (gradients != NULL)
-            evaluate(&in, is_sheet, is_plate, true, false, false, &out);
+            evaluate(&in, is_sheet, is_plate, true, false, false, false, &out);
         else if (loop->stresses != NULL)
-            evaluate(&in, is_sheet, is_plate, false, false, true, &out);
+            evaluate(&in, is_sheet, is_plate, false, false, true, false, &out);
+        else if (loop->viscous != NULL)
+            evaluate(&in, is_sheet, is_plate, false, false, false, true, &out);
         else
-            evaluate(&in, is_sheet, is_plate, false, false, false, &out);
+            evaluate(&in, is_sheet, is_plate, false, false, false, false, &out);
         for (int row = 0; matrices != NULL && row < n; row++)
             scatter(&out.hessian[row * PEL_TANGENT_UNKNOWNS], n, lanes, matrices + (first * n + row) * n,
                     (size_t)(n * n));
@@ -193,6 +228,8 @@ void pel_tangent_triangles(const pel_tangent_loop *loop, const pel_tangent_part 
             energy->edges += is_plate ? pel_tangent_lane(&out.edges, l) : 0;
             for (int k = 0; loop->stresses != NULL && k < part->strains; k++)
                 loop->stresses[pel_tangent_stress(own, part, t[l]) + k] = pel_tangent_lane(&out.extrapolated[k], l);
+            if (loop->viscous != NULL)
+                refer_strains(loop, part, t[l], &out, l);
         }
     }
 }

@@ -65,10 +65,12 @@ double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double 
     double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
     pel_strain_point point;
     point.energy = 0.5 * factor * angle * angle;
-    if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
-        return point.energy;
+    point.strain[0] = angle;
     point.stress[0] = factor * angle;
     point.tangent[0][0] = factor;
+    pel_strain_damp(&point, PEL_HINGE_STRAINS, request);
+    if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
+        return point.energy;
     memset(point.gradient[0], 0, sizeof point.gradient[0]);
     pel_lead_matrix lead;
     if (sum->hessian != NULL)

@@ -17,6 +17,9 @@ typedef struct pel_strain_request {
     pel_tangent_kind kind;
     const pel_lane *stress, *step;
     pel_lane *extrapolated;
+    const pel_lane *viscous;
+    double rate;
+    pel_lane *strain;
 } pel_strain_request;
 typedef struct pel_strain_sum {
     pel_lane *gradient, *hessian;
@@ -27,6 +30,7 @@ typedef struct pel_strain_sum {
 /* the first `strains` rows and `unknowns` columns are used; volumes are in energy, stress and tangent */
 typedef struct pel_strain_point {
     pel_lane energy;
+    pel_lane strain[PEL_STRAIN_LIMIT];
     pel_lane stress[PEL_STRAIN_LIMIT];
     pel_lane tangent[PEL_STRAIN_LIMIT][PEL_STRAIN_LIMIT];
     pel_lane gradient[PEL_STRAIN_LIMIT][PEL_TANGENT_UNKNOWNS]; /* B */
@@ -46,6 +50,32 @@ PEL_INLINE void pel_strain_row_set(pel_lane *row, pel_lane3 part)
     row[0] = part.x;
     row[1] = part.y;
     row[2] = part.z;
+}
+
+/* Writes what a later viscous element refers to, and adds the viscous part of this one. */
+PEL_INLINE void pel_strain_damp(pel_strain_point *point, int strains, const pel_strain_request *request)
+{
+    pel_lane change[PEL_STRAIN_LIMIT];
+    for (int i = 0; request->strain != NULL && i < strains; i++) {
+        request->strain[PEL_VISCOUS_NUMBERS * i] = point->strain[i];
+        for (int j = 0; j < PEL_STRAIN_LIMIT; j++)
+            request->strain[PEL_VISCOUS_NUMBERS * i + 1 + j] = j < strains ? point->tangent[i][j] : pel_lane_splat(0);
+    }
+    if (request->viscous == NULL)
+        return;
+    const pel_lane rate = pel_lane_splat(request->rate), half = PEL_CONSTANT(0.5);
+    for (int i = 0; i < strains; i++)
+        change[i] = point->strain[i] - request->viscous[PEL_VISCOUS_NUMBERS * i];
+    for (int i = 0; i < strains; i++) {
+        pel_lane stress = pel_lane_splat(0);
+        for (int j = 0; j < strains; j++) {
+            const pel_lane entry = rate * request->viscous[PEL_VISCOUS_NUMBERS * i + 1 + j];
+            point->tangent[i][j] += entry;
+            stress += entry * change[j];
+        }
+        point->stress[i] += stress;
+        point->energy += half * stress * change[i];
+    }
 }
 
 /* stresses of the geometric part */

@@ -100,9 +100,11 @@ double pel_line_tangent(const pel_line *line, const double *x, const pel_tangent
     bool squared = line->kind == PEL_LINE_SQUARE;
     double strain = squared ? length * length - 1 : length - line->rest;
     pel_strain_point point = {.energy = 0.5 * line->stiffness * strain * strain,
+                              .strain = {strain},
                               .stress = {line->stiffness * strain},
                               .tangent = {{line->stiffness}}};
     set_line_gradient(line, squared ? 2 : inverse, y, point.gradient[0]);
+    pel_strain_damp(&point, PEL_LINE_STRAINS, request);
     double stress = pel_strain_geometric(&point, request)[0];
     if (request->kind == PEL_TANGENT_POSITIVE)
         stress = pel_max(stress, 0);

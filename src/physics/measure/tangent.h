@@ -22,13 +22,22 @@ typedef enum pel_tangent_kind {
                             without its geometric part (Gauss-Newton), no pressure */
 } pel_tangent_kind;
 
-/* Parts to compute; all zero: the exact Hessian. */
+/* strains of the elements with one and the most unknowns */
+enum { PEL_MEMBRANE_STRAINS = 3, PEL_LINE_STRAINS = 1, PEL_HINGE_STRAINS = 1, PEL_TANGENT_UNKNOWNS = 12 };
+/* numbers of a strain in a viscous element: the strain s_0 that its rate refers to, and a row of V */
+enum { PEL_VISCOUS_NUMBERS = 4 };
+
+/* Parts to compute; all zero: the exact Hessian. A viscous element (Kelvin and Voigt) has the stress V rate (s - s_0)
+   as well, and half of its product with s - s_0 in its energy. */
 typedef struct pel_tangent_request {
     pel_tangent_kind kind;
     const double *stress; /* (strains) stresses of the geometric part [J]; null = stresses at x */
     /* extrapolates: writes t + D B step to `extrapolated` (strains); both null = not asked for */
     const double *step; /* (unknowns) */
     double *extrapolated;
+    const double *viscous; /* (strains x PEL_VISCOUS_NUMBERS); null = elastic */
+    double rate;           /* 1/s */
+    double *strain;        /* (strains x PEL_VISCOUS_NUMBERS) gets s and D; null = not asked for */
 } pel_tangent_request;
 
 /* Where an element adds its derivatives; null = not asked for. The Hessian is symmetric, all of it is written. */
@@ -37,9 +46,6 @@ typedef struct pel_tangent_sum {
     double *hessian;  /* (unknowns x unknowns) in rows of `stride` */
     int stride;
 } pel_tangent_sum;
-
-/* strains of the elements with one and the most unknowns */
-enum { PEL_MEMBRANE_STRAINS = 3, PEL_LINE_STRAINS = 1, PEL_HINGE_STRAINS = 1, PEL_TANGENT_UNKNOWNS = 12 };
 
 /* Each function adds the element's derivatives and returns its energy [J]. */
 

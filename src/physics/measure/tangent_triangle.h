@@ -48,6 +48,9 @@ PEL_INLINE void pel_sheet_respond(const pel_sheet *sheet, const pel_strain *stra
     const pel_lane packed[6] = {d->a11, d->a12, d->a13, d->a22, d->a23, d->a33};
     pel_strain_tangent_set(packed, scale, point);
     point->energy = scale * at->energy;
+    point->strain[0] = strain->strain.a;
+    point->strain[1] = strain->strain.b;
+    point->strain[2] = strain->strain.c;
     point->stress[0] = scale * at->stress.a;
     point->stress[1] = scale * at->stress.b;
     point->stress[2] = scale * at->stress.c;
@@ -225,10 +228,12 @@ PEL_INLINE pel_lane pel_sheet_tangent(const pel_sheet *sheet, const pel_lane3 x[
     if (pel_law_traits(sheet->kind) & PEL_LAW_ALIGNED) {
         const pel_factor factor = pel_factor_of(&shape.f);
         pel_sheet_aligned(sheet, &shape, &factor, request->kind, &point);
+        pel_strain_damp(&point, PEL_MEMBRANE_STRAINS, request);
         if (geometric && !positive)
             pel_sheet_aligned_geometric(&shape, &factor, pel_strain_geometric(&point, request), &lead);
     } else {
         pel_sheet_green(sheet, &shape, request->kind, &point);
+        pel_strain_damp(&point, PEL_MEMBRANE_STRAINS, request);
         const pel_lane *at = pel_strain_geometric(&point, request);
         pel_lane stress[3] = {at[0], at[1], at[2]};
         if (positive)
@@ -277,12 +282,15 @@ PEL_INLINE pel_lane pel_plate_tangent(const pel_lane stiffness[6], const pel_lan
     pel_plate_moments(stiffness, alpha, point.stress);
     point.energy =
         PEL_CONSTANT(0.5) * (alpha[0] * point.stress[0] + alpha[1] * point.stress[1] + alpha[2] * point.stress[2]);
+    for (int l = 0; l < 3; l++)
+        point.strain[l] = alpha[l];
+    pel_strain_tangent_set(stiffness, pel_lane_splat(1), &point);
+    pel_strain_damp(&point, PEL_MIDEDGE_STRAINS, request);
     if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
         return point.energy;
     pel_lead_matrix lead;
     if (sum->hessian != NULL)
         pel_lead_clear(&lead, 3);
-    pel_strain_tangent_set(stiffness, pel_lane_splat(1), &point);
     for (int l = 0; l < 3; l++) {
         turn[l] = pel_face_turn_of(x[l], x[(l + 1) % 3], x[(l + 2) % 3]);
         for (int i = 0; i < 3; i++)

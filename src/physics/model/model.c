@@ -81,6 +81,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
                                "give a number of metres above 0");
     if (!isfinite(b->restitution))
         return pel_body_refuse(error, body, "restitution", b->restitution, "give a number from 0 to 1");
+    if (!(b->spring_retardation >= 0 && isfinite(b->spring_retardation)))
+        return pel_body_refuse(error, body, "spring_retardation", b->spring_retardation, "give a time in s, or 0");
     if (!(b->spring_thickness >= 0 && isfinite(b->spring_thickness)))
         return pel_body_refuse(error, body, "spring_thickness", b->spring_thickness, "give a number of metres, or 0");
     if (!(b->volumetric_depth >= 0 && isfinite(b->volumetric_depth)))
@@ -387,6 +389,7 @@ static void copy_numbers(const pel_body_def *def, pel_body *body)
     const pel_quantity *k = &def->spring_stiffness, *volumetric = &def->volumetric_stiffness;
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
     body->is_foundation = body->has_volumetric && def->volumetric_depth > 0;
+    body->spring_retardation = def->spring_retardation;
     body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
     memcpy(body->velocity, def->velocity, sizeof body->velocity);
     memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);

@@ -92,7 +92,9 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
     if (!(membrane->strain_limit >= 0 && membrane->strain_limit < 1))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give 0 < strain_limit < 1, or 0 for no limit",
                                   "strain limit of the membrane is %g", membrane->strain_limit);
-    pel_status status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
+    pel_status status = check_number(membrane->retardation, 0, HUGE_VAL, body, "retardation of the membrane", error);
+    if (status == PEL_OK)
+        status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
     if (status == PEL_OK)
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
     bool varies = membrane->young.field != NULL || membrane->thickness.field != NULL;
@@ -110,6 +112,13 @@ static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error
     const pel_bending_def *bending = &def->shell.bending;
     pel_status status = check_choice((int)bending->model, PEL_BENDING_COUNT, body, "bending model", error);
     if (status != PEL_OK || bending->model == PEL_BENDING_NONE)
+        return status;
+    status = check_number(bending->retardation, 0, HUGE_VAL, body, "retardation of the bending", error);
+    if (status == PEL_OK && bending->retardation > 0 && !pel_bending_traits_of(bending->model)->has_rest_angles)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "damp the bending with the model hinge or midedge",
+                                  "isometric bending has no angle whose rate could be damped");
+    if (status != PEL_OK)
         return status;
     if (!(bending->weight < 0)) {
         status = check_number(bending->weight, 0, 1, body, "bending weight", error);
@@ -258,6 +267,8 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
                                              corner_mean(&membrane->thickness, mesh->triangles[t])};
     shell->has_membrane = membrane->on;
     shell->strain_limit = shell->has_membrane ? membrane->strain_limit : 0;
+    shell->membrane_retardation = shell->has_membrane ? membrane->retardation : 0;
+    shell->bending_retardation = def->shell.bending.model != PEL_BENDING_NONE ? def->shell.bending.retardation : 0;
     shell->material = material_at(membrane, mesh->triangles[0][0]);
     shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
     shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);

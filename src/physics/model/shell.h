@@ -59,7 +59,8 @@ struct pel_shell {
     pel_shell_sheet *sheets;       /* (triangle_count) null = the material's */
     pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine or has mid-edge bending, else null */
 
-    double strain_limit; /* principal stretches stay within 1 +- this; 0 = none */
+    double strain_limit;                              /* principal stretches stay within 1 +- this; 0 = none */
+    double membrane_retardation, bending_retardation; /* s: viscous stress over stiffness times the rate of strain */
 
     const pel_bending_traits *bending;
     double bending_weight; /* k_B; negative = automatic */
@@ -91,6 +92,14 @@ static inline void pel_load_points(const pel_record *position, const int32_t *ve
     for (int i = 0; i < count; i++)
         for (int c = 0; c < 3; c++)
             x[i][c] = (double)position[vertices[i]][c];
+}
+
+/* true if its material resists rates of strain */
+static inline bool pel_body_is_viscous(const pel_body *body)
+{
+    const pel_shell *shell = body->shell;
+    return body->spring_retardation > 0 ||
+           (shell != NULL && (shell->membrane_retardation > 0 || shell->bending_retardation > 0));
 }
 
 /* ---- elements ---- */

@@ -90,6 +90,16 @@ static const pel_def_row run_rows[] = {
      .doc = "numbers over time, linear between the keys"},
     {"<quantity>.keys[]", .forms = PEL_FORM_KEY, .scoped = true, .doc = "time [s] and number"},
 
+    {"<spring damping>", MAP, .doc = "a number that varies over the body or over time, or damping of the material"},
+    {"<spring damping>.field", TEXT, ALTERNATIVE, .doc = "as of other numbers"},
+    {"<spring damping>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field", .doc = "as of other numbers"},
+    {"<spring damping>.keys", LIST, COUNT_FROM(1), ALTERNATIVE, .scoped = true, .doc = "as of other numbers"},
+    {"<spring damping>.keys[]", .forms = PEL_FORM_KEY, .scoped = true, .doc = "time [s] and number"},
+    {"<spring damping>.stiffness", NUMBER, .unit = "s", AT_LEAST(0), ALTERNATIVE,
+     .doc = "becomes `springs.viscosity.stiffness`"},
+    {"<spring damping>.loss_factor", NUMBER, BETWEEN(0, 2), ALTERNATIVE,
+     .doc = "becomes `springs.viscosity.loss_factor`"},
+
     {"<field>", MAP, .doc = "a number that varies over the body"},
     {"<field>.field", TEXT, ALTERNATIVE, .doc = "vertex field of the mesh that gives the number at each vertex"},
     {"<field>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",

@@ -253,12 +253,23 @@ static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root,
     return bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
 }
 
+/* damping of springs in the words of a membrane's is `viscosity`: a number is that of vertices */
+static pel_status imply_viscosity(pel_scene_reader *reader, pel_scene_value *body)
+{
+    pel_scene_value *springs = find_map(body, "springs"), *damping = find_map(springs, "damping");
+    if (damping == NULL || (find(damping, "stiffness") == NULL && find(damping, "loss_factor") == NULL))
+        return PEL_OK;
+    pel_status status = set_copy(reader, springs, "viscosity", damping);
+    pel_scene_value_remove(damping);
+    return status;
+}
+
 /* `has_material`: its response follows from a material, not from numbers per edge */
 static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
 {
     pel_scene_value *membrane = find_map(body, "membrane");
-    pel_status status = PEL_OK;
-    if (membrane != NULL)
+    pel_status status = imply_viscosity(reader, body);
+    if (status == PEL_OK && membrane != NULL)
         status = imply_membrane(reader, body, membrane);
     if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
         status = imply_no_springs(reader, body);

@@ -8,6 +8,7 @@
 #include "keys/validate.h"
 #include "keys/yaml.h"
 #include "scene/build.h"
+#include "scene/damping.h"
 #include "scene/defaults.h"
 #include "scene/method.h"
 #include "scene/portable.h"
@@ -129,6 +130,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         pel_scene_choose_bending(root, scene);
     if (status == PEL_OK)
         status = pel_scene_make_imperfect(reader, root, scene, storage->meshes, storage->mesh_count);
+    if (status == PEL_OK)
+        status = pel_scene_take_loss_factors(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_choose_dt(reader, root, scene);
     /* default names have been added to the tree: sort it */

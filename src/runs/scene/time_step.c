@@ -10,6 +10,7 @@
 #include "base/status.h"
 #include "keys/arena.h"
 #include "math/extremes.h"
+#include "minimise/step_modes.h"
 #include "pellicle/sim_step.h"
 #include "scene/method.h"
 #include "stage/stepper.h"
@@ -93,8 +94,21 @@ static void take_loads(pel_fastest_motion *most, const pel_scene *scene)
 
 /* ---- vibrations ---- */
 
+/* 1 s where a material is damped, or is to be by a loss factor that is not known yet */
+static bool mark_damped(pel_body_def *body)
+{
+    double *numbers[] = {&body->shell.membrane.retardation, &body->shell.bending.retardation,
+                         &body->spring_retardation};
+    bool any = false;
+    for (int i = 0; i < 3; i++) {
+        *numbers[i] = *numbers[i] > 0;
+        any |= *numbers[i] > 0;
+    }
+    return any;
+}
+
 /* by a modal analysis of def; 0 where there is none */
-static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, double *frequency)
+static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, pel_vibration *found)
 {
     pel_body_def body = scene->model.bodies[b];
     pel_model_def own = scene->model;
@@ -102,6 +116,7 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, d
     pel_model *model = NULL;
     pel_sim *sim = NULL;
     body.shell.pressure.kind = PEL_PRESSURE_NONE;
+    bool is_viscous = mark_damped(&body);
     own.bodies = &body;
     own.body_count = 1;
     for (int i = 0; i < 3; i++)
@@ -113,9 +128,11 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, d
     if (status == PEL_OK)
         status = pel_sim_step(sim, NULL);
     int32_t count = status == PEL_OK ? pel_sim_get_modes(sim, values) : 0;
-    for (int32_t i = 0; i < count && *frequency == 0; i++)
+    for (int32_t i = 0; i < count && found->frequency == 0; i++)
         if (values[i] > RIGID_SHARE * values[count - 1])
-            *frequency = values[i];
+            *found = (pel_vibration){values[i], is_viscous ? pel_sim_mode_retardation(sim, i) : 0};
+    if (found->strain < 0)
+        status = PEL_OUT_OF_MEMORY;
     pel_sim_destroy(sim);
     pel_model_destroy(model);
     return status;
@@ -132,11 +149,19 @@ static pel_method static_method(void)
 
 pel_status pel_scene_frequency(const pel_scene *scene, int32_t body, double *frequency)
 {
+    pel_vibration found;
     if (scene == NULL || frequency == NULL || body < 0 || body >= scene->model.body_count)
         return PEL_BAD_ARGUMENT;
+    pel_status status = pel_scene_find_vibration(scene, body, &found);
+    *frequency = found.frequency;
+    return status;
+}
+
+pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vibration *vibration)
+{
     pel_sim_def def = scene->sim;
     pel_support_def *supports = pel_allocate((size_t)scene->sim.support_count + 1, sizeof *supports);
-    *frequency = 0;
+    *vibration = (pel_vibration){0};
     if (supports == NULL)
         return PEL_OUT_OF_MEMORY;
     def.load_count = def.tool_count = def.cut_count = 0;
@@ -153,7 +178,7 @@ pel_status pel_scene_frequency(const pel_scene *scene, int32_t body, double *fre
     def.solver.analysis = PEL_ANALYSIS_MODAL;
     def.solver.mode_count = MODE_COUNT;
     def.solver.dt = scene->duration;
-    pel_status status = analyse(scene, body, &def, frequency);
+    pel_status status = analyse(scene, body, &def, vibration);
     pel_free(supports);
     return status;
 }

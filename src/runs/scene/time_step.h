@@ -13,6 +13,13 @@ typedef struct pel_fastest_motion {
 
 /* neither tools, contact, drag nor damping: what moves goes on moving */
 bool pel_scene_is_undamped(const pel_scene *scene);
+/* The lowest vibration of a body, see pel_scene_frequency. */
+typedef struct pel_vibration {
+    double frequency; /* Hz; 0 = none */
+    double strain;    /* share of its stiffness that the damping of the body's material meets */
+} pel_vibration;
+pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vibration *vibration);
+
 /* Lowers dt to what resolves the vibrations and loads of a scene. PEL_OUT_OF_MEMORY. */
 pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most);
 

@@ -52,6 +52,9 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
     if (!sim->stepper->turns_edges || sim->modes != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use one of them, without an analysis",
                           "derivatives exist only for the methods static and implicit");
+    if (sim->minimise->newton->viscous != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set `damping` of membranes, bending and springs to 0, or use drag",
+                          "damping of the material has no derivatives");
     if (sim->tools->count > 0 || sim->contacts != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "remove tools and contact",
                           "derivatives exist only without tools and contact");

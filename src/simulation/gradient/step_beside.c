@@ -15,6 +15,7 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
     const char *what = !sim->stepper->turns_edges || sim->modes != NULL ? "methods other than static and implicit"
                        : sim->tools->count > 0                          ? "tools"
                        : sim->contacts != NULL                          ? "contact"
+                       : sim->minimise->newton->viscous != NULL         ? "damping of the material"
                        : sim->active != NULL                            ? "refinement"
                        : sim->cuts_done < sim->def.cut_count            ? "cuts"
                        : sim->solver.budget > 0                         ? "a budget of time"

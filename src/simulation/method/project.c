@@ -7,6 +7,7 @@
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
+#include "stage/viscous.h"
 #include "tool/reading.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
@@ -32,6 +33,8 @@ static pel_status create(pel_sim *sim, pel_error *error)
         status = pel_state_add_history(sim->model, sim->state, error);
     if (status == PEL_OK)
         status = pel_projector_create(sim->batches, solver, &sim->projector, error);
+    if (status == PEL_OK)
+        status = pel_viscous_create(sim, error);
     if (status == PEL_OK)
         sim->projector->pool = sim->pool;
     return status;
@@ -228,6 +231,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
         status = run_substeps(sim, error);
         result->diverged = !pel_sim_all_inside(sim);
     }
+    sim->viscous_loss = status == PEL_OK && !rests ? pel_viscous_find_loss(sim) : 0;
     return status;
 }
 
@@ -337,6 +341,7 @@ static void advise(const pel_sim *sim, pel_error *error)
 static void follow_surface(pel_sim *sim)
 {
     pel_substeps_follow_surface(sim);
+    pel_viscous_follow_surface(sim);
     follow_held(sim);
 }
 
@@ -350,5 +355,5 @@ static void follow_surface(pel_sim *sim)
 
 const pel_stepper pel_step_pbd_kind = {PROJECTS, NO_MATERIAL, .weighs = true, .limits_strain = true};
 const pel_stepper pel_step_pbd_distance_kind = {PROJECTS, NO_MATERIAL, .has_lengths = true};
-const pel_stepper pel_step_xpbd_kind = {PROJECTS, .is_compliant = true, .limits_strain = true,
+const pel_stepper pel_step_xpbd_kind = {PROJECTS, .is_compliant = true, .damps = true, .limits_strain = true,
                                         .energy_remedy = "use more solver.substeps"};

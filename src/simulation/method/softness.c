@@ -60,11 +60,34 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
         solver->second_order = compliant && !touches && !has_stiff_pressure(def->model) ? PEL_YES : PEL_NO;
 }
 
+/* s, the longest of the bodies */
+static double retardation_of(const pel_sim *sim)
+{
+    double longest = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        longest = pel_max(longest, body->spring_retardation);
+        if (body->shell != NULL)
+            longest = pel_max(longest, pel_max(body->shell->membrane_retardation, body->shell->bending_retardation));
+    }
+    return longest;
+}
+
+/* tau of a substep */
+static double tau_share(const pel_sim *sim)
+{
+    return sim->solver.second_order ? 2.0 / 3 : 1;
+}
+
+/* A sweep takes damping of the material for a stiffness that is larger by the retardation over the substep
+   (solve/project_kernel.h), so that tau (tau + share of the retardation) stands in place of the square of tau. */
 static double longest_substep(const pel_sim *sim)
 {
     const pel_softness *found = &sim->substeps->now.found;
     double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
-    double tau = found->rate > 0 ? sqrt(2 * share / found->rate) : HUGE_VAL;
+    double half = 0.5 * tau_share(sim) * retardation_of(sim), square = found->rate > 0 ? 2 * share / found->rate : 0;
+    double elastic = found->rate > 0 ? sqrt(square) : HUGE_VAL;
+    double tau = half > 0 && found->rate > 0 ? square / (half + sqrt(half * half + square)) : elastic;
     double pressure = found->pressure > 0 ? sqrt(PRESSURE_SQUARE / found->pressure) : HUGE_VAL;
     return pel_min(sim->solver.second_order ? 1.5 * tau : tau, pressure);
 }
@@ -276,8 +299,9 @@ double pel_sim_softness(const pel_sim *sim)
         return 0;
     if (!sim->stepper->is_compliant)
         return 0;
-    double tau = sim->step.dt / sim->solver.substeps * (sim->solver.second_order ? 2.0 / 3 : 1);
-    return pel_softness_after(0.5 * tau * tau * sim->substeps->now.found.rate, sim->solver.iterations);
+    double substep = sim->step.dt / sim->solver.substeps, tau = tau_share(sim) * substep;
+    double square = tau * (tau + tau_share(sim) * retardation_of(sim));
+    return pel_softness_after(0.5 * square * sim->substeps->now.found.rate, sim->solver.iterations);
 }
 
 void pel_substeps_remedy(const pel_sim *sim, pel_error *error)

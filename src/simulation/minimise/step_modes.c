@@ -6,13 +6,19 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "stage/accessors.h"
 #include "tool/tool.h"
 
+#include <math.h>
 #include <string.h>
 
+#define PI 3.141592653589793
+
+/* of the largest body, that strains of modes are measured with */
+#define SMALL_SHARE 1e-5
 /* of the largest body, that modes are drawn with */
 #define DRAWN_SHARE 0.05
 enum { MOST_MODES = 1000 };
@@ -126,6 +132,42 @@ pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *
             sim->state->position_next[v][k] =
                 (pel_real)((double)own->base[v][k] + DRAWN_SHARE * sim->minimise->size * mode[3 * v + k]);
     return PEL_OK;
+}
+
+/* positions of the base and `scale` times a mode, with edges as they bend least */
+static void place_at(pel_sim *sim, int32_t mode, double scale)
+{
+    const double *vector = pel_modes_vector(sim->modes->modes, mode);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            sim->minimise->newton->unknowns[3 * v + k] = (double)sim->modes->base[v][k] + scale * vector[3 * v + k];
+    pel_sim_newton_settle_at(sim);
+}
+
+double pel_sim_mode_retardation(pel_sim *sim, int32_t mode)
+{
+    PEL_ASSERT_INDEX(mode, sim->modes->count);
+    pel_tangent *tangent = pel_newton_tangent(sim->newton);
+    size_t count = (size_t)pel_newton_pattern(sim->newton)->stress_limit * PEL_VISCOUS_NUMBERS;
+    double *numbers = pel_allocate(count, sizeof *numbers), largest = 0, kinetic = 0;
+    const double *vector = pel_modes_vector(sim->modes->modes, mode);
+    if (numbers == NULL)
+        return -1;
+    for (int32_t i = 0; i < 3 * sim->model->vertex_count; i++) {
+        largest = pel_max(largest, fabs(vector[i]));
+        kinetic += (double)sim->model->mass[i / 3] * vector[i] * vector[i];
+    }
+    double scale = SMALL_SHARE * sim->minimise->size / largest, rate = 2 * PI * sim->modes->values[mode] * scale;
+    pel_tangent_input input = {
+        .unknowns = sim->minimise->newton->unknowns, .span = pel_instant(sim->step.dt), .state = sim->state};
+    place_at(sim, mode, 0);
+    pel_tangent_refer_rates(tangent, &input, 1, false, sim->pool, numbers);
+    input.viscous = numbers;
+    input.rate = 1;
+    place_at(sim, mode, scale);
+    double loss = pel_tangent_viscous_loss(tangent, &input, sim->pool);
+    pel_free(numbers);
+    return loss / (rate * rate * kinetic);
 }
 
 pel_analysis pel_sim_analysis(const pel_sim *sim)

@@ -22,6 +22,11 @@ void pel_sim_modes_destroy(pel_sim *sim);
 /* The step: all modes when it is the first one. Errors of pel_modes_solve and of the state of rest. */
 pel_status pel_sim_modes_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
+/* Share of a vibration's stiffness that damping of the material meets, with the retardations of the bodies [s]: 1 s
+   where all strain has it, less where tension or supports hold the vibration. After the first step of a modal analysis;
+   -1 if out of memory. */
+double pel_sim_mode_retardation(pel_sim *sim, int32_t mode);
+
 /* a pel_transfer_part */
 void pel_sim_modes_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
 

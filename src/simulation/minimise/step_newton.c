@@ -63,6 +63,11 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         room &= newton->stage[0] != NULL && newton->stage[1] != NULL && newton->point_stiffness != NULL &&
                 newton->points != NULL && newton->groups != NULL && newton->collided != NULL && newton->turns != NULL;
     }
+    if (is_dynamic && pel_tangent_is_viscous(pel_newton_tangent(sim->newton))) {
+        size_t numbers = (size_t)pel_newton_pattern(sim->newton)->stress_limit * PEL_VISCOUS_NUMBERS;
+        newton->viscous = pel_allocate(numbers, sizeof *newton->viscous);
+        room &= newton->viscous != NULL;
+    }
     return room ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -74,7 +79,7 @@ void pel_sim_newton_destroy(pel_sim *sim)
     pel_newton_destroy(sim->newton);
     PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
                  newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
-                 newton->kinks, newton->turns, newton->stage[0], newton->stage[1]);
+                 newton->kinks, newton->turns, newton->viscous, newton->stage[0], newton->stage[1]);
     pel_free(newton);
 }
 
@@ -550,6 +555,8 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .force = newton->loads,
         .point_stiffness = newton->point_stiffness,
         .points = (const double(*)[3])newton->points,
+        .viscous = newton->viscous,
+        .rate = newton->rate,
         .fixed = newton->fixed,
         .target = newton->target,
         .frames = newton->frames,

@@ -7,7 +7,8 @@
      tools     -(F . dp + T . theta): F and T on the tool, about its position; dp and theta its translation and rotation
      material  keyed stiffness: energy at x0 with the new numbers less that with the old; active fibres likewise
      damping   drag and damping of vertices: of the leapfrog with the velocity in the middle of the step, exactly as the
-               step takes it; of substeps (T0 + T1) tanh(rate dt), which is exact for an exponential decay
+               step takes it; of substeps (T0 + T1) tanh(rate dt), which is exact for an exponential decay; of the
+               material by the rates of strain of its stages (implicit), or their mean over the step
 
    For the leapfrog with velocities brought to the time of the positions (v + dt/2 a) these sums are the discrete energy
    balance up to a term dt^2 m (a1^2 - a0^2) / 8 (Hairer, Lubich, Wanner 2003, section 1), which stays bounded. */
@@ -165,6 +166,7 @@ static pel_ledger_chunk sum_vertices(pel_sim *sim, vertex_sums *sums)
 static void add_dissipation(pel_sim *sim)
 {
     double drag = sim->solver.drag * sim->step.dt;
+    sim->ledger->sums.dissipated_drag += sim->viscous_loss;
     if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger->has_damping || sim->ledger->has_radial_damping))
         return;
     /* half of the drag acts before the velocity in the middle of the step, half after it */

@@ -24,6 +24,7 @@
 #include "stage/shells.h"
 #include "stage/stepper.h"
 #include "stage/surface_view.h"
+#include "stage/viscous.h"
 #include "tool/create.h"
 #include "tool/solid.h"
 #include "tool/support.h"
@@ -376,6 +377,7 @@ void pel_sim_release(pel_house *house)
     pel_minimise_destroy(sim);
     pel_relax_destroy(sim->relax);
     pel_projector_destroy(sim->projector);
+    pel_viscous_destroy(sim);
     pel_substeps_destroy(sim);
     pel_shells_destroy(sim);
     pel_refined_destroy(sim->active);

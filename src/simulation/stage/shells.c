@@ -41,10 +41,22 @@ static bool would_flatten(const pel_sim *sim, const pel_shell *shell)
     return false;
 }
 
+static pel_status check_damping(const pel_sim *sim, int32_t b, pel_error *error)
+{
+    if (!pel_body_is_viscous(&sim->model->bodies[b]) || !sim->stepper->has_velocity || sim->stepper->damps)
+        return PEL_OK;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                              "use the method implicit or xpbd, or solver.drag, which also brakes rigid motion",
+                              "damping of the material exists only for the methods implicit and xpbd");
+}
+
 static pel_status check_shells(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
+        pel_status status = check_damping(sim, b, error);
+        if (status != PEL_OK)
+            return status;
         if (body->shell == NULL)
             continue;
         const char *refusal = mode_refusal(sim, body->shell);

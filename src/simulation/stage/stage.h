@@ -21,6 +21,7 @@ typedef struct pel_loads pel_loads;
 typedef struct pel_holds pel_holds;
 typedef struct pel_tools pel_tools;
 typedef struct pel_ledger pel_ledger;
+typedef struct pel_viscous pel_viscous;
 typedef struct pel_observer pel_observer;
 typedef struct pel_picker pel_picker;
 typedef struct pel_touch pel_touch;
@@ -109,6 +110,8 @@ struct pel_sim {
     double (*reactions)[3];  /* (vertex_count) N, of supports on vertices in the last step; null = none */
     double *checked_volumes; /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
     double *chunk_longest;   /* scratch of the step */
+    double viscous_loss;     /* J, that damping of the material takes out in the step in progress */
+    pel_viscous *viscous;    /* (viscous.h) of methods that do not find this themselves; null = none */
 
     /* what the rooms keep, from the lowest to the highest */
     pel_surface_rows *rows;        /* (surface_view.c, body_count) null = no body refines */

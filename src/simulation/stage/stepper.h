@@ -15,6 +15,7 @@ typedef struct pel_stepper {
     bool has_substeps;  /* constraints are projected in substeps, together with contacts, solids and grasps */
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
+    bool damps;         /* rates of strain have the damping of the material */
     bool limits_strain; /* of these: a bound of stretch is a constraint */
     bool divides;       /* repeats an unsolved step in parts; projection does so with contact */
     bool is_at_end;     /* loads and keyed numbers have their values of the end of the step */

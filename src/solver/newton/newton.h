@@ -68,6 +68,8 @@ typedef struct pel_newton_problem {
     /* inertia: springs of the vertices to points; both null in statics */
     const double *point_stiffness; /* (vertex_count) N/m */
     const double (*points)[3];     /* (vertex_count) m */
+    const double *viscous;         /* of strains, with their rate [1/s]; null = elastic (force/tangent.h) */
+    double rate;
     const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there */
     const double *target;          /* (unknown_count) of positions where fixed [m]; of psi its increment in this run */
     pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */

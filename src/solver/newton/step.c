@@ -179,6 +179,8 @@ void pel_newton_evaluate(newton_run *run)
         .point_stiffness = problem->point_stiffness,
         .points = problem->points,
         .load_factor = &run->factor,
+        .viscous = problem->viscous,
+        .rate = problem->rate,
     };
     pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
     double loads = add_loads(run), terms = 0;
@@ -269,6 +271,8 @@ static void fill_stresses(newton_run *run)
         .unknowns = newton->start,
         .span = run->problem->span,
         .state = run->problem->state,
+        .viscous = run->problem->viscous,
+        .rate = run->problem->rate,
     };
     if (run->has_stresses && run->predicted > 0)
         pel_tangent_extrapolate(newton->tangent, &input, pel_newton_find_move(run, run->predicted), newton->pool,

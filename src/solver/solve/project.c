@@ -362,11 +362,16 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
 static void set_time(pel_projector *projector, const pel_state *state, double tau)
 {
     double ratio = pel_min(projector->substep / projector->whole_substep, 1);
-    const pel_project_time time = {tau, ratio * ratio, projector->substep / projector->whole_dt,
-                                   projector->solver.iterations};
+    const pel_project_time time = {.tau = tau,
+                                   .share = ratio * ratio,
+                                   .ratio = projector->substep / projector->whole_dt,
+                                   .iterations = projector->solver.iterations,
+                                   .substep = projector->substep,
+                                   .before = pel_project_substep_start(projector)};
     projector->tau = tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
-        pel_project_body_set_time(&projector->batches->bodies[b], state->factors[b], &time);
+        pel_project_body_set_time(&projector->model->bodies[b], &projector->batches->bodies[b], state->factors[b],
+                                  &time);
 }
 
 /* Where contacts press, the past is forgotten in each substep. To go on in second order would let all forces act at 4/9

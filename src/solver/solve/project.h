@@ -118,13 +118,16 @@ void pel_projector_accept(pel_projector *projector, pel_state *state);
 void pel_project_body_begin(pel_batches *batches, int32_t body, const pel_solver_def *solver, const pel_state *state,
                             double time);
 typedef struct pel_project_time {
-    double tau;         /* s, that compliances are over */
-    double share;       /* of each correction of pbd */
-    double ratio;       /* of the substep to a whole step */
-    int32_t iterations; /* sweeps of a substep */
+    double tau;               /* s, that compliances are over */
+    double share;             /* of each correction of pbd */
+    double ratio;             /* of the substep to a whole step */
+    int32_t iterations;       /* sweeps of a substep */
+    double substep;           /* s, whole */
+    const pel_record *before; /* (vertex_count) positions at its start */
 } pel_project_time;
 
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, const pel_project_time *time);
+void pel_project_body_set_time(const pel_body *body, pel_body_batches *own, const double *factors,
+                               const pel_project_time *time);
 /* Marks the blocks with a vertex that is fixed: there reactions are recorded. */
 void pel_project_body_mark_fixed(pel_body_batches *own, const uint8_t *is_fixed);
 

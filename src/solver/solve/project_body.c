@@ -48,7 +48,19 @@ static double share_of(const pel_batch *batch, const pel_project_time *time)
     return pel_batch_is_push(batch) ? PAPER_SWEEPS / (double)time->iterations * time->ratio * time->ratio : time->share;
 }
 
-void pel_project_body_set_time(pel_body_batches *own, const double *factors, const pel_project_time *time)
+/* s: viscous over elastic stress at a rate of strain of 1/s */
+static double retardation_of(const pel_body *body, const pel_batch *batch)
+{
+    if (batch->kind == PEL_CONSTRAINT_SPRING)
+        return body->spring_retardation;
+    if (batch->kind == PEL_CONSTRAINT_ANGLE_COMPLIANT)
+        return body->shell->bending_retardation;
+    bool is_strain = batch->kind >= PEL_CONSTRAINT_STRAIN && batch->kind < PEL_CONSTRAINT_ISOMETRIC;
+    return is_strain ? body->shell->membrane_retardation : 0;
+}
+
+void pel_project_body_set_time(const pel_body *body, pel_body_batches *own, const double *factors,
+                               const pel_project_time *time)
 {
     double tau = time->tau;
     for (int32_t i = 0; i < own->batch_count; i++) {
@@ -57,6 +69,8 @@ void pel_project_body_set_time(pel_body_batches *own, const double *factors, con
         law->square_time = (pel_real)(tau * tau * factor);
         law->inverse_square = (pel_real)(1 / (tau * tau * factor));
         law->force_rate = (pel_real)(1 / (tau * tau));
+        law->viscosity = (pel_real)(retardation_of(body, &own->batches[i]) / time->substep);
+        own->batches[i].before = time->before;
         law->share = (pel_real)share_of(&own->batches[i], time);
     }
 }

@@ -81,6 +81,29 @@ PEL_INLINE void add_multiplier(const pel_batch *batch, int32_t block, int count,
                        old + change);
 }
 
+/* ---- damping of the material ----
+   The constraint of a strain s is s + g (s - s_0), with s_0 at the start of the substep and g the retardation over the
+   length of the substep: so the multiplier holds the viscous stress too. Its gradient is 1 + g times that of s. */
+
+PEL_INLINE bool is_viscous(const pel_batch *batch)
+{
+    return batch->law.viscosity > 0;
+}
+
+/* a constraint with one strain, which has changed in the substep */
+PEL_INLINE void damp(const pel_batch *batch, pel_lane change, pel_lane *strain, pel_lane *mobility)
+{
+    const pel_lane share = pel_lane_splat(batch->law.viscosity);
+    *strain = *strain + share * change;
+    *mobility = *mobility + share * *mobility;
+}
+
+PEL_INLINE pel_symmetric3 scaled(const pel_symmetric3 *m, pel_lane scale)
+{
+    return (pel_symmetric3){scale * m->a11, scale * m->a12, scale * m->a13,
+                            scale * m->a22, scale * m->a23, scale * m->a33};
+}
+
 /* ---- springs ---- */
 
 PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
@@ -92,6 +115,11 @@ PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane
     pel_particle b = load_particle(batch, block, 1, lane, positions);
     pel_length l = pel_length_of(a.at, b.at);
     pel_lane stretch = l.length - number_of(batch, block, count, 0, lane), mobility = a.fourth + b.fourth;
+    if (compliant && is_viscous(batch)) {
+        pel_length old = pel_length_of(load_particle(batch, block, 0, lane, batch->before).at,
+                                       load_particle(batch, block, 1, lane, batch->before).at);
+        damp(batch, l.length - old.length, &stretch, &mobility);
+    }
     pel_lane change = stretch;
     if (compliant) {
         pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
@@ -136,6 +164,30 @@ PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, i
     t.pq = i0 * (t.m01 + t.m21);
     t.qq = i1 * t.m01 + i2 * t.m11 + q2 * t.m21;
     return t;
+}
+
+/* what the viscous part adds to the strains of a triangle, which are given: g (s - s_0) */
+PEL_INLINE pel_symmetric2 viscous_strain(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric2 strain,
+                                         bool is_aligned)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const pel_lane share = pel_lane_splat(batch->law.viscosity);
+    const triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, batch->before);
+    const pel_factor f = pel_factor_of(&t.f);
+    const pel_symmetric2 old = is_aligned ? pel_factor_strain(&f).strain : pel_green_strain(&t.f).strain;
+    return (pel_symmetric2){share * (strain.a - old.a), share * (strain.b - old.b), share * (strain.c - old.c)};
+}
+
+/* the same, and its gradient */
+PEL_INLINE void damp_triangle(const pel_batch *batch, int32_t block, int32_t lane, bool is_aligned,
+                              pel_symmetric2 *strain, pel_symmetric3 *g)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    if (!is_viscous(batch))
+        return;
+    const pel_symmetric2 part = viscous_strain(batch, block, lane, *strain, is_aligned);
+    *strain = (pel_symmetric2){strain->a + part.a, strain->b + part.b, strain->c + part.c};
+    *g = scaled(g, pel_lane_splat(1 + batch->law.viscosity));
 }
 
 /* dx_k = scale w_k (p_k a + q_k b) */
@@ -263,7 +315,9 @@ PEL_INLINE void project_strain_green(const pel_batch *batch, int32_t block, int3
     pel_lane softness =
         number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
     pel_lane change[3];
-    solve_quadratic(batch, block, lane, mobility_of(&t, &s), s.strain, softness, change);
+    pel_symmetric3 g = mobility_of(&t, &s);
+    damp_triangle(batch, block, lane, false, &s.strain, &g);
+    solve_quadratic(batch, block, lane, g, s.strain, softness, change);
     move_triangle(&t, pel_lane_splat(1), pel_lane3_combine(change[0], t.f.f1, change[2], t.f.f2),
                   pel_lane3_combine(change[2], t.f.f1, change[1], t.f.f2), ways);
 }
@@ -287,6 +341,7 @@ PEL_INLINE void project_strain_aligned(const pel_batch *batch, int32_t block, in
                         t.pp * by_b * by_b - two * t.pq * by_b + t.qq,
                         t.pq * by_c - t.pp * by_b * by_c,
                         t.pp * by_c * by_c + t.qq};
+    damp_triangle(batch, block, lane, true, &s.strain, &g);
     solve_quadratic(batch, block, lane, g, s.strain, softness, change);
     move_triangle(&t, one, pel_lane3_combine(change[0], f.t1, by_c * change[2] - by_b * change[1], f.t2),
                   pel_lane3_combine(change[2], f.t1, change[1], f.t2), ways);
@@ -347,6 +402,13 @@ PEL_INLINE void move_strained(const pel_batch *batch, int32_t block, int32_t lan
     move_triangle(t, limit, first, second, ways);
 }
 
+PEL_INLINE void multiply_add(const pel_symmetric3 *m, const pel_lane x[3], pel_lane sum[3])
+{
+    sum[0] = sum[0] + (m->a11 * x[0] + m->a12 * x[1] + m->a13 * x[2]);
+    sum[1] = sum[1] + (m->a12 * x[0] + m->a22 * x[1] + m->a23 * x[2]);
+    sum[2] = sum[2] + (m->a13 * x[0] + m->a23 * x[1] + m->a33 * x[2]);
+}
+
 PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                                       pel_lane3 *ways, pel_membrane_kind kind)
 {
@@ -366,7 +428,13 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
     for (int i = 0; i < 3; i++)
         old[i] = multiplier_of(batch, block, 3, i, lane);
     pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
-    pel_symmetric3 b = {k * h->a11, k * h->a12, k * h->a13, k * h->a22, k * h->a23, k * h->a33};
+    pel_symmetric3 b = scaled(h, k);
+    if (is_viscous(batch)) {
+        const pel_symmetric2 part = viscous_strain(batch, block, lane, s.strain, false);
+        const pel_lane strain[3] = {part.a, part.b, part.c};
+        multiply_add(&b, strain, change);
+        b = scaled(&b, pel_lane_splat(1 + batch->law.viscosity));
+    }
     solve_newton(&b, &g, change);
     move_strained(batch, block, lane, &t, old, change, PEL_CONSTANT(HUGE_VAL), ways);
 }
@@ -379,13 +447,6 @@ PEL_INLINE pel_symmetric3 compliance_of(const pel_symmetric2 *m, pel_lane scale,
     pel_lane product = m->a * m->b, square = m->c * m->c, both = scale * square - shared * product;
     return (pel_symmetric3){a * m->a, both,  a * c,
                             b * m->b, b * c, c * along * c + (scale + scale) * (product - square)};
-}
-
-PEL_INLINE void multiply_add(const pel_symmetric3 *m, const pel_lane x[3], pel_lane sum[3])
-{
-    sum[0] = sum[0] + (m->a11 * x[0] + m->a12 * x[1] + m->a13 * x[2]);
-    sum[1] = sum[1] + (m->a12 * x[0] + m->a22 * x[1] + m->a23 * x[2]);
-    sum[2] = sum[2] + (m->a13 * x[0] + m->a23 * x[1] + m->a33 * x[2]);
 }
 
 /* D^-1 t of t = I - c C^-1: scale C (C - (c + part (tr C - 2 c)) I) */
@@ -431,6 +492,13 @@ PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, 
         old[i] = multiplier_of(batch, block, 3, i, lane);
     if (batch->multipliers != NULL)
         multiply_add(&d, old, change);
+    if (is_viscous(batch)) {
+        const pel_symmetric2 part = viscous_strain(batch, block, lane, s.strain, false);
+        change[0] = change[0] + part.a;
+        change[1] = change[1] + part.b;
+        change[2] = change[2] + part.c;
+        g = scaled(&g, pel_lane_splat(1 + batch->law.viscosity));
+    }
     const pel_lane right[3] = {-change[0], -change[1], -change[2]};
     for (int i = 0; i < 3; i++)
         change[i] = right[i];
@@ -512,11 +580,19 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
     pel_lane across = h.r2 * h.cosine * h.r3 * (m02 * s3 + m12 * h.t3);
     pel_lane mobility = h.square * (h.r2 * (p[2].fourth + m02 * s2 + m12 * h.t2) +
                                     h.r3 * (p[3].fourth + m03 * s3 + m13 * h.t3) + (across + across));
-    pel_lane change;
+    pel_lane change, difference = h.difference;
+    if (compliant && is_viscous(batch)) {
+        pel_particle old[4];
+        for (int k = 0; k < 4; k++)
+            old[k] = load_particle(batch, block, k, lane, batch->before);
+        const pel_hinge_lanes before =
+            pel_hinge_angle_of(old, number_of(batch, block, count, 0, lane), number_of(batch, block, count, 1, lane));
+        damp(batch, difference - before.difference, &difference, &mobility);
+    }
     if (compliant) {
         pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
         pel_lane old = multiplier_of(batch, block, 1, 0, lane), inverse = one / (mobility + softness);
-        change = inverse * (h.difference + softness * old);
+        change = inverse * (difference + softness * old);
         add_multiplier(batch, block, 1, 0, lane, old, -change);
     } else {
         pel_lane weight = pel_lane_splat((pel_real)0.5 * batch->law.weight * batch->law.share);
