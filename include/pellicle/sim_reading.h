@@ -23,6 +23,7 @@ typedef struct pel_tool_reading {
                               are those of a way that it did not go */
     int64_t lost_count;    /* vertices released by grasp_max_force since the start */
     double lost_time;      /* s, end of the step that lost the first ones; 0 = none yet */
+    double lost_limit;     /* N, the limit that they exceeded; 0 = none yet, or contact held the grasp */
     int64_t held_back_count; /* steps in which the tool was stopped, since the start */
     double held_back_time;   /* s, end of the first of them; 0 = none yet */
 } pel_tool_reading;

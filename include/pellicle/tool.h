@@ -49,9 +49,11 @@ typedef struct pel_tool_def {
     double friction;                /* Coulomb's coefficient; below 0 (default): that of pel_contact_def */
     double restitution;             /* likewise */
     double thickness;               /* m, likewise */
-    double grasp_max_force; /* N; 0 = no limit. Maximum sum of the magnitudes of the forces on the held vertices. If a
-                               step ends above it, the vertices with the largest forces are released until the rest is
-                               within it */
+    double grasp_max_force; /* N; infinite = no limit. Maximum sum of the magnitudes of the forces on the held vertices.
+                               If a step ends above it, the vertices with the largest forces are released until the rest
+                               is within it. 0 (default), but for pbd: ten times the force that
+                               doubles the length of the sheet of the held vertices, beside their inertia; and a grasp
+                               that contact holds for some steps, however little it moves, releases all of them */
     /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the rest position X and the pose (R, position) of the keys.
        The support starts at rest: position = center without rotation. If the body refines, a new vertex between two of
        them is held as well */

@@ -292,6 +292,7 @@ static const core_member tool_members[] = {
     TOOL(force_known, CORE_BOOL),
     TOOL(lost_count, CORE_INT64),
     TOOL(lost_time, CORE_DOUBLE),
+    TOOL(lost_limit, CORE_DOUBLE),
     TOOL(held_back_count, CORE_INT64),
     TOOL(held_back_time, CORE_DOUBLE),
 };

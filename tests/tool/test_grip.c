@@ -148,6 +148,72 @@ static void test_lost_are_free(void **unused)
     }
 }
 
+/* Without a given limit the material has one, far above what it bears when it is stretched by its length; more makes
+   the grasp lose vertices; pbd, whose forces are not the material's, has no limit. */
+static void test_material_limit(void **unused)
+{
+    (void)unused;
+    const pel_method tried[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_XPBD, PEL_METHOD_PBD};
+    for (size_t m = 0; m < 3; m++) {
+        pull_scene scene;
+        pel_tool_reading reading;
+        pel_sim *sim = create(&scene, tried[m], 0);
+        pel_sim_destroy(sim);
+        scene.keys[1].position[2] = 2;
+        scene.keys[2].position[2] = 100;
+        sim = make_sim(&scene.def);
+        run_steps(sim, 100);
+        pel_sim_get_tool(sim, 0, &reading);
+        int32_t held_count = reading.held_count;
+        assert_true(held_count > 5 && reading.lost_count == 0);
+        run_steps(sim, 100);
+        pel_sim_get_tool(sim, 0, &reading);
+        double each = sim->tools->strengths[0];
+        assert_int_equal(reading.held_count + reading.lost_count, held_count);
+        assert_true((reading.lost_count > 0) == (tried[m] != PEL_METHOD_PBD));
+        /* k times the width of a vertex is the least of its parts */
+        assert_true(each > 3 * sqrt(4 * 3.14 / scene.mesh->vertex_count) && each < 10);
+        if (reading.lost_count > 0) {
+            assert_true(reading.lost_limit >= 10 * each * held_count * (1 - 1e-12));
+        }
+        end(&scene, sim);
+    }
+}
+
+/* A grasp that is drawn through the pinned side of its own shell is stopped by contact. It lets go of all and moves on,
+   but not if the scene gives it a limit. */
+static void test_stuck(void **unused)
+{
+    (void)unused;
+    for (int is_given = 0; is_given < 2; is_given++) {
+        pull_scene scene;
+        pel_tool_reading reading;
+        pel_sim *sim = create(&scene, PEL_METHOD_XPBD, is_given ? 1e9 : 0);
+        end(&scene, sim);
+        scene.mesh = make_sphere(8);
+        pel_body_def body = ball_body(scene.mesh);
+        body.volumetric_stiffness.value = 0;
+        body.spring_stiffness.value = 300;
+        body.mass = 0.05;
+        body.pinned = scene.pinned;
+        body.pinned_count = 0;
+        for (int32_t v = 0; v < scene.mesh->vertex_count; v++)
+            if (scene.mesh->positions[v][2] < -0.5)
+                scene.pinned[body.pinned_count++] = v;
+        scene.model = make_model(&body);
+        scene.def.model = scene.model;
+        scene.def.contact.enabled = true;
+        scene.keys[1].position[2] = scene.keys[2].position[2] = -2;
+        sim = make_sim(&scene.def);
+        run_steps(sim, is_given ? 85 : 130);
+        pel_sim_get_tool(sim, 0, &reading);
+        assert_true(reading.held_back_count > 5 && reading.lost_limit == 0);
+        assert_true((reading.lost_count > 0) == !is_given && (reading.held_count == 0) == !is_given);
+        assert_true((reading.position[2] < -1.9) == !is_given);
+        end(&scene, sim);
+    }
+}
+
 /* of two forces above the limit only the larger goes, and only as many as it takes */
 static void test_largest_first(void **unused)
 {
@@ -354,6 +420,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_opening),           cmocka_unit_test(test_readings_return),
         cmocka_unit_test(test_released_are_free), cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_material_limit),    cmocka_unit_test(test_stuck),
         cmocka_unit_test(test_lost_are_free),     cmocka_unit_test(test_largest_first),
         cmocka_unit_test(test_resumes),           cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_catches_up),        cmocka_unit_test(test_readings_resume),

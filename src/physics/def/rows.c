@@ -404,6 +404,12 @@ static const pel_def_row rows[] = {
      .doc = "coefficient of restitution of the tool; default: that of `contact`"},
     {"tools[].press", TOOL(press), BOOLEAN, DEFAULT(true), WHEN(is_instrument),
      .doc = "true: pushes bodies out of the tool"},
+    {"tools[].max_force", TOOL(grasp_max_force), NUMBER_OR("auto"), .unit = "N", POSITIVE, .needs = "grasp",
+     .preset = "auto", AUTO(0), WHEN(grasps), DIRECT,
+     .doc = "largest force of the grasp: the sum of the magnitudes of the forces on grasped vertices; above it those "
+            "with the largest forces are released. auto: ten times the force that doubles the length of the sheet of "
+            "these vertices, beside their inertia, and a grasp that contact has stopped for some steps lets go; pbd: "
+            "no limit"},
     {"tools[].grasp", TOOL(grasp), MAP, .doc = "holds the vertices inside the tool and near its surface; optional"},
     {"tools[].grasp.from", TOOL(grasp_from), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", WHEN(grasps), DIRECT,
      IMPLYING, .doc = "closes at this time"},
@@ -412,8 +418,7 @@ static const pel_def_row rows[] = {
     {"tools[].grasp.reach", TOOL(reach), NUMBER, .unit = "m", POSITIVE, REQUIRED, WHEN(grasps), DIRECT,
      .doc = "grasps vertices inside the tool (a mesh must be closed) and within this distance of its surface"},
     {"tools[].grasp.max_force", TOOL(grasp_max_force), NUMBER, .unit = "N", POSITIVE, AUTO(0), WHEN(grasps), DIRECT,
-     .doc = "maximum of the sum of the magnitudes of the forces on grasped vertices; above it the vertices with the "
-            "largest forces are released; default: no limit"},
+     .doc = "older place of `max_force` of the tool"},
     {"tools[].motion", TOOL_LIST(keys, key_count), LIST, COUNT_FROM(1), REQUIRED,
      .doc = "poses over time, linear between the keys in position and angle; one key for a fixed tool"},
     {"tools[].motion[]", MAP, .doc = "one pose"},

@@ -595,15 +595,32 @@ static void tell_tool(const pel_warning_text *at)
              first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
 }
 
+/* a limit of its force by the scene, not by the material */
+static bool has_given_limit(const pel_run_state *run, const char *tool)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    for (int32_t t = 0; t < def->tool_count; t++)
+        if (strcmp(def->tools[t].name, tool) == 0)
+            return def->tools[t].grasp_max_force > 0;
+    return false;
+}
+
 static void tell_grasp(const pel_warning_text *at)
 {
-    char others[40];
+    char others[40], why[120];
     first_tool first = find_first_tool(at->run->sim, true);
+    double limit = first.reading.lost_limit;
+    if (limit > 0)
+        snprintf(why, sizeof why, "their forces exceeded %.3g N, %s", limit,
+                 has_given_limit(at->run, first.name) ? "its max_force" : "what the material bears there");
+    else
+        snprintf(why, sizeof why, "contact had stopped it, and no force would have moved it on");
     snprintf(at->text, at->size,
-             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: their forces exceeded its grasp.max_force. pull "
-             "more slowly, or raise grasp.max_force or grasp.reach",
-             first.name, others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
-             at->tally->count > 1 ? " and later" : "");
+             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: %s. %s, or set tools.%s.max_force%s", first.name,
+             others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
+             at->tally->count > 1 ? " and later" : "", why,
+             limit > 0 ? "pull more slowly, raise grasp.reach" : "move it around the body", first.name,
+             limit > 0 ? " higher" : " to hold on");
 }
 
 static void tell_empty_grasp(const pel_warning_text *at)

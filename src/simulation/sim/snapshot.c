@@ -37,7 +37,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 16 };
+enum { SNAPSHOT_VERSION = 17 };
 
 typedef struct header {
     char magic[8];

@@ -10,4 +10,8 @@ pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error 
 /* One of them takes the thickness that contact has [m]. */
 void pel_layer_set_thickness(pel_sim *sim, int32_t body, double thickness);
 
+/* N, of the share of a vertex in a body: Young's modulus x thickness x width of its sheet, and Young's modulus x area
+   of its filling: the order of the force that doubles its length. 0 = unknown. */
+double pel_body_strength(const pel_sim *sim, int32_t body);
+
 #endif

@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "bvh/mesh_query.h"
 #include "math/extremes.h"
+#include "stage/layer.h"
 #include "tool/pose.h"
 #include "tool/start.h"
 
@@ -114,7 +115,7 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
                                   "grasp ends before it begins, or its reach is below 0");
     if (def->grasp && !(def->grasp_max_force >= 0))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "give grasp_max_force > 0 in newtons, or 0 for no limit",
+                                  "give grasp_max_force > 0 in newtons, infinity for no limit, or 0 for the material's",
                                   "the largest force of a grasp is below 0 or not a number");
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
@@ -184,7 +185,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->restitution = def->restitution;
     tool->thickness = def->thickness;
     tool->stride = 1;
-    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
+    tool->grasp_max_force = def->grasp_max_force;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
@@ -223,8 +224,11 @@ static pel_status create_grips(pel_sim *sim, pel_error *error)
 {
     size_t count = (size_t)sim->model->vertex_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tools->held_vertices, count), PEL_ROOM(sim->tools->held_targets, count),
-                          PEL_ROOM(sim->tools->grip_forces, count)))
+                          PEL_ROOM(sim->tools->grip_forces, count),
+                          PEL_ROOM(sim->tools->strengths, sim->model->body_count)))
         return pel_fail_memory(error);
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        sim->tools->strengths[b] = pel_body_strength(sim, b);
     return sim->stepper->record_held != NULL ? sim->stepper->record_held(sim, error) : PEL_OK;
 }
 
@@ -282,7 +286,7 @@ pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
     tool->stride = 1;
-    tool->grasp_max_force = isfinite(def->grasp_max_force) ? def->grasp_max_force : 0;
+    tool->grasp_max_force = def->grasp_max_force;
     return PEL_OK;
 }
 
@@ -300,5 +304,5 @@ void pel_tools_destroy(pel_sim *sim)
     pel_tool_search_destroy(sim->tools->search);
     PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
                  sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
-                 sim->tools->grip_forces, sim->tools->stops.items);
+                 sim->tools->grip_forces, sim->tools->strengths, sim->tools->stops.items);
 }

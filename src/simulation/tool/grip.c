@@ -3,13 +3,21 @@
    The grip force of a tool is the sum of the magnitudes of the forces on its held vertices, like the load that a clamp
    carries by friction: it bounds the net force, and a twist whose net force is zero counts as well. Where it exceeds
    the limit, the vertices with the largest forces are lost first, until the forces of the rest are within the limit.
-   The rest takes over their load in the next steps, so a grasp tears out step by step. */
+   The rest takes over their load in the next steps, so a grasp tears out step by step.
+
+   Without a limit of the user the material has one: GRIP_STRENGTH times the force that doubles the length of the
+   sheet at the held vertices. Where the guard holds a grasp for some steps, however little it moves, no force is known
+   and none would do: it lets go of all. */
 #include "tool/grip.h"
 #include "math/extremes.h"
 
 #include "base/assert.h"
 #include "bvh/mesh_query.h"
+#include "stage/stepper.h"
 #include "tool/pose.h"
+
+/* of the strength of the held vertices: rubber bears 2 at five times its length, laws that stiffen bear more */
+#define GRIP_STRENGTH 10.0
 
 /* ---- holding ---- */
 
@@ -174,14 +182,44 @@ static int32_t find_largest(const pel_sim *sim, const pel_tool *tool)
     return largest;
 }
 
+static bool has_own_limit(const pel_sim *sim, const pel_tool *tool)
+{
+    return tool->support == NULL && !(tool->grasp_max_force > 0) && pel_stepper_knows_material(sim->stepper);
+}
+
+/* N, of a held vertex in the step that was accepted: it follows the tool, whose velocity may jump */
+static double inertia(const pel_sim *sim, int32_t v)
+{
+    const pel_state *state = sim->state;
+    double now[3], before[3];
+    if (state->velocity == NULL)
+        return 0;
+    pel_vertex_position(state->velocity, v, now);
+    pel_vertex_position(state->velocity_next, v, before);
+    return (double)sim->model->mass[v] * pel_vec3_distance(now, before) / sim->step.dt;
+}
+
+/* N, the largest sum of forces on what is held */
+static double grip_limit(const pel_sim *sim, const pel_tool *tool)
+{
+    double sum = 0, load = 0;
+    for (int32_t i = 0; has_own_limit(sim, tool) && i < tool->held_count; i++) {
+        sum += sim->tools->strengths[sim->model->body_of_slice[tool->held[i] / PEL_WIDTH]];
+        load += inertia(sim, tool->held[i]);
+    }
+    if (sum > 0)
+        return GRIP_STRENGTH * sum + load;
+    return tool->grasp_max_force > 0 ? tool->grasp_max_force : (double)HUGE_VAL;
+}
+
 /* lost vertices move freely from the next step on */
-static int32_t lose_vertices(pel_sim *sim, pel_tool *tool)
+static int32_t lose_vertices(pel_sim *sim, pel_tool *tool, double limit)
 {
     int32_t lost_count = 0;
     double sum = 0;
     for (int32_t i = 0; i < tool->held_count; i++)
         sum += grip_force(sim, tool, i);
-    while (sum > tool->grasp_max_force && tool->held_count > 0) {
+    while (sum > limit && tool->held_count > 0) {
         int32_t i = find_largest(sim, tool), v = tool->held[i];
         sum -= grip_force(sim, tool, i);
         pel_tool_let_go(sim, tool, i);
@@ -191,11 +229,28 @@ static int32_t lose_vertices(pel_sim *sim, pel_tool *tool)
     return lost_count;
 }
 
-static void count_loss(pel_tool_tally *tally, int32_t count, double time)
+static void count_loss(pel_tool_tally *tally, int32_t count, double time, double limit)
 {
-    if (tally->lost_count == 0)
+    if (tally->lost_count == 0) {
         tally->lost_time = time;
+        tally->lost_limit = limit;
+    }
     tally->lost_count += count;
+}
+
+static void lose_above_limit(pel_sim *sim, pel_tool *tool, double time)
+{
+    bool is_stuck = tool->stride < PEL_STUCK_STRIDE && has_own_limit(sim, tool);
+    double limit = is_stuck ? 0 : grip_limit(sim, tool);
+    if (is_stuck)
+        tool->stride = 1;
+    int32_t count = isfinite(limit) && !is_stuck ? lose_vertices(sim, tool, limit) : 0;
+    for (; is_stuck && tool->held_count > 0; count++) {
+        sim->state->position[tool->held[0]][3] = sim->model->inverse_mass[tool->held[0]];
+        pel_tool_let_go(sim, tool, 0);
+    }
+    if (count > 0)
+        count_loss(&tool->tally, count, time, limit);
 }
 
 static void count_hold(pel_tool_tally *tally, double time)
@@ -205,12 +260,15 @@ static void count_hold(pel_tool_tally *tally, double time)
     tally->held_back_count++;
 }
 
-/* count a shortened stride as held back, and double it if the guard did not act */
+/* count a shortened stride as held back, and double it if the guard did not act; halve that of a grasp that is stuck */
 static void follow_stride(pel_tool *tool)
 {
     tool->is_stopped = tool->is_held_back;
     if (!(tool->stride < 1))
         return;
+    bool is_slow = tool->stride <= PEL_LEAST_STRIDE && tool->stride >= PEL_STUCK_STRIDE;
+    if (tool->is_held_back && is_slow && tool->support == NULL && tool->held_count > 0)
+        tool->stride /= 2;
     if (!tool->is_held_back)
         tool->stride = pel_min(2 * tool->stride, 1);
     tool->is_held_back = tool->blocked = true;
@@ -221,9 +279,8 @@ void pel_tools_end_step(pel_sim *sim, double time)
     for (int32_t t = 0; t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
         follow_stride(tool);
-        int32_t lost = tool->grasp_max_force > 0 ? lose_vertices(sim, tool) : 0;
-        if (lost > 0)
-            count_loss(&tool->tally, lost, time);
+        if (tool->held_count > 0)
+            lose_above_limit(sim, tool, time);
         if (tool->is_held_back && !tool->hold_is_counted)
             count_hold(&tool->tally, time);
         tool->hold_is_counted |= tool->is_held_back;

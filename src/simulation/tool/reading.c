@@ -160,6 +160,7 @@ void pel_sim_get_tool(const pel_sim *sim, int32_t tool, pel_tool_reading *readin
     reading->held_count = t->held_count;
     reading->lost_count = t->tally.lost_count;
     reading->lost_time = t->tally.lost_time;
+    reading->lost_limit = t->tally.lost_limit;
     reading->is_held_back = t->is_held_back;
     reading->force_known = !t->is_stopped;
     reading->held_back_count = t->tally.held_back_count;

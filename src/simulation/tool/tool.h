@@ -46,6 +46,11 @@ typedef struct pel_stops {
     bool is_new; /* no point can be among them yet */
 } pel_stops;
 
+/* Of a tool that the guard holds back: a stride as short is not tried again in the same step; a grasp whose stride was
+   halved in steps to less than this is stuck. */
+#define PEL_LEAST_STRIDE 0.01
+#define PEL_STUCK_STRIDE (PEL_LEAST_STRIDE / 1024)
+
 /* planes a tool remembers at most; they matter where it touches few, large triangles */
 enum { PEL_PLANE_LIMIT = 1024 };
 
@@ -53,6 +58,7 @@ enum { PEL_PLANE_LIMIT = 1024 };
 typedef struct pel_tool_tally {
     int64_t held_back_count, lost_count; /* steps; vertices */
     double held_back_time, lost_time;    /* s, of the first one; 0 = none yet */
+    double lost_limit;                   /* N, that the first ones exceeded; 0 = the grasp was stuck */
 } pel_tool_tally;
 
 typedef struct pel_tool {
@@ -69,7 +75,7 @@ typedef struct pel_tool {
     int32_t body;
     bool press, grasp;
     double grasp_from, grasp_until, reach;
-    double grasp_max_force; /* N, 0 = no limit */
+    double grasp_max_force; /* N, 0 = by the material, infinite = no limit */
 
     pel_pose pose, pose_before; /* at present; at the start of the step */
     pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
@@ -125,6 +131,7 @@ struct pel_tools {
     pel_boundary boundary;      /* vertices held by tools; its arrays: */
     int32_t *held_vertices;     /* (vertex_count) null when no tool grasps */
     double (*held_targets)[3];  /* (vertex_count) likewise */
+    double *strengths;          /* (body_count) N, of a vertex (pel_body_strength); null when no tool grasps */
     double (*grip_forces)[3];   /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
     bool held_is_listed;        /* the boundary belongs to the tools */
     pel_sim_solids *solids;     /* (solid.h) methods with substeps; null = no tool presses */

@@ -580,10 +580,9 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
     }
 }
 
-/* of a tool: try 0.9 of the way that the guard allowed, at least STRIDE_SHARE; at LEAST_STRIDE accept the guard */
+/* of a tool: try 0.9 of the way that the guard allowed, at least STRIDE_SHARE; at PEL_LEAST_STRIDE accept the guard */
 #define SAFE_SHARE 0.9
 #define STRIDE_SHARE 0.05
-#define LEAST_STRIDE 0.01
 enum { MOST_REPEATS = 3 };
 
 /* relative to the mean edge: longer motions in a part do not locate an impact */
@@ -641,7 +640,7 @@ static bool shorten_strides(pel_sim *sim)
     bool may_repeat = sim->contacts->def.has_layers && sim->part.repeat_count < MOST_REPEATS;
     for (int32_t i = 0; i < sim->tools->count && may_repeat; i++) {
         pel_tool *tool = &sim->tools->items[i];
-        if (!tool->is_held_back || tool->stride <= LEAST_STRIDE)
+        if (!tool->is_held_back || tool->stride <= PEL_LEAST_STRIDE)
             continue;
         double whole = pel_tool_way(tool, &tool->pose_before, &tool->pose_wanted);
         double share = whole > 0 ? SAFE_SHARE * pel_tool_way(tool, &tool->pose_before, &tool->pose) / whole : 0;
