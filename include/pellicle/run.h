@@ -108,6 +108,7 @@ typedef struct pel_run_summary {
     double time_simulated;     /* s */
     double wall_s;             /* s, of all calls of pel_run for this run */
     double steps_per_second;   /* steps per wall time of stepping only */
+    double worst_step_ms;      /* wall time of the longest step */
     double volume_final;       /* m3, enclosed by closed bodies */
     double volume_ratio_final; /* the same relative to rest; NaN if each body is open, or flat at rest */
     double area_ratio_final;

@@ -55,6 +55,8 @@ typedef struct pel_contact_statistics {
     int64_t dropped;                                   /* contacts beyond the limit */
     int64_t rounds;                                    /* of search and correction */
     int64_t fall_backs;                                /* vertices stepped back, all steps */
+    double stepped_back;                               /* sum over the steps of the vertices stepped back, of a step in
+                                                          parts the mean of its parts: at most all vertices in each */
     int64_t tools_held;                                /* tools stopped, all steps */
     int64_t steps_divided;                             /* steps that were done in parts */
     double sleeping;                                   /* sum over the steps of the share of vertices that slept */

@@ -273,11 +273,12 @@ static const core_member solver_members[] = {
 
 #define CONTACT(member, kind) CORE_MEMBER(pel_contact_statistics, member, kind)
 static const core_member contact_members[] = {
-    CONTACT(candidates, CORE_INT64),    CONTACT(passed_filter, CORE_INT64),  CONTACT(passed_hull, CORE_INT64),
-    CONTACT(cubics, CORE_INT64),        CONTACT(contacts, CORE_INT64),       CONTACT(dropped, CORE_INT64),
-    CONTACT(rounds, CORE_INT64),        CONTACT(fall_backs, CORE_INT64),     CONTACT(tools_held, CORE_INT64),
-    CONTACT(steps_divided, CORE_INT64), CONTACT(sleeping, CORE_DOUBLE),      CONTACT(tangled, CORE_INT64),
-    CONTACT(find_seconds, CORE_DOUBLE), CONTACT(solve_seconds, CORE_DOUBLE), CONTACT(guard_seconds, CORE_DOUBLE),
+    CONTACT(candidates, CORE_INT64),     CONTACT(passed_filter, CORE_INT64), CONTACT(passed_hull, CORE_INT64),
+    CONTACT(cubics, CORE_INT64),         CONTACT(contacts, CORE_INT64),      CONTACT(dropped, CORE_INT64),
+    CONTACT(rounds, CORE_INT64),         CONTACT(fall_backs, CORE_INT64),    CONTACT(tools_held, CORE_INT64),
+    CONTACT(stepped_back, CORE_DOUBLE),  CONTACT(steps_divided, CORE_INT64), CONTACT(sleeping, CORE_DOUBLE),
+    CONTACT(tangled, CORE_INT64),        CONTACT(find_seconds, CORE_DOUBLE), CONTACT(solve_seconds, CORE_DOUBLE),
+    CONTACT(guard_seconds, CORE_DOUBLE),
 };
 
 #define TOOL(member, kind) CORE_MEMBER(pel_tool_reading, member, kind)

@@ -243,6 +243,30 @@ static void test_pause(void **unused)
     free_surface(&s);
 }
 
+/* pairs of a long way, as of a whole step, are not carried along by the short ways of its parts */
+static void test_waste(void **unused)
+{
+    (void)unused;
+    surface s = make_sphere(8, 0);
+    pel_candidates *c = make_candidates(&s, 1e-3);
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            s.end[v][k] = -0.5 * s.start[v][k];
+    update(c, &s, 0, NULL);
+    int64_t many = c->counts.kept, last = 0;
+    for (int part = 0; part < 4; part++) {
+        for (int32_t v = 0; v < s.vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                s.end[v][k] = 0.999 * s.start[v][k];
+        update(c, &s, 0, NULL);
+        check_lists(c);
+        last = c->counts.kept;
+    }
+    assert_true(many > 200 * (int64_t)s.vertex_count && last < many / 10 && c->counts.searches == 2 && c->has_kept);
+    pel_candidates_destroy(c);
+    free_surface(&s);
+}
+
 static void test_threads(void **unused)
 {
     (void)unused;
@@ -403,11 +427,17 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_motion),        cmocka_unit_test(test_extension),
-        cmocka_unit_test(test_groups),        cmocka_unit_test(test_pause),
-        cmocka_unit_test(test_threads),       cmocka_unit_test(test_rebuild),
-        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_allocations),   cmocka_unit_test(test_limit_shrinks_margin),
+        cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_pause),
+        cmocka_unit_test(test_waste),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_rebuild),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_limit_shrinks_margin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -633,15 +633,17 @@ static void test_jam(void **unused)
     def.model = run.model;
     assert_int_equal(pel_sim_create(&def, &run.sim, NULL), PEL_OK);
     int32_t vertex_count = pel_sim_vertex_count(run.sim, 0) + pel_sim_vertex_count(run.sim, 1);
-    int64_t before = 0, jammed = 0;
+    int64_t jammed = 0;
+    double before = 0;
     for (int n = 0; n < LONG(40, 20); n++) {
         shake(run.sim, 0, n % 4 == 0 ? 300 : 0, &random);
         shake(run.sim, 1, n % 4 == 0 ? 300 : 0, &random);
         assert_int_equal(pel_sim_step(run.sim, NULL), PEL_OK);
         pel_contact_statistics now;
         pel_sim_get_contact_statistics(run.sim, &now);
-        jammed += 10 * (now.fall_backs - before) >= vertex_count;
-        before = now.fall_backs;
+        jammed += 10 * (now.stepped_back - before) >= vertex_count;
+        before = now.stepped_back;
+        assert_true((double)now.fall_backs == now.stepped_back);
         pel_warnings_check_step(&run);
         assert_int_equal(run.totals.warnings.of[PEL_WARN_JAMMED].count, jammed);
     }
@@ -650,6 +652,39 @@ static void test_jam(void **unused)
     pel_sim_destroy(run.sim);
     pel_model_destroy(run.model);
     pel_scene_destroy(scene);
+}
+
+/* a jam names the law, the thickness or the steps that are at fault */
+static void test_fault_of_jam(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *material, *thickness, *fault;
+    } cases[] = {{"stvk", "0.001", "law of body 'sheet'"},
+                 {"neo-hookean", "0.01", "contact thickness of body 'sheet'"},
+                 {"neo-hookean", "0.001", "smaller solver.dt"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[600];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbodies:\n  - { name: sheet, mesh: { shape: grid, nx: 8, ny: 8, size_x: 0.2, size_y: 0.2 },\n"
+            "      membrane: { material: %s, young: 1e6, thickness: 0.001 } }\ncontact: { thickness: %s }\n"
+            "duration: 1\n",
+            cases[i].material, cases[i].thickness);
+        pel_scene *scene = load_scene(text, NULL, 0);
+        pel_run_state run = {.scene = scene};
+        pel_run_warning warnings[PEL_RUN_WARNING_LIMIT];
+        assert_int_equal(pel_model_create(&scene->model, &run.model, NULL), PEL_OK);
+        pel_sim_def def = scene->sim;
+        def.model = run.model;
+        assert_int_equal(pel_sim_create(&def, &run.sim, NULL), PEL_OK);
+        run.totals.warnings.of[PEL_WARN_JAMMED] = (pel_warning_tally){2, 10, 0.4};
+        assert_int_equal(pel_warnings_list(&run, warnings), 1);
+        assert_non_null(strstr(warnings[0].text, cases[i].fault));
+        pel_sim_destroy(run.sim);
+        pel_model_destroy(run.model);
+        pel_scene_destroy(scene);
+    }
 }
 
 /* every kind has its own code, small letters and hyphens, and a text that ends without a full stop */
@@ -735,6 +770,7 @@ int main(void)
         cmocka_unit_test(test_tallies),
         cmocka_unit_test(test_frames),
         cmocka_unit_test(test_jam),
+        cmocka_unit_test(test_fault_of_jam),
         cmocka_unit_test(test_every_kind_has_a_text),
     };
     int failures = is_all() ? cmocka_run_group_tests(tests, one_thread, clear_folder) : 0;

@@ -58,7 +58,7 @@ static void write_tools(pel_json *json, const pel_run_ending *ending)
     close_inline(json, ']');
 }
 
-static void write_contact(pel_json *json, const pel_sim *sim)
+static void write_contact(pel_json *json, const pel_sim *sim, double worst_step_ms)
 {
     pel_contact_statistics s;
     pel_sim_get_contact_statistics(sim, &s);
@@ -82,6 +82,7 @@ static void write_contact(pel_json *json, const pel_sim *sim)
     pel_json_number(json, "cubics_saved", s.candidates > 0 ? 1 - (double)s.cubics / (double)s.candidates : 1);
     int64_t steps = pel_sim_step_count(sim);
     pel_json_number(json, "sleeping_share", steps > 0 ? s.sleeping / (double)steps : 0);
+    pel_json_number(json, "worst_step_ms", worst_step_ms);
     pel_json_number(json, "find_s", s.find_seconds);
     pel_json_number(json, "solve_s", s.solve_seconds);
     pel_json_number(json, "guard_s", s.guard_seconds);
@@ -219,7 +220,7 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     write_modes(json, ending);
     write_limit_points(json, ending->sim);
     if (pel_sim_contact_thickness(ending->sim) > 0)
-        write_contact(json, ending->sim);
+        write_contact(json, ending->sim, ending->summary->worst_step_ms);
     write_ledger(json, &s->ledger);
     if (pel_sim_cut_count(ending->sim) > 0)
         write_cuts(json, ending->sim, &s->ledger);

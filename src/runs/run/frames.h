@@ -22,6 +22,7 @@ typedef struct pel_run_totals {
     int64_t frame_step;        /* step of the last one */
     double frame_seconds;      /* wall time of the steps since then */
     double step_seconds;       /* wall time of all steps */
+    double worst_seconds;      /* of the longest of them */
     double wall_seconds;       /* of the calls of pel_run before this one */
     double max_displacement;   /* m, over the frames */
     double unbalanced_force;   /* N, largest over the frames */

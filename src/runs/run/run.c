@@ -512,6 +512,7 @@ static pel_status advance(pel_run_state *run, pel_error *error)
     double seconds = is_timed ? pel_seconds() - before : 0;
     run->totals.frame_seconds += seconds;
     run->totals.step_seconds += seconds;
+    run->totals.worst_seconds = pel_max(run->totals.worst_seconds, seconds);
     note_tools(run);
     if ((run->frames.skips & PEL_RUN_WARNINGS) == 0)
         pel_warnings_check_step(run);

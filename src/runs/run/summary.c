@@ -45,6 +45,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .time_simulated = pel_sim_time(sim),
         .wall_s = totals->wall_seconds + pel_seconds() - run->start,
         .steps_per_second = totals->step_seconds > 0 ? (double)steps / totals->step_seconds : 0,
+        .worst_step_ms = 1e3 * totals->worst_seconds,
         .volume_final = run->measures.volume,
         .volume_ratio_final = run->measures.volume_ratio,
         .area_ratio_final = run->measures.area_ratio,

@@ -16,6 +16,7 @@
 #include "pellicle/topology.h"
 #include "run/state.h"
 #include "run/warnings_bodies.h"
+#include "run/warnings_contact.h"
 #include "run/warnings_shell.h"
 #include "scene/time_step.h"
 #include "stage/stepper.h"
@@ -38,10 +39,6 @@
 enum { JAM_STEPS = 10 };
 /* edges of a mesh that turn by less than this are flat */
 #define FLAT_ANGLE 1e-6
-/* a tool that touches fewer vertices has a force that depends on the mesh: a disc with a radius of three edges has 33.
-   Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
-   (docs/scenes.md) */
-enum { LEAST_CONTACTS = 30 };
 /* rounding errors of a position, in units of the last place; of the supplied energy: an excess that counts */
 #define ROUNDING_ERRORS 8
 #define EXCESS_SHARE 0.05
@@ -292,7 +289,7 @@ void pel_warnings_check_step(pel_run_state *run)
     pel_sim_get_contact_statistics(run->sim, &now);
     for (int32_t b = 0; b < run->scene->model.body_count; b++)
         vertex_count += pel_sim_vertex_count(run->sim, b);
-    double share = (double)(now.fall_backs - run->contact_before.fall_backs) / (double)vertex_count;
+    double share = (now.stepped_back - run->contact_before.stepped_back) / (double)vertex_count;
     if (share >= JAM_SHARE)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
     check_grasps(run, frame);
@@ -302,14 +299,6 @@ void pel_warnings_check_step(pel_run_state *run)
 }
 
 /* ---- the end ---- */
-
-/* vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
-static int32_t pressed_count(const pel_run_state *run, int32_t t)
-{
-    const pel_tool_def *tool = &run->scene->sim.tools[t];
-    bool presses = !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
-    return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
-}
 
 /* unbalanced forces exclude vertices in contact */
 static void check_rest(pel_run_state *run, int64_t frame)
@@ -351,8 +340,8 @@ void pel_warnings_check_end(pel_run_state *run)
     int64_t frame = run->totals.frame_count - 1;
     for (int32_t t = 0;
          t < run->tool_count && pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)); t++) {
-        int32_t count = pressed_count(run, t);
-        if (count > 0 && count < LEAST_CONTACTS)
+        int32_t count = pel_pressed_count(run, t);
+        if (count > 0 && count < PEL_LEAST_CONTACTS)
             pel_warn(&run->totals.warnings, PEL_WARN_COARSE_CONTACT, frame, 0);
     }
     for (int32_t t = 0; t < run->tool_count; t++)
@@ -537,92 +526,6 @@ static void tell_energy(const pel_warning_text *at)
         snprintf(at->text, at->size, "%.3g J appeared, though only %.3g J were supplied. %s", worst, supplied, remedy);
 }
 
-static void tell_jam(const pel_warning_text *at)
-{
-    snprintf(at->text, at->size,
-             "contact stepped back up to %.0f %% of all vertices, and in %" PRId64
-             " steps at least a tenth: bodies are "
-             "jammed. use a smaller solver.dt, or slower tools and loads",
-             100 * at->tally->worst, at->tally->count);
-}
-
-/* the tool to which a state happened first, and how many others it happened to */
-typedef struct first_tool {
-    pel_tool_reading reading;
-    const char *name;
-    int32_t other_count;
-} first_tool;
-
-static bool is_before(double time, const first_tool *first, double first_time)
-{
-    return first->name == NULL || time < first_time;
-}
-
-static first_tool find_first_tool(const pel_sim *sim, bool lost)
-{
-    first_tool first = {.other_count = -1};
-    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
-        pel_tool_reading now;
-        pel_sim_get_tool(sim, t, &now);
-        if ((lost ? now.lost_count : now.held_back_count) == 0)
-            continue;
-        first.other_count++;
-        if (is_before(lost ? now.lost_time : now.held_back_time, &first,
-                      lost ? first.reading.lost_time : first.reading.held_back_time)) {
-            first.reading = now;
-            first.name = pel_sim_tool_name(sim, t);
-        }
-    }
-    return first;
-}
-
-/* " (and 2 other tools)", or nothing */
-static const char *others_text(const first_tool *first, char text[40])
-{
-    text[0] = '\0';
-    if (first->other_count > 0)
-        snprintf(text, 40, " (and %d other tool%s)", (int)first->other_count, first->other_count > 1 ? "s" : "");
-    return text;
-}
-
-static void tell_tool(const pel_warning_text *at)
-{
-    char others[40];
-    first_tool first = find_first_tool(at->run->sim, false);
-    snprintf(at->text, at->size,
-             "tool '%s'%s was held back in %" PRId64 " steps, first at t = %.6g s, because it trapped a body. move it "
-             "more slowly or less far, or use a smaller solver.dt",
-             first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time);
-}
-
-/* a limit of its force by the scene, not by the material */
-static bool has_given_limit(const pel_run_state *run, const char *tool)
-{
-    const pel_sim_def *def = &run->scene->sim;
-    for (int32_t t = 0; t < def->tool_count; t++)
-        if (strcmp(def->tools[t].name, tool) == 0)
-            return def->tools[t].grasp_max_force > 0;
-    return false;
-}
-
-static void tell_grasp(const pel_warning_text *at)
-{
-    char others[40], why[120];
-    first_tool first = find_first_tool(at->run->sim, true);
-    double limit = first.reading.lost_limit;
-    if (limit > 0)
-        snprintf(why, sizeof why, "their forces exceeded %.3g N, %s", limit,
-                 has_given_limit(at->run, first.name) ? "its max_force" : "what the material bears there");
-    else
-        snprintf(why, sizeof why, "contact had stopped it, and no force would have moved it on");
-    snprintf(at->text, at->size,
-             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: %s. %s, or set tools.%s.max_force%s", first.name,
-             others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
-             at->tally->count > 1 ? " and later" : "", why,
-             limit > 0 ? "pull more slowly, raise grasp.reach" : "move it around the body", first.name,
-             limit > 0 ? " higher" : " to hold on");
-}
-
 static void tell_empty_grasp(const pel_warning_text *at)
 {
     const pel_sim_def *def = &at->run->scene->sim;
@@ -639,57 +542,6 @@ static void tell_uncounted(const pel_warning_text *at)
     snprintf(at->text, at->size,
              "self-intersections at the end are not counted: too many triangles overlap, as around a vertex of "
              "thousands of triangles. divide the triangles around it in a mesh editor");
-}
-
-/* the tool that touched the fewest vertices */
-static int32_t find_coarsest(const pel_run_state *run)
-{
-    int32_t coarsest = 0, least = INT32_MAX;
-    for (int32_t t = 0; t < run->tool_count; t++) {
-        int32_t count = pressed_count(run, t);
-        if (count > 0 && count < least) {
-            least = count;
-            coarsest = t;
-        }
-    }
-    return coarsest;
-}
-
-static double mean_edge(const pel_mesh *mesh)
-{
-    double sum = 0;
-    for (int32_t t = 0; t < mesh->triangle_count; t++)
-        for (int i = 0; i < 3; i++)
-            sum += pel_vec3_distance(mesh->positions[mesh->triangles[t][i]],
-                                     mesh->positions[mesh->triangles[t][(i + 1) % 3]]);
-    return sum / (3.0 * mesh->triangle_count);
-}
-
-/* a level has four times the vertices */
-static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
-{
-    const pel_body_def *body = &run->scene->model.bodies[0];
-    int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * LEAST_CONTACTS / contacts) / 2) : 1;
-    if (run->scene->model.body_count > 1)
-        snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
-    else if (body->refine.levels > 0)
-        snprintf(text, size, "use bodies.%s.refine.levels=%d%s", body->name, (int)body->refine.levels + levels,
-                 body->refine.near_tools > 0 ? "" : ", with near_tools");
-    else
-        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
-                 levels, 2.5 * mean_edge(body->mesh));
-}
-
-static void tell_coarse_contact(const pel_warning_text *at)
-{
-    char remedy[200];
-    int32_t t = find_coarsest(at->run), contacts = at->run->tool_count > 0 ? pressed_count(at->run, t) : 0;
-    write_refinement(at->run, contacts, remedy, sizeof remedy);
-    snprintf(at->text, at->size,
-             "tool '%s' touches %d vertices where its force is largest; with fewer than %d the force depends on the "
-             "mesh. %s",
-             at->run->tool_count > 0 ? at->run->scene->sim.tools[t].name : "", (int)contacts, (int)LEAST_CONTACTS,
-             remedy);
 }
 
 /* of the tool that is told, and of the bodies that it may touch */
@@ -790,12 +642,12 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_UNSTABLE] = tell_unstable,
     [PEL_WARN_STRAY] = tell_stray,
     [PEL_WARN_ENERGY] = tell_energy,
-    [PEL_WARN_JAMMED] = tell_jam,
-    [PEL_WARN_TOOL_HELD] = tell_tool,
-    [PEL_WARN_GRASP_LOST] = tell_grasp,
+    [PEL_WARN_JAMMED] = pel_tell_jam,
+    [PEL_WARN_TOOL_HELD] = pel_tell_held_tool,
+    [PEL_WARN_GRASP_LOST] = pel_tell_lost_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
-    [PEL_WARN_COARSE_CONTACT] = tell_coarse_contact,
+    [PEL_WARN_COARSE_CONTACT] = pel_tell_coarse_contact,
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,
     [PEL_WARN_UNRESOLVED] = tell_unresolved,

@@ -15,6 +15,10 @@ static const float way_share = 1;
 static const double few_left = 0.2;
 /* limit of kept pairs, relative to the pairs of the last search of the whole tree */
 static const double pair_growth = 1.5;
+/* pairs are kept no longer if they are more than this times those that overlap, and LIST_ROOM of each vertex: they were
+   found for a long way, and the ways of the parts of a divided step are short */
+static const double waste = 16;
+enum { LIST_ROOM = 4 };
 /* updates that kept pairs must serve to be worth it, and the longest pause without; vertices of one chunk */
 enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32, VERTICES_PER_CHUNK = 2048 };
 static const unsigned both_kinds = 1u << PEL_PAIR_VERTEX_FACE | 1u << PEL_PAIR_EDGE_EDGE;
@@ -274,6 +278,8 @@ static pel_status sieve_all(pel_candidates *c, pel_pool *pool, pel_error *error)
             PEL_OK ||
         sieve_pairs(c, PEL_PAIR_EDGE_EDGE, pool, &c->edge_edge, &c->edge_edge_count, &c->edge_edge_capacity) != PEL_OK)
         return pel_fail_memory(error);
+    double overlaps = (double)(c->vertex_face_count + c->edge_edge_count);
+    c->has_kept &= (double)c->counts.kept <= waste * (overlaps + LIST_ROOM * (double)c->tree->vertex_count);
     return PEL_OK;
 }
 

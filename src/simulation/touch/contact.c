@@ -670,6 +670,7 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
     if (sim->part.is_refused)
         return PEL_OK;
     double began = pel_seconds();
+    int64_t fall_backs = contacts->statistics.fall_backs, tools_held = contacts->statistics.tools_held;
     release_tools(sim);
     /* the cubic may have missed some */
     if (contacts->conflict_count == 0 && contacts->def.method != PEL_CCD_CONSERVATIVE)
@@ -677,9 +678,12 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
     if (status == PEL_OK && contacts->conflict_count > 0)
         status = guard(sim, error);
     if (status == PEL_OK && shorten_strides(sim)) {
+        contacts->statistics.fall_backs = fall_backs;
+        contacts->statistics.tools_held = tools_held;
         sim->part.is_repeated = true;
         return PEL_OK;
     }
+    contacts->statistics.stepped_back += pel_part_share(sim) * (double)(contacts->statistics.fall_backs - fall_backs);
     contacts->statistics.guard_seconds += pel_seconds() - began;
     contacts->statistics.contacts += contacts->list.count;
     if (status == PEL_OK && contacts->tangles.count > 0) {

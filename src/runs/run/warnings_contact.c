@@ -1,0 +1,236 @@
+/* Warnings about contact: jams, tools that were held back, grasps that lost vertices. */
+#include "run/warnings_contact.h"
+
+#include "math/extremes.h"
+#include "math/functions.h"
+#include "math/vec3.h"
+#include "mesh/figures.h"
+#include "pellicle/sim_contact.h"
+#include "run/state.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* of the mean edge of a body: a thicker contact layer fills its folds */
+#define THICK_SHARE 0.25
+/* of the size of the first body, by which a tool is away from its keys at the end: it will not reach them */
+#define LAG_SHARE 1e-3
+
+/* ---- tools ---- */
+
+/* the tool to which a state happened first, and how many others it happened to */
+typedef struct first_tool {
+    pel_tool_reading reading;
+    const char *name;
+    int32_t other_count;
+} first_tool;
+
+static bool is_before(double time, const first_tool *first, double first_time)
+{
+    return first->name == NULL || time < first_time;
+}
+
+static first_tool find_first_tool(const pel_sim *sim, bool lost)
+{
+    first_tool first = {.other_count = -1};
+    for (int32_t t = 0; t < pel_sim_tool_count(sim); t++) {
+        pel_tool_reading now;
+        pel_sim_get_tool(sim, t, &now);
+        if ((lost ? now.lost_count : now.held_back_count) == 0)
+            continue;
+        first.other_count++;
+        if (is_before(lost ? now.lost_time : now.held_back_time, &first,
+                      lost ? first.reading.lost_time : first.reading.held_back_time)) {
+            first.reading = now;
+            first.name = pel_sim_tool_name(sim, t);
+        }
+    }
+    return first;
+}
+
+/* " (and 2 other tools)", or nothing */
+static const char *others_text(const first_tool *first, char text[40])
+{
+    text[0] = '\0';
+    if (first->other_count > 0)
+        snprintf(text, 40, " (and %d other tool%s)", (int)first->other_count, first->other_count > 1 ? "s" : "");
+    return text;
+}
+
+/* m, how far a tool is from where its keys are at present */
+static double lag_of(const pel_run_state *run, const char *tool)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    for (int32_t t = 0; t < def->tool_count; t++) {
+        double wanted[3], rotation[4];
+        pel_tool_reading now;
+        if (tool == NULL || strcmp(def->tools[t].name, tool) != 0 || def->tools[t].key_count == 0)
+            continue;
+        pel_tool_def_pose(&def->tools[t], pel_sim_time(run->sim), wanted, rotation);
+        pel_sim_get_tool(run->sim, t, &now);
+        return pel_vec3_distance(wanted, now.position);
+    }
+    return 0;
+}
+
+void pel_tell_held_tool(const pel_warning_text *at)
+{
+    char others[40], remedy[160];
+    first_tool first = find_first_tool(at->run->sim, false);
+    double lag = lag_of(at->run, first.name);
+    if (lag > LAG_SHARE * pel_mesh_diagonal(at->run->scene->model.bodies[0].mesh))
+        snprintf(remedy, sizeof remedy, "it ends %.3g m away from its keys: let them lead less far, or around the body",
+                 lag);
+    else
+        snprintf(remedy, sizeof remedy, "it caught up with its keys: move it more slowly");
+    snprintf(at->text, at->size,
+             "tool '%s'%s was held back in %" PRId64
+             " steps, first at t = %.6g s, because it trapped a body; its force "
+             "is unknown where %s_force_known in series.csv is 0. %s",
+             first.name, others_text(&first, others), first.reading.held_back_count, first.reading.held_back_time,
+             first.name, remedy);
+}
+
+/* a limit of its force by the scene, not by the material */
+static bool has_given_limit(const pel_run_state *run, const char *tool)
+{
+    const pel_sim_def *def = &run->scene->sim;
+    for (int32_t t = 0; t < def->tool_count; t++)
+        if (tool != NULL && strcmp(def->tools[t].name, tool) == 0)
+            return def->tools[t].grasp_max_force > 0;
+    return false;
+}
+
+void pel_tell_lost_grasp(const pel_warning_text *at)
+{
+    char others[40], why[120];
+    first_tool first = find_first_tool(at->run->sim, true);
+    double limit = first.reading.lost_limit;
+    if (limit > 0)
+        snprintf(why, sizeof why, "their forces exceeded %.3g N, %s", limit,
+                 has_given_limit(at->run, first.name) ? "its max_force" : "what the material bears there");
+    else
+        snprintf(why, sizeof why, "contact had stopped it, and no force would have moved it on");
+    snprintf(at->text, at->size,
+             "tool '%s'%s lost %" PRId64 " vertices at t = %.6g s%s: %s. %s, or set tools.%s.max_force%s", first.name,
+             others_text(&first, others), first.reading.lost_count, first.reading.lost_time,
+             at->tally->count > 1 ? " and later" : "", why,
+             limit > 0 ? "pull more slowly, raise grasp.reach" : "move it around the body", first.name,
+             limit > 0 ? " higher" : " to hold on");
+}
+
+/* ---- coarse contact ---- */
+
+int32_t pel_pressed_count(const pel_run_state *run, int32_t t)
+{
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    bool presses = !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
+    return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
+}
+
+/* the tool that touched the fewest vertices */
+static int32_t find_coarsest(const pel_run_state *run)
+{
+    int32_t coarsest = 0, least = INT32_MAX;
+    for (int32_t t = 0; t < run->tool_count; t++) {
+        int32_t count = pel_pressed_count(run, t);
+        if (count > 0 && count < least) {
+            least = count;
+            coarsest = t;
+        }
+    }
+    return coarsest;
+}
+
+static double mean_edge(const pel_mesh *mesh)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++)
+            sum += pel_vec3_distance(mesh->positions[mesh->triangles[t][i]],
+                                     mesh->positions[mesh->triangles[t][(i + 1) % 3]]);
+    return sum / (3.0 * mesh->triangle_count);
+}
+
+/* a level has four times the vertices */
+static void write_refinement(const pel_run_state *run, int32_t contacts, char *text, size_t size)
+{
+    const pel_body_def *body = &run->scene->model.bodies[0];
+    int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * PEL_LEAST_CONTACTS / contacts) / 2) : 1;
+    if (run->scene->model.body_count > 1)
+        snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
+    else if (body->refine.levels > 0)
+        snprintf(text, size, "use bodies.%s.refine.levels=%d%s", body->name, (int)body->refine.levels + levels,
+                 body->refine.near_tools > 0 ? "" : ", with near_tools");
+    else
+        snprintf(text, size, "use bodies.%s.refine='{ levels: %d, near_tools: %.2g }', or a finer mesh", body->name,
+                 levels, 2.5 * mean_edge(body->mesh));
+}
+
+void pel_tell_coarse_contact(const pel_warning_text *at)
+{
+    char remedy[200];
+    int32_t t = find_coarsest(at->run), contacts = at->run->tool_count > 0 ? pel_pressed_count(at->run, t) : 0;
+    write_refinement(at->run, contacts, remedy, sizeof remedy);
+    snprintf(at->text, at->size,
+             "tool '%s' touches %d vertices where its force is largest; with fewer than %d the force depends on the "
+             "mesh. %s",
+             at->run->tool_count > 0 ? at->run->scene->sim.tools[t].name : "", (int)contacts, (int)PEL_LEAST_CONTACTS,
+             remedy);
+}
+
+/* ---- jams ---- */
+
+/* a body whose law lets triangles collapse in their plane; -1 = none */
+static int32_t find_collapsing(const pel_run_state *run)
+{
+    for (int32_t b = 0; b < run->scene->model.body_count; b++) {
+        const pel_membrane_def *membrane = &run->scene->model.bodies[b].shell.membrane;
+        bool collapses = membrane->kind == PEL_MEMBRANE_STVK || membrane->kind == PEL_MEMBRANE_LINEAR ||
+                         membrane->kind == PEL_MEMBRANE_COROTATED;
+        if (membrane->on && collapses)
+            return b;
+    }
+    return -1;
+}
+
+/* a body with a contact thickness that fills its folds; -1 = none */
+static int32_t find_thick(const pel_run_state *run)
+{
+    for (int32_t b = 0; b < run->scene->model.body_count; b++)
+        if (pel_sim_body_contact_thickness(run->sim, b) > THICK_SHARE * mean_edge(run->scene->model.bodies[b].mesh))
+            return b;
+    return -1;
+}
+
+/* what is at fault: a tool, then a law, then a thickness; else the length of the steps */
+static void write_fault(const pel_run_state *run, char *text, size_t size)
+{
+    const pel_body_def *bodies = run->scene->model.bodies;
+    first_tool tool = find_first_tool(run->sim, false);
+    int32_t collapsing = find_collapsing(run), thick = find_thick(run);
+    if (tool.name != NULL)
+        snprintf(text, size, "tool '%s' presses them together: move it less far, or more slowly", tool.name);
+    else if (collapsing >= 0)
+        snprintf(text, size,
+                 "the law of body '%s' does not keep its triangles from collapsing: use membrane: { material: "
+                 "neo-hookean }",
+                 bodies[collapsing].name);
+    else if (thick >= 0)
+        snprintf(text, size, "the contact thickness of body '%s' fills its folds: use contact: { thickness: %.2g }",
+                 bodies[thick].name, 0.5 * THICK_SHARE * mean_edge(bodies[thick].mesh));
+    else
+        snprintf(text, size, "use a smaller solver.dt, or slower loads");
+}
+
+void pel_tell_jam(const pel_warning_text *at)
+{
+    char fault[240];
+    write_fault(at->run, fault, sizeof fault);
+    snprintf(at->text, at->size,
+             "contact stepped back up to %.0f %% of all vertices, and in %" PRId64
+             " steps at least a tenth: bodies are jammed. %s",
+             100 * at->tally->worst, at->tally->count, fault);
+}

@@ -1,0 +1,20 @@
+/* Warnings about contact: jams, tools that were held back, grasps that lost vertices, coarse contact. */
+#ifndef PEL_RUN_WARNINGS_CONTACT_H
+#define PEL_RUN_WARNINGS_CONTACT_H
+
+#include "run/warnings_bodies.h"
+
+/* a tool that touches fewer vertices has a force that depends on the mesh: a disc with a radius of three edges has 33.
+   Balls on livers have forces within 5 % of those on fine meshes from 30 on, and 10 % more with 13 to 15
+   (docs/scenes.md) */
+enum { PEL_LEAST_CONTACTS = 30 };
+
+/* Vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
+int32_t pel_pressed_count(const pel_run_state *run, int32_t tool);
+
+void pel_tell_jam(const pel_warning_text *at);
+void pel_tell_held_tool(const pel_warning_text *at);
+void pel_tell_lost_grasp(const pel_warning_text *at);
+void pel_tell_coarse_contact(const pel_warning_text *at);
+
+#endif
