@@ -14,21 +14,27 @@ extern "C" {
    come last in all arrays. A vertex of a path stands for all its copies, so a path may cross or touch an older cut;
    edges that are open already are skipped.
 
-   Copies have the position and the velocity of their vertex; its mass, volumetric spring, dampings, loads and elastic
-   supports are divided among them by the areas around, and the spring on an edge by the areas beside its lips. So mass,
-   momenta, kinetic energy and the energy of springs and membranes stay as they are; bending across the cut is released,
-   and the ledger books it as dissipated_fracture. Pins, supports, grasps, regions and fields extend to the copies;
-   loads per length do not act on lips. Snapshots contain the cuts, and loading one opens or closes the surface as it
-   was.
+   Copies have the position and the velocity of their vertex (under contact of the surface with itself they move apart
+   by a thousandth of the shortest edge at most, so that lips do not intersect; their mean place stays); its mass,
+   volumetric spring, dampings, loads and elastic supports are divided among them by the areas around, and the spring on
+   an edge by the areas beside its lips. So mass, momenta, kinetic energy and the energy of springs and membranes stay
+   as they are; bending across the cut is released, and the ledger books it as dissipated_fracture. Pins, supports,
+   grasps, regions and fields extend to the copies; loads per length do not act on lips. Snapshots contain the cuts, and
+   loading one opens or closes the surface as it was.
 
    PEL_BAD_ARGUMENT leaves the simulation unchanged: vertices that do not exist or are joined by no edge; an edge of the
    border; a path that opens nothing (a single edge inside the surface); any body that refines; a path of balances or an
-   analysis; an enclosed gas or a target volume, which need a closed surface. PEL_OUT_OF_MEMORY. */
+   analysis; lips that would intersect (pel_sim_cut_is_held); an enclosed gas or a target volume, which need a closed
+   surface. PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_cut(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t vertex_count, pel_error *error);
 
 /* Number of cuts at given times (pel_sim_def), and of those that are made. */
 PEL_API int32_t pel_sim_cut_count(const pel_sim *sim);
 PEL_API int32_t pel_sim_cuts_done(const pel_sim *sim);
+
+/* Whether the last cut that was tried is held back, because its lips would intersect: under contact with itself, where
+   the surface is folded sharply. A cut at a given time is tried again before each step; the cuts after it wait. */
+PEL_API bool pel_sim_cut_is_held(const pel_sim *sim);
 
 /* State of the cuts of one body. */
 typedef struct pel_cut_reading {

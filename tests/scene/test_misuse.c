@@ -526,6 +526,7 @@ static void test_sim_calls(void **unused)
     FAILS(pel_sim_tips(sim, 0, NULL, 3, &tip_count, &error));
     SURVIVES(pel_sim_cut_count(NULL));
     SURVIVES(pel_sim_cuts_done(NULL));
+    SURVIVES(pel_sim_cut_is_held(NULL));
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
     SURVIVES(pel_sim_get_origins(sim, 0, NULL));

@@ -71,12 +71,18 @@ double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *
     return most + way;
 }
 
+/* m, distance that the guard keeps between the two parts of a pair */
+static double guarded_of(const pel_contact_set *set, const pel_collision *hit)
+{
+    return pel_contact_pair_share(set, hit->vertices) * set->guarded;
+}
+
 /* impact of what the guard minds */
 static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision *hit)
 {
     pel_timed_hit impact = {.hit.time_of_impact = NO_IMPACT}, found = impact;
     double distance = pel_contact_start_distance(set, hit), approach = pel_contact_longest_approach(set, hit);
-    double separation = pel_min(set->guarded, APPROACH * distance);
+    double separation = pel_min(guarded_of(set, hit), APPROACH * distance);
     /* twice, to be far from rounding */
     if (approach == 0 || distance - 2 * approach > separation)
         return impact;
@@ -114,7 +120,7 @@ pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *co
 
 static pel_status add_hit(pel_contact_set *set, const pel_collision *hit, double time, pel_error *error)
 {
-    bool ends_free = distance_at((const double(*)[3])set->end, hit) > set->guarded;
+    bool ends_free = distance_at((const double(*)[3])set->end, hit) > guarded_of(set, hit);
     pel_conflict conflict = {.obstacle = -1, .time = time, .ends_free = ends_free};
     for (int i = 0; i < 4; i++) {
         int32_t obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);

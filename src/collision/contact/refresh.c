@@ -259,8 +259,7 @@ static void refresh_edges(const refresh_job *job, double x[4][3], const pel_cont
 static double set_obstacle_share(const pel_contact_set *set, const pel_contact_key *key, const double weights[4],
                                  const double normal[3], pel_contact *contact)
 {
-    const int32_t *group = set->group_of_point;
-    double thickness = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - slack_of(set, key);
+    double thickness = pel_contact_pair_thickness(set, key->points) - slack_of(set, key);
     double separation = thickness, drift[3] = {0, 0, 0};
     for (int i = 0; i < 4; i++) {
         int32_t point = key->points[i] - set->vertex_count;

@@ -41,6 +41,9 @@ static void set_distances(pel_contact_set *set)
         set->least = pel_min(set->least, set->groups[i].thickness);
         set->largest = pel_max(set->largest, set->groups[i].thickness);
     }
+    set->finest = set->least;
+    for (int32_t b = 0; set->def.origin_of_vertex != NULL && b < set->def.body_count; b++)
+        set->finest = pel_min(set->finest, pel_contact_kin_share(set, b) * set->groups[b].thickness);
     set->guarded = GUARDED_SHARE * set->least;
     set->near = set->largest + NEAR_SHARE * set->def.shortest_edge;
     set->aim = HUGE_VAL;
@@ -113,7 +116,7 @@ static bool make_contact(const pel_contact_set *set, const pel_collision *pair, 
     PEL_ASSERT_INDEX(pair->vertices[3], set->point_count);
     /* points 0 and 3 are of either side */
     const int32_t *group = set->group_of_point;
-    double separation = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]), free = 0;
+    double separation = pel_contact_pair_thickness(set, pair->vertices), free = 0;
     double friction = pel_contact_friction(set, group[pair->vertices[0]], group[pair->vertices[3]]);
     *contact = (pel_contact){.friction = (pel_real)friction};
     double drift[3] = {0, 0, 0};
@@ -295,7 +298,7 @@ static double side_mass(const pel_contact_set *set, const pel_collision *pair, i
 static double compliance_of(const pel_contact_set *set, const pel_collision *pair, double thickness)
 {
     int middle = pair->edge_edge ? 2 : 1;
-    double compliance = 0, approach = 0;
+    double compliance = 0, approach = 0, share = pel_contact_pair_share(set, pair->vertices);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
             approach -= pair->hit.weight[i] * pair->hit.normal[k] *
@@ -304,7 +307,8 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
     for (int side = 0; side < 2; side++) {
         double mass = side_mass(set, pair, side == 0 ? 0 : middle, side == 0 ? middle : 4);
         const pel_contact_group *group = &set->groups[set->group_of_point[pair->vertices[3 * side]]];
-        const pel_contact_layer layer = {thickness, group->hardness};
+        /* a thinner layer gives way less */
+        const pel_contact_layer layer = {thickness, group->hardness / share};
         double own = mass > 0 ? pel_contact_layer_compliance(&layer, mass, speed, set->dt) : 0;
         compliance = own > compliance ? own : compliance;
     }
@@ -329,9 +333,9 @@ static void keep_old(const pel_contact *old, const pel_contact_key *own, pel_con
 /* m, by how much a pair may be farther apart than corrections bring it */
 static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
 {
-    const int32_t *group = set->group_of_point;
-    double allowed = pel_contact_thickness(set, group[key->points[0]], group[key->points[3]]) - key->slack;
-    return allowed > set->aim ? allowed - set->aim : 0;
+    double allowed = pel_contact_pair_thickness(set, key->points) - key->slack;
+    double aim = pel_contact_pair_share(set, key->points) * set->aim;
+    return allowed > aim ? allowed - aim : 0;
 }
 
 /* weights of a closest point that is not at an end are larger */
@@ -415,8 +419,7 @@ static bool may_meet(const void *context, pel_collision *pair)
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
     double distance = measure_start(set, pair), way = pel_contact_longest_approach(set, pair);
-    double thickness = pel_contact_thickness(set, group[pair->vertices[0]], group[pair->vertices[3]]);
-    double reach = thickness + set->margin;
+    double reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
     if (distance > reach + way || (distance > reach && !comes_within(set, pair, reach)))
         return false;
     return !pair->edge_edge || !hardly_slides(set, way) || !is_end_or_parallel(set, pair);
@@ -464,8 +467,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
         return;
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = pel_contact_start_distance(set, pair);
-    double thickness =
-        pel_contact_thickness(set, set->group_of_point[pair->vertices[0]], set->group_of_point[pair->vertices[3]]);
+    double thickness = pel_contact_pair_thickness(set, pair->vertices);
     key.slack = thickness > start ? thickness - start : 0;
     if (is_again(m, pair, &key))
         return;
@@ -682,7 +684,7 @@ void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags)
 
 void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *motion, int32_t sweeps)
 {
-    double tolerance = SWEEP_TOLERANCE * set->least;
+    double tolerance = SWEEP_TOLERANCE * set->finest;
     for (int32_t i = 0; i < set->def.obstacle_count; i++)
         set->obstacles[i].substep = set->obstacles[i].before;
     pel_contact_set_place_substep(set);

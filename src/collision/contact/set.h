@@ -54,10 +54,11 @@ typedef struct pel_contact_set_def {
     int32_t vertex_count, body_count;
     const int32_t *body_of_slice; /* (vertex_count / PEL_WIDTH) */
     const pel_real *mass,
-        *inverse_mass;             /* (vertex_count) kg, 1/kg; 0 and 0 for unused vertices, inverse 0 for fixed ones */
-    const pel_record *rest;        /* (vertex_count) m */
-    int32_t triangle_limit;        /* the most triangles of bodies */
-    const pel_obstacle *obstacles; /* (obstacle_count) copied */
+        *inverse_mass;      /* (vertex_count) kg, 1/kg; 0 and 0 for unused vertices, inverse 0 for fixed ones */
+    const pel_record *rest; /* (vertex_count) m */
+    const int32_t *origin_of_vertex; /* (vertex_count) the vertex that it was before cuts; null = nothing is cut */
+    int32_t triangle_limit;          /* the most triangles of bodies */
+    const pel_obstacle *obstacles;   /* (obstacle_count) copied */
     int32_t obstacle_count;
     const pel_contact_group *groups; /* (body_count + obstacle_count) copied; bodies, then obstacles */
     double thickness;                /* m, of groups that have none of their own: the unit of tolerances */
@@ -156,6 +157,7 @@ typedef struct pel_contact_set {
     pel_obstacle *obstacles;   /* (obstacle_count) */
     pel_contact_group *groups; /* (body_count + obstacle_count) */
     double least, largest;     /* m, thickness of all groups */
+    double finest;             /* m, the least thickness of pairs, kin included */
     double guarded;            /* m, distance that the guard keeps */
     double mean_edge;          /* m, of the bodies when the first surface was set */
     double near;               /* m, what starts within it needs no time of impact (pel_ccd_batch) */
@@ -260,6 +262,14 @@ void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
 /* m, distance that two groups keep: half the thickness of either */
 double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b);
+
+/* ---- kin.c ---- */
+/* the share of all distances that a pair of these points keeps: below 1 for kin, the lips of a cut */
+double pel_contact_pair_share(const pel_contact_set *set, const int32_t points[4]);
+/* m, the distance that it keeps */
+double pel_contact_pair_thickness(const pel_contact_set *set, const int32_t points[4]);
+/* the share of kin in a body */
+double pel_contact_kin_share(const pel_contact_set *set, int32_t body);
 
 /* ---- surface.c ---- */
 /* Points, groups and the triangles of obstacles, in a set that is empty but for its def and obstacles.

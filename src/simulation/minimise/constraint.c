@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/sort.h"
 #include "base/status.h"
+#include "boundary/hold.h"
 #include "contact/contact.h"
 #include "contact/set.h"
 #include "math/extremes.h"
@@ -17,6 +18,9 @@ enum { ESTIMATE_SWEEPS = 20 };
 
 /* of the thickness */
 #define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
+
+/* of the two sides of a pair of lips together: below it tools and supports decide where they are */
+#define LEAST_FREEDOM 0.5
 
 /* weights of a point inside a feature are larger */
 #define INSIDE 1e-9
@@ -512,8 +516,7 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_conta
 {
     const pel_contact *contact = &sim->contacts->list.contacts[number];
     const pel_contact_key *key = &sim->contacts->keys[number];
-    const int32_t *group = sim->contacts->group_of_point;
-    double thickness = pel_contact_thickness(sim->contacts, group[key->points[0]], group[key->points[3]]);
+    double thickness = pel_contact_pair_thickness(sim->contacts, key->points);
     *constraint = (pel_minimise_contact){
         .offset = (double)contact->separation + PEL_SLACK_SHARE * thickness,
         .tolerance = GAP_TOLERANCE * thickness,
@@ -534,6 +537,38 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_conta
     }
 }
 
+/* share of a direction along which a vertex can move: 0 = tools and supports hold it there */
+static double freedom(const pel_sim *sim, int32_t v, const double normal[3])
+{
+    const pel_holds *holds = sim->holds;
+    double free[3];
+    int32_t low = 0, high = holds != NULL ? holds->held_count : 0;
+    if (!(mobility_of(sim, v) > 0))
+        return 0;
+    while (low < high) {
+        int32_t middle = (low + high) / 2;
+        low = holds->vertices[middle] < v ? middle + 1 : low;
+        high = holds->vertices[middle] < v ? high : middle;
+    }
+    bool is_held = holds != NULL && low < holds->held_count && holds->vertices[low] == v;
+    pel_vec3_copy(normal, free);
+    for (int k = 0; is_held && k < holds->held[low].count; k++)
+        pel_vec3_along(free, -pel_vec3_dot(free, holds->axes[low][k]), holds->axes[low][k], free);
+    return pel_vec3_length(free);
+}
+
+/* lips that are held as they are cannot part: the guard minds them alone */
+static bool are_held_kin(const pel_sim *sim, const pel_minimise_contact *constraint)
+{
+    double sum = 0;
+    if (!(pel_contact_pair_share(sim->contacts, sim->contacts->keys[constraint->number].points) < 1))
+        return false;
+    for (int i = 0; i < 4; i++)
+        if (constraint->weights[i] != 0)
+            sum += fabs(constraint->weights[i]) * freedom(sim, constraint->vertices[i], constraint->normal);
+    return sum < LEAST_FREEDOM;
+}
+
 pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
 {
     pel_minimise *minimise = sim->minimise;
@@ -544,7 +579,8 @@ pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
         if (sim->contacts->keys[c].is_off)
             continue;
         constraint_of(sim, c, &constraint);
-        status = pel_minimise_contact_add(sim, &constraint, error);
+        if (!are_held_kin(sim, &constraint))
+            status = pel_minimise_contact_add(sim, &constraint, error);
     }
     return status;
 }

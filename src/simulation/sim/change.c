@@ -11,6 +11,7 @@
 #include "tool/pose.h"
 #include "tool/reading.h"
 #include "tool/start.h"
+#include "touch/lips.h"
 #include "touch/tangle.h"
 
 pel_status pel_change_begin(const pel_sim *sim, pel_change *change, pel_error *error)
@@ -104,6 +105,15 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
     return status == PEL_OK ? pel_contacts_refuse_tangles(sim, error) : status;
 }
 
+/* lips part, and no triangles intersect that did not before */
+static pel_status open_lips(pel_sim *old, pel_sim *sim, pel_error *error)
+{
+    if (sim->contacts == NULL)
+        return PEL_OK;
+    pel_status status = pel_lips_part(sim, error);
+    return status == PEL_OK ? pel_contacts_check_lips(old, sim, error) : status;
+}
+
 /* the state of the old one, and the change of energy */
 static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces, pel_error *error)
 {
@@ -114,7 +124,7 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces
     if (status != PEL_OK)
         return status;
     pel_sim_update_factors(sim, pel_sim_time(sim));
-    status = start_tools(old, sim, error);
+    status = surfaces != NULL ? open_lips(old, sim, error) : start_tools(old, sim, error);
     if (status != PEL_OK)
         return status;
     pel_ledger_follow(sim);

@@ -138,6 +138,7 @@ static pel_status open_path(pel_sim *sim, int32_t body, const int32_t *vertices,
                             int32_t cuts_done, pel_error *error)
 {
     const pel_body_def *def = &sim->given->def.bodies[body];
+    sim->cut_is_held = false;
     cut c = {.sim = sim, .body = body, .origins = def->origins, .base_count = pel_origins_base_count(def)};
     pel_opening opening = {0};
     pel_status status = pel_topology_create(def->mesh, &c.topology, error);
@@ -187,6 +188,9 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
         if (at > pel_sim_time(sim) + TIME_ROUNDING * sim->solver.dt)
             return PEL_OK;
         status = open_path(sim, next->body, next->vertices, next->vertex_count, number + 1, error);
+        /* once more before the next step */
+        if (status == PEL_BAD_ARGUMENT && sim->cut_is_held)
+            return PEL_OK;
         if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
             name_cut(number, at, error);
     }
@@ -257,6 +261,11 @@ int32_t pel_sim_cuts_done(const pel_sim *sim)
     if (sim == NULL)
         return 0;
     return sim->cuts_done;
+}
+
+bool pel_sim_cut_is_held(const pel_sim *sim)
+{
+    return sim != NULL && sim->cut_is_held;
 }
 
 void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins)

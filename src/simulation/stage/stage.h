@@ -82,6 +82,7 @@ struct pel_sim {
     pel_sim_def def;      /* the def with all changes since creation */
     bool goes_on;         /* continues from a state: skip the checks of a start at rest */
     int32_t cuts_done;    /* of def.cuts */
+    bool cut_is_held;     /* the last cut that was tried is held back: its lips would intersect */
     int64_t cut_revision; /* another one after each change of the triangles by a cut */
 
     /* how */

@@ -3,6 +3,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "contact/sweep.h"
@@ -20,6 +21,7 @@
 #include "tool/reading.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
+#include "touch/lips.h"
 #include "touch/sleep.h"
 #include "touch/tangle.h"
 
@@ -200,6 +202,7 @@ static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_
         .mass = model->mass,
         .inverse_mass = model->inverse_mass,
         .rest = model->rest,
+        .origin_of_vertex = sim->touch->origins,
         .triangle_limit = model->triangle_begin[model->body_count],
         .obstacles = obstacles,
         .obstacle_count = sim->tools->count,
@@ -265,7 +268,9 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         sim->touch->def.sweeps = SWEEP_PRESET;
     sim->self_contact = def->self && !def->allow_tangled;
     sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
-    status = create_from_tools(sim, error);
+    status = pel_lips_find_origins(sim, error);
+    if (status == PEL_OK)
+        status = create_from_tools(sim, error);
     if (status != PEL_OK)
         return status;
     pel_contacts_place(sim);
@@ -284,8 +289,7 @@ void pel_contacts_destroy(pel_sim *sim)
     pel_contact_set_destroy(sim->contacts);
     sim->contacts = NULL;
     pel_sleep_destroy(sim);
-    pel_free(sim->touch->revisions);
-    pel_free(sim->touch->before_event);
+    PEL_FREE_ALL(sim->touch->revisions, sim->touch->origins, sim->touch->before_event);
 }
 
 /* ---- inputs of the set ---- */

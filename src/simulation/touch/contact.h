@@ -22,6 +22,7 @@ typedef struct pel_sleep pel_sleep; /* (sleep.c) */
 struct pel_touch {
     pel_contact_def def;
     int64_t *revisions; /* (body_count) of the surface in the set */
+    int32_t *origins;   /* (vertex_count) of each vertex the one that it was before cuts; null = nothing is cut */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
     bool is_carried;    /* pairs and revisions are of another simulation, the surface of the set is not yet */
     double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */

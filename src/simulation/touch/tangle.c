@@ -29,19 +29,28 @@ static void describe(const pel_sim *sim, int32_t triangle, char *text, size_t si
     snprintf(text + length, size - length, " %d", (int)(triangle - first));
 }
 
-static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
+/* the first pairs of those that intersect */
+static void list_pairs(const pel_sim *sim, char *list, size_t size)
 {
     const pel_tangles *tangles = &sim->contacts->tangles;
-    char list[400] = "", first[NAME_ROOM], second[NAME_ROOM];
+    char first[NAME_ROOM], second[NAME_ROOM];
     for (int64_t i = 0; i < tangles->count && i < NAMED_PAIRS; i++) {
         size_t length = strlen(list);
         describe(sim, tangles->pairs[i].first, first, sizeof first);
         describe(sim, tangles->pairs[i].second, second, sizeof second);
-        snprintf(list + length, sizeof list - length, "%s%s and %s", i > 0 ? "; " : "", first, second);
+        snprintf(list + length, size - length, "%s%s and %s", i > 0 ? "; " : "", first, second);
     }
+    size_t length = strlen(list);
+    snprintf(list + length, size - length, "%s", tangles->count > NAMED_PAIRS ? "; ..." : "");
+}
+
+static pel_status refuse_pairs(const pel_sim *sim, pel_error *error)
+{
+    char list[400] = "";
+    list_pairs(sim, list, sizeof list);
     return pel_refuse(error, PEL_BAD_ARGUMENT, "pull them apart, or accept them with contact: { start: tangled }",
-                      "%lld pairs of triangles intersect at the start: %s%s", (long long)tangles->count, list,
-                      tangles->count > NAMED_PAIRS ? "; ..." : "");
+                      "%lld pairs of triangles intersect at the start: %s", (long long)sim->contacts->tangles.count,
+                      list);
 }
 
 /* a tool that is a surface must not cut a body, nor be inside a closed one */
@@ -72,6 +81,35 @@ pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error)
     if (status == PEL_OK && sim->contacts->tangles.count > 0 && !sim->touch->def.allow_tangled)
         status = refuse_pairs(sim, error);
     return status;
+}
+
+/* those of the surface before the cut need no search where they are known */
+static pel_status count_before(pel_sim *sim, int64_t *count, pel_error *error)
+{
+    *count = sim->contacts != NULL ? sim->contacts->tangles.count : 0;
+    if (sim->contacts == NULL || sim->contacts->tangles.is_known)
+        return PEL_OK;
+    return pel_sim_intersections(sim, count, error);
+}
+
+pel_status pel_contacts_check_lips(pel_sim *before, pel_sim *sim, pel_error *error)
+{
+    int64_t count;
+    char list[400] = "";
+    sim->touch->revisions[0] = -1;
+    pel_contacts_place_start(sim);
+    pel_status status = pel_contacts_update_surface(sim, error);
+    if (status == PEL_OK)
+        status = pel_tangles_find(sim->contacts, error);
+    if (status != PEL_OK || sim->contacts->tangles.count == 0)
+        return status;
+    status = count_before(before, &count, error);
+    if (status != PEL_OK || sim->contacts->tangles.count <= count)
+        return status;
+    before->cut_is_held = true;
+    list_pairs(sim, list, sizeof list);
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "unfold the surface there first, or cut elsewhere",
+                      "the cut is held back, because its lips would intersect: %s", list);
 }
 
 pel_status pel_sim_intersections(pel_sim *sim, int64_t *count, pel_error *error)
