@@ -13,6 +13,7 @@
 #include "model/model.h"
 #include "model/shell.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "pellicle/topology.h"
 #include "run/state.h"
 #include "run/warnings_bodies.h"
@@ -59,6 +60,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_ENERGY] = "energy-appears",
     [PEL_WARN_JAMMED] = "jammed",
     [PEL_WARN_TOOL_HELD] = "tool-held-back",
+    [PEL_WARN_CUT_HELD] = "cut-held-back",
     [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
     [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
@@ -292,6 +294,8 @@ void pel_warnings_check_step(pel_run_state *run)
     double share = (now.stepped_back - run->contact_before.stepped_back) / (double)vertex_count;
     if (share >= JAM_SHARE)
         pel_warn(tallies, PEL_WARN_JAMMED, frame, share);
+    if (pel_sim_cut_is_held(run->sim))
+        pel_warn(tallies, PEL_WARN_CUT_HELD, frame, pel_sim_cuts_done(run->sim));
     check_grasps(run, frame);
     pel_warnings_check_mode(run);
     run->contact_before = now;
@@ -515,6 +519,14 @@ static const char *energy_remedy(const pel_sim_def *sim)
     return is_step ? "use a smaller solver.dt" : stepper->energy_remedy;
 }
 
+static void tell_cut(const pel_warning_text *at)
+{
+    snprintf(at->text, at->size,
+             "cut %.0f was held back in %" PRId64
+             " steps, because its lips would have intersected. cut where the surface is not folded, or earlier",
+             at->tally->worst + 1, at->tally->count);
+}
+
 static void tell_energy(const pel_warning_text *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
@@ -644,6 +656,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_ENERGY] = tell_energy,
     [PEL_WARN_JAMMED] = pel_tell_jam,
     [PEL_WARN_TOOL_HELD] = pel_tell_held_tool,
+    [PEL_WARN_CUT_HELD] = tell_cut,
     [PEL_WARN_GRASP_LOST] = pel_tell_lost_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
