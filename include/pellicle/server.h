@@ -1,6 +1,6 @@
 /* Pellicle: live simulations in a browser. Either a program steps the simulation and serves the page by HTTP, with one
    WebSocket for the frames and the user's commands, or the page itself contains the simulation. In the library
-   pellicle_live, which is built if libwebsockets is installed. */
+   pellicle_live. */
 #ifndef PELLICLE_SERVER_H
 #define PELLICLE_SERVER_H
 

@@ -41,9 +41,7 @@ typedef struct pel_sim_def {
        thread; returning false ends the step with PEL_STOPPED. Must be fast, such as reading a flag. Nullable. */
     bool (*wanted)(void *user);
     void *user; /* passed to `wanted`; both must live as long as the simulation */
-    /* True: `wanted` is also called in short steps with contact, PEL_METHOD_PBD or PEL_METHOD_XPBD. Such a step takes
-       no snapshot, so after PEL_STOPPED the caller must load one. For callers that keep snapshots, such as sessions;
-       default: false. */
+    /* True: `wanted` is called in all steps. Each takes a snapshot, some percent of a short one; default: false. */
     bool stops_short_steps;
     uint32_t cookie;
 } pel_sim_def;

@@ -17,8 +17,7 @@ MOST_SOURCES, MOST_LINES, LONGEST_CYCLE = 20, 5000, 4
 # outer libraries and the folders that may use them
 OUTER = {"libfyaml": {"src/runs/keys"}, "assimp": {"src/runs/foreign"}, "zlib": {"src/shape/io"},
          "pthread": {"src/ground/base", "src/service/haptic", "src/service/live", "cli", "view"},
-         "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"},
-         "libwebsockets": {"src/service/live"}}
+         "epoxy": {"view"}, "png": {"view"}, "ft2build": {"view"}}
 # headers that the build makes, and their folders
 MADE = {"law/files.h": "src/physics/law"}
 

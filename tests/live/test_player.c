@@ -51,7 +51,7 @@ static void say(fixture *f, const char *line)
     char *copy = pel_allocate(strlen(line) + 1, 1);
     assert_non_null(copy);
     memcpy(copy, line, strlen(line) + 1);
-    pel_mailbox_line(&f->box, copy);
+    pel_mailbox_line(&f->box, copy, pel_player_interrupts(copy));
     assert_true(pel_player_turn(f->player, 0));
 }
 

@@ -3,6 +3,8 @@
 #include "check.h"
 #include "source_dir.h"
 
+#include "live/request.h"
+
 #include <pellicle/server.h>
 
 #include <arpa/inet.h>
@@ -50,7 +52,7 @@ static void *run_server(void *unused)
     (void)unused;
     pel_server_def def = pel_server_def_default();
     def.scene = scene;
-    def.page = PEL_SOURCE_DIR "/LICENSE";
+    def.page = PEL_SOURCE_DIR "/tests/live/page.html";
     def.host = listened;
     def.paused = true;
     def.opened = note_address;
@@ -279,7 +281,7 @@ static void test_who_may_come(void **unused)
         const char *path, *key, *host, *origin;
         int status;
     } cases[] = {
-        {"/?token=", token, own_host(), "", 200},
+        {"/?token=", token, own_host(), "", 303},
         {"/?token=", wrong, own_host(), "", 403},
         {"/?token=", "", own_host(), "", 403},
         {"/", "", own_host(), "", 403},
@@ -296,17 +298,97 @@ static void test_who_may_come(void **unused)
         if (status != cases[i].status)
             print_error("case %d: %d\n", (int)i, status);
         assert_int_equal(status, cases[i].status);
-        /* the channel as the page; it has no other path */
+        /* the channel as the page */
         snprintf(upgrade, sizeof upgrade, "%s" UPGRADE, headers);
         status = ask(cases[i].path, cases[i].key, upgrade);
-        int expected = cases[i].status == 403 ? 403 : 101;
+        int expected = cases[i].status == 303 ? 101 : cases[i].status;
         if (status != expected)
             print_error("channel, case %d: %d\n", (int)i, status);
         assert_int_equal(status, expected);
     }
     snprintf(headers, sizeof headers, "Host: localhost:%d\r\nOrigin: http://localhost:%d\r\n", atomic_load(&port),
              atomic_load(&port));
-    assert_int_equal(ask("/?token=", token, headers), 200);
+    assert_int_equal(ask("/?token=", token, headers), 303);
+}
+
+/* the answer to a request, whole, with a zero behind it */
+static const char *fetch(const char *path, const char *headers, char *answer, size_t room)
+{
+    char out[1200];
+    size_t length = 0;
+    int line = call();
+    snprintf(out, sizeof out, "GET %s HTTP/1.1\r\n%s\r\n", path, headers);
+    write_all(line, out, strlen(out));
+    while (length < room - 1 && read_all(line, answer + length, 1))
+        length++;
+    answer[length] = '\0';
+    close(line);
+    return answer;
+}
+
+/* the token goes from the address into a cookie, which lets in alone; the page may run its own scripts only */
+static void test_cookie(void **unused)
+{
+    (void)unused;
+    static char answer[1 << 17];
+    char path[100], headers[400], cookie[120];
+    snprintf(path, sizeof path, "/?token=%s", token);
+    fetch(path, own_host(), answer, sizeof answer);
+    assert_non_null(strstr(answer, "location: /\r\n"));
+    const char *set = strstr(answer, "set-cookie: ");
+    assert_non_null(set);
+    assert_non_null(strstr(set, "; HttpOnly; SameSite=Lax; Path=/\r\n"));
+    snprintf(cookie, sizeof cookie, "%.*s", (int)strcspn(set + 12, ";"), set + 12);
+    snprintf(headers, sizeof headers, "%sCookie: other=1; %s; more=2\r\n", own_host(), cookie);
+    assert_int_equal(ask("/", "", headers), 200);
+    fetch("/", headers, answer, sizeof answer);
+    assert_non_null(strstr(answer, "\r\ncontent-security-policy: default-src 'none'; "));
+    assert_non_null(strstr(answer, "script-src 'sha256-xY6QKfH9PRsQnLz56nj6MBwiK5oHg+im1Jkpdp1x/Ck='; connect-src"));
+    assert_non_null(strstr(answer, "frame-ancestors 'none'"));
+    assert_non_null(strstr(answer, "<script>let a = 1;</script>"));
+    /* an address with a wrong token does not fall back to the cookie */
+    assert_int_equal(ask("/?token=0", "", headers), 403);
+    cookie[strlen(cookie) - 1] = (char)(cookie[strlen(cookie) - 1] ^ 1);
+    snprintf(headers, sizeof headers, "%sCookie: %s\r\n", own_host(), cookie);
+    assert_int_equal(ask("/", "", headers), 403);
+    /* what is no request */
+    assert_int_equal(ask("/", "", "Host: a\r\nHost: b\r\n"), 400);
+    assert_int_equal(ask("/", "", " folded: x\r\n"), 400);
+    memset(answer, 'a', PEL_HEAD_LIMIT);
+    answer[PEL_HEAD_LIMIT] = '\0';
+    int line = call();
+    write_all(line, answer, PEL_HEAD_LIMIT);
+    char reply[16] = {0};
+    assert_true(read_all(line, reply, 12));
+    assert_string_equal(reply, "HTTP/1.1 400");
+    close(line);
+}
+
+/* sockets that say nothing, or half a request, do not keep a page out, however many they are */
+static void test_idle_sockets(void **unused)
+{
+    (void)unused;
+    enum { IDLE = 300 };
+    int idle[IDLE];
+    for (int i = 0; i < IDLE; i++) {
+        idle[i] = call();
+        if (i % 2 == 0)
+            write_all(idle[i], "GET / HT", 8);
+    }
+    client who = visit();
+    say(&who, "echo 91");
+    (void)await(&who, "frame", "\"echo\":91");
+    leave(&who);
+    /* and half a request ends by itself */
+    int line = call();
+    const double start = pel_seconds();
+    char byte;
+    write_all(line, "GET / HT", 8);
+    assert_false(read_all(line, &byte, 1));
+    assert_true(pel_seconds() - start < 15);
+    close(line);
+    for (int i = 0; i < IDLE; i++)
+        close(idle[i]);
 }
 
 static void test_first_messages(void **unused)
@@ -415,6 +497,94 @@ static void test_rude_pages(void **unused)
     leave(&who);
 }
 
+/* frames that RFC 6455 does not allow end the channel: without a mask, reserved bits, other kinds, a long ping, too
+ * much */
+static void test_bad_frames(void **unused)
+{
+    (void)unused;
+    static const struct {
+        unsigned char bytes[14];
+        size_t size;
+    } cases[] = {
+        {{0x81, 4, 'p', 'l', 'a', 'y'}, 6},
+        {{0xc1, 0x80, 1, 2, 3, 4}, 6},
+        {{0x83, 0x80, 1, 2, 3, 4}, 6},
+        {{0x80, 0x80, 1, 2, 3, 4}, 6},
+        {{0x89, 0x80 | 126, 0, 126, 1, 2, 3, 4}, 8},
+        {{0x09, 0x80, 1, 2, 3, 4}, 6},
+        /* 8 MiB and a byte; a length that wraps around */
+        {{0x81, 0x80 | 127, 0, 0, 0, 0, 0, 0x80, 0, 1, 1, 2, 3, 4}, 14},
+        {{0x81, 0x80 | 127, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1, 2, 3, 4}, 14},
+        /* a zero byte in a text */
+        {{0x81, 0x80 | 1, 1, 2, 3, 4, 1}, 7},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        client who = visit();
+        write_all(who.socket, cases[i].bytes, cases[i].size);
+        int heard = 0;
+        while (heard < 50 && hear(&who))
+            heard++;
+        if (heard == 50)
+            print_error("case %d\n", (int)i);
+        assert_true(heard < 50);
+        leave(&who);
+    }
+    /* allowed: a message in pieces with a ping between them */
+    static const unsigned char pieces[] = {0x01, 0x83, 0,   0,    0,    0, 'e', 'c', 'h', 0x89, 0x82, 0,   0,  0,
+                                           0,    'h',  'i', 0x80, 0x84, 0, 0,   0,   0,   'o',  ' ',  '9', '5'};
+    client who = visit();
+    write_all(who.socket, pieces, sizeof pieces);
+    bool has_pong = false, has_echo = false;
+    while (!has_pong || !has_echo) {
+        assert_true(hear(&who));
+        bool is_pong = who.size == 2 && memcmp(who.message, "hi", 2) == 0;
+        has_pong |= is_pong;
+        if (is_pong || who.is_text)
+            continue;
+        has_echo |= strstr(head_of(&who), "\"echo\":95") != NULL;
+        say(&who, "received");
+    }
+    leave(&who);
+}
+
+/* What takes minutes is stopped by the next line that waits for it, and by the end; the scene stays as it was. */
+static void test_long_stages(void **unused)
+{
+    (void)unused;
+    static const char huge[] =
+        "open version: 1\ntitle: huge\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 300 }, "
+        "mass: { density: 1000 }, membrane: { preset: rubber, thickness: 0.001 } }]\n"
+        "solver: { method: static }\ncontact: { self: true }\nduration: 1\n";
+    static const char many[] =
+        "open version: 1\ntitle: many\nbodies: [{ mesh: { shape: geodesic-sphere, frequency: 20 }, "
+        "mass: { density: 1000 }, membrane: { preset: rubber, thickness: 0.001 } }]\n"
+        "solver: { method: xpbd, substeps: 1000000 }\nduration: 1\n";
+    client who = visit();
+    say(&who, huge);
+    say(&who, "echo 81");
+    (void)await(&who, "notice", "opening the scene takes long");
+    say(&who, "pause");
+    (void)await(&who, "notice", "opening the scene was stopped");
+    (void)await(&who, "frame", "\"echo\":81");
+    say(&who, many);
+    (void)await(&who, "hello", "many");
+    /* the first step, without a mark before it */
+    say(&who, "step");
+    nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    say(&who, "pause");
+    say(&who, "echo 82");
+    (void)await(&who, "notice", "the step was stopped");
+    assert_non_null(strstr(await(&who, "frame", "\"echo\":82"), "\"step\":0"));
+    /* the end does not wait for a step either */
+    say(&who, "step");
+    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    const double start = pel_seconds();
+    stop_server();
+    assert_true(pel_seconds() - start < 5);
+    leave(&who);
+    assert_true(start_server());
+}
+
 /* a server of all addresses answers at each of them, and to no other name */
 static void test_all_addresses(void **unused)
 {
@@ -424,9 +594,9 @@ static void test_all_addresses(void **unused)
     listened = "0.0.0.0";
     assert_true(start_server());
     assert_true(strncmp(address, "http://0.0.0.0:", 15) == 0);
-    assert_int_equal(ask("/?token=", token, own_host()), 200);
+    assert_int_equal(ask("/?token=", token, own_host()), 303);
     snprintf(headers, sizeof headers, "%sOrigin: http://127.0.0.1:%d\r\n", own_host(), atomic_load(&port));
-    assert_int_equal(ask("/?token=", token, headers), 200);
+    assert_int_equal(ask("/?token=", token, headers), 303);
     assert_int_equal(ask("/?token=", "0", own_host()), 403);
     const char *const wrong[] = {"127.0.0.2:", "evil.example:", "127.0.0.1:1"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -445,7 +615,7 @@ static void test_port_is_taken(void **unused)
     pel_server_def def = pel_server_def_default();
     pel_error error;
     def.scene = scene;
-    def.page = PEL_SOURCE_DIR "/LICENSE";
+    def.page = PEL_SOURCE_DIR "/tests/live/page.html";
     def.port = atomic_load(&port);
     assert_int_equal(pel_serve(&def, &error), PEL_BAD_FILE);
     assert_non_null(strstr(error.what, "port"));
@@ -460,6 +630,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_who_may_come),    cmocka_unit_test(test_first_messages),
         cmocka_unit_test(test_drag_undo_reset), cmocka_unit_test(test_rude_pages),
+        cmocka_unit_test(test_cookie),          cmocka_unit_test(test_idle_sockets),
+        cmocka_unit_test(test_bad_frames),      cmocka_unit_test(test_long_stages),
         cmocka_unit_test(test_port_is_taken),   cmocka_unit_test(test_all_addresses),
     };
     return cmocka_run_group_tests(tests, start, stop);

@@ -136,7 +136,7 @@ static void test_stops(void **context)
     }
 }
 
-/* Short steps ask only if the caller says so; a snapshot leads to the bits of steps that were not stopped. */
+/* Short steps ask only if the caller says so; those that follow have the bits of steps that were not stopped. */
 static void test_short_steps(void **context)
 {
     (void)context;
@@ -149,20 +149,17 @@ static void test_short_steps(void **context)
         assert_int_equal(s.patience.asked, 0);
         press_end(&s.press, sim);
         sim = begin_with(&s, &pbd, threads, true);
-        size_t size = pel_sim_save_size(sim);
-        void *saved = malloc(size);
-        pel_sim_save(sim, saved);
+        const uint64_t before = pel_sim_hash(sim);
         for (int64_t last = 0; last < 60; last += 7) {
             s.patience = (patience){0, last};
             assert_int_equal(pel_sim_step(sim, NULL), PEL_STOPPED);
-            assert_int_equal(pel_sim_load(sim, saved, size, NULL), PEL_OK);
+            assert_true(pel_sim_hash(sim) == before);
         }
         s.patience.last = INT64_MAX;
         for (int i = 0; i < STEPS; i++) {
             assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
             assert_true(pel_sim_hash(sim) == hashes[i]);
         }
-        free(saved);
         press_end(&s.press, sim);
     }
 }

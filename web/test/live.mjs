@@ -485,7 +485,8 @@ async function intruding(browser, address) {
             socket.onerror = () => done(false);
         }), url);
     assert.equal(await opened(`ws://127.0.0.1:${port}/?token=0123456789abcdef0123456789abcdef`), false);
-    assert.equal((await page.request.get(`http://127.0.0.1:${port}/`)).status(), 403);
+    assert.equal((await fetch(`http://127.0.0.1:${port}/`)).status, 403);
+    assert.equal(new URL(page.url()).search, "", "the token is not in the address bar");
     await page.goto("about:blank");
     assert.equal(await opened(`ws://127.0.0.1:${port}/${new URL(address).search}`), false, "a page of another origin");
     await page.close();

@@ -3,6 +3,8 @@
 #endif
 #include "base/memory.h"
 
+#include "base/patience.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -14,7 +16,7 @@
 #include <sys/mman.h>
 #endif
 
-enum { HUGE_PAGE = 1 << 21 };
+enum { HUGE_PAGE = 1 << 21, PIECE = 1 << 26 };
 
 /* asks for huge pages, where the system has them: gathers over large arrays miss the translation buffer without
    (measured: a step of a million vertices takes 1.3 times as long) */
@@ -32,7 +34,7 @@ static void advise_huge_pages(void *block, size_t bytes)
    (measured: subdivision of 330,000 triangles in a fresh process takes 1.5 times as long). */
 void *pel_allocate(size_t count, size_t size)
 {
-    void *block = calloc(count > 0 ? count : 1, size);
+    void *block = pel_patience_is_lost() ? NULL : calloc(count > 0 ? count : 1, size);
     if (block == NULL || count * size < 2 * (size_t)HUGE_PAGE)
         return block;
     size_t before = (HUGE_PAGE - (uintptr_t)block % HUGE_PAGE) % HUGE_PAGE;
@@ -45,7 +47,7 @@ void *pel_allocate_aligned(size_t count, size_t size)
     const size_t cache_line = 64, huge_page = HUGE_PAGE;
     if (count == 0)
         count = 1;
-    if (count > (SIZE_MAX - huge_page) / size)
+    if (count > (SIZE_MAX - huge_page) / size || pel_patience_is_lost())
         return NULL;
     size_t alignment = count * size < 4 * huge_page ? cache_line : huge_page;
     size_t bytes = (count * size + alignment - 1) / alignment * alignment;
@@ -54,7 +56,14 @@ void *pel_allocate_aligned(size_t count, size_t size)
         return NULL;
     if (alignment == huge_page)
         advise_huge_pages(block, bytes);
-    memset(block, 0, bytes);
+    /* the system finds each page as it is touched: seconds for gigabytes */
+    for (size_t done = 0; done < bytes; done += PIECE) {
+        memset((char *)block + done, 0, bytes - done < PIECE ? bytes - done : PIECE);
+        if (bytes > PIECE && pel_patience_is_lost()) {
+            free(block);
+            return NULL;
+        }
+    }
     return block;
 }
 
@@ -62,7 +71,7 @@ void *pel_reallocate(void *block, size_t count, size_t size)
 {
     if (count == 0)
         count = 1;
-    if (count > SIZE_MAX / size)
+    if (count > SIZE_MAX / size || pel_patience_is_lost())
         return NULL;
     return realloc(block, count * size);
 }

@@ -1,5 +1,6 @@
 /* Allocation: the only place that calls malloc. Sizes are checked for overflow. Arrays are zeroed; aligned arrays
-   start on a cache line. Tests make the n-th call fail by wrapping malloc, calloc, realloc and aligned_alloc. */
+   start on a cache line. All fail when the thread is to stop (base/patience.h). Tests make the n-th call fail by
+   wrapping malloc, calloc, realloc and aligned_alloc. */
 #ifndef PEL_BASE_MEMORY_H
 #define PEL_BASE_MEMORY_H
 

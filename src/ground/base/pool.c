@@ -6,6 +6,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/status.h"
 #include "pellicle/parallel.h"
 
@@ -154,13 +155,15 @@ void pel_pool_watch(pel_pool *pool, bool (*wanted)(void *user), void *user)
 
 static void ask(pel_pool *pool)
 {
-    if (pool != NULL && pool->wanted != NULL && !atomic_load(&pool->is_stopped) && !pool->wanted(pool->user))
+    if (pool == NULL || atomic_load(&pool->is_stopped))
+        return;
+    if ((pool->wanted != NULL && !pool->wanted(pool->user)) || pel_patience_is_lost())
         atomic_store(&pool->is_stopped, true);
 }
 
 bool pel_pool_is_stopped(const pel_pool *pool)
 {
-    return pool != NULL && atomic_load(&pool->is_stopped);
+    return pool != NULL ? atomic_load(&pool->is_stopped) : pel_patience_is_lost();
 }
 
 pel_status pel_pool_check(const pel_pool *pool, pel_error *error)

@@ -28,9 +28,10 @@ void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *funct
 
 /* Asks `wanted` between chunks, in the thread that calls pel_pool_run, until it returns false: the pool is stopped from
    then on. Loops still run all of their chunks: a long computation looks for itself and ends with PEL_STOPPED. Null
-   asks nobody; either way the pool is not stopped after the call. A null pool asks nobody. */
+   asks nobody; either way the pool is not stopped after the call. The patience of the thread that calls pel_pool_run
+   (base/patience.h) stops it too. */
 void pel_pool_watch(pel_pool *pool, bool (*wanted)(void *user), void *user);
-/* Callable from any thread; false for a null pool. */
+/* Callable from any thread; a null pool is stopped when the thread has no patience left. */
 bool pel_pool_is_stopped(const pel_pool *pool);
 /* PEL_STOPPED for a pool that is stopped, else PEL_OK. */
 pel_status pel_pool_check(const pel_pool *pool, pel_error *error);

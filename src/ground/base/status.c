@@ -1,5 +1,7 @@
 #include "base/status.h"
 
+#include "base/patience.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,6 +61,8 @@ pel_status pel_refuse_element(pel_error *error, pel_status status, const char *k
 
 pel_status pel_fail_memory(pel_error *error)
 {
+    if (pel_patience_is_lost())
+        return pel_fail(error, PEL_STOPPED, "stopped on request");
     return pel_refuse(error, PEL_OUT_OF_MEMORY, "use a smaller mesh or free some memory", "out of memory");
 }
 
@@ -115,8 +119,9 @@ const char *pel_error_text(const pel_error *error, char *text, size_t size)
     if (text == NULL || size == 0)
         return "";
     size_t length = 0;
-    if (size > 0)
-        text[0] = '\0';
+    text[0] = '\0';
+    if (error == NULL)
+        return text;
     if (error->file[0] != '\0')
         append(text, size, &length, "%s:", error->file);
     if (error->line > 0)

@@ -5,6 +5,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/room.h"
 #include "base/status.h"
 
@@ -193,7 +194,7 @@ int32_t pel_batch_bound(const pel_batch *batch, int32_t count_limit, int32_t bun
 static int32_t count_blocks(const build *job, const int32_t *begin)
 {
     int32_t blocks = 0;
-    for (int32_t b = 0; b < job->bundle_count; b++)
+    for (int32_t b = 0; b < job->bundle_count && !pel_patience_is_lost(); b++)
         blocks += sort_colors(job, begin[b], begin[b + 1], color_bundle(job, begin[b], begin[b + 1]));
     return blocks;
 }
@@ -212,6 +213,8 @@ pel_status pel_batch_build(pel_batch *batch, const pel_pieces *pieces, int32_t c
     }
     int32_t block = 0;
     for (int32_t b = 0; b < job.bundle_count; b++) {
+        if (pel_patience_is_lost())
+            return pel_fail_memory(error);
         int32_t colors = color_bundle(&job, begin[b], begin[b + 1]);
         sort_colors(&job, begin[b], begin[b + 1], colors);
         batch->bundle_begin[b] = block;

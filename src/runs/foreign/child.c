@@ -3,6 +3,7 @@
 #include "foreign/child.h"
 
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/status.h"
 #include "io/file.h"
 #include "io/text_cursor.h"
@@ -146,7 +147,10 @@ static int spawn(const char *program, const char *path, child *made)
     return number;
 }
 
-/* all that the child says, until it ends, is late or says too much; false = out of memory */
+/* s between two questions whether the mesh is still wanted */
+#define BEAT 0.1
+
+/* all that the child says, until it ends, is late or says too much; false = out of memory, or it is not wanted */
 static bool receive(child *c)
 {
     const double end = pel_seconds() + c->wait_seconds;
@@ -157,7 +161,9 @@ static bool receive(child *c)
         c->is_large = c->size > c->limit;
         if (c->is_late || c->is_large)
             return true;
-        if (poll(&ready, 1, (int)(1000 * left) + 1) <= 0)
+        if (pel_patience_is_lost())
+            return false;
+        if (poll(&ready, 1, left < BEAT ? (int)(1000 * left) + 1 : (int)(1000 * BEAT)) <= 0)
             continue;
         if (!pel_reserve(&c->bytes, &c->capacity, c->size + (1 << 16), 1))
             return false;

@@ -8,7 +8,9 @@
 #include <string.h>
 
 /* aliases copy their values: limit the growth of documents */
-enum { MOST_VALUES = 1000000, DEEPEST = 100 };
+enum { MOST_VALUES = 1000000, DEEPEST = 100, DEEPEST_FLOW = 1000 };
+static const char too_deep[] = "lists and maps are nested too deeply";
+static const char deep_remedy[] = "a scene needs no more than ten levels";
 
 typedef struct yaml_anchor {
     const char *name;
@@ -255,7 +257,7 @@ static pel_scene_value *read_value(yaml_parser *parser, struct fy_event *event)
     if (value == NULL)
         return NULL;
     if (++parser->depth > DEEPEST)
-        return fail(parser, "lists and maps are nested too deeply", "a scene needs no more than ten levels");
+        return fail(parser, too_deep, deep_remedy);
     if (type == FYET_MAPPING_START && !read_map(parser, value))
         return NULL;
     if (type == FYET_SEQUENCE_START && !read_list(parser, value))
@@ -307,6 +309,45 @@ static bool is_utf8(yaml_parser *parser, const char *text, size_t size)
     return true;
 }
 
+/* where a text in quotes that begins here ends */
+static size_t skip_quoted(const char *text, size_t size, size_t at)
+{
+    const char quote = text[at++];
+    while (at < size && text[at] != quote)
+        at += text[at] == '\\' && quote == '"' ? 2 : 1;
+    return at;
+}
+
+/* libfyaml reads a list in brackets to its end before it hands out the first element, in gigabytes of memory where
+   brackets are nested without end. Brackets count where a value may begin, outside of quotes and comments: that may
+   miss some, and `depth` in read_value misses none. */
+static bool is_shallow(yaml_parser *parser, const char *text, size_t size)
+{
+    int32_t depth = 0;
+    char before = '\n';
+    for (size_t i = 0; i < size; i++) {
+        const char c = text[i];
+        const bool begins = strchr("\n[{,:-?", before) != NULL;
+        if (c == '#' && (i == 0 || strchr(" \t\r\n", text[i - 1]) != NULL))
+            while (i + 1 < size && text[i + 1] != '\n')
+                i++;
+        else if (begins && (c == '\'' || c == '"'))
+            i = skip_quoted(text, size, i);
+        else if (begins && (c == '&' || c == '!'))
+            while (i + 1 < size && strchr(" \t\r\n", text[i + 1]) == NULL)
+                i++;
+        else if (begins && (c == '[' || c == '{'))
+            depth++;
+        else if (c == ']' || c == '}')
+            depth -= depth > 0;
+        if (depth > DEEPEST_FLOW)
+            return fail(parser, too_deep, deep_remedy) != NULL;
+        if (strchr(" \t\r#&!", c) == NULL)
+            before = c;
+    }
+    return true;
+}
+
 static bool open_parser(yaml_parser *parser, const char *text, size_t size)
 {
     struct fy_diag_cfg diagnostics;
@@ -326,7 +367,7 @@ pel_scene_value *pel_scene_yaml_parse(pel_scene_reader *reader, const char *sour
 {
     yaml_parser parser = {.reader = reader, .source = source, .text = text, .with_lines = with_lines};
     parser.place = (pel_scene_place){source, with_lines ? 1 : 0, with_lines ? 1 : 0};
-    if (!is_utf8(&parser, text, size))
+    if (!is_utf8(&parser, text, size) || !is_shallow(&parser, text, size))
         return NULL;
     pel_scene_value *root = NULL;
     if (open_parser(&parser, text, size))

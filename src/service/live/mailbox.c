@@ -60,6 +60,8 @@ bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *c
     for (int32_t i = 0; i < box->line_count; i++)
         lines[i] = box->lines[i];
     box->line_count = 0;
+    box->line_bytes = 0;
+    atomic_store(&box->interrupting, 0);
     bool goes_on = !atomic_load(&box->ended);
     pthread_mutex_unlock(&box->lock);
     return goes_on;
@@ -117,20 +119,49 @@ void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader)
     pel_mailbox_want(box);
 }
 
-void pel_mailbox_line(pel_mailbox *box, char *line)
+void pel_mailbox_line(pel_mailbox *box, char *line, bool interrupts)
 {
     if (line == NULL)
         return;
+    size_t size = strlen(line) + 1;
     pthread_mutex_lock(&box->lock);
-    bool fits = box->line_count < PEL_LINE_LIMIT;
-    if (fits)
+    bool fits = box->line_count < PEL_LINE_LIMIT && box->line_bytes + size <= PEL_WAITING_LIMIT;
+    if (fits) {
         box->lines[box->line_count++] = line;
-    else
+        box->line_bytes += size;
+    } else {
         box->lost_lines++;
+    }
+    /* a line that is lost stops the stage too: the queue is full because of it */
+    if (interrupts)
+        atomic_fetch_add(&box->interrupting, 1);
     pthread_cond_signal(&box->arrived);
     pthread_mutex_unlock(&box->lock);
     if (!fits)
         pel_free(line);
+}
+
+void pel_mailbox_begin(pel_mailbox *box, const char *stage, int32_t behind)
+{
+    pthread_mutex_lock(&box->lock);
+    box->stage = stage;
+    box->stage_at = pel_seconds();
+    box->behind_stage = behind;
+    box->stage_is_told = false;
+    pthread_mutex_unlock(&box->lock);
+}
+
+const char *pel_mailbox_find_busy(pel_mailbox *box, double before)
+{
+    const char *stage = NULL;
+    pthread_mutex_lock(&box->lock);
+    if (box->stage != NULL && box->line_count + box->behind_stage > 0 && box->stage_at < before &&
+        !box->stage_is_told) {
+        stage = box->stage;
+        box->stage_is_told = true;
+    }
+    pthread_mutex_unlock(&box->lock);
+    return stage;
 }
 
 void pel_mailbox_want(pel_mailbox *box)

@@ -22,8 +22,9 @@ typedef enum pel_post_kind {
 } pel_post_kind;
 
 enum {
-    PEL_LINE_LIMIT = 1024,       /* lines that wait */
-    PEL_MESSAGE_LIMIT = 8 << 20, /* bytes of one */
+    PEL_LINE_LIMIT = 1024,        /* lines that wait */
+    PEL_MESSAGE_LIMIT = 8 << 20,  /* bytes of one */
+    PEL_WAITING_LIMIT = 32 << 20, /* bytes of all that wait */
     PEL_FRAMES_UNDER_WAY = 2,
 };
 
@@ -39,7 +40,13 @@ typedef struct pel_mailbox {
     pel_post posts[PEL_POST_COUNT];
     char *lines[PEL_LINE_LIMIT];
     int32_t line_count;
-    int64_t lost_lines;       /* that did not fit */
+    size_t line_bytes;
+    int64_t lost_lines;      /* that did not fit */
+    atomic_int interrupting; /* lines of those that wait which stop the present stage */
+    const char *stage;       /* what the simulation does now, "" or null = nothing long; lives forever */
+    double stage_at;         /* clock of its start */
+    int32_t behind_stage;    /* lines that were taken and wait for it */
+    bool stage_is_told;
     atomic_bool ended;        /* the simulation has to end */
     atomic_bool wanted;       /* a page waits for a frame */
     void (*ring)(void *user); /* wakes the server: there is a new message */
@@ -59,6 +66,9 @@ typedef struct pel_mail_reader {
 
 /* Takes the ownership of bytes (pel_allocate); null is fine and does nothing. */
 void pel_mailbox_post(pel_mailbox *box, pel_post_kind kind, unsigned char *bytes, size_t size);
+/* The simulation begins something that may take long, or has ended it (null); behind: lines that it has taken and that
+   come after it. */
+void pel_mailbox_begin(pel_mailbox *box, const char *stage, int32_t behind);
 /* Waits at most so long for lines; takes them (to be freed). Returns false at the end. */
 bool pel_mailbox_wait(pel_mailbox *box, double seconds, char **lines, int32_t *count);
 
@@ -75,8 +85,11 @@ void pel_mailbox_received(pel_mail_reader *reader);
 /* Starts a reader without the notices and saved scenes of others. */
 void pel_mailbox_welcome(pel_mailbox *box, pel_mail_reader *reader);
 
-/* Takes the ownership of the line; null is fine and does nothing. */
-void pel_mailbox_line(pel_mailbox *box, char *line);
+/* Takes the ownership of the line; null is fine and does nothing. Beyond PEL_LINE_LIMIT lines or PEL_WAITING_LIMIT
+   bytes the line is lost. */
+void pel_mailbox_line(pel_mailbox *box, char *line, bool interrupts);
+/* The stage that began before this clock while lines wait, once for each; otherwise null. */
+const char *pel_mailbox_find_busy(pel_mailbox *box, double before);
 void pel_mailbox_want(pel_mailbox *box);
 void pel_mailbox_end(pel_mailbox *box);
 

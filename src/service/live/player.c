@@ -1,9 +1,13 @@
 /* In addition to the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
    open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
-   next frame). */
+   next frame).
+
+   Each line and each step is a stage. Pause, undo, reset, open and contact stop the present stage once it has taken
+   STAGE_SECONDS, and so does the end of the server: whatever was to change is then as it was before. */
 #include "live/player.h"
 
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/status.h"
 #include "live/message.h"
 #include "math/extremes.h"
@@ -32,6 +36,8 @@
    15 times as long over 20 steps, 4 times at once). */
 #define STEP_SECONDS 1.0
 #define STEP_RATIO 20
+/* s that a stage has before a line that interrupts stops it */
+#define STAGE_SECONDS 0.3
 /* the longest step counts this much after another one */
 #define STEP_DECAY 0.95
 /* s in a row that are slow before it is told: browsers compile the first steps in a hurry */
@@ -58,6 +64,9 @@ struct pel_player {
     double due;          /* clock of the next step */
     double longest_step; /* s of the clock, of the last steps */
     double step_end;     /* clock at which the present step has taken too long; 0 = never */
+    double stage_at;     /* clock at the start of the present stage */
+    int32_t behind;      /* lines of this turn behind the present one */
+    int32_t waiting;     /* of these, those that interrupt */
     double pictured_at, measured_at;
     /* of the present interval, and the result of the last one */
     double interval_at, interval_time, interval_stepping, interval_serving;
@@ -205,11 +214,42 @@ static bool is_too_long(const pel_player *player)
     return player->step_end > 0 && pel_seconds() > player->step_end;
 }
 
-/* asked within long steps */
+static bool is_interrupted(const pel_player *player)
+{
+    return (player->waiting > 0 || atomic_load(&player->box->interrupting) > 0) &&
+           pel_seconds() - player->stage_at > STAGE_SECONDS;
+}
+
+/* asked within long stages */
 static bool is_wanted(void *user)
 {
     const pel_player *player = user;
-    return !atomic_load(&player->box->ended) && !is_too_long(player);
+    return !atomic_load(&player->box->ended) && !is_too_long(player) && !is_interrupted(player);
+}
+
+/* name: begins a sentence, lives forever */
+static void begin_stage(pel_player *player, const char *name)
+{
+    player->stage_at = pel_seconds();
+    pel_mailbox_begin(player->box, name, player->behind);
+    pel_patience_begin(is_wanted, player);
+}
+
+/* whether it was stopped; from here on allocations are made again */
+static bool end_stage(pel_player *player)
+{
+    bool was_stopped = pel_patience_end();
+    pel_mailbox_begin(player->box, NULL, 0);
+    return was_stopped;
+}
+
+/* nobody hears it at the end */
+static void tell_stopped(pel_player *player, const char *what)
+{
+    char text[200];
+    snprintf(text, sizeof text, "%s was stopped", what);
+    if (!atomic_load(&player->box->ended))
+        tell(player, "note", text);
 }
 
 /* model, simulation and session of the player's scene */
@@ -255,13 +295,18 @@ static void open_scene(pel_player *player, const char *text, const char *setting
     next.model = NULL;
     next.sim = NULL;
     next.session = NULL;
+    begin_stage(player, "opening the scene");
     pel_status status = pel_scene_parse(player->def->scene->path, text, strlen(text), &setting, setting != NULL, NULL,
                                         &next.own_scene, &error);
     next.scene = next.own_scene;
     if (status == PEL_OK)
         status = start_scene(&next, &error);
-    if (status != PEL_OK) {
-        tell_not_opened(player, next.scene, &error);
+    bool was_stopped = end_stage(player);
+    if (was_stopped || status != PEL_OK) {
+        if (was_stopped)
+            tell_stopped(player, "opening the scene");
+        else
+            tell_not_opened(player, next.scene, &error);
         close_scene(&next);
         return;
     }
@@ -378,17 +423,33 @@ static void end_at_mark(pel_player *player, pel_status failed, double seconds, p
         tell_error(player, "error", "", &later);
 }
 
+/* a step that was not made: stopped by a line or the end, too long, or failed */
+static void miss_step(pel_player *player, pel_status status, bool was_interrupted, double limit, pel_error *error)
+{
+    player->has_new_parameters = player->has_new_surface = true;
+    if (was_interrupted)
+        tell_stopped(player, "the step");
+    else if (!atomic_load(&player->box->ended))
+        end_at_mark(player, status, limit, error);
+    play(player, false);
+}
+
 /* false if the simulation cannot continue */
 static bool do_step(pel_player *player)
 {
     pel_error error;
     double start = pel_seconds(), limit = pel_max(STEP_SECONDS, STEP_RATIO * player->longest_step);
-    player->step_end = pel_session_undo_count(player->session) > 0 ? start + limit : 0;
+    begin_stage(player, "the step");
     pel_status repeated = pel_session_repeat(player->session, &error), status = repeated;
+    /* the step asks by itself, and restores its state */
+    bool was_stopped = pel_patience_end();
+    player->step_end = pel_session_undo_count(player->session) > 0 ? start + limit : 0;
     if (status == PEL_OK)
         status = pel_session_step(player->session, &error);
+    bool was_interrupted = was_stopped || (status == PEL_STOPPED && !is_too_long(player));
     double seconds = pel_seconds() - start;
     player->step_end = 0;
+    (void)end_stage(player);
     player->interval_stepping += seconds;
     player->interval_steps++;
     player->changed = true;
@@ -398,12 +459,13 @@ static bool do_step(pel_player *player)
         player->longest_step = pel_max(seconds, STEP_DECAY * player->longest_step);
         return true;
     }
-    player->has_new_parameters = player->has_new_surface = true;
-    if (repeated != PEL_OK)
+    if (repeated != PEL_OK && !was_interrupted) {
+        player->has_new_parameters = player->has_new_surface = true;
         tell_error(player, "error", "", &error);
-    else if (!atomic_load(&player->box->ended))
-        end_at_mark(player, status, limit, &error);
-    play(player, false);
+        play(player, false);
+    } else {
+        miss_step(player, status, was_interrupted, limit, &error);
+    }
     return false;
 }
 
@@ -445,9 +507,12 @@ static void go_back(pel_player *player, bool whole)
 {
     pel_error error;
     bool done = true;
+    begin_stage(player, whole ? "the reset" : "undoing");
     pel_status status =
         whole ? pel_session_reset(player->session, &error) : pel_session_undo(player->session, &done, &error);
-    if (status != PEL_OK)
+    if (end_stage(player) && status != PEL_OK)
+        tell_stopped(player, whole ? "the reset" : "undoing");
+    else if (status != PEL_OK)
         tell_error(player, "error", "", &error);
     else if (!done)
         tell(player, "note", "there is nothing to undo");
@@ -460,9 +525,12 @@ static void go_back(pel_player *player, bool whole)
 static void apply(pel_player *player, const char *line)
 {
     pel_error error;
+    begin_stage(player, "the command");
     pel_status status = pel_session_apply(player->session, line, &error);
-    bool sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
-    if (status != PEL_OK)
+    bool was_stopped = end_stage(player), sets = strncmp(line, "set ", 4) == 0 || strncmp(line, "inflate ", 8) == 0;
+    if (was_stopped && status != PEL_OK)
+        tell_stopped(player, "the command");
+    else if (status != PEL_OK)
         tell_error(player, sets ? "refused" : "error", "", &error);
     if (sets || status != PEL_OK)
         player->has_new_parameters = true;
@@ -498,6 +566,15 @@ static void do_line(pel_player *player, const char *line)
     player->answers |= !player->playing;
 }
 
+bool pel_player_interrupts(const char *line)
+{
+    static const char *const words[] = {"pause", "undo", "reset", "contact"};
+    bool found = strncmp(line, "open ", 5) == 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        found |= strcmp(line, words[i]) == 0;
+    return found;
+}
+
 double pel_player_rest(const pel_player *player)
 {
     double now = pel_seconds(), rest = player->playing ? player->due - now : 0.1;
@@ -511,8 +588,12 @@ bool pel_player_turn(pel_player *player, double rest)
     char *lines[PEL_LINE_LIMIT];
     int32_t count = 0;
     bool goes_on = pel_mailbox_wait(player->box, rest, lines, &count);
+    for (int32_t i = 0; i < count; i++)
+        player->waiting += pel_player_interrupts(lines[i]);
     for (int32_t i = 0; i < count; i++) {
-        if (goes_on)
+        player->waiting -= pel_player_interrupts(lines[i]);
+        player->behind = count - 1 - i;
+        if (goes_on && !atomic_load(&player->box->ended))
             do_line(player, lines[i]);
         pel_free(lines[i]);
     }

@@ -15,6 +15,8 @@ double pel_player_rest(const pel_player *player);
 /* One turn: waits at most `rest` seconds for lines, executes them and the steps that are due, for at most the time of
    one picture, and posts messages. False when the mailbox has ended. */
 bool pel_player_turn(pel_player *player, double rest);
+/* Whether a line stops what the player does when it comes: those that undo it, or wait for its end. */
+bool pel_player_interrupts(const char *line);
 /* Takes turns until the mailbox ends; `player` is a pel_player. For pthread_create. */
 void *pel_player_run(void *player);
 

@@ -1,6 +1,7 @@
 #include "io/polygon_soup.h"
 
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/room.h"
 #include "io/polygon.h"
 #include "mesh/weld.h"
@@ -39,8 +40,8 @@ bool pel_polygon_soup_reserve_vertices(pel_polygon_soup *builder, size_t count)
 
 bool pel_polygon_soup_add_vertex(pel_polygon_soup *builder, const double position[3])
 {
-    if (builder->vertex_count == builder->vertex_capacity &&
-        !pel_polygon_soup_reserve_vertices(builder, builder->vertex_count + 1))
+    bool is_full = builder->vertex_count == builder->vertex_capacity;
+    if ((is_full && !pel_polygon_soup_reserve_vertices(builder, builder->vertex_count + 1)) || pel_patience_is_lost())
         return false;
     memcpy(builder->positions[builder->vertex_count++], position, sizeof *builder->positions);
     return true;
@@ -85,8 +86,9 @@ bool pel_polygon_soup_end_polygon(pel_polygon_soup *builder, size_t corner_count
         builder->ignored_count++;
         return true;
     }
-    if (builder->polygon_count == builder->polygon_capacity &&
-        !RESERVE(builder->sizes, builder->polygon_capacity, builder->polygon_count + 1))
+    bool is_full = builder->polygon_count == builder->polygon_capacity;
+    if ((is_full && !RESERVE(builder->sizes, builder->polygon_capacity, builder->polygon_count + 1)) ||
+        pel_patience_is_lost())
         return false;
     builder->sizes[builder->polygon_count++] = (int32_t)corner_count;
     return true;

@@ -52,15 +52,14 @@ static bool is_long(const pel_sim *sim)
     return sim->stepper->minimises || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
 }
 
-/* Contact or many iterations make steps long that are short as a rule: a snapshot may take longer than these. */
+/* Contact or many iterations make steps long that are short as a rule: only a caller who says so pays for a snapshot of
+   these. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
 {
-    bool keeps = sim->def.wanted != NULL && is_long(sim);
-    bool can_be_long = sim->contacts != NULL || pel_sim_is_projected(sim);
-    bool asks = keeps || (sim->def.stops_short_steps && can_be_long);
+    bool keeps = sim->def.wanted != NULL && (is_long(sim) || sim->def.stops_short_steps);
     pel_status status = keeps ? save_before(sim, error) : PEL_OK;
     pel_house_of(sim)->parts.is_kept = keeps && status == PEL_OK;
-    pel_pool_watch(sim->pool, asks && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
+    pel_pool_watch(sim->pool, keeps && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
     return status;
 }
 

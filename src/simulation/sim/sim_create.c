@@ -1,6 +1,7 @@
 /* Creation: all parts of a simulation from its def. */
 #include "adapt/refine.h"
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
 #include "boundary/follower.h"
@@ -301,6 +302,9 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
         status = pel_ledger_create(sim, error);
     if (status == PEL_OK)
         status = keep_def(house, def, error);
+    /* loops that were stopped on their way */
+    if (status == PEL_OK && pel_patience_is_lost())
+        return pel_fail_memory(error);
     if (status == PEL_OK)
         pel_sim_take_fingerprint(sim);
     return status;

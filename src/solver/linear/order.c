@@ -2,6 +2,7 @@
 
 #include "base/assert.h"
 #include "base/memory.h"
+#include "base/patience.h"
 #include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
@@ -394,6 +395,8 @@ static void dissect(dissection *d, int32_t begin, int32_t end)
         return;
     }
     int32_t ends[2];
+    if (pel_patience_is_lost())
+        return;
     split(d, begin, end);
     part_sides(d, begin, end, ends);
     sort_separator(d, ends[1], end);
@@ -422,5 +425,5 @@ pel_status pel_vertex_order_nodes(const pel_matrix *matrix, const double (*coord
         dissect(&d, 0, matrix->node_count);
     }
     PEL_FREE_ALL(d.ranks, d.side, numbers);
-    return has_memory ? PEL_OK : pel_fail_memory(error);
+    return has_memory && !pel_patience_is_lost() ? PEL_OK : pel_fail_memory(error);
 }

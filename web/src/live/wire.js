@@ -49,7 +49,7 @@ export class Wire {
     }
 
     connect() {
-        this.socket = new WebSocket(`ws://${location.host}/${location.search}`, "pellicle");
+        this.socket = new WebSocket(`ws://${location.host}/`, "pellicle");
         this.socket.binaryType = "arraybuffer";
         this.socket.onopen = () => {
             this.waiting = 250;
