@@ -99,13 +99,6 @@ double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
     return first == second ? first : sqrt(first * second);
 }
 
-double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
-{
-    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
-    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
-    return 0.5 * (set->groups[a].thickness + set->groups[b].thickness);
-}
-
 /* ---- records ---- */
 
 /* a record from a pair and where it meets; false when none of its points can move */

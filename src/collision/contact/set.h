@@ -260,10 +260,10 @@ bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key);
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
 /* Coulomb's coefficient between two groups: the geometric mean of theirs */
 double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
+
+/* ---- distance.c ---- */
 /* m, distance that two groups keep: half the thickness of either */
 double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b);
-
-/* ---- kin.c ---- */
 /* the share of all distances that a pair of these points keeps: below 1 for kin, the lips of a cut */
 double pel_contact_pair_share(const pel_contact_set *set, const int32_t points[4]);
 /* m, the distance that it keeps */

@@ -1,14 +1,22 @@
-/* Kin: pairs whose parts had a vertex in common before a cut. The lips of a fresh cut lie side by side, nearer than any
-   thickness, and may stay so: of the thickness kin keep only a share, a small part of the shortest edge. Pairs across a
-   cut that are no kin were apart before it and keep what all others do. */
+/* The distances that pairs keep. Kin are pairs whose parts had a vertex in common before a cut. The lips of a fresh cut
+   lie side by side, nearer than any thickness, and may stay so: of the thickness kin keep only a share, a small part of
+   the shortest edge. Pairs across a cut that are no kin were apart before it and keep what all others do. */
 #include "contact/set.h"
 
+#include "base/assert.h"
 #include "math/extremes.h"
 
 /* of the shortest edge: what opening a cut by it does to strains is small, and single precision resolves it */
 #define KIN_SHARE 1e-3
 /* of the thickness at most: half of it is less than what the guard keeps free around each lip */
 #define MOST_SHARE 0.4
+
+double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b)
+{
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
+    return 0.5 * (set->groups[a].thickness + set->groups[b].thickness);
+}
 
 static bool is_kin(const pel_contact_set *set, const int32_t points[4])
 {
