@@ -74,9 +74,14 @@ typedef struct pel_body_def {
     int32_t reference_count; /* default: 252, the vertices of paper A's sphere */
     /* Springs by Young's modulus, with a stiffness independent of the mesh. Both default to 0: the numbers above apply
        to each edge and vertex. */
-    double spring_thickness;   /* m; above 0: spring_stiffness is the Young's modulus [Pa] of a sheet of this thickness.
-                                  An edge has the stiffness young x thickness x area of its triangles / length^2 (van
-                                  Gelder 1998), and spring_damping is a drag [1/s] on the mass of each vertex */
+    double spring_thickness; /* m; above 0: spring_stiffness is the Young's modulus [Pa] of a sheet of this thickness.
+                                An edge has the stiffness young x thickness x area of its triangles / length^2 (van
+                                Gelder 1998), and spring_damping is a drag [1/s] on the mass of each vertex */
+    double fluid_density;    /* kg/m3, of a liquid in the body; 0 = none. It fills a closed body: its mass is on the
+                                vertices in proportion to theirs, its weight presses as the depth asks for. Methods
+                                implicit, static, xpbd, pbd and explicit */
+    double fluid_level; /* m, height of its surface against gravity, about the origin; then it presses below that and
+                           has no mass. Default: HUGE_VAL, it fills the body */
     double spring_retardation; /* s, >= 0: as that of pel_membrane_def, of the lengths of springs */
     double volumetric_depth; /* m; above 0: volumetric_stiffness is the Young's modulus [Pa] of a filling of this depth.
                                 A vertex has the stiffness young x area / depth (an elastic foundation), and

@@ -316,6 +316,18 @@ static const pel_def_row rows[] = {
     {"bodies[].pressure.region", PRESSURE(weights), REGION, .preset = "all",
      .doc = "region on which the pressure acts"},
 
+    {"bodies[].fluid", MAP,
+     .doc = "a liquid in the body: its weight, and its pressure by depth; methods implicit, static, xpbd, pbd and "
+            "explicit; optional"},
+    {"bodies[].fluid.density", BODY(fluid_density, PRESSURE), NUMBER, .unit = "kg/m3", POSITIVE, .preset = "1000",
+     STRUCTURE("masses are made once"),
+     .doc = "density. Without `level` the liquid fills a closed body, whose volume is kept (give `pressure.volume` to "
+            "choose its bulk modulus)"},
+    {"bodies[].fluid.level", BODY(fluid_level, PRESSURE), NUMBER, .unit = "m", AUTO((double)HUGE_VAL),
+     STRUCTURE("whether the liquid has a mass is decided at the start"),
+     .doc = "height of its surface, against gravity about the origin, for open bodies: it presses below, and its mass "
+            "does not move with the body. Default: it fills the body"},
+
     {"bodies[].refine", MAP, .doc = "dynamic local refinement (paper A, section 3); optional"},
     {"bodies[].refine.levels", REFINE(levels), INTEGER, BETWEEN(1, 6), .preset = "1", WHEN(refines),
      STRUCTURE("the levels of detail are made once"), .doc = "finest level of detail; each one halves the edges"},

@@ -63,6 +63,8 @@ bool pel_pressure_is_conservative(const pel_body *body)
 bool pel_shell_has_potential(const pel_body *body)
 {
     const pel_shell *shell = body->shell;
+    if (body->fluid_density > 0 && isfinite(body->fluid_level))
+        return false;
     return shell == NULL || (pel_pressure_is_conservative(body) && !pel_shell_has_mode(shell, PEL_FIBRE_NORMAL));
 }
 

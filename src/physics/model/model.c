@@ -53,6 +53,21 @@ static pel_status check_name(const pel_model_def *def, int32_t body, pel_error *
     return PEL_OK;
 }
 
+static pel_status check_amounts(const pel_body_def *b, int32_t body, pel_error *error)
+{
+    if (!(b->fluid_density >= 0 && isfinite(b->fluid_density)))
+        return pel_body_refuse(error, body, "fluid_density", b->fluid_density, "give a density, or 0 for no liquid");
+    if (isnan(b->fluid_level) || b->fluid_level == -HUGE_VAL)
+        return pel_body_refuse(error, body, "fluid_level", b->fluid_level, "give a height, or HUGE_VAL");
+    if (!(b->spring_retardation >= 0 && isfinite(b->spring_retardation)))
+        return pel_body_refuse(error, body, "spring_retardation", b->spring_retardation, "give a time in s, or 0");
+    if (!(b->spring_thickness >= 0 && isfinite(b->spring_thickness)))
+        return pel_body_refuse(error, body, "spring_thickness", b->spring_thickness, "give a number of metres, or 0");
+    if (!(b->volumetric_depth >= 0 && isfinite(b->volumetric_depth)))
+        return pel_body_refuse(error, body, "volumetric_depth", b->volumetric_depth, "give a number of metres, or 0");
+    return PEL_OK;
+}
+
 static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *error)
 {
     const pel_body_def *b = &def->bodies[body];
@@ -81,12 +96,9 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
                                "give a number of metres above 0");
     if (!isfinite(b->restitution))
         return pel_body_refuse(error, body, "restitution", b->restitution, "give a number from 0 to 1");
-    if (!(b->spring_retardation >= 0 && isfinite(b->spring_retardation)))
-        return pel_body_refuse(error, body, "spring_retardation", b->spring_retardation, "give a time in s, or 0");
-    if (!(b->spring_thickness >= 0 && isfinite(b->spring_thickness)))
-        return pel_body_refuse(error, body, "spring_thickness", b->spring_thickness, "give a number of metres, or 0");
-    if (!(b->volumetric_depth >= 0 && isfinite(b->volumetric_depth)))
-        return pel_body_refuse(error, body, "volumetric_depth", b->volumetric_depth, "give a number of metres, or 0");
+    status = check_amounts(b, body, error);
+    if (status != PEL_OK)
+        return status;
     if (b->reference_count < 1)
         return pel_body_refuse(error, body, "reference_count", b->reference_count, "give at least 1");
     const struct {
@@ -200,12 +212,41 @@ void pel_model_free_arrays(pel_model *model)
                  model->triangle_begin, model->fan_begin, model->fans);
 }
 
+/* kg, of a vertex without a filling */
+static double mass_of(const pel_body_def *def, const pel_body *body, const double *areas, int32_t v)
+{
+    PEL_ASSERT_INDEX(v, def->mesh->vertex_count);
+    if (def->mass_kind == PEL_MASS_TOTAL)
+        return def->mass * (areas[v] / body->rest_area);
+    if (def->mass_kind == PEL_MASS_DENSITY)
+        return def->mass * (pel_quantity_at(&def->thickness, v) * areas[v]);
+    return pel_vertex_share(body, v) * def->mass;
+}
+
+/* a liquid that fills a body is a share of its masses */
+static pel_status find_filling(const pel_body_def *def, pel_body *body, const double *areas, pel_error *error)
+{
+    double own = 0, filling = def->fluid_density * fabs(body->rest_volume);
+    body->fluid_share = 0;
+    if (!(def->fluid_density > 0) || isfinite(def->fluid_level))
+        return PEL_OK;
+    if (!body->has_volume)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "give fluid.level, the height of its surface, or a mesh without borders",
+                          "a liquid cannot fill an open body");
+    for (int32_t v = 0; v < def->mesh->vertex_count; v++)
+        own += mass_of(def, body, areas, v);
+    body->fluid_share = filling / (own + filling);
+    return PEL_OK;
+}
+
 /* masses, damping and volumetric springs of one body's vertices; padding repeats the first vertex without mass */
 static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_body *body, const int32_t *order,
                           const double *areas)
 {
     int32_t first = body->slice_begin * PEL_WIDTH, last = body->slice_end * PEL_WIDTH;
     double mean_area = body->rest_area / def->reference_count, depth = def->volumetric_depth;
+    double filled = 1 / (1 - body->fluid_share);
     for (int32_t i = first; i < last; i++) {
         bool padding = i - first >= def->mesh->vertex_count;
         int32_t v = order[padding ? 0 : i - first];
@@ -218,11 +259,7 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
         if (padding)
             continue;
         body->model_index[v] = i;
-        double mass = part * def->mass;
-        if (def->mass_kind == PEL_MASS_TOTAL)
-            mass = def->mass * (areas[v] / body->rest_area);
-        else if (def->mass_kind == PEL_MASS_DENSITY)
-            mass = def->mass * (pel_quantity_at(&def->thickness, v) * areas[v]);
+        double mass = mass_of(def, body, areas, v) * filled;
         model->mass[i] = (pel_real)mass;
         model->inverse_mass[i] = (pel_real)(1 / mass);
         double spring_share = def->spring_thickness > 0 ? mass : share, filling_share = depth > 0 ? mass : share;
@@ -390,6 +427,8 @@ static void copy_numbers(const pel_body_def *def, pel_body *body)
     body->has_volumetric = volumetric->field != NULL || volumetric->key_count > 0 || volumetric->value > 0;
     body->is_foundation = body->has_volumetric && def->volumetric_depth > 0;
     body->spring_retardation = def->spring_retardation;
+    body->fluid_density = def->fluid_density;
+    body->fluid_level = def->fluid_level;
     body->uniform_spring = body->plain_spring = same_everywhere(def) ? pel_quantity_at(k, 0) : -1;
     memcpy(body->velocity, def->velocity, sizeof body->velocity);
     memcpy(body->angular_velocity, def->angular_velocity, sizeof body->angular_velocity);
@@ -432,6 +471,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     copy_numbers(def, body);
     body->diameter = pel_mesh_diagonal(def->mesh);
     body->closed = scratch->topology->boundary_edge_count == 0;
+    if (status == PEL_OK)
+        measure_volume(body);
     return status;
 }
 
@@ -494,11 +535,14 @@ static pel_status build_bodies(pel_model *model, const pel_model_def *def, build
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         const pel_body *body = &model->bodies[b];
+        pel_status status = find_filling(&builds[b].def, &model->bodies[b], builds[b].areas, error);
+        if (status != PEL_OK)
+            return name_body(status, body->name, b, error);
         fill_vertices(model, &builds[b].def, body, builds[b].order, builds[b].areas);
         count_slots(model, body, builds[b].valence);
         for (int32_t s = body->slice_begin; s < body->slice_end; s++)
             model->body_of_slice[s] = b;
-        pel_status status = check_masses(model, b, error);
+        status = check_masses(model, b, error);
         if (status != PEL_OK)
             return name_body(status, body->name, b, error);
         fill_triangles(model, b);
@@ -554,8 +598,6 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
         status = build_bodies(made, def, builds, error);
         for (int32_t b = 0; b < def->body_count; b++)
             build_end(&builds[b]);
-        for (int32_t b = 0; status == PEL_OK && b < def->body_count; b++)
-            measure_volume(&made->bodies[b]);
         if (status == PEL_OK)
             status = keep_def(made, def, error);
     }
@@ -590,6 +632,9 @@ static pel_status refill_vertices(pel_model *model, int32_t b, pel_error *error)
     }
     if (status == PEL_OK) {
         copy_numbers(def, body);
+        status = find_filling(def, body, areas, error);
+    }
+    if (status == PEL_OK) {
         fill_vertices(model, def, body, model->mesh_vertex + body->slice_begin * PEL_WIDTH, areas);
         status = check_masses(model, b, error);
     }

@@ -68,7 +68,9 @@ typedef struct pel_body {
     double contact_thickness;                /* m; below 0: the value of contact */
     double uniform_spring; /* stiffness of every spring, when model->stiffnesses is not used for this body; else -1 */
     double plain_spring;   /* the same in slices that are plain */
-    double spring_retardation; /* s: viscous over elastic force of springs, by the rate of their lengths */
+    double fluid_density, fluid_level; /* kg/m3, 0 = none; m against gravity, HUGE_VAL = it fills the closed body */
+    double fluid_share;                /* of each mass that is the filling */
+    double spring_retardation;         /* s: viscous over elastic force of springs, by the rate of their lengths */
     pel_curve curves[PEL_PARAMETER_COUNT];
     pel_body_levels *detail; /* null = no refinement */
     pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */

@@ -77,7 +77,8 @@ static void check_filling(pel_run_state *run, int32_t b)
 {
     const pel_model_def *model = &run->scene->model;
     const pel_body *body = &run->model->bodies[b];
-    if (model->bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME || !(pel_vec3_length(model->gravity) > 0))
+    if (model->bodies[b].fluid_density > 0 || model->bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME ||
+        !(pel_vec3_length(model->gravity) > 0))
         return;
     double mass = 0, filling = WATER * fabs(body->rest_volume);
     for (int32_t i = body->slice_begin * PEL_WIDTH; i < body->slice_end * PEL_WIDTH; i++)
@@ -91,7 +92,7 @@ static bool is_hollow(const pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
     return run->model->bodies[b].has_volume && body->spring_thickness > 0 && !body->shell.membrane.on &&
-           body->shell.pressure.kind == PEL_PRESSURE_NONE && !has_volumetric(body);
+           body->shell.pressure.kind == PEL_PRESSURE_NONE && !(body->fluid_density > 0) && !has_volumetric(body);
 }
 
 void pel_warnings_check_body(pel_run_state *run, int32_t b)
@@ -213,8 +214,8 @@ void pel_tell_weightless(const pel_warning_text *at)
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_WEIGHTLESS, &name);
     snprintf(at->text, at->size,
-             "the filling of body '%s' has no weight: gravity acts on its skin of %.3g kg. with water in it use mass: "
-             "{ total: %.4g }",
+             "the filling of body '%s' has no weight: gravity acts on its skin of %.3g kg. with water in it use "
+             "fluid: {}, which presses by depth, or mass: { total: %.4g }",
              name, flagged->value, flagged->limit);
 }
 

@@ -10,6 +10,7 @@
 #include "scene/build.h"
 #include "scene/damping.h"
 #include "scene/defaults.h"
+#include "scene/fluid.h"
 #include "scene/method.h"
 #include "scene/portable.h"
 #include "scene/time_step.h"
@@ -125,6 +126,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = list_mesh_files(reader, root, body_count + tool_count, scene);
     if (status != PEL_OK)
         return status;
+    pel_scene_keep_fillings(reader, scene);
     status = pel_scene_choose_method(reader, root, scene);
     if (status == PEL_OK)
         pel_scene_choose_bending(root, scene);

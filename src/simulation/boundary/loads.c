@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
@@ -353,8 +354,8 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, real_gains gain)
 
 bool pel_loads_exist(const pel_sim *sim)
 {
-    return sim->loads->count > 0 || sim->loads->follower_count > 0 || sim->loads->external != NULL ||
-           has_gravity(sim->model);
+    return sim->loads->count > 0 || sim->loads->follower_count > 0 || sim->loads->fluid_count > 0 ||
+           sim->loads->external != NULL || has_gravity(sim->model);
 }
 
 bool pel_loads_act(const pel_sim *sim)
@@ -390,6 +391,12 @@ bool pel_loads_apply(pel_sim *sim, pel_span span, pel_gains gains)
             inside &= push(sim, v, gain, (pel_real)0.5 * sim->model->inverse_mass[v] * record_of(force));
         }
     }
+    if (sim->loads->fluid_count > 0) {
+        memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+        pel_fluids_add(sim, sim->state->position, sim->force);
+    }
+    for (int32_t v = 0; sim->loads->fluid_count > 0 && v < sim->model->vertex_count; v++)
+        inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->force[v]);
     for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
         inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->loads->external[v]);
     for (int32_t b = 0; has_gravity(sim->model) && b < sim->model->body_count; b++)
@@ -425,6 +432,8 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
         for (int k = 0; k < 2; k++)
             force[sim->loads->followers[i].vertices[k]] += (pel_real)0.5 * record_of(each);
     }
+    if (positions != NULL)
+        pel_fluids_add(sim, positions, force);
     for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
         force[v] += sim->loads->external[v];
     if (has_gravity(sim->model)) {
@@ -606,7 +615,7 @@ double pel_loads_work(const pel_sim *sim, double from, double to, double h)
     const pel_state *state = sim->state;
     pel_span spans[2];
     pel_loads_find_spans(sim, from, to, spans);
-    double work = followers_work(sim, spans) + sim->loads->tallied_work;
+    double work = followers_work(sim, spans) + pel_fluids_work(sim) + sim->loads->tallied_work;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
         double factor = load->is_tallied ? 0 : mean_factor(sim, load, spans), way[3], before[3], after[3];

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/loads.h"
 #include "force/pressure.h"
@@ -64,6 +65,8 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
                               "use the consistent form on a closed body, and fibres of another mode",
                               "pressure on a part of a surface or in the form vertex-normal, and fibres of the mode "
                               "normal, have no potential");
+    if (sim->loads->fluid_count > 0)
+        return pel_fluids_refuse(sim, "a derivative", error);
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;

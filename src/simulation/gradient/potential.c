@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/loads.h"
 #include "force/tangent.h"
@@ -64,6 +65,8 @@ pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_err
     if (sim->active != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "leave refine out",
                           "a body refines: its potential has other positions after each event");
+    if (sim->loads->fluid_count > 0)
+        return pel_fluids_refuse(sim, "a potential", error);
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "this needs", error);
     pel_potential *made = pel_allocate(1, sizeof *made);

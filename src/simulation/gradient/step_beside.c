@@ -2,6 +2,7 @@
 #include "gradient/step_beside.h"
 
 #include "base/status.h"
+#include "boundary/loads.h"
 #include "gradient/adjoint.h"
 #include "minimise/minimise.h"
 #include "minimise/step_newton.h"
@@ -16,6 +17,7 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                        : sim->tools->count > 0                          ? "tools"
                        : sim->contacts != NULL                          ? "contact"
                        : sim->minimise->newton->viscous != NULL         ? "damping of the material"
+                       : sim->loads->fluid_count > 0                    ? "fluids"
                        : sim->active != NULL                            ? "refinement"
                        : sim->cuts_done < sim->def.cut_count            ? "cuts"
                        : sim->solver.budget > 0                         ? "a budget of time"

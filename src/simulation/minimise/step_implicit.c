@@ -176,7 +176,7 @@ static bool volume_moves(const pel_sim *sim)
 /* true if all forces have a potential, so that changes_energy applies */
 static bool has_potential(const pel_sim *sim)
 {
-    bool has = sim->loads->follower_count == 0 && sim->loads->edge_load_count == 0;
+    bool has = sim->loads->follower_count == 0 && sim->loads->edge_load_count == 0 && sim->loads->fluid_count == 0;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         has &= pel_shell_has_potential(&sim->model->bodies[b]);
     return has;

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -47,6 +48,8 @@ pel_status pel_sim_modes_check(const pel_sim *sim, pel_error *error)
                           "an analysis does not support bodies that refine");
     if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && !pel_loads_act(sim))
         return pel_modes_fail_unloaded(error);
+    if (sim->solver.analysis == PEL_ANALYSIS_BUCKLING && sim->loads->fluid_count > 0)
+        return pel_fluids_refuse(sim, "buckling", error);
     if (sim->tools->count == 0 && sim->contacts == NULL)
         return pel_followers_refuse(sim, "modes and buckling need", error);
     pel_fail(error, PEL_BAD_ARGUMENT, "an analysis does not support %s", sim->tools->count > 0 ? "tools" : "contact");

@@ -7,6 +7,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -303,6 +304,7 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     pel_sim *sim = at->sim;
     double springs = pel_holds_evaluate(sim, at->span.time, unknowns, gradient);
     pel_followers_evaluate(sim, at->span, unknowns, gradient);
+    springs += pel_fluids_evaluate(sim, unknowns, gradient);
     springs += evaluate_radial(sim->minimise->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
         return springs;
@@ -354,6 +356,7 @@ static void add_constraints(void *context, pel_matrix *matrix)
     const pel_minimise *minimise = sim->minimise;
     pel_holds_add_matrix(sim, matrix);
     pel_followers_add_matrix(sim, matrix);
+    pel_fluids_add_matrix(sim, minimise->newton->unknowns, matrix);
     for (int32_t v = 0; minimise->newton->radial != NULL && v < sim->model->vertex_count; v++) {
         double square[3][3];
         for (int a = 0; a < 3; a++)
@@ -532,7 +535,7 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context)
 bool pel_sim_newton_has_terms(const pel_sim *sim)
 {
     return (sim->holds != NULL && sim->holds->spring_count > 0) || sim->minimise->newton->radial != NULL ||
-           sim->loads->follower_count > 0;
+           sim->loads->follower_count > 0 || sim->loads->fluid_count > 0;
 }
 
 /* ---- a run ---- */

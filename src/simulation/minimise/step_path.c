@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -95,6 +96,8 @@ pel_status pel_sim_path_check(pel_sim *sim, pel_error *error)
     set_factor(sim, 1);
     pel_status status = pel_minimise_check_start(sim, error);
     set_factor(sim, 0);
+    if (status == PEL_OK)
+        status = pel_fluids_refuse(sim, "a path by arc length", error);
     return status == PEL_OK ? pel_followers_refuse(sim, "a path by arc length needs", error) : status;
 }
 

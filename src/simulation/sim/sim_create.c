@@ -4,6 +4,7 @@
 #include "base/patience.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
+#include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "math/extremes.h"
@@ -246,6 +247,8 @@ static pel_status build_boundary(pel_sim *sim, const pel_sim_def *def, pel_error
         status = pel_edge_loads_create(sim, def, error);
     if (status == PEL_OK)
         status = pel_followers_create(sim, def, error);
+    if (status == PEL_OK)
+        status = pel_fluids_create(sim, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)
