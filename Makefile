@@ -3,13 +3,15 @@ PRESET  ?= release
 OPTIONS ?=
 COUNT   ?= 60
 PREFIX  ?= /usr/local
+PYTHON_BUILD = $(or $(PELLICLE_BUILD),build/python)
 PROGRAM  = build/$(PRESET)/pellicle
 # one line per finished step on a terminal, only warnings and errors elsewhere
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
-.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction mutants-of-the-papers python format docs pictures install deb packages clean
+.NOTPARALLEL:
+.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction mutants-of-the-papers python format docs pictures install deb clean
 
-build: build/$(PRESET)/build.ninja ## build the library, the program and the tests (PRESET=debug, asan, ...)
+build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
 
 help: ## print this list
@@ -25,13 +27,13 @@ demo: program ## press the human lens capsule; MESH=file presses that mesh (SCAL
 test: build ## run the tests, without the parts that take long; PELLICLE_ALL=1 make test runs these too
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET) || status=1; exit $$status
 
-check: build/$(PRESET)/build.ninja $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
+check: build/$(PRESET)/tests/CTestTestfile.cmake $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
 	@tools/check build/$(PRESET) "$(NAME)"
 
-nightly: packages ## run checks that take hours: all tests whole, WebAssembly, pages, 2,000 random scenes, sanitizers, fuzzing, mutations
+nightly: ## run checks that take hours: all tests whole, WebAssembly, pages, 2,000 random scenes, sanitizers, fuzzing, mutations
 	@tools/nightly
 
-mutate: packages ## change the library in single places and list changes that no test detects (tools/mutate --help; COUNT=60)
+mutate: need-demo need-dev ## change the library in single places and list changes that no test detects (tools/mutate --help; COUNT=60)
 	@tools/mutate --count $(COUNT)
 
 bench: program ## run the benchmarks
@@ -39,26 +41,27 @@ bench: program ## run the benchmarks
 	@$(PROGRAM) bench
 	@for bench in build/$(PRESET)/bench/bench_*; do if [ -x "$$bench" ]; then "$$bench"; fi; done
 
-bench-peers: packages ## compare subdivision with VTK and OpenMesh (needs libvtk9-dev, libopenmesh-dev; MESH=file)
+bench-peers: need-demo need-dev ## compare subdivision with VTK and OpenMesh (needs libvtk9-dev, libopenmesh-dev; MESH=file)
 	@cmake --preset release -B build/peers -DPELLICLE_PEERS=ON -DPELLICLE_TESTS=OFF -DPELLICLE_PROGRAM=OFF >/dev/null
 	@cmake --build build/peers --target bench_peers $(QUIET)
 	@build/peers/bench/peers/bench_peers $(MESH)
 
 web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (needs Node.js and the npm registry)
 
-wasm: ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (needs emscripten and npm)
-	@tools/install-packages emscripten dpkg-dev
+wasm: need-wasm ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (needs emscripten and npm)
 	@tools/fetch-sources build/wasm/sources
 	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
 	@cmake --build build/wasm $(QUIET)
 	@$(MAKE) --no-print-directory build/web/play.html
 
-python: packages ## build the Python package and install it into build/venv (README and docs/python.md)
+python: need-demo need-python ## build the Python package, install it into build/venv and register the Jupyter kernel Pellicle (docs/python.md)
 	@test -x build/venv/bin/python || /usr/bin/python3 -m venv --system-site-packages build/venv
-	@build/venv/bin/pip install --quiet --no-build-isolation --no-index --force-reinstall --no-deps .
+	@test -d $(PYTHON_BUILD) || echo "compiling the library for this and older processors: about 5 minutes the first time"
+	@PELLICLE_BUILD=$(PYTHON_BUILD) build/venv/bin/pip install --quiet --no-build-isolation --no-index --force-reinstall --no-deps .
 	@build/venv/bin/python -c 'import pellicle; print("pellicle", pellicle.__version__, "for", pellicle.kernels(), "in build/venv: build/venv/bin/python")'
+	@PYDEVD_DISABLE_FILE_VALIDATION=1 build/venv/bin/python -m ipykernel install --user --name pellicle --display-name Pellicle
 
-format: packages ## format the sources
+format: need-dev ## format the sources
 	@git ls-files -co --exclude-standard '*.[ch]' '*.cpp' | xargs clang-format-14 -i
 
 docs: program ## write docs/reference from the tables of the program
@@ -66,24 +69,24 @@ docs: program ## write docs/reference from the tables of the program
 	@$(PROGRAM) reference >docs/reference/scene.md
 	@$(PROGRAM) schema >docs/reference/scene.schema.json
 
-site: program wasm ## build the documentation as web pages in build/site, with scenes that run in the browser (installs MkDocs, Doxygen, emscripten)
-	@tools/install-packages mkdocs doxygen
+site: need-site program wasm ## build the documentation as web pages in build/site, with scenes that run in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/site $(PROGRAM)
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/numbers.inc
 
-mutants-of-the-papers: packages ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)
+mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)
 	@tools/mutants-of-the-papers
 
 pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures
 
-install: program ## install library, headers and program (PREFIX=/usr/local)
+install: build/$(PRESET)/build.ninja ## install library, headers and program (PREFIX=/usr/local)
+	@cmake --build build/$(PRESET) --target installed $(QUIET)
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
 
-deb: packages ## build a Debian package of program, library and headers: build/deb/pellicle_*.deb
+deb: need-demo ## build a Debian package of program, library and headers: build/deb/pellicle_*.deb
 	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_SHARED=OFF -DPELLICLE_PYTHON=OFF -DPELLICLE_TESTS=OFF >/dev/null
 	@cmake --build build/deb $(QUIET)
 	@cd build/deb && cpack -G DEB >cpack.log || { cat cpack.log; exit 1; }
@@ -100,13 +103,15 @@ build/web/play.html: web/node_modules/.package-lock.json web/live.html web/vite.
 	@cd web && npm run --silent build-play
 
 web/node_modules/.package-lock.json: web/package-lock.json
-	@command -v npm >/dev/null || tools/install-packages nodejs npm
+	@command -v npm >/dev/null || tools/install-packages web
 	@cd web && npm ci --no-audit --no-fund --loglevel=error
 
-packages:
-	@tools/install-packages
+# need-GROUP: installs the missing packages of a group of packages.txt
+need-%:
+	@tools/install-packages $*
 
-build/$(PRESET)/build.ninja: CMakePresets.json | packages
-	@mkdir -p $(@D)
-	@cmake --preset $(PRESET) $(OPTIONS) >$(@D)/configure.log 2>&1 || { cat $(@D)/configure.log; rm -f $@; exit 1; }
-	@touch $@
+build/$(PRESET)/build.ninja: CMakePresets.json | need-demo $(if $(filter release,$(PRESET)),,need-dev)
+	@tools/configure $(PRESET) $(OPTIONS)
+
+build/$(PRESET)/tests/CTestTestfile.cmake: CMakePresets.json | need-demo need-dev need-python
+	@tools/configure $(PRESET) -DPELLICLE_TESTS=ON $(OPTIONS)

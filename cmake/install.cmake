@@ -79,3 +79,12 @@ if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
     install(FILES ${PRINTED}/pellicle.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
 endif()
+
+# everything that is installed and nothing else, for `make install` from any state of the build
+set(INSTALLED ${CORE_LIBRARIES})
+foreach(target pellicle_scene pellicle_view pellicle_live pellicle_program)
+    if(TARGET ${target})
+        list(APPEND INSTALLED ${target})
+    endif()
+endforeach()
+add_custom_target(installed DEPENDS ${INSTALLED})

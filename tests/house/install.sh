@@ -10,6 +10,14 @@ trap 'rm -rf "$place"' EXIT
 fail() { echo "error: $*" >&2; exit 1; }
 quietly() { "$@" >"$place/log" 2>&1 || { cat "$place/log"; fail "failed: $*"; }; }
 
+# `make install` builds the target `installed`: it makes each library and program that is copied
+ninja -C "$build" -t query installed | sed 's/^ *//' >"$place/made"
+grep -oE '"'"$build"'/(lib[^/"]*\.(a|so)|pellicle)"' "$build/cmake_install.cmake" | sed 's|.*/||; s|"||' | sort -u >"$place/copied"
+grep -qx pellicle "$place/copied" || [ ! -x "$build/pellicle" ] || fail "cmake_install.cmake was not understood"
+while read -r file; do
+    grep -qx "$file" "$place/made" || fail "the target installed does not make $file"
+done <"$place/copied"
+
 quietly cmake --install "$build" --prefix "$place/first"
 mv "$place/first" "$place/prefix"
 ! grep -rlF -e "$source" -e "$place/first" "$place/prefix/lib" "$place/prefix/share" --include='*.cmake' --include='*.pc' ||
