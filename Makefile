@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program test check nightly mutate demo bench bench-peers web wasm site reproduction mutants-of-the-papers python format docs pictures install deb clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers python format docs pictures install deb clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -23,6 +23,9 @@ program: build/$(PRESET)/build.ninja
 
 demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres; UP=y: y is up), SCENE=file runs that scene
 	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)" "$(UP)"
+
+live: program web ## touch an organ in a browser (needs Node.js and the npm registry once); SCENE=file or MESH=file: yours
+	@$(PROGRAM) live "$(or $(SCENE),$(MESH),organ-press)"
 
 test: build ## run the tests, without the parts that take long; PELLICLE_ALL=1 make test runs these too
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET) || status=1; exit $$status
@@ -49,7 +52,7 @@ bench-peers: need-demo need-dev ## compare subdivision with VTK and OpenMesh (ne
 web: build/web/report.html ## build the pages of `pellicle report` and `pellicle live` (needs Node.js and the npm registry)
 
 wasm: need-wasm ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (needs emscripten and npm)
-	@tools/fetch-sources build/wasm/sources
+	@tools/fetch-sources build/sources
 	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
 	@cmake --build build/wasm $(QUIET)
 	@$(MAKE) --no-print-directory build/web/play.html
@@ -71,6 +74,9 @@ docs: program ## write docs/reference from the tables of the program
 
 site: need-site program wasm ## build the documentation as web pages in build/site, with scenes that run in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/site $(PROGRAM)
+
+machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine, and compare the bits
+	@tools/machines
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/numbers.inc

@@ -5,6 +5,17 @@ target_compile_options(pellicle_flags INTERFACE
     -Wmissing-prototypes -Wstrict-prototypes -Wno-psabi>
     -ffp-contract=off -fno-math-errno -fno-trapping-math)
 target_compile_definitions(pellicle_flags INTERFACE _POSIX_C_SOURCE=200809L)
+# what POSIX has and MinGW lacks
+if(WIN32)
+    add_library(pellicle_posix INTERFACE)
+    target_compile_options(pellicle_posix INTERFACE -include ${PROJECT_SOURCE_DIR}/portable/windows/posix.h -Wno-format -Wno-float-conversion
+                           -Wno-sign-conversion -Wno-conversion)
+    target_include_directories(pellicle_posix SYSTEM INTERFACE ${PROJECT_SOURCE_DIR}/portable/windows/include)
+    target_compile_definitions(pellicle_posix INTERFACE __USE_MINGW_ANSI_STDIO=1 _FILE_OFFSET_BITS=64)
+    target_link_libraries(pellicle_flags INTERFACE pellicle_posix)
+    # programs need no library of MinGW
+    add_link_options(-static)
+endif()
 # assertions (src/ground/base/assert.h)
 if(NOT PELLICLE_CHECKS STREQUAL "")
     target_compile_definitions(pellicle_flags INTERFACE PEL_CHECKS=${PELLICLE_CHECKS})
@@ -19,7 +30,7 @@ endif()
 # without PELLICLE_NATIVE the core is compiled twice (kernels.cmake)
 if(EMSCRIPTEN)
     target_compile_options(pellicle_flags INTERFACE -msimd128)
-elseif(PELLICLE_NATIVE AND EXISTS /proc/cpuinfo)
+elseif(PELLICLE_NATIVE AND NOT CMAKE_CROSSCOMPILING AND EXISTS /proc/cpuinfo)
     file(STRINGS /proc/cpuinfo PELLICLE_HAS_AVX2 REGEX "^flags.* avx2( |$)" LIMIT_COUNT 1)
     if(PELLICLE_HAS_AVX2)
         target_compile_options(pellicle_flags INTERFACE -mavx2)

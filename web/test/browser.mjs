@@ -18,7 +18,7 @@ const flags = [
 ];
 
 // { open(file, { viewport, dark }), play(file, the same), visit(address, the same), close() }; open gives { page, errors,
-// opened }, opened in milliseconds; visit gives { page, errors } of the live page once it has drawn, play those of a page
+// opened }, opened in milliseconds; read gives { errors, width } of any page; visit gives { page, errors } of the live page once it has drawn, play those of a page
 // that simulates by itself with the milliseconds until it had `drawn`, or had said why it cannot
 export async function startBrowser() {
     const profile = mkdtempSync(join(tmpdir(), "pellicle-browser-"));
@@ -46,6 +46,14 @@ export async function startBrowser() {
             const drawn = performance.now() - start;
             await page.waitForFunction(() => document.body.classList.contains("ready"));
             return { page, errors, drawn, opened: performance.now() - start };
+        },
+        async read(address, viewport) {
+            const { page, errors } = await newPage(/^(http:\/\/127\.0\.0\.1:|data:|blob:)/, viewport, false);
+            await page.goto(address);
+            await page.waitForLoadState("networkidle");
+            const width = await page.evaluate(() => document.documentElement.scrollWidth);
+            await page.close();
+            return { errors, width };
         },
         async play(file, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
             const { page, errors } = await newPage(/^(file|data|blob):/, viewport, dark);

@@ -364,7 +364,7 @@ async function typing(page) {
     await press("1");
 }
 
-// a tool of the scene has its force in the plot; the whole of a body that went away comes into the picture
+// a tool of the scene has its force in the plot; the camera follows a body that falls, and one click brings it back
 async function following(browser) {
     const path = join(folder, "falling.yaml");
     writeFileSync(
@@ -401,10 +401,15 @@ async function following(browser) {
             return x < 0 || y < 0 || x > width || y > height;
         }).length;
     };
+    assert.equal(await page.evaluate(outside), 0, "the camera follows a body that nothing holds");
     await page.click("#reset");
     await page.waitForTimeout(200);
     await picture(page, "followed");
     assert.equal(await page.evaluate(outside), 0, "the whole body is in the picture");
+    await page.click("#back");
+    await until(page, () => globalThis.pellicle.frame.step === 0);
+    await page.waitForFunction(() => document.getElementById("back").hidden);
+    assert.equal(await page.evaluate(outside), 0, "the camera comes back with the body");
     assert.deepEqual(errors, []);
     await page.close();
     await server.stop();

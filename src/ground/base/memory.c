@@ -16,6 +16,13 @@
 #include <sys/mman.h>
 #endif
 
+#if defined(_WIN32)
+#define calloc pel_windows_calloc
+#define realloc pel_windows_realloc
+#define aligned_alloc pel_windows_aligned_alloc
+#define free pel_windows_free
+#endif
+
 enum { HUGE_PAGE = 1 << 21, PIECE = 1 << 26 };
 
 /* asks for huge pages, where the system has them: gathers over large arrays miss the translation buffer without

@@ -21,7 +21,7 @@ typedef struct schema_variant {
 
 static void write_value(schema_writer *out, const pel_def_row *row, const pel_def_row *limits, const char *word);
 
-static void write(const schema_writer *out, const char *text)
+static void emit(const schema_writer *out, const char *text)
 {
     pel_json_print(out->json, "%s", text);
 }
@@ -46,44 +46,44 @@ static void write_number(schema_writer *out, pel_form form, pel_range range)
         write_limit(out, range.open ? "exclusiveMinimum" : "minimum", range.least);
         write_limit(out, "maximum", range.most);
     }
-    write(out, "}");
+    emit(out, "}");
 }
 
 static void write_words(schema_writer *out, const char *const *words, const char *only)
 {
     if (only != NULL) {
-        write(out, "{\"const\":");
+        emit(out, "{\"const\":");
         write_text(out, only);
-        write(out, "}");
+        emit(out, "}");
         return;
     }
-    write(out, "{\"enum\":[");
+    emit(out, "{\"enum\":[");
     for (size_t i = 0; words[i] != NULL; i++) {
-        write(out, i > 0 ? "," : "");
+        emit(out, i > 0 ? "," : "");
         write_text(out, words[i]);
     }
-    write(out, "]}");
+    emit(out, "]}");
 }
 
 static void write_tuple(schema_writer *out, int count, pel_range first, pel_range others)
 {
     pel_json_print(out->json, "{\"type\":\"array\",\"minItems\":%d,\"maxItems\":%d,\"items\":[", count, count);
     for (int i = 0; i < count; i++) {
-        write(out, i > 0 ? "," : "");
+        emit(out, i > 0 ? "," : "");
         write_number(out, PEL_FORM_NUMBER, i == 0 ? first : others);
     }
-    write(out, "]}");
+    emit(out, "]}");
 }
 
 static void write_list(schema_writer *out, const pel_def_row *row, const pel_def_row *limits)
 {
     const pel_def_row *element = pel_scene_row_find(out->table, row->path, "[]");
-    write(out, "{\"type\":\"array\",");
+    emit(out, "{\"type\":\"array\",");
     if (row->range.given)
         pel_json_print(out->json, "\"minItems\":%d,", (int)row->range.least);
-    write(out, "\"items\":");
+    emit(out, "\"items\":");
     write_value(out, element, element->scoped ? limits : element, NULL);
-    write(out, "}");
+    emit(out, "}");
 }
 
 /* whether one of the keys that a row needs is an alternative: then the object that has it has the row too */
@@ -112,16 +112,16 @@ static void write_dependency(schema_writer *out, const char *prefix, const pel_d
 {
     const char *comma = "";
     write_text(out, pel_scene_row_name(row, prefix));
-    write(out, ":{\"anyOf\":[");
+    emit(out, ":{\"anyOf\":[");
     for (const pel_def_row *other = NULL; (other = pel_scene_row_next(out->table, prefix, other)) != NULL;) {
         if (!pel_scene_row_needs(row, pel_scene_row_name(other, prefix)))
             continue;
         pel_json_print(out->json, "%s{\"required\":[", comma);
         write_text(out, pel_scene_row_name(other, prefix));
-        write(out, "]}");
+        emit(out, "]}");
         comma = ",";
     }
-    write(out, "]}");
+    emit(out, "]}");
 }
 
 static void write_dependencies(schema_writer *out, const char *prefix)
@@ -130,12 +130,12 @@ static void write_dependencies(schema_writer *out, const char *prefix)
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (row->needs == NULL || needs_alternative(out, prefix, row))
             continue;
-        write(out, before);
+        emit(out, before);
         write_dependency(out, prefix, row);
         before = ",\n";
         after = "}";
     }
-    write(out, after);
+    emit(out, after);
 }
 
 /* keys that are required, or another one that fills them in */
@@ -147,43 +147,43 @@ static void write_supplied(schema_writer *out, const char *prefix, const schema_
             continue;
         pel_json_print(out->json, "%s{\"anyOf\":[{\"required\":[", before);
         write_text(out, pel_scene_row_name(row, prefix));
-        write(out, "]},{\"required\":[");
+        emit(out, "]},{\"required\":[");
         write_text(out, row->supplied);
-        write(out, "]}]}");
+        emit(out, "]}]}");
         before = ",";
         after = "]";
     }
-    write(out, after);
+    emit(out, after);
 }
 
 static void write_object(schema_writer *out, const char *prefix, const pel_def_row *limits,
                          const schema_variant *variant)
 {
     const char *comma = "";
-    write(out, "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{");
+    emit(out, "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{");
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!belongs(out, row, prefix, variant))
             continue;
-        write(out, comma);
+        emit(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));
-        write(out, ":");
+        emit(out, ":");
         write_value(out, row, row->scoped ? limits : row, row->alternative ? variant->word : NULL);
         comma = ",\n";
     }
     comma = "";
-    write(out, "},\"required\":[");
+    emit(out, "},\"required\":[");
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         bool is_needed = (row->required && row->supplied == NULL) || (row->alternative && !variant->implied);
         if (!belongs(out, row, prefix, variant) || !is_needed)
             continue;
-        write(out, comma);
+        emit(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));
         comma = ",";
     }
-    write(out, "]");
+    emit(out, "]");
     write_supplied(out, prefix, variant);
     write_dependencies(out, prefix);
-    write(out, "}");
+    emit(out, "}");
 }
 
 /* whether some key is allowed only with this word */
@@ -204,7 +204,7 @@ static void write_alternative(schema_writer *out, const char *prefix, const pel_
         return;
     }
     for (size_t i = 0; row->words[i] != NULL; i++) {
-        write(out, i > 0 ? ",\n" : "");
+        emit(out, i > 0 ? ",\n" : "");
         write_object(out, prefix, limits, &(schema_variant){row, row->words[i], false});
     }
 }
@@ -214,7 +214,7 @@ static void write_map(schema_writer *out, const char *prefix, const pel_def_row 
     bool may_lack = true;
     const char *comma = "";
     schema_variant implied = {NULL, NULL, true};
-    write(out, "{\"anyOf\":[");
+    emit(out, "{\"anyOf\":[");
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
         if (!row->alternative)
             continue;
@@ -222,15 +222,15 @@ static void write_map(schema_writer *out, const char *prefix, const pel_def_row 
         may_lack = (may_lack && comma[0] != '\0') || row->preset != NULL;
         if (row->preset != NULL)
             implied = (schema_variant){row, (row->forms & PEL_FORM_WORD) != 0 ? row->preset : NULL, true};
-        write(out, comma);
+        emit(out, comma);
         write_alternative(out, prefix, limits, row);
         comma = ",\n";
     }
     if (may_lack) {
-        write(out, comma);
+        emit(out, comma);
         write_object(out, prefix, limits, &implied);
     }
-    write(out, "]}");
+    emit(out, "]}");
 }
 
 /* a default as JSON: numbers, booleans and lists as they are, words in quotes */
@@ -239,12 +239,12 @@ static void write_preset(schema_writer *out, const pel_def_row *row)
     double number;
     if (row->preset == NULL || row->varies || strchr(row->preset, '#') != NULL || row->preset[0] == '{')
         return;
-    write(out, "\"default\":");
+    emit(out, "\"default\":");
     if (row->preset[0] == '[' || row->forms == PEL_FORM_BOOLEAN || pel_scene_parse_number(row->preset, &number))
-        write(out, row->preset);
+        emit(out, row->preset);
     else
         write_text(out, row->preset);
-    write(out, ",");
+    emit(out, ",");
 }
 
 static void write_form(schema_writer *out, pel_form form, const pel_def_row *row, const pel_def_row *limits,
@@ -254,11 +254,11 @@ static void write_form(schema_writer *out, pel_form form, const pel_def_row *row
     if (form == PEL_FORM_NUMBER || form == PEL_FORM_INTEGER)
         write_number(out, form, limits->range);
     else if (form == PEL_FORM_BOOLEAN)
-        write(out, "{\"type\":\"boolean\"}");
+        emit(out, "{\"type\":\"boolean\"}");
     else if (form == PEL_FORM_WORD)
         write_words(out, row->words, word);
     else if (form == PEL_FORM_TEXT)
-        write(out, "{\"type\":\"string\",\"minLength\":1}");
+        emit(out, "{\"type\":\"string\",\"minLength\":1}");
     else if (form == PEL_FORM_PAIR)
         write_tuple(out, 2, limits->range, limits->range);
     else if (form == PEL_FORM_KEY)
@@ -286,26 +286,26 @@ static void write_description(const schema_writer *out, const char *doc, const c
 static void write_value(schema_writer *out, const pel_def_row *row, const pel_def_row *limits, const char *word)
 {
     const char *comma = "";
-    write(out, "{\"description\":");
+    emit(out, "{\"description\":");
     write_description(out, row->doc, limits->unit);
-    write(out, ",");
+    emit(out, ",");
     write_preset(out, row);
-    write(out, "\"anyOf\":[");
+    emit(out, "\"anyOf\":[");
     for (unsigned form = 1; form <= PEL_FORM_MAP; form *= 2) {
         if ((row->forms & form) == 0)
             continue;
-        write(out, comma);
+        emit(out, comma);
         write_form(out, (pel_form)form, row, limits, word);
         comma = ",";
     }
-    write(out, "]}");
+    emit(out, "]}");
 }
 
 void pel_scene_put_schema(pel_json *json, const pel_scene_table *table)
 {
     schema_writer out = {json, table};
-    write(&out,
-          "{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n");
+    emit(&out,
+         "{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n");
     write_object(&out, "", NULL, &(schema_variant){NULL, NULL, false});
-    write(&out, "\n]}\n");
+    emit(&out, "\n]}\n");
 }

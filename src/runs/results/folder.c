@@ -129,8 +129,12 @@ static pel_status fail_locked(const char *folder, int descriptor, pel_error *err
 static bool is_there(int descriptor, const char *path)
 {
     struct stat opened, named;
+#if defined(_WIN32)
+    return fstat(descriptor, &opened) == 0 && stat(path, &named) == 0; /* an open file is not removed there */
+#else
     return fstat(descriptor, &opened) == 0 && stat(path, &named) == 0 && opened.st_dev == named.st_dev &&
            opened.st_ino == named.st_ino;
+#endif
 }
 
 static void write_holder(int descriptor)

@@ -164,6 +164,10 @@ function drawPicture() {
     placeLabels();
 }
 
+// half sizes of the bodies from where they began, beyond which the page offers to bring them back
+const FAR = 2;
+const bringBack = () => (frame.undo > 0 ? send("undo") : restart());
+
 let lastTexts = 0;
 function showTexts(now) {
     const changes = state.playing !== frame.playing;
@@ -173,6 +177,7 @@ function showTexts(now) {
     document.body.classList.toggle("playing", frame.playing);
     $("play").setAttribute("aria-label", frame.playing ? "Pause" : "Play");
     $("undo").disabled = frame.undo === 0;
+    $("back").hidden = !(stage.drift > FAR);
     $("clock").textContent = `${formatNumber(frame.time, 4)} s`;
     const pace = frame.pace > 0 ? ` · ${formatNumber(frame.pace, 2)} × real time · ${formatNumber(frame.step_ms, 3)} ms per step` : "";
     const vertices = stage.bodies.reduce((sum, body) => sum + body.count, 0);
@@ -569,6 +574,7 @@ function makeControls() {
     $("step").addEventListener("click", step);
     $("undo").addEventListener("click", () => send("undo"));
     $("restart").addEventListener("click", restart);
+    $("back").addEventListener("click", bringBack);
     $("reset").addEventListener("click", () => stage.reset(true));
     $("save").addEventListener("click", askForScene);
     $("open").addEventListener("click", () => $("file").click());

@@ -3,7 +3,6 @@
 import {
     ArrowHelper,
     BackSide,
-    Box3,
     BoxGeometry,
     BufferAttribute,
     BufferGeometry,
@@ -16,7 +15,6 @@ import {
     Quaternion,
     Scene,
     ShaderMaterial,
-    Sphere,
     SphereGeometry,
     Vector3,
     WebGLRenderer,
@@ -178,6 +176,17 @@ class Body {
     }
 }
 
+// share of the picture that the bodies fill, and the way that a free body goes before the camera follows [half sizes of the bodies]
+const FILL = 0.82;
+const LOOSE = 0.1;
+// growth of the bodies that the camera follows
+const MOST_GROWTH = 5;
+
+// the smallest and the largest of many numbers
+function extremes(values) {
+    return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+
 // the outer side of a closed surface, by the sign of its volume
 function outsideOf(corners, positions) {
     const [a, b, c] = Array.from({ length: 3 }, () => new Vector3());
@@ -247,7 +256,9 @@ export class Stage {
         for (const name of this.tools.keys()) this.removeTool(name);
         this.centre = low.map((x, c) => (x + high[c]) / 2);
         this.size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
+        this.half = low.map((x, c) => (high[c] - x) / 2 / this.size);
         this.bodies = bodies.map(({ closed }) => new Body(this, closed));
+        this.isNew = true;
         for (const tool of tools) this.addTool(tool);
         this.reset();
     }
@@ -281,6 +292,9 @@ export class Stage {
     showFrame(frame, withContacts) {
         if (frame.bodies.length !== this.bodies.length || frame.bodies.some((body, b) => body.positions.length !== 3 * this.bodies[b].count)) return false;
         frame.bodies.forEach((body, b) => this.bodies[b].show(body, withContacts));
+        if (this.isNew) this.reset();
+        this.isNew = false;
+        this.follow();
         this.showTools(frame);
         this.showForce(frame.hand);
         return true;
@@ -316,21 +330,69 @@ export class Stage {
 
     /* ---- camera ---- */
 
-    // bounding sphere of all bodies at their present positions
-    around() {
-        const box = new Box3();
-        const point = new Vector3();
-        for (const { positions } of this.bodies)
-            for (let i = 0; i < (positions?.length ?? 0); i += 3) box.expandByPoint(point.fromArray(positions, i));
-        return box.isEmpty() ? new Sphere(new Vector3(), 1) : box.getBoundingSphere(new Sphere());
+    // the points that a view must show: the present vertices of all bodies, or before the first frame the corners of their box at rest
+    outline() {
+        const points = [];
+        for (const { positions } of this.bodies) for (let i = 0; i < (positions?.length ?? 0); i += 3) points.push(new Vector3().fromArray(positions, i));
+        if (points.length === 0) for (let i = 0; i < 8; i++) points.push(new Vector3(...this.half.map((x, c) => ((i >> c) & 1 ? x : -x))));
+        return points;
     }
 
-    // shows all bodies: at their present positions if `now`, otherwise at rest
-    reset(now = false) {
-        const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * Math.min(1, this.camera.aspect);
-        const { center, radius } = now ? this.around() : new Sphere(new Vector3(), 1);
-        this.controls.target.copy(center);
-        this.camera.position.set(0.5, -0.75, 0.5).setLength((1.3 * radius) / Math.sin(Math.atan(half))).add(center);
+    // shows all bodies so that they fill the picture; keeps the direction of the view if `turned`
+    reset(turned = false) {
+        const away = turned ? this.camera.position.clone().sub(this.controls.target).normalize() : new Vector3(0.5, -0.75, 0.5).normalize();
+        const right = new Vector3().crossVectors(this.camera.up, away).normalize();
+        const axes = [right, new Vector3().crossVectors(away, right)];
+        const points = this.outline();
+        const target = new Vector3();
+        for (const axis of [...axes, away]) {
+            const [low, high] = extremes(points.map((point) => point.dot(axis)));
+            target.addScaledVector(axis, (low + high) / 2);
+        }
+        const half = Math.tan(((this.camera.fov / 2) * Math.PI) / 180) * FILL;
+        let distance = 0.1;
+        for (const point of points) {
+            const from = point.clone().sub(target);
+            distance = Math.max(distance, from.dot(away) + Math.abs(from.dot(axes[0])) / (half * this.camera.aspect), from.dot(away) + Math.abs(from.dot(axes[1])) / half);
+        }
+        this.controls.target.copy(target);
+        this.camera.position.copy(target).addScaledVector(away, distance);
+        this.controls.update();
+        this.framed = this.measure();
+        if (this.framed) this.framed.most = MOST_GROWTH * this.framed.radius;
+    }
+
+    // middle and radius of the box of all bodies; null before the first frame
+    measure() {
+        const box = [new Vector3(Infinity, Infinity, Infinity), new Vector3(-Infinity, -Infinity, -Infinity)];
+        const point = new Vector3();
+        for (const { positions } of this.bodies)
+            for (let i = 0; i < (positions?.length ?? 0); i += 3) {
+                box[0].min(point.fromArray(positions, i));
+                box[1].max(point);
+            }
+        const radius = box[0].distanceTo(box[1]) / 2;
+        return radius < Infinity ? { middle: box[0].add(box[1]).divideScalar(2), radius } : null;
+    }
+
+    // The camera goes with bodies that nothing holds as soon as they leave the middle of the picture, and steps back from bodies that grow.
+    follow() {
+        const now = this.measure();
+        if (!now || !this.framed) return;
+        const { middle, radius } = now;
+        const { framed } = this;
+        const held = this.bodies.some(({ pinned }) => pinned?.length > 0);
+        const growth = radius > 1.02 * framed.radius && radius < framed.most ? radius / framed.radius : 1;
+        this.drift = held ? 0 : middle.length();
+        const shift = middle.clone().sub(framed.middle);
+        const excess = growth > 1 ? shift.length() : held ? 0 : shift.length() - LOOSE;
+        if (growth === 1 && !(excess > 0)) return;
+        if (excess > 0) shift.setLength(excess);
+        const away = this.camera.position.clone().sub(this.controls.target).multiplyScalar(growth);
+        framed.radius *= growth;
+        framed.middle.add(shift);
+        this.controls.target.add(shift);
+        this.camera.position.copy(this.controls.target).add(away);
         this.controls.update();
     }
 

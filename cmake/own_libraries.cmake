@@ -1,7 +1,7 @@
-# libfyaml and zlib for WebAssembly, from the sources that tools/fetch-sources brings
-set(SOURCES ${PROJECT_BINARY_DIR}/sources)
+# libfyaml and zlib for other machines, from the sources that tools/fetch-sources brings
+set(SOURCES ${PROJECT_SOURCE_DIR}/build/sources)
 if(NOT EXISTS ${SOURCES}/libfyaml OR NOT EXISTS ${SOURCES}/zlib)
-    message(FATAL_ERROR "the sources of libfyaml and zlib are missing in ${SOURCES}: run tools/fetch-sources ${SOURCES}, or make wasm")
+    message(FATAL_ERROR "the sources of libfyaml and zlib are missing in ${SOURCES}: run tools/fetch-sources ${SOURCES}")
 endif()
 
 file(GLOB FYAML_SOURCES ${SOURCES}/libfyaml/src/lib/*.c ${SOURCES}/libfyaml/src/xxhash/*.c)
@@ -12,9 +12,12 @@ target_include_directories(fyaml SYSTEM PUBLIC ${SOURCES}/libfyaml/include
 target_compile_definitions(fyaml PRIVATE _GNU_SOURCE VERSION="Debian")
 target_compile_options(fyaml PRIVATE -w)
 set_target_properties(fyaml PROPERTIES C_EXTENSIONS ON)
+if(WIN32)
+    target_link_libraries(fyaml PRIVATE pellicle_posix)
+endif()
 
 set(ZLIB_SOURCES)
-foreach(name adler32 crc32 deflate inffast inflate inftrees trees zutil)
+foreach(name adler32 compress crc32 deflate inffast inflate inftrees trees zutil)
     list(APPEND ZLIB_SOURCES ${SOURCES}/zlib/${name}.c)
 endforeach()
 add_library(zlib STATIC ${ZLIB_SOURCES})

@@ -1,0 +1,2 @@
+/* alloca is in malloc.h */
+#include <malloc.h>

@@ -1,0 +1,1 @@
+/* Windows: empty; libfyaml includes it. */
