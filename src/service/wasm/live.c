@@ -71,7 +71,7 @@ void pel_wasm_live_line(pel_wasm_live *live, const char *line)
     if (strcmp(line, "received") == 0)
         pel_mailbox_received(&live->reader);
     else
-        pel_mailbox_line(&live->box, pel_copy_string(line));
+        pel_mailbox_line(&live->box, pel_copy_string(line), pel_player_interrupts(line));
 }
 
 double pel_wasm_live_turn(pel_wasm_live *live)
