@@ -22,6 +22,8 @@
        pin OX OY OZ DX DY DZ REACH        fix the vertices within REACH [m] of the hit at their positions
        unpin OX OY OZ DX DY DZ REACH      release them
        inflate BODY P                     pressure [Pa] along the normals of a body, in addition to that of the scene
+       cut OX OY OZ DX DY DZ              the first one sets a blade on the surface, further ones lead it there: the
+                                          surface opens along its edges (pellicle/tear.h) until `release`
        mark                               start of an interaction: undo returns here
 
    One thread uses a session at a time. */
@@ -40,9 +42,9 @@ enum { PEL_SESSION_LINE = 512 };
 
 typedef struct pel_session pel_session;
 
-typedef enum pel_hand_kind { PEL_HAND_FREE, PEL_HAND_GRAB, PEL_HAND_PRESS } pel_hand_kind;
+typedef enum pel_hand_kind { PEL_HAND_FREE, PEL_HAND_GRAB, PEL_HAND_PRESS, PEL_HAND_CUT } pel_hand_kind;
 
-/* State of the hand: the spring of `grab` or the tool of `press` that the user moves. */
+/* State of the hand: the spring of `grab`, the tool of `press` or the blade of `cut` that the user moves. */
 typedef struct pel_hand_reading {
     pel_hand_kind kind;
     pel_tool_shape shape; /* of the tool */

@@ -6,6 +6,8 @@
 #include "pellicle/mesh_io.h"
 #include "pellicle/session.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "run/command.h"
 
 /* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene */
@@ -284,6 +286,97 @@ static void test_mesh_tool(void **unused)
     remove("a ring.ply");
 }
 
+/* a sheet that hangs in contact with itself, and is cut by a scripted cut as well */
+static const char sliced[] =
+    "version: 1\nbodies:\n"
+    "  - { name: sheet, mesh: { shape: grid, nx: 12, ny: 12, size_x: 1, size_y: 1 },\n"
+    "      membrane: { young: 1e4, thickness: 0.01 }, mass: { density: 1000 }, pinned: { box: { min: "
+    "[-1, 0.499, -1], max: [1, 1, "
+    "1] } } }\n"
+    "gravity: [0, -1, 0.2]\ncontact: {}\nsolver: { method: xpbd, dt: 0.01 }\nduration: 1\n"
+    "cuts: [{ at: 0.1, path: [[0.2, -0.5, 0], [0.2, 0.1, 0]] }]\n";
+
+/* x, y of the surface, seen from above */
+static void slice(play *made, double x, double y)
+{
+    char line[80];
+    snprintf(line, sizeof line, "cut %g %g 5  0 0 -1", x, y);
+    apply(made, line);
+}
+
+/* a blade opens the surface where it is led; undo shuts it, pins follow, and a run repeats it to the bit */
+static void test_cut(void **unused)
+{
+    (void)unused;
+    play made = begin(sliced);
+    pel_hand_reading hand;
+    pel_cut_reading reading;
+    int32_t count = pel_sim_vertex_count(made.sim, 0), pin_count;
+    bool done;
+    char *repeated;
+    steps(&made, 2);
+    uint64_t hash = pel_sim_hash(made.sim);
+    for (int round = 0; round < 2; round++) {
+        apply(&made, "mark");
+        slice(&made, -0.35, 0.5);
+        pel_session_get_hand(made.session, &hand);
+        assert_int_equal(hand.kind, PEL_HAND_CUT);
+        slice(&made, -0.3, 0.25);
+        assert_true(pel_sim_vertex_count(made.sim, 0) > count);
+        steps(&made, 1);
+        slice(&made, -0.25, -0.1);
+        /* beside the sheet */
+        slice(&made, -3, 0);
+        apply(&made, "release");
+        assert_int_equal(pel_sim_get_cuts(made.sim, 0, &reading, NULL), PEL_OK);
+        assert_true(reading.length > 0.5 && reading.length < 0.9 && reading.island_count == 0);
+        /* the copy of the pinned vertex where the cut begins is pinned too */
+        const unsigned char *pins = pel_session_pins(made.session, 0, &pin_count);
+        assert_int_equal(pin_count, pel_sim_vertex_count(made.sim, 0));
+        int pinned = 0;
+        for (int32_t v = 0; v < pin_count; v++)
+            pinned += pins[v];
+        assert_int_equal(pinned, 14);
+        apply(&made, "inflate sheet 0.1");
+        steps(&made, 3);
+        if (round > 0)
+            break;
+        assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+        assert_true(pel_sim_hash(made.sim) == hash && pel_sim_vertex_count(made.sim, 0) == count);
+        pel_session_pins(made.session, 0, &pin_count);
+        assert_int_equal(pin_count, count);
+    }
+    /* a single edge inside waits, and the blade leaves the border to the border */
+    int32_t now = pel_sim_vertex_count(made.sim, 0);
+    slice(&made, 0, 0.25);
+    slice(&made, 1 / 12.0, 0.25);
+    assert_int_equal(pel_sim_vertex_count(made.sim, 0), now);
+    apply(&made, "release");
+    slice(&made, -0.48, -0.48);
+    slice(&made, 0, -0.48);
+    apply(&made, "release");
+    apply(&made, "grab -0.1 -0.3 5  0 0 -1  50 0.1");
+    apply(&made, "move -0.1 -0.3 0.3");
+    int32_t before = pel_sim_vertex_count(made.sim, 0);
+    steps(&made, 20);
+    /* by the scene, while the hand holds the sheet */
+    assert_true(pel_sim_vertex_count(made.sim, 0) > before);
+    apply(&made, "release");
+    steps(&made, 3);
+    hash = pel_sim_hash(made.sim);
+    int64_t step_count = pel_sim_step_count(made.sim);
+    assert_int_equal(pel_session_scene(made.session, &repeated, NULL), PEL_OK);
+    end(&made);
+    pel_scene *scene = load_scene(repeated, NULL, 0);
+    run_case test = {.run = "sliced"};
+    check_run(scene, &test, PEL_OK);
+    assert_int_equal(test.summary.steps, step_count);
+    assert_true(test.summary.state_hash == hash && test.summary.self_intersections_final == 0);
+    check_whole("sliced");
+    pel_scene_destroy(scene);
+    pel_session_free_text(repeated);
+}
+
 /* mean distance of the vertices from their mean, after some steps of pressure */
 static double inflated_radius(const pel_mesh *mesh)
 {
@@ -525,7 +618,7 @@ int main(void)
         cmocka_unit_test(test_solid_tools),     cmocka_unit_test(test_inside_out),
         cmocka_unit_test(test_bad_lines),       cmocka_unit_test(test_bad_scenes),
         cmocka_unit_test(test_divergence),      cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_memory_of_tools),
+        cmocka_unit_test(test_memory_of_tools), cmocka_unit_test(test_cut),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -241,6 +241,18 @@ async function pinning(page) {
     await until(page, (n) => globalThis.pellicle.stage.bodies[0].pinned.length <= n + 2, before);
 }
 
+async function cutting(page) {
+    const count = () => page.evaluate(() => globalThis.pellicle.stage.bodies[0].count);
+    const before = await count();
+    await page.click("[data-mode=cut]");
+    await drag(page, 120, 40);
+    await page.mouse.up();
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].count > n, before);
+    await picture(page, "cut");
+    await page.click("#undo");
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].count === n, before);
+}
+
 async function sliding(page) {
     const path = "bodies.sphere.springs.stiffness";
     const valueOf = (path) => page.evaluate((path) => globalThis.pellicle.parameters.list.find((info) => info.path === path).value[0], path);
@@ -337,7 +349,7 @@ async function typing(page) {
     const { step } = await frame(page);
     await press("s");
     await until(page, (step) => globalThis.pellicle.frame.step === step + 1, step);
-    for (const [i, mode] of ["pull", "press", "pin", "unpin", "measure", "turn"].entries()) {
+    for (const [i, mode] of ["pull", "press", "pin", "unpin", "cut", "measure", "turn"].entries()) {
         await press(String(i + 1));
         assert.equal(await page.evaluate(() => globalThis.pellicle.state.mode), mode);
     }
@@ -519,6 +531,7 @@ try {
     await pressingPen(page);
     await playingPads(page);
     await pinning(page);
+    await cutting(page);
     await colouring(page);
     await measuring(page);
     await inflating(page);

@@ -24,6 +24,7 @@ static const grammar words[] = {
     [PEL_COMMAND_PIN] = {"pin", "OX OY OZ DX DY DZ REACH", 7, false, false},
     [PEL_COMMAND_UNPIN] = {"unpin", "OX OY OZ DX DY DZ REACH", 7, false, false},
     [PEL_COMMAND_INFLATE] = {"inflate", "BODY PRESSURE", 1, true, false},
+    [PEL_COMMAND_CUT] = {"cut", "OX OY OZ DX DY DZ", 6, false, false},
     [PEL_COMMAND_MARK] = {"mark", "", 0, false, false},
 };
 
@@ -76,7 +77,7 @@ static pel_status find_word(const char *word, pel_command *command, pel_error *e
             command->word = (pel_command_word)i;
             return PEL_OK;
         }
-    return pel_refuse(error, PEL_BAD_ARGUMENT, "use set, grab, press, move, release, pin, unpin, inflate or mark",
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use set, grab, press, move, release, pin, unpin, inflate, cut or mark",
                       "'%.40s' is not a command", word);
 }
 

@@ -13,6 +13,7 @@ typedef enum pel_command_word {
     PEL_COMMAND_PIN,
     PEL_COMMAND_UNPIN,
     PEL_COMMAND_INFLATE,
+    PEL_COMMAND_CUT,
     PEL_COMMAND_MARK
 } pel_command_word;
 

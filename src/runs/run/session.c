@@ -10,10 +10,10 @@
 #include "math/bounds.h"
 #include "math/extremes.h"
 #include "mesh/figures.h"
-#include "pellicle/measure.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
+#include "run/blade.h"
 #include "run/command.h"
 #include "scene/word_mesh.h"
 
@@ -35,11 +35,9 @@ typedef struct event {
 
 /* the pressure and pins of a body */
 typedef struct body_grip {
-    int32_t vertex_count, triangle_count; /* of its mesh */
-    int32_t (*triangles)[3];
-    unsigned char *pins; /* (vertex_count) */
-    double pressure;     /* Pa */
-    double side;         /* 1 where normals point outward, else -1 */
+    int32_t vertex_count; /* of its mesh */
+    unsigned char *pins;  /* (vertex_count) */
+    double pressure;      /* Pa */
 } body_grip;
 
 /* a state that undo returns to */
@@ -47,6 +45,7 @@ typedef struct mark {
     pel_snapshot *snapshot;
     size_t event_count;
     int32_t next_line;
+    int32_t *counts;     /* (body_count) vertices of their meshes */
     unsigned char *pins; /* of all bodies, one after the other */
     double *pressures;   /* (body_count) */
 } mark;
@@ -56,11 +55,11 @@ struct pel_session {
     pel_sim *sim;
     int32_t body_count;
     body_grip *bodies;
-    size_t pin_count; /* vertices of all meshes */
-    double size;      /* m, diagonal of the box about all bodies at rest */
+    double size; /* m, diagonal of the box about all bodies at rest */
     /* the hand */
     pel_hand_kind hand;
     pel_drag *drag;
+    pel_blade blade;
     char tool[PEL_NAME_SIZE];
     pel_tool_shape shape;
     pel_mesh *mesh; /* of a tool that is one, in its size; else null */
@@ -77,19 +76,28 @@ struct pel_session {
 
 /* ---- creation ---- */
 
-static bool take_body(body_grip *grip, const pel_body_def *def, bool closed)
+static const pel_mesh *mesh_of(const pel_session *session, int32_t body)
 {
-    const pel_mesh *mesh = def->mesh;
-    grip->vertex_count = mesh->vertex_count;
-    grip->triangle_count = mesh->triangle_count;
-    double volume = pel_surface_volume(mesh->positions[0], mesh->triangles[0], mesh->triangle_count, NULL);
-    grip->side = closed && volume < 0 ? -1 : 1;
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(grip->pins, mesh->vertex_count), PEL_ROOM(grip->triangles, mesh->triangle_count)))
-        return false;
-    memcpy(grip->triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *grip->triangles);
-    for (int32_t i = 0; i < def->pinned_count; i++)
+    return pel_model_mesh(pel_sim_model(session->sim), body);
+}
+
+static bool take_body(body_grip *grip, const pel_body_def *def)
+{
+    grip->vertex_count = def->mesh->vertex_count;
+    grip->pins = pel_allocate((size_t)grip->vertex_count, 1);
+    for (int32_t i = 0; grip->pins != NULL && i < def->pinned_count; i++)
         grip->pins[def->pinned[i]] = 1;
-    return true;
+    return grip->pins != NULL;
+}
+
+static bool make_forces(pel_session *session)
+{
+    int32_t most = 0;
+    for (int32_t b = 0; b < session->body_count; b++)
+        most = session->bodies[b].vertex_count > most ? session->bodies[b].vertex_count : most;
+    pel_free(session->forces);
+    session->forces = pel_allocate(3 * (size_t)most, sizeof(double));
+    return session->forces != NULL;
 }
 
 static double diagonal(const pel_model_def *model)
@@ -104,36 +112,62 @@ static double diagonal(const pel_model_def *model)
 static bool take_bodies(pel_session *session)
 {
     const pel_model_def *model = &session->scene->model;
-    int32_t most = 0;
     session->size = diagonal(model);
     session->body_count = model->body_count;
     session->bodies = pel_allocate((size_t)model->body_count, sizeof *session->bodies);
-    if (session->bodies == NULL)
-        return false;
-    for (int32_t b = 0; b < model->body_count; b++) {
-        if (!take_body(&session->bodies[b], &model->bodies[b], pel_model_is_closed(pel_sim_model(session->sim), b)))
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (session->bodies == NULL || !take_body(&session->bodies[b], &model->bodies[b]))
             return false;
-        session->pin_count += (size_t)session->bodies[b].vertex_count;
-        most = session->bodies[b].vertex_count > most ? session->bodies[b].vertex_count : most;
+    return make_forces(session);
+}
+
+static bool set_count(pel_session *session, int32_t body, int32_t count)
+{
+    body_grip *grip = &session->bodies[body];
+    unsigned char *pins = pel_reallocate(grip->pins, (size_t)count, 1);
+    if (pins == NULL)
+        return false;
+    grip->pins = pins;
+    grip->vertex_count = count;
+    return make_forces(session);
+}
+
+/* after cuts: copies are pinned as their vertex was */
+static pel_status follow_surfaces(pel_session *session, pel_error *error)
+{
+    for (int32_t b = 0; b < session->body_count; b++) {
+        int32_t before = session->bodies[b].vertex_count, count = mesh_of(session, b)->vertex_count;
+        if (count == before)
+            continue;
+        int32_t *origins = pel_allocate((size_t)count, sizeof *origins);
+        bool is_made = origins != NULL && set_count(session, b, count);
+        if (is_made)
+            pel_sim_get_origins(session->sim, b, origins);
+        for (int32_t v = before; is_made && v < count; v++)
+            session->bodies[b].pins[v] = session->bodies[b].pins[origins[v]];
+        pel_free(origins);
+        if (!is_made)
+            return pel_fail_memory(error);
     }
-    session->forces = pel_allocate(3 * (size_t)most, sizeof(double));
-    return session->forces != NULL;
+    return PEL_OK;
 }
 
 static void drop_mark(mark *at)
 {
     pel_snapshot_destroy(at->snapshot);
-    pel_free(at->pins);
-    pel_free(at->pressures);
+    PEL_FREE_ALL(at->counts, at->pins, at->pressures);
     *at = (mark){0};
 }
 
 static pel_status make_mark(const pel_session *session, mark *at, pel_error *error)
 {
     *at = (mark){.event_count = session->event_count, .next_line = session->next_line};
-    at->pins = pel_allocate(session->pin_count, 1);
-    at->pressures = pel_allocate((size_t)session->body_count, sizeof *at->pressures);
-    pel_status status = at->pins != NULL && at->pressures != NULL ? PEL_OK : pel_fail_memory(error);
+    size_t pin_count = 0;
+    for (int32_t b = 0; b < session->body_count; b++)
+        pin_count += (size_t)session->bodies[b].vertex_count;
+    bool is_made = PEL_ALLOCATE_ALL(PEL_ROOM(at->pins, pin_count), PEL_ROOM(at->pressures, session->body_count),
+                                    PEL_ROOM(at->counts, session->body_count));
+    pel_status status = is_made ? PEL_OK : pel_fail_memory(error);
     if (status == PEL_OK)
         status = pel_snapshot_create(session->sim, &at->snapshot, error);
     if (status != PEL_OK) {
@@ -145,6 +179,7 @@ static pel_status make_mark(const pel_session *session, mark *at, pel_error *err
         const body_grip *body = &session->bodies[b];
         memcpy(pins, body->pins, (size_t)body->vertex_count);
         pins += body->vertex_count;
+        at->counts[b] = body->vertex_count;
         at->pressures[b] = body->pressure;
     }
     return PEL_OK;
@@ -177,10 +212,6 @@ pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session 
     PEL_REFUSE_NULL(sim, error);
     PEL_REFUSE_NULL(session, error);
     *session = NULL;
-    /* pins and pressure of a session are by the vertices of the mesh */
-    if (pel_sim_cut_count(sim) > 0)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "run it with `pellicle run`, or leave `cuts` out",
-                          "a session of a scene with cuts");
     pel_session *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
@@ -213,11 +244,10 @@ void pel_session_destroy(pel_session *session)
     drop_mark(&session->start);
     for (int32_t m = 0; m < session->mark_count; m++)
         drop_mark(&session->marks[m]);
-    for (int32_t b = 0; session->bodies != NULL && b < session->body_count; b++) {
+    for (int32_t b = 0; session->bodies != NULL && b < session->body_count; b++)
         pel_free(session->bodies[b].pins);
-        pel_free(session->bodies[b].triangles);
-    }
     pel_mesh_destroy(session->mesh);
+    pel_blade_end(&session->blade);
     PEL_FREE_ALL(session->bodies, session->positions, session->forces, session->events, session);
 }
 
@@ -238,6 +268,7 @@ static pel_status release(pel_session *session, pel_error *error)
         status = pel_drag_end(session->drag, error);
         session->drag = NULL;
     }
+    pel_blade_end(&session->blade);
     int32_t tool = session->hand == PEL_HAND_PRESS ? find_tool(session->sim, session->tool) : -1;
     if (tool >= 0)
         status = pel_sim_remove_tool(session->sim, tool, error);
@@ -384,6 +415,7 @@ static pel_status move_hand(pel_session *session, pel_error *error)
         return pel_drag_move(session->drag, session->target, error);
     case PEL_HAND_PRESS:
         return move_tool(session, error);
+    case PEL_HAND_CUT:
     case PEL_HAND_FREE:
         break;
     }
@@ -408,7 +440,8 @@ void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading)
         memcpy(reading->point, tool.position, sizeof reading->point);
         for (int i = 0; i < 3; i++)
             reading->force[i] = 0 - tool.force[i];
-    }
+    } else if (session->hand == PEL_HAND_CUT)
+        memcpy(reading->point, session->target, sizeof reading->point);
 }
 
 const pel_mesh *pel_session_tool_mesh(const pel_session *session)
@@ -511,26 +544,26 @@ static pel_status inflate(pel_session *session, const pel_command *command, pel_
 static pel_status push_body(pel_session *session, int32_t body, pel_error *error)
 {
     PEL_ASSERT_INDEX(body, session->body_count);
-    const body_grip *grip = &session->bodies[body];
+    const pel_mesh *mesh = mesh_of(session, body);
     pel_status status = read_positions(session, body, error);
     if (status != PEL_OK)
         return status;
-    memset(session->forces, 0, 3 * (size_t)grip->vertex_count * sizeof(double));
-    for (int32_t t = 0; t < grip->triangle_count; t++) {
+    memset(session->forces, 0, 3 * (size_t)mesh->vertex_count * sizeof(double));
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
         const double *x[3];
         for (int c = 0; c < 3; c++)
-            x[c] = session->positions + 3 * (size_t)grip->triangles[t][c];
+            x[c] = session->positions + 3 * (size_t)mesh->triangles[t][c];
         double u[3], w[3];
         for (int i = 0; i < 3; i++) {
             u[i] = x[1][i] - x[0][i];
             w[i] = x[2][i] - x[0][i];
         }
-        double share = grip->side * grip->pressure / 6;
+        double share = session->bodies[body].pressure / 6;
         const double force[3] = {share * (u[1] * w[2] - u[2] * w[1]), share * (u[2] * w[0] - u[0] * w[2]),
                                  share * (u[0] * w[1] - u[1] * w[0])};
         for (int c = 0; c < 3; c++)
             for (int i = 0; i < 3; i++)
-                session->forces[3 * (size_t)grip->triangles[t][c] + (size_t)i] += force[i];
+                session->forces[3 * (size_t)mesh->triangles[t][c] + (size_t)i] += force[i];
     }
     return pel_sim_set_forces(session->sim, body, session->forces, error);
 }
@@ -541,6 +574,33 @@ static pel_status push_bodies(pel_session *session, pel_error *error)
     for (int32_t b = 0; status == PEL_OK && b < session->body_count; b++)
         if (session->bodies[b].pressure != 0)
             status = push_body(session, b, error);
+    return status;
+}
+
+/* ---- cuts ---- */
+
+static pel_status lead(pel_session *session, const pel_pick_hit *hit, bool *done, pel_error *error)
+{
+    pel_status status = pel_blade_lead(&session->blade, session->sim, hit, done, error);
+    memcpy(session->target, hit->point, sizeof session->target);
+    return status == PEL_OK && *done ? follow_surfaces(session, error) : status;
+}
+
+static pel_status cut(pel_session *session, const pel_command *command, bool *done, pel_error *error)
+{
+    pel_pick_hit hit;
+    pel_status status = session->hand == PEL_HAND_CUT ? PEL_OK : refuse_busy(session, error);
+    if (status == PEL_OK)
+        status = pick(session, command, &hit, error);
+    *done = status == PEL_OK && hit.is_hit;
+    if (!*done)
+        return status;
+    if (session->hand == PEL_HAND_CUT)
+        return lead(session, &hit, done, error);
+    status = pel_blade_begin(&session->blade, &hit, error);
+    if (status == PEL_OK)
+        session->hand = PEL_HAND_CUT;
+    memcpy(session->target, hit.point, sizeof session->target);
     return status;
 }
 
@@ -573,6 +633,8 @@ static pel_status go_back(pel_session *session, const mark *to, pel_error *error
     const unsigned char *pins = to->pins;
     for (int32_t b = 0; b < session->body_count; b++) {
         body_grip *body = &session->bodies[b];
+        if (body->vertex_count != to->counts[b] && !set_count(session, b, to->counts[b]))
+            return pel_fail_memory(error);
         memcpy(body->pins, pins, (size_t)body->vertex_count);
         pins += body->vertex_count;
         body->pressure = to->pressures[b];
@@ -665,6 +727,8 @@ static pel_status do_command(pel_session *session, pel_command *command, bool *d
         return pin(session, command, done, error);
     case PEL_COMMAND_INFLATE:
         return inflate(session, command, error);
+    case PEL_COMMAND_CUT:
+        return cut(session, command, done, error);
     case PEL_COMMAND_MARK:
         *done = false;
         return add_mark(session, error);
@@ -714,6 +778,8 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
         status = pel_fail(error, PEL_DIVERGED, "the inflating pressure gives forces that are not finite");
     if (status == PEL_OK)
         status = pel_sim_step(session->sim, error);
+    if (status == PEL_OK)
+        status = follow_surfaces(session, error);
     if (status != PEL_DIVERGED)
         return status;
     pel_status restored = step_back(session, error);

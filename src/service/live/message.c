@@ -203,7 +203,7 @@ static unsigned char *binary_message(pel_json *json, size_t tail, unsigned char 
 
 static void put_hand(pel_json *json, const pel_session *session)
 {
-    static const char *const kinds[] = {"free", "grab", "press"};
+    static const char *const kinds[] = {"free", "grab", "press", "cut"};
     pel_hand_reading hand;
     pel_session_get_hand(session, &hand);
     pel_json_open(json, "hand", '{');

@@ -325,6 +325,11 @@ const modes = {
     },
     pin: (ray) => brush("pin", ray),
     unpin: (ray) => brush("unpin", ray),
+    cut(ray) {
+        send("mark");
+        send(`cut ${rayText(ray)}`);
+        return { kind: "cut", move: (now) => send(`cut ${rayText(now)}`), end: () => send("release") };
+    },
     measure(_, hit) {
         if (ruler.length === 2) ruler.length = 0;
         ruler.push(hit);
@@ -463,6 +468,7 @@ const modeNames = [
     ["press", "Press"],
     ["pin", "Pin"],
     ["unpin", "Unpin"],
+    ["cut", "Cut"],
     ["measure", "Measure"],
     ["turn", "Turn"],
 ];
