@@ -24,6 +24,8 @@ typedef struct pel_membrane_def {
                                1995); 0 = no limit. Other methods refuse it */
     double retardation; /* s, >= 0: viscous stress over the stiffness times the rate of strain (Kelvin, Voigt); implicit
                            and xpbd, other methods in time refuse it */
+    pel_quantity toughness; /* J/m2, energy per area of a tear, which is its length times the thickness: cuts grow where
+                               they release more (pellicle/tear.h); 0 (default) = they do not; no keys */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

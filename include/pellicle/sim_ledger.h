@@ -31,7 +31,7 @@ PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.
 
-     energy_error - dissipated_solver = change + dissipated_drag + dissipated_fracture - work
+     energy_error - dissipated_solver = change + dissipated_drag + dissipated_fracture + dissipated_remesh - work
      change = elastic + kinetic - elastic_start - kinetic_start
      work = work_tools + work_loads + ... + work_setters
 
@@ -48,11 +48,14 @@ typedef struct pel_sim_ledger {
     double elastic, kinetic;             /* at present; kinetic is 0 for methods without velocities */
     double elastic_start, kinetic_start; /* before the first step */
     double dissipated_drag;              /* by drag of the solver and damping of vertices */
-    double dissipated_fracture;          /* released by cuts: the bending across them */
-    double dissipated_solver;            /* magnitude of a negative remainder */
-    double energy_error;                 /* a positive remainder */
-    double supplied;  /* largest sum, over the steps, of the start energies and the magnitudes of all works */
-    double tolerance; /* raise an alarm if energy_error exceeds it: 5 % of supplied, plus rounding */
+    double dissipated_fracture; /* taken by tears: toughness x thickness x length; released by cuts: the bending across
+                                   them */
+    double dissipated_remesh;   /* of tears: the bending across them, and what vertices that move over the surface lose;
+                                   below 0 if they gain */
+    double dissipated_solver;   /* magnitude of a negative remainder */
+    double energy_error;        /* a positive remainder */
+    double supplied;            /* largest sum, over the steps, of the start energies and the magnitudes of all works */
+    double tolerance;           /* raise an alarm if energy_error exceeds it: 5 % of supplied, plus rounding */
 } pel_sim_ledger;
 /* Works are summed in each step; the energies are evaluated here. */
 PEL_API void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger);

@@ -23,6 +23,17 @@ typedef struct pel_cut_def {
     int32_t vertex_count;
 } pel_cut_def;
 
+/* Where tears may start, beside the ends of cuts, which grow in any case; in bodies with a toughness. */
+typedef enum pel_tear_start {
+    PEL_TEAR_NONE,   /* nowhere */
+    PEL_TEAR_BORDERS /* in sharp notches of the border, with an inner angle above 270 degrees */
+} pel_tear_start;
+
+typedef struct pel_tear_def {
+    pel_tear_start start; /* default: PEL_TEAR_BORDERS */
+    int32_t max_tips;     /* tips of a body that grow in one step: the readiest; above 0; default: 64 */
+} pel_tear_def;
+
 typedef struct pel_sim_def {
     const pel_model *model;
     pel_solver_def solver;
@@ -34,6 +45,7 @@ typedef struct pel_sim_def {
     int32_t support_count;
     const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
     int32_t cut_count;
+    pel_tear_def tear;
     pel_contact_def contact;
     bool record_contacts; /* stores contacts for pel_sim_get_contact_records; default: false */
     int32_t thread_count; /* 0 = the processors of this machine; results do not depend on it */

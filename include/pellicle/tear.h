@@ -52,6 +52,7 @@ typedef struct pel_tip {
     double force[3];    /* N, configurational force in the rest shape: energy released per length by which the tip moves
                            on in its direction. Divided by the thickness it is the energy release rate [J/m2] */
     double release;     /* N, its magnitude */
+    double rate;        /* J/m2, energy release rate: release over the thickness; NaN for springs without thickness */
 } pel_tip;
 /* The tips of a body in the order of their vertices: the first `room` of them, and the number of all. The force is a
    domain integral over four rings of triangles, of membrane, fibres and springs; of a state in balance without forces
@@ -59,6 +60,9 @@ typedef struct pel_tip {
    shape it is exact up to the error of the elements. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room, int32_t *count,
                                 pel_error *error);
+
+/* Whether the surface of any body may open: it has a toughness, or the def has cuts. */
+PEL_API bool pel_sim_can_tear(const pel_sim *sim);
 
 /* (pel_sim_vertex_count) the vertex before all cuts that each vertex is a copy of, itself if it is none. */
 PEL_API void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins);

@@ -1,6 +1,7 @@
-/* Windows by MinGW-w64: what POSIX has and it lacks. The compiler includes this file before each source (cmake/flags.cmake), and finds the
-   headers that are missing in include/. What Windows cannot do (processes by fork, limits of resources) fails with ENOSYS, and the caller
-   says so. Paths have slashes; a path is absolute as well if it begins with a drive, such as C:/. */
+/* Windows by MinGW-w64: what POSIX has and it lacks. The compiler includes this file before each source
+   (cmake/flags.cmake), and finds the headers that are missing in include/. What Windows cannot do (processes by fork,
+   limits of resources) fails with ENOSYS, and the caller says so. Paths have slashes; a path is absolute as well if it
+   begins with a drive, such as C:/. */
 #ifndef PEL_PORTABLE_WINDOWS_POSIX_H
 #define PEL_PORTABLE_WINDOWS_POSIX_H
 

@@ -527,6 +527,7 @@ static void test_sim_calls(void **unused)
     SURVIVES(pel_sim_cut_count(NULL));
     SURVIVES(pel_sim_cuts_done(NULL));
     SURVIVES(pel_sim_cut_is_held(NULL));
+    SURVIVES(pel_sim_can_tear(NULL));
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
     SURVIVES(pel_sim_get_origins(sim, 0, NULL));

@@ -124,6 +124,11 @@ static const pel_def_row rows[] = {
             "for an open surface the radius of a ball with the same area"},
     {"bodies[].springs.drag", BODY(spring_damping, SPRINGS), QUANTITY, .unit = "1/s", AT_LEAST(0), .needs = "young",
      .preset = "0.5", WHEN(has_spring_young), .doc = "damping of each vertex per unit of its mass"},
+    {"bodies[].springs.toughness", BODY(spring_toughness, SPRINGS), FIELD, .unit = "J/m2", POSITIVE, .needs = "young",
+     AUTO(0), WHEN(has_spring_young), STRUCTURE("snapshots of bodies that tear hold more"),
+     .doc =
+         "energy that a tear takes per area, as `membrane.toughness`, of a body without a membrane; default: cuts do "
+         "not grow"},
     {"bodies[].springs.stiffness", BODY(spring_stiffness, SPRINGS), QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
      .initial = 3, WHEN(has_spring_stiffness),
      .doc = "stiffness k of each edge, independent of its length (paper A: 3), so that a finer mesh is stiffer"},
@@ -260,6 +265,10 @@ static const pel_def_row rows[] = {
     {"bodies[].membrane.damping.loss_factor", NUMBER, BETWEEN(0, 2), ALTERNATIVE,
      .doc =
          "loss factor at the lowest frequency of the body, which the run tells: twice the ratio to critical damping"},
+    {"bodies[].membrane.toughness", MEMBRANE(toughness), FIELD, .unit = "J/m2", POSITIVE, AUTO(0), WHEN(has_membrane),
+     STRUCTURE("snapshots of bodies that tear hold more"),
+     .doc = "energy that a tear takes per area, which is its length times the thickness: cuts and notches grow where "
+            "they release more; default: they do not"},
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
             "material, but none under pbd and pbd-distance"},
@@ -455,6 +464,14 @@ static const pel_def_row rows[] = {
             "over the surface: vertices of the mesh near it are moved onto it in the rest shape. It ends inside the "
             "surface or at its border; a path that ends where it begins cuts a piece out"},
     {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
+
+    {"tear", MAP, .preset = "{}", .doc = "growth of tears in bodies with a toughness"},
+    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), WORD("none", "borders"), .preset = "borders",
+     .initial = PEL_TEAR_BORDERS,
+     .doc = "where tears start, beside the ends of cuts, which always grow. borders: in sharp notches of the border, "
+            "with an inner angle above 270 degrees"},
+    {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), INTEGER, COUNT_FROM(1), DEFAULT(64),
+     .doc = "number of tips of a body that may grow in one step; of more, those that release most energy do"},
 
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), MAP,
      .doc = "contact without interpenetration (paper B, section 4); optional"},

@@ -68,6 +68,17 @@ static pel_status check_amounts(const pel_body_def *b, int32_t body, pel_error *
     return PEL_OK;
 }
 
+static pel_status check_spring_toughness(const pel_body_def *b, int32_t body, pel_error *error)
+{
+    pel_status status = pel_toughness_check(&b->spring_toughness, b, body, error);
+    if (status == PEL_OK && (b->spring_toughness.value > 0 || b->spring_toughness.field != NULL) &&
+        !(b->spring_thickness > 0))
+        status =
+            pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give springs by Young's modulus and thickness",
+                               "springs with a toughness have no thickness");
+    return status;
+}
+
 static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *error)
 {
     const pel_body_def *b = &def->bodies[body];
@@ -125,7 +136,7 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
         status = pel_shell_check(b, body, error);
-    return status;
+    return status == PEL_OK ? check_spring_toughness(b, body, error) : status;
 }
 
 static pel_status check_def(const pel_model_def *def, pel_error *error)

@@ -122,6 +122,21 @@ pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t verte
     return check(quantity, vertex_count, body, name, keys_allowed, true, error);
 }
 
+pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def *def, int32_t body, pel_error *error)
+{
+    int32_t count = def->mesh->vertex_count;
+    pel_status status = pel_quantity_check(toughness, count, body, "toughness", false, error);
+    for (int32_t v = 0; status == PEL_OK && toughness->field != NULL && v < count; v++)
+        if (!(toughness->field[v] > 0))
+            status = pel_body_refuse(error, body, "toughness", toughness->field[v],
+                                     "give values above 0 at all vertices, small ones where it tears easily");
+    if (status == PEL_OK && (toughness->field != NULL || toughness->value > 0) && def->refine.levels > 0)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "subdivide the mesh before (`pellicle subdivide`), and leave out `refine`",
+                                  "a body that refines cannot tear");
+    return status;
+}
+
 double pel_quantity_at(const pel_quantity *quantity, int32_t v)
 {
     if (quantity->key_count > 0)

@@ -15,6 +15,9 @@ pel_status pel_quantity_check(const pel_quantity *quantity, int32_t vertex_count
 pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t vertex_count, int32_t body, const char *name,
                                      bool keys_allowed, pel_error *error);
 
+/* The toughness of a body: 0 everywhere = it does not tear. */
+pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def *def, int32_t body, pel_error *error);
+
 /* Its value on a vertex; 1 when it is keyed. */
 double pel_quantity_at(const pel_quantity *quantity, int32_t v);
 

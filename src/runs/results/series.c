@@ -147,13 +147,41 @@ static void put_residual(pel_run_series *series, const pel_sim *sim)
     put_number(series, reading.residual);
 }
 
-/* of scenes with cuts */
-static void put_cuts(pel_run_series *series, const pel_sim *sim, const pel_sim_ledger *ledger)
+/* the tip that releases most energy per area; returns the number of tips */
+static int32_t find_tip(pel_sim *sim, pel_tip *most)
+{
+    enum { MOST_TIPS = 64 };
+    pel_tip tips[MOST_TIPS];
+    int32_t all = 0;
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        int32_t count;
+        pel_sim_tips(sim, b, tips, MOST_TIPS, &count, NULL);
+        for (int32_t t = 0; t < count && t < MOST_TIPS; t++)
+            if (all + t == 0 || tips[t].rate > most->rate)
+                *most = tips[t];
+        all += count;
+    }
+    return all;
+}
+
+/* of surfaces that open */
+static void put_cuts(pel_run_series *series, pel_sim *sim, const pel_sim_ledger *ledger)
 {
     pel_cut_reading cuts;
+    const pel_tip none = {.rate = (double)NAN,
+                          .position = {(double)NAN, (double)NAN, (double)NAN},
+                          .force = {(double)NAN, (double)NAN, (double)NAN}};
+    pel_tip tip = none;
     pel_sim_get_cuts(sim, -1, &cuts, NULL);
     put_number(series, cuts.length);
     put_number(series, ledger->dissipated_fracture);
+    put_number(series, ledger->dissipated_remesh);
+    put_count(series, ",", find_tip(sim, &tip));
+    put_number(series, tip.rate);
+    for (int c = 0; c < 3; c++)
+        put_number(series, tip.position[c]);
+    for (int c = 0; c < 3; c++)
+        put_number(series, tip.force[c]);
 }
 
 static bool has_caving(const pel_sim *sim)
@@ -206,8 +234,10 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
         put_text(series, ",limit_point");
     if (has_residual(sim))
         put_text(series, ",solver_residual");
-    if (pel_sim_cut_count(sim) > 0)
-        put_text(series, ",cut_length,dissipated_fracture");
+    if (pel_sim_can_tear(sim))
+        put_text(series,
+                 ",cut_length,dissipated_fracture,dissipated_remesh,tips,tip_rate,tip_x,tip_y,tip_z,tip_force_x,"
+                 "tip_force_y,tip_force_z");
     if (has_caving(sim))
         put_text(series, ",caving_limited");
     put_text(series, "\n");
@@ -421,7 +451,7 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_number(series, limit_of(sim));
     if (has_residual(sim))
         put_residual(series, sim);
-    if (pel_sim_cut_count(sim) > 0)
+    if (pel_sim_can_tear(sim))
         put_cuts(series, sim, &row->ledger);
     if (has_caving(sim))
         put_caving(series, sim);

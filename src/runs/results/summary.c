@@ -154,6 +154,7 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
                    {"work_material", ledger->work_material},
                    {"dissipated_drag", ledger->dissipated_drag},
                    {"dissipated_fracture", ledger->dissipated_fracture},
+                   {"dissipated_remesh", ledger->dissipated_remesh},
                    {"dissipated_solver", ledger->dissipated_solver},
                    {"energy_error", ledger->energy_error},
                    {"supplied", ledger->supplied}};
@@ -222,7 +223,7 @@ static void write_entries(pel_json *json, const pel_run_ending *ending)
     if (pel_sim_contact_thickness(ending->sim) > 0)
         write_contact(json, ending->sim, ending->summary->worst_step_ms);
     write_ledger(json, &s->ledger);
-    if (pel_sim_cut_count(ending->sim) > 0)
+    if (pel_sim_can_tear(ending->sim))
         write_cuts(json, ending->sim, &s->ledger);
     write_warnings(json, s);
     text_entry(json, "stop_reason", s->stop_reason);

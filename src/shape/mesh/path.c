@@ -32,6 +32,8 @@ enum { FACTORS = 5 };
 #define FAR_OFF 2
 /* cosine: a path that bends more has a vertex at the bend */
 #define BEND 0.94
+/* mean edges: a single step has this much of a straight path ahead */
+#define STEP_AHEAD 20
 
 typedef struct walk {
     pel_mesh *mesh;
@@ -479,6 +481,13 @@ static size_t most_neighbours(const pel_topology *topology)
     return most;
 }
 
+/* scratch for the ring of any vertex */
+static bool has_room(walk *w)
+{
+    size_t most = most_neighbours(w->topology) + 1;
+    return PEL_ALLOCATE_ALL(PEL_ROOM(w->ring, most), PEL_ROOM(w->kept, most + 1));
+}
+
 pel_status pel_path_trace_points(pel_mesh *mesh, const pel_topology *topology, const double (*points)[3],
                                  int32_t point_count, uint8_t *marks, pel_path_trace *trace, pel_error *error)
 {
@@ -489,16 +498,47 @@ pel_status pel_path_trace_points(pel_mesh *mesh, const pel_topology *topology, c
               .point_count = point_count,
               .trace = trace};
     *trace = (pel_path_trace){.least_angle = 3.141592653589793};
-    size_t most = most_neighbours(topology) + 1;
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(w.places, point_count), PEL_ROOM(w.ring, most), PEL_ROOM(w.kept, most + 1)))
-        return pel_fail_memory(error);
-    for (int32_t i = 1; i < point_count; i++)
+    w.places = pel_allocate((size_t)point_count, sizeof *w.places);
+    pel_status status = has_room(&w) && w.places != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int32_t i = 1; status == PEL_OK && i < point_count; i++)
         w.places[i] = w.places[i - 1] + pel_vec3_distance(points[i - 1], points[i]);
-    pel_status status = begin(&w, error);
+    if (status == PEL_OK)
+        status = begin(&w, error);
     if (status == PEL_OK)
         status = go(&w, error);
     for (int32_t i = 0; i < trace->count; i++)
         marks[trace->vertices[i]] = 1;
     PEL_FREE_ALL(w.places, w.ring, w.kept);
+    return status;
+}
+
+pel_status pel_path_step(pel_mesh *mesh, const pel_topology *topology, int32_t tip, const double direction[3],
+                         uint8_t *marks, int32_t *vertex, pel_error *error)
+{
+    double points[2][3], places[2] = {0};
+    pel_path_trace trace = {.vertices = &tip, .count = 1, .least_angle = 3.141592653589793};
+    walk w = {.mesh = mesh,
+              .topology = topology,
+              .marks = marks,
+              .points = (const double(*)[3])points,
+              .point_count = 2,
+              .places = places,
+              .trace = &trace};
+    const double limits[] = {LEAST_ANGLE, LAST_ANGLE, 0};
+    choice best = {.vertex = -1};
+    *vertex = -1;
+    pel_status status = has_room(&w) ? PEL_OK : pel_fail_memory(error);
+    places[1] = STEP_AHEAD * mean_edge(&w, tip);
+    pel_vec3_copy(mesh->positions[tip], points[0]);
+    pel_vec3_copy(points[0], points[1]);
+    pel_vec3_along(points[1], places[1], direction, points[1]);
+    for (size_t i = 0; status == PEL_OK && i < sizeof limits / sizeof *limits && best.vertex < 0; i++)
+        look_ahead(&w, tip, places[1], limits[i], &best);
+    if (best.vertex >= 0) {
+        take(&w, &best);
+        marks[best.vertex] = 1;
+        *vertex = best.vertex;
+    }
+    PEL_FREE_ALL(w.ring, w.kept);
     return status;
 }

@@ -21,4 +21,9 @@ typedef struct pel_path_trace {
 pel_status pel_path_trace_points(pel_mesh *mesh, const pel_topology *topology, const double (*points)[3],
                                  int32_t point_count, uint8_t *marks, pel_path_trace *trace, pel_error *error);
 
+/* One step of such a path from a vertex into a direction (unit): the neighbour that it leads to, which is marked; -1 if
+   no edge leads that way. PEL_OUT_OF_MEMORY. */
+pel_status pel_path_step(pel_mesh *mesh, const pel_topology *topology, int32_t tip, const double direction[3],
+                         uint8_t *marks, int32_t *vertex, pel_error *error);
+
 #endif

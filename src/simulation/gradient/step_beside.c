@@ -20,6 +20,7 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                        : sim->loads->fluid_count > 0                    ? "fluids"
                        : sim->active != NULL                            ? "refinement"
                        : sim->cuts_done < sim->def.cut_count            ? "cuts"
+                       : sim->tear != NULL                              ? "a toughness"
                        : sim->solver.budget > 0                         ? "a budget of time"
                                                                         : NULL;
     if (what == NULL)

@@ -429,6 +429,16 @@ void pel_ledger_book_cut(pel_sim *sim, double energy_before)
     sim->ledger->sums.dissipated_fracture -= find_change(sim, energy_before);
 }
 
+void pel_ledger_book_remesh(pel_sim *sim, double energy_before)
+{
+    sim->ledger->sums.dissipated_remesh -= find_change(sim, energy_before);
+}
+
+void pel_ledger_book_tear(pel_sim *sim, double energy)
+{
+    sim->ledger->sums.dissipated_fracture += energy;
+}
+
 void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 {
     if (sim == NULL || ledger == NULL)
@@ -449,7 +459,9 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
                   ledger->work_material + ledger->work_setters;
     double gained = ledger->elastic + ledger->kinetic - ledger->elastic_start - ledger->kinetic_start;
     /* modes are drawn: nothing supplies their energy */
-    double left = sim->modes != NULL ? 0 : gained - work + ledger->dissipated_drag + ledger->dissipated_fracture;
+    double left = sim->modes != NULL ? 0
+                                     : gained - work + ledger->dissipated_drag + ledger->dissipated_fracture +
+                                           ledger->dissipated_remesh;
     ledger->dissipated_solver = pel_max(-left, 0);
     ledger->energy_error = pel_max(left, 0);
     ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding;

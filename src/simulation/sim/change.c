@@ -128,7 +128,9 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces
     if (status != PEL_OK)
         return status;
     pel_ledger_follow(sim);
-    if (surfaces != NULL)
+    if (surfaces != NULL && surfaces->is_tear)
+        pel_ledger_book_remesh(sim, energy_before);
+    else if (surfaces != NULL)
         pel_ledger_book_cut(sim, energy_before);
     else
         pel_ledger_book_change(sim, energy_before);

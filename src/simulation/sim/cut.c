@@ -7,9 +7,13 @@
 #include "mesh/opening.h"
 #include "mesh/union_find.h"
 #include "model/origin.h"
+#include "observe/ledger.h"
+#include "pellicle/geometry.h"
 #include "pellicle/tear.h"
 #include "sim/change.h"
+#include "tear/growth.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -104,9 +108,57 @@ static pel_status check_opening(const cut *c, const pel_opening *opening, const 
                               "a cut of body '%s' opens nothing: a single edge inside the surface", name);
 }
 
+/* ---- vertices that move ---- */
+
+/* the nearest place to x on the triangles around a vertex, as long as it is nearer than `least` */
+static void look_around(const cut *c, int32_t v, const double x[3], double *least, pel_vertex_move *move)
+{
+    const pel_mesh *mesh = c->sim->given->def.bodies[c->body].mesh;
+    int32_t first = c->topology->corner_of_vertex[v], h = first;
+    do {
+        const int32_t *corners = mesh->triangles[h / 3];
+        double weights[3],
+            distance = pel_closest_point_triangle(x, mesh->positions[corners[0]], mesh->positions[corners[1]],
+                                                  mesh->positions[corners[2]], weights);
+        if (distance < *least) {
+            *least = distance;
+            memcpy(move->corners, corners, sizeof move->corners);
+            memcpy(move->weights, weights, sizeof move->weights);
+        }
+        h = pel_half_edge_turn(c->topology, h);
+    } while (h >= 0 && h != first);
+}
+
+/* where they were: within two rings, which they cannot leave */
+static pel_status find_moves(const cut *c, const pel_growth *growth, pel_surfaces *surfaces, pel_error *error)
+{
+    int32_t count = 0;
+    for (int32_t v = 0; v < c->topology->vertex_count; v++)
+        count += growth->is_moved[v];
+    surfaces->moves[c->body] = pel_allocate((size_t)count, sizeof **surfaces->moves);
+    if (count > 0 && surfaces->moves[c->body] == NULL)
+        return pel_fail_memory(error);
+    for (int32_t v = 0; v < c->topology->vertex_count; v++) {
+        double least = HUGE_VAL, *x = growth->mesh->positions[v];
+        if (!growth->is_moved[v])
+            continue;
+        pel_vertex_move *move = &surfaces->moves[c->body][surfaces->move_counts[c->body]++];
+        move->vertex = v;
+        look_around(c, v, x, &least, move);
+        int32_t first = c->topology->corner_of_vertex[v];
+        for (int32_t h = first; h >= 0;) {
+            look_around(c, pel_half_edge_target(c->topology, h), x, &least, move);
+            h = pel_half_edge_turn(c->topology, h);
+            h = h == first ? -1 : h;
+        }
+    }
+    return PEL_OK;
+}
+
 /* ---- the cut ---- */
 
-static pel_status apply(pel_sim *sim, const cut *c, const pel_opening *opening, int32_t cuts_done, pel_error *error)
+static pel_status apply(pel_sim *sim, const cut *c, const pel_opening *opening, int32_t cuts_done,
+                        const pel_growth *growth, pel_error *error)
 {
     pel_surfaces surfaces;
     pel_change change = {0};
@@ -114,6 +166,7 @@ static pel_status apply(pel_sim *sim, const cut *c, const pel_opening *opening, 
     if (status == PEL_OK) {
         size_t size = (size_t)opening->vertex_count * sizeof *opening->parents;
         surfaces.cuts_done = cuts_done;
+        surfaces.is_tear = growth != NULL;
         surfaces.sources[c->body] = pel_allocate(size, 1);
         if (surfaces.sources[c->body] == NULL)
             status = pel_fail_memory(error);
@@ -122,7 +175,10 @@ static pel_status apply(pel_sim *sim, const cut *c, const pel_opening *opening, 
     }
     if (status == PEL_OK)
         status = pel_surfaces_set(&surfaces, sim, c->body, opening->vertex_count,
-                                  (const int32_t(*)[3])(void *)opening->triangles, error);
+                                  (const int32_t(*)[3])(void *)opening->triangles,
+                                  growth != NULL ? (const double(*)[3])growth->mesh->positions : NULL, error);
+    if (status == PEL_OK && growth != NULL)
+        status = find_moves(c, growth, &surfaces, error);
     if (status == PEL_OK)
         status = pel_change_begin(sim, &change, error);
     if (status == PEL_OK)
@@ -151,7 +207,7 @@ static pel_status open_path(pel_sim *sim, int32_t body, const int32_t *vertices,
     if (status == PEL_OK)
         status = check_opening(&c, &opening, vertices, error);
     if (status == PEL_OK)
-        status = apply(sim, &c, &opening, cuts_done, error);
+        status = apply(sim, &c, &opening, cuts_done, NULL, error);
     pel_opening_clear(&opening);
     pel_topology_destroy(c.topology);
     pel_free(c.marks);
@@ -193,6 +249,56 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
             return PEL_OK;
         if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
             name_cut(number, at, error);
+    }
+    return status;
+}
+
+/* ---- tears ---- */
+
+/* opens what grows in a body, after its vertices have moved */
+static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, bool *is_open, pel_error *error)
+{
+    int32_t body = sim->tear->surveys[survey].body;
+    cut c = {.sim = sim, .body = body, .marks = growth->marks};
+    pel_opening opening = {0};
+    sim->cut_is_held = false;
+    pel_status status = pel_topology_create(sim->given->def.bodies[body].mesh, &c.topology, error);
+    if (status == PEL_OK)
+        status = pel_opening_find(c.topology, c.marks, &opening, error);
+    *is_open = status == PEL_OK && opening.edge_count > 0;
+    if (*is_open)
+        status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
+    /* shorter edges may need shorter steps than the given ones: the edge then opens as it is */
+    if (status == PEL_UNSTABLE) {
+        pel_growth_stay(sim->tear, survey, growth);
+        status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
+    }
+    /* once more before the next step */
+    if (status == PEL_BAD_ARGUMENT && sim->cut_is_held) {
+        status = PEL_OK;
+        *is_open = false;
+    }
+    pel_opening_clear(&opening);
+    pel_topology_destroy(c.topology);
+    return status;
+}
+
+pel_status pel_tears_grow(pel_sim *sim, bool *has_grown, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    *has_grown = false;
+    /* a body that opens makes the surveys anew */
+    for (int32_t i = 0; status == PEL_OK && sim->tear != NULL && i < sim->tear->survey_count; i++) {
+        pel_growth growth;
+        bool is_open = false;
+        status = pel_growth_find(sim->tear, i, &growth, error);
+        if (status == PEL_OK && growth.edge_count > 0)
+            status = open_growth(sim, i, &growth, &is_open, error);
+        if (status == PEL_OK && is_open) {
+            pel_ledger_book_tear(sim, growth.energy);
+            *has_grown = true;
+        }
+        pel_growth_clear(&growth);
     }
     return status;
 }
@@ -254,6 +360,11 @@ int32_t pel_sim_cut_count(const pel_sim *sim)
     if (sim == NULL)
         return 0;
     return sim->def.cut_count;
+}
+
+bool pel_sim_can_tear(const pel_sim *sim)
+{
+    return sim != NULL && (sim->def.cut_count > 0 || sim->tear != NULL);
 }
 
 int32_t pel_sim_cuts_done(const pel_sim *sim)

@@ -27,6 +27,7 @@
 #include "stage/stepper.h"
 #include "stage/surface_view.h"
 #include "stage/viscous.h"
+#include "tear/growth.h"
 #include "tool/create.h"
 #include "tool/solid.h"
 #include "tool/support.h"
@@ -44,6 +45,7 @@ enum { CHUNKS_WORTH_THREADS = 4 };
 pel_sim_def pel_sim_def_default(void)
 {
     pel_sim_def def = {.cookie = SIM_COOKIE};
+    pel_def_reset(PEL_DEF_SIM, &def);
     pel_def_reset(PEL_DEF_SOLVER, &def.solver);
     pel_def_reset(PEL_DEF_CONTACT, &def.contact);
     return def;
@@ -91,6 +93,15 @@ static pel_status check_solver(const pel_solver_def *solver, pel_error *error)
     return PEL_OK;
 }
 
+static pel_status check_tear(const pel_tear_def *tear, pel_error *error)
+{
+    if (PEL_IS_NO_CHOICE(tear->start, PEL_TEAR_BORDERS + 1))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "start of tears is %d", (int)tear->start);
+    if (tear->max_tips < 1)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give 1 or more", "max_tips of tears is %d", (int)tear->max_tips);
+    return PEL_OK;
+}
+
 static pel_status check_def(const pel_sim_def *def, pel_error *error)
 {
     if (def->cookie != SIM_COOKIE)
@@ -98,6 +109,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     if (def->model == NULL)
         return pel_fail(error, PEL_BAD_ARGUMENT, "sim has no model");
     pel_status status = check_solver(&def->solver, error);
+    if (status == PEL_OK)
+        status = check_tear(&def->tear, error);
     if (status != PEL_OK)
         return status;
     if (def->thread_count < 0 || def->thread_count > PEL_THREADS_MOST)
@@ -309,6 +322,10 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
     if (status == PEL_OK && pel_patience_is_lost())
         return pel_fail_memory(error);
     if (status == PEL_OK)
+        status = pel_tear_create(sim, error);
+    if (status == PEL_OK && sim->tear != NULL)
+        status = pel_cut_check_sim(sim, error);
+    if (status == PEL_OK)
         pel_sim_take_fingerprint(sim);
     return status;
 }
@@ -334,7 +351,7 @@ static bool may_refill(const pel_sim *sim)
 {
     bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tools->count > 0 ||
                      sim->def.support_count > 0 || sim->loads->edge_load_count > 0 || sim->loads->follower_count > 0 ||
-                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->cut_revision > 0;
+                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->cut_revision > 0 || sim->tear != NULL;
     return sim->stepper->can_refill && !has_parts;
 }
 
@@ -386,6 +403,7 @@ void pel_sim_release(pel_house *house)
     pel_projector_destroy(sim->projector);
     pel_viscous_destroy(sim);
     pel_substeps_destroy(sim);
+    pel_tear_destroy(sim);
     pel_shells_destroy(sim);
     pel_refined_destroy(sim->active);
     pel_state_destroy(sim->state);

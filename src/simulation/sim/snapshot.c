@@ -37,7 +37,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 17 };
+enum { SNAPSHOT_VERSION = 18 };
 
 typedef struct header {
     char magic[8];
@@ -88,7 +88,8 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
     static pel_transfer_part *const after[] = {
         pel_supports_transfer, pel_touch_transfer_forces,     pel_touch_transfer_pairs,    pel_transfer_held,
         pel_forces_transfer,   pel_touch_transfer_statistics, pel_touch_transfer_collider, pel_sleep_transfer,
-        pel_minimise_transfer, pel_sim_path_transfer,         pel_sim_modes_transfer,      pel_ledger_transfer};
+        pel_minimise_transfer, pel_sim_path_transfer,         pel_sim_modes_transfer,      pel_ledger_transfer,
+        pel_tear_drop_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -499,6 +500,35 @@ static pel_status find_places(carrier *c, const pel_surfaces *surfaces, pel_erro
     return PEL_OK;
 }
 
+/* a mean of records at the places of a move's corners */
+static void blend(const carrier *c, const pel_body *old, const pel_vertex_move *move, const pel_record *from,
+                  pel_record *to)
+{
+    pel_record sum = {0};
+    for (int i = 0; i < 3; i++)
+        sum += (pel_real)move->weights[i] * from[old->model_index[move->corners[i]]];
+    int32_t place = c->place_of[old->model_index[move->vertex]];
+    for (int i = 0; i < 3; i++)
+        to[place][i] = sum[i];
+}
+
+/* vertices that moved over the surface take on the motion of it there */
+static void carry_moves(const carrier *c, const pel_surfaces *surfaces)
+{
+    const pel_state *from = c->from->state;
+    pel_state *to = c->to->state;
+    for (int32_t b = 0; b < surfaces->body_count; b++)
+        for (int32_t i = 0; i < surfaces->move_counts[b]; i++) {
+            const pel_body *old = &c->from->given->bodies[b];
+            const pel_vertex_move *move = &surfaces->moves[b][i];
+            blend(c, old, move, from->position, to->position);
+            blend(c, old, move, from->position_before, to->position_before);
+            if (from->velocity != NULL)
+                blend(c, old, move, from->velocity, to->velocity);
+            to->older_is_known = false;
+        }
+}
+
 /* the caller's forces are divided like loads */
 static void divide_forces(const carrier *c, const pel_surfaces *surfaces)
 {
@@ -514,10 +544,10 @@ static void divide_forces(const carrier *c, const pel_surfaces *surfaces)
 /* without those of pairs and contact points, which find their forces anew after a cut */
 static void carry_parts(carrier *c)
 {
-    static pel_transfer_part *const parts[] = {pel_parts_transfer,    pel_transfer_marks,
-                                               pel_supports_transfer, pel_touch_transfer_pairs,
-                                               pel_forces_transfer,   pel_touch_transfer_statistics,
-                                               pel_minimise_transfer, pel_ledger_transfer};
+    static pel_transfer_part *const parts[] = {
+        pel_parts_transfer,       pel_transfer_marks,  pel_supports_transfer,
+        pel_touch_transfer_pairs, pel_forces_transfer, pel_touch_transfer_statistics,
+        pel_minimise_transfer,    pel_ledger_transfer, pel_tear_drop_transfer};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         carry(c, parts[i], 0, 0);
     if (c->places == NULL)
@@ -538,6 +568,8 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfac
         /* its presence depends on tools and contact */
         carry(&c, pel_transfer_history, 0, 0);
         take_mobility(&c);
+        if (surfaces != NULL)
+            carry_moves(&c, surfaces);
         for (int32_t t = 0; t < to->tools->count; t++) {
             int32_t old = pel_sim_find_tool(from, to->tools->items[t].name);
             if (old >= 0)

@@ -5,7 +5,9 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "model/origin.h"
+#include "tear/growth.h"
 
+#include <math.h>
 #include <string.h>
 
 static const pel_body_def *def_of(const pel_sim *sim, int32_t body)
@@ -38,10 +40,23 @@ static int32_t count_corners(const pel_mesh *mesh, int32_t base_count)
     return count;
 }
 
-static void put_body(pen *p, const pel_body_def *def)
+/* rest positions of the vertices before all cuts, which tears move; of their copies they are the same */
+static void put_rest(pen *p, const pel_mesh *mesh, int32_t base_count)
+{
+    for (int32_t v = 0; v < base_count && !p->differs; v++) {
+        double x[3];
+        memcpy(x, mesh->positions[v], sizeof x);
+        pel_transfer(p->at, x, sizeof x);
+        p->differs = p->compares && (p->at->is_short || memcmp(x, mesh->positions[v], sizeof x) != 0);
+    }
+}
+
+static void put_body(pen *p, const pel_body_def *def, bool has_rest)
 {
     const pel_mesh *mesh = def->mesh;
     int32_t base_count = pel_origins_base_count(def);
+    if (has_rest)
+        put_rest(p, mesh, base_count);
     put(p, mesh->vertex_count - base_count);
     if (mesh->vertex_count == base_count)
         return;
@@ -60,8 +75,15 @@ static bool put_all(pel_cursor *at, const pel_sim *sim, bool compares)
     pen p = {.at = at, .compares = compares};
     put(&p, sim->cuts_done);
     for (int32_t b = 0; b < sim->given->body_count; b++)
-        put_body(&p, def_of(sim, b));
+        put_body(&p, def_of(sim, b), pel_body_can_tear(sim, b));
     return !p.differs;
+}
+
+void pel_tear_drop_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+{
+    (void)unused;
+    if (sim->tear != NULL)
+        pel_transfer(at, (pel_tear_drop *)(uintptr_t)&sim->tear_drop, sizeof sim->tear_drop);
 }
 
 void pel_topology_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -83,7 +105,8 @@ pel_status pel_surfaces_begin(const pel_sim *sim, pel_surfaces *surfaces, pel_er
     int32_t count = sim->given->body_count;
     *surfaces = (pel_surfaces){.body_count = count, .cuts_done = sim->cuts_done};
     return PEL_ALLOCATE_ALL(PEL_ROOM(surfaces->meshes, count), PEL_ROOM(surfaces->origins, count),
-                            PEL_ROOM(surfaces->sources, count), PEL_ROOM(surfaces->kept_counts, count))
+                            PEL_ROOM(surfaces->sources, count), PEL_ROOM(surfaces->kept_counts, count),
+                            PEL_ROOM(surfaces->moves, count), PEL_ROOM(surfaces->move_counts, count))
                ? PEL_OK
                : pel_fail_memory(error);
 }
@@ -92,14 +115,15 @@ void pel_surfaces_end(pel_surfaces *surfaces)
 {
     for (int32_t b = 0; surfaces->meshes != NULL && b < surfaces->body_count; b++) {
         pel_mesh_destroy(surfaces->meshes[b]);
-        PEL_FREE_ALL(surfaces->origins[b], surfaces->sources[b]);
+        PEL_FREE_ALL(surfaces->origins[b], surfaces->sources[b], surfaces->moves[b]);
     }
-    PEL_FREE_ALL(surfaces->meshes, surfaces->origins, surfaces->sources, surfaces->kept_counts);
+    PEL_FREE_ALL(surfaces->meshes, surfaces->origins, surfaces->sources, surfaces->kept_counts, surfaces->moves,
+                 surfaces->move_counts);
     *surfaces = (pel_surfaces){0};
 }
 
-/* positions and fields of the sources */
-static pel_status make_mesh(const pel_mesh *old, int32_t vertex_count, const int32_t *sources,
+/* rest positions and fields of the sources */
+static pel_status make_mesh(const pel_mesh *old, const double (*rest)[3], int32_t vertex_count, const int32_t *sources,
                             const int32_t (*triangles)[3], pel_mesh **mesh, pel_error *error)
 {
     int32_t most = 3;
@@ -109,7 +133,7 @@ static pel_status make_mesh(const pel_mesh *old, int32_t vertex_count, const int
     if (values == NULL)
         return pel_fail_memory(error);
     for (int32_t v = 0; v < vertex_count; v++)
-        memcpy(values + 3 * (size_t)v, old->positions[sources[v]], sizeof *old->positions);
+        memcpy(values + 3 * (size_t)v, rest[sources[v]], sizeof *rest);
     pel_status status = pel_mesh_create(values, vertex_count, triangles[0], old->triangle_count, mesh, error);
     for (int32_t f = 0; status == PEL_OK && f < old->field_count; f++) {
         const pel_field *field = &old->fields[f];
@@ -124,7 +148,7 @@ static pel_status make_mesh(const pel_mesh *old, int32_t vertex_count, const int
 
 /* sources are known */
 static pel_status set_surface(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, int32_t vertex_count,
-                              const int32_t (*triangles)[3], pel_error *error)
+                              const int32_t (*triangles)[3], const double (*rest)[3], pel_error *error)
 {
     const pel_body_def *def = def_of(sim, body);
     const int32_t *sources = surfaces->sources[body];
@@ -133,14 +157,16 @@ static pel_status set_surface(pel_surfaces *surfaces, const pel_sim *sim, int32_
         return pel_fail_memory(error);
     for (int32_t v = 0; v < vertex_count; v++)
         surfaces->origins[body][v] = def->origins != NULL ? def->origins[sources[v]] : sources[v];
-    return make_mesh(def->mesh, vertex_count, sources, triangles, &surfaces->meshes[body], error);
+    if (rest == NULL)
+        rest = (const double(*)[3])def->mesh->positions;
+    return make_mesh(def->mesh, rest, vertex_count, sources, triangles, &surfaces->meshes[body], error);
 }
 
 pel_status pel_surfaces_set(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, int32_t vertex_count,
-                            const int32_t (*triangles)[3], pel_error *error)
+                            const int32_t (*triangles)[3], const double (*rest)[3], pel_error *error)
 {
     surfaces->kept_counts[body] = def_of(sim, body)->mesh->vertex_count;
-    return set_surface(surfaces, sim, body, vertex_count, triangles, error);
+    return set_surface(surfaces, sim, body, vertex_count, triangles, rest, error);
 }
 
 /* ---- from a snapshot ---- */
@@ -193,7 +219,18 @@ static bool read_corners(const pel_sim *sim, int32_t body, pel_cursor *at, const
     return true;
 }
 
-static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at, pel_error *error)
+/* those of the vertices before all cuts */
+static bool read_rest(pel_cursor *at, int32_t base_count, double (*rest)[3])
+{
+    bool is_finite = true;
+    pel_transfer(at, rest, (size_t)base_count * sizeof *rest);
+    for (int32_t v = 0; v < base_count; v++)
+        is_finite &= isfinite(rest[v][0]) && isfinite(rest[v][1]) && isfinite(rest[v][2]);
+    return is_finite && !at->is_short;
+}
+
+static pel_status read_triangles(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at,
+                                 const double (*rest)[3], pel_error *error)
 {
     const pel_mesh *mesh = def_of(sim, body)->mesh;
     int32_t count = read_sources(sim, body, at, &surfaces->sources[body]);
@@ -206,9 +243,24 @@ static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t 
     else if (!read_corners(sim, body, at, surfaces->sources[body], count, triangles))
         status = fail_damage(error);
     else
-        status = set_surface(surfaces, sim, body, count, (const int32_t(*)[3])(void *)triangles, error);
-    surfaces->kept_counts[body] = pel_origins_base_count(def_of(sim, body));
+        status = set_surface(surfaces, sim, body, count, (const int32_t(*)[3])(void *)triangles, rest, error);
     pel_free(triangles);
+    return status;
+}
+
+static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at, pel_error *error)
+{
+    int32_t base_count = pel_origins_base_count(def_of(sim, body));
+    surfaces->kept_counts[body] = base_count;
+    if (!pel_body_can_tear(sim, body))
+        return read_triangles(surfaces, sim, body, at, NULL, error);
+    double(*rest)[3] = pel_allocate((size_t)base_count, sizeof *rest);
+    if (rest == NULL)
+        return pel_fail_memory(error);
+    pel_status status = read_rest(at, base_count, rest)
+                            ? read_triangles(surfaces, sim, body, at, (const double(*)[3])(void *)rest, error)
+                            : fail_damage(error);
+    pel_free(rest);
     return status;
 }
 

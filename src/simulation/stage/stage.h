@@ -33,6 +33,7 @@ typedef struct pel_minimise pel_minimise;
 typedef struct pel_newton pel_newton;
 typedef struct pel_sim_path pel_sim_path;
 typedef struct pel_sim_modes pel_sim_modes;
+typedef struct pel_tear pel_tear;
 typedef struct pel_contact_set pel_contact_set;
 
 /* Parts of a step. Sizes are in units of a step over PEL_PART_LIMIT. */
@@ -72,6 +73,14 @@ typedef struct pel_event_guard {
     bool (*accept)(pel_sim *sim, int32_t body);
 } pel_event_guard;
 
+/* How far the energy release rate of a tip falls while it goes on by one edge, in balance: the mean over the edge is
+   what the material takes. */
+typedef struct pel_tear_drop {
+    int32_t body, vertex; /* the tip after the last advance that is not in balance yet; vertex -1 = none */
+    double before;        /* N, what it released before */
+    double ratio;         /* of the last two in balance; 0 = unknown */
+} pel_tear_drop;
+
 struct pel_sim {
     /* what is simulated */
     const pel_model *model; /* the given one, or the active one when any body refines */
@@ -84,6 +93,7 @@ struct pel_sim {
     int32_t cuts_done;    /* of def.cuts */
     bool cut_is_held;     /* the last cut that was tried is held back: its lips would intersect */
     int64_t cut_revision; /* another one after each change of the triangles by a cut */
+    pel_tear_drop tear_drop;
 
     /* how */
     pel_solver_def solver;
@@ -132,6 +142,7 @@ struct pel_sim {
     pel_newton *newton;            /* (newton/newton.h) where one of these has a matrix, else null */
     pel_sim_path *path;            /* (minimise/step_path.h) null = loads by time */
     pel_sim_modes *modes;          /* (minimise/step_modes.h) null = no analysis */
+    pel_tear *tear;                /* (tear/growth.h) null = no body can tear */
 };
 
 static inline bool pel_sim_is_explicit(const pel_sim *sim)

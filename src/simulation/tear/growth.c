@@ -1,0 +1,315 @@
+#include "tear/growth.h"
+
+#include "base/memory.h"
+#include "base/room.h"
+#include "base/status.h"
+#include "math/extremes.h"
+#include "math/vec3.h"
+#include "mesh/opening.h"
+#include "mesh/path.h"
+#include "model/quantity.h"
+
+#include <math.h>
+#include <string.h>
+
+/* cosine and sine of the largest angle by which a tear turns at once: 70.5 degrees, that of the largest hoop stress
+   ahead of a crack under shear (Erdogan and Sih 1963) */
+#define MOST_TURN_COSINE (1.0 / 3)
+#define MOST_TURN_SINE 0.9428090415820634
+/* of what a tip releases from one edge to the next, at least */
+#define LEAST_RATIO 0.5
+/* sides that overlap by more than this share of their distance are closed */
+#define LEAST_OPENING (-0.05)
+
+/* ---- the material ---- */
+
+static const pel_body_def *def_of(const pel_sim *sim, int32_t body)
+{
+    return &sim->given->def.bodies[body];
+}
+
+static const pel_quantity *toughness_of(const pel_body_def *def)
+{
+    return def->shell.membrane.on ? &def->shell.membrane.toughness : &def->spring_toughness;
+}
+
+static bool is_given(const pel_quantity *quantity)
+{
+    return quantity->value > 0 || quantity->field != NULL;
+}
+
+bool pel_body_can_tear(const pel_sim *sim, int32_t body)
+{
+    return is_given(toughness_of(def_of(sim, body)));
+}
+
+bool pel_tear_may_start(const pel_sim *sim, int32_t body)
+{
+    return pel_body_can_tear(sim, body) && sim->def.tear.start != PEL_TEAR_NONE;
+}
+
+double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex)
+{
+    const pel_body_def *def = def_of(sim, body);
+    if (def->shell.membrane.on)
+        return pel_quantity_at(&def->shell.membrane.thickness, vertex);
+    return def->spring_thickness > 0 ? def->spring_thickness : (double)NAN;
+}
+
+double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex)
+{
+    return pel_quantity_at(toughness_of(def_of(sim, body)), vertex) * pel_tear_thickness(sim, body, vertex);
+}
+
+/* ---- tips ---- */
+
+static void point_of(const pel_survey *s, int32_t v, double x[3])
+{
+    pel_vertex_position(s->sim->state->position, s->sim->model->bodies[s->body].model_index[v], x);
+}
+
+static void centre_of(const pel_survey *s, int32_t t, double centre[3])
+{
+    double x[3];
+    pel_vec3_set(centre, 0, 0, 0);
+    for (int c = 0; c < 3; c++) {
+        point_of(s, s->topology->triangles[t][c], x);
+        pel_vec3_along(centre, 1.0 / 3, x, centre);
+    }
+}
+
+/* a cut that is pressed together releases energy too in theory, but does not grow */
+static bool is_open(const pel_survey *s, int32_t tip)
+{
+    const pel_topology *topology = s->topology;
+    int32_t from = topology->corner_of_vertex[tip], to = from;
+    for (int32_t h = from; h >= 0; h = pel_survey_turn(s, tip, h))
+        to = pel_half_edge_previous(h);
+    double a[3], b[3], x[3], opening[3], across[3], along[3], centre[3];
+    point_of(s, pel_half_edge_target(topology, from), a);
+    point_of(s, pel_half_edge_origin(topology, to), b);
+    point_of(s, tip, x);
+    pel_vec3_subtract(a, b, opening);
+    centre_of(s, from / 3, across);
+    centre_of(s, to / 3, centre);
+    pel_vec3_subtract(across, centre, across);
+    for (int c = 0; c < 3; c++)
+        along[c] = x[c] - 0.5 * (a[c] + b[c]);
+    if (pel_vec3_normalize(along) > 0)
+        pel_vec3_along(across, -pel_vec3_dot(across, along), along, across);
+    return pel_vec3_dot(opening, across) >= LEAST_OPENING * pel_vec3_length(opening) * pel_vec3_length(across);
+}
+
+static bool is_held(const pel_survey *s, int32_t v)
+{
+    int32_t place = s->sim->model->bodies[s->body].model_index[v];
+    return s->sim->model->inverse_mass[place] == 0 || (s->sim->held != NULL && s->sim->held[place]);
+}
+
+/* mean over the edge to come of what a tip releases, over what the material takes: in balance it falls along the edge
+   as it did along the last one */
+static double readiness(const pel_survey *s, const pel_tip *tip)
+{
+    double ratio = s->sim->tear_drop.ratio > 0 ? s->sim->tear_drop.ratio : 1;
+    return 0.5 * (1 + ratio) * tip->release / pel_tear_resistance(s->sim, s->body, tip->vertex);
+}
+
+/* methods that do not solve for balance would see less, in the first step after the edge opened */
+static void read_drop(const pel_survey *s, const pel_tip *tip)
+{
+    pel_tear_drop *drop = &s->sim->tear_drop;
+    if (!s->sim->stepper->minimises || drop->body != s->body || drop->vertex != tip->vertex || !(drop->before > 0))
+        return;
+    drop->ratio = pel_max(LEAST_RATIO, pel_min(1, tip->release / drop->before));
+    drop->vertex = -1;
+}
+
+/* tips that grow, the readiest first; of too many the others wait */
+static int32_t find_ready(pel_tear *tear, pel_survey *s)
+{
+    int32_t count = 0;
+    for (int32_t v = 0; v < s->topology->vertex_count; v++) {
+        pel_tip tip;
+        double ahead[3];
+        if (!pel_survey_is_tip(s, v, ahead) || is_held(s, v))
+            continue;
+        pel_survey_read(s, v, ahead, &tip);
+        read_drop(s, &tip);
+        double own = readiness(s, &tip);
+        if (!(own >= 1) || !is_open(s, v))
+            continue;
+        int32_t place = count < tear->tip_room ? count++ : count;
+        for (; place > 0 && readiness(s, &tear->tips[place - 1]) < own; place--)
+            if (place < tear->tip_room)
+                tear->tips[place] = tear->tips[place - 1];
+        if (place < tear->tip_room)
+            tear->tips[place] = tip;
+    }
+    return count;
+}
+
+/* the direction of the force in the surface, turned by no more than the limit from the one ahead */
+static void find_direction(const pel_survey *s, const pel_tip *tip, double direction[3])
+{
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    double normal[3] = {0}, part[3], along[3], aside[3];
+    for (int32_t h = s->topology->corner_of_vertex[tip->vertex]; h >= 0; h = pel_survey_turn(s, tip->vertex, h)) {
+        const int32_t *v = mesh->triangles[h / 3];
+        pel_vec3_triangle_normal(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], part);
+        pel_vec3_add(normal, part, normal);
+    }
+    pel_vec3_normalize(normal);
+    pel_vec3_along(tip->ahead, -pel_vec3_dot(tip->ahead, normal), normal, along);
+    pel_vec3_normalize(along);
+    pel_vec3_along(tip->force, -pel_vec3_dot(tip->force, normal), normal, direction);
+    pel_vec3_normalize(direction);
+    double cosine = pel_vec3_dot(direction, along);
+    pel_vec3_along(direction, -cosine, along, aside);
+    if (cosine >= MOST_TURN_COSINE || !(pel_vec3_normalize(aside) > 0))
+        return;
+    pel_vec3_scale(along, MOST_TURN_COSINE, direction);
+    pel_vec3_along(direction, MOST_TURN_SINE, aside, direction);
+}
+
+/* ---- the path ---- */
+
+static void mark_list(uint8_t *marks, const int32_t *vertices, int32_t count)
+{
+    for (int32_t i = 0; vertices != NULL && i < count; i++)
+        marks[vertices[i]] = 1;
+}
+
+/* vertices that must not move in the rest shape: held ones, those that loads and supports name, and all copies */
+static void mark_fixed(const pel_survey *s, uint8_t *marks)
+{
+    const pel_sim_def *def = &s->sim->def;
+    const pel_body_def *body = def_of(s->sim, s->body);
+    int32_t count = s->topology->vertex_count;
+    for (int32_t v = 0; v < count; v++) {
+        if (is_held(s, v))
+            marks[v] = 1;
+        if (body->origins != NULL && body->origins[v] != v)
+            marks[v] = marks[body->origins[v]] = 1;
+    }
+    for (int32_t l = 0; l < def->load_count; l++)
+        if (def->loads[l].body == s->body && def->loads[l].vertex_count < count)
+            mark_list(marks, def->loads[l].vertices, def->loads[l].vertex_count);
+    for (int32_t i = 0; i < def->support_count; i++)
+        if (def->supports[i].body == s->body && def->supports[i].vertex_count < count)
+            mark_list(marks, def->supports[i].vertices, def->supports[i].vertex_count);
+}
+
+static pel_status begin_growth(const pel_survey *s, pel_growth *growth, uint8_t **fixed, pel_error *error)
+{
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(growth->marks, s->topology->edge_count),
+                          PEL_ROOM(growth->is_moved, mesh->vertex_count), PEL_ROOM(*fixed, mesh->vertex_count)))
+        return pel_fail_memory(error);
+    mark_fixed(s, *fixed);
+    return pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count,
+                           &growth->mesh, error);
+}
+
+/* one edge further; none where no edge leads that way */
+static pel_status advance(const pel_survey *s, const pel_tip *tip, uint8_t *fixed, pel_growth *growth, pel_error *error)
+{
+    double direction[3];
+    int32_t next;
+    find_direction(s, tip, direction);
+    pel_status status = pel_path_step(growth->mesh, s->topology, tip->vertex, direction, fixed, &next, error);
+    if (status != PEL_OK || next < 0)
+        return status;
+    int32_t e = pel_topology_edge_between(s->topology, tip->vertex, next);
+    if (growth->marks[e])
+        return PEL_OK;
+    if (growth->edge_count == 0)
+        s->sim->tear_drop = (pel_tear_drop){s->body, next, tip->release, s->sim->tear_drop.ratio};
+    growth->marks[e] = 1;
+    growth->edge_count++;
+    return PEL_OK;
+}
+
+static void sum_energy(const pel_survey *s, pel_growth *growth)
+{
+    growth->energy = 0;
+    for (int32_t e = 0; e < s->topology->edge_count; e++) {
+        int32_t h = s->topology->half_edge_of_edge[e], a = pel_half_edge_origin(s->topology, h),
+                b = pel_half_edge_target(s->topology, h);
+        if (growth->marks[e])
+            growth->energy += 0.5 *
+                              (pel_tear_resistance(s->sim, s->body, a) + pel_tear_resistance(s->sim, s->body, b)) *
+                              pel_vec3_distance(growth->mesh->positions[a], growth->mesh->positions[b]);
+    }
+}
+
+pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, pel_error *error)
+{
+    pel_survey *s = &tear->surveys[survey];
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    uint8_t *fixed = NULL;
+    *growth = (pel_growth){0};
+    pel_shell_forces_follow(s->sim->shells, s->sim->state->position);
+    int32_t count = find_ready(tear, s);
+    if (count == 0)
+        return PEL_OK;
+    pel_status status = begin_growth(s, growth, &fixed, error);
+    for (int32_t i = 0; status == PEL_OK && i < count; i++)
+        status = advance(s, &tear->tips[i], fixed, growth, error);
+    for (int32_t v = 0; status == PEL_OK && v < mesh->vertex_count; v++)
+        growth->is_moved[v] = memcmp(mesh->positions[v], growth->mesh->positions[v], sizeof *mesh->positions) != 0;
+    if (status == PEL_OK)
+        sum_energy(s, growth);
+    pel_free(fixed);
+    return status;
+}
+
+void pel_growth_stay(const pel_tear *tear, int32_t survey, pel_growth *growth)
+{
+    const pel_survey *s = &tear->surveys[survey];
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    memcpy(growth->mesh->positions, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
+    memset(growth->is_moved, 0, (size_t)mesh->vertex_count);
+    sum_energy(s, growth);
+}
+
+void pel_growth_clear(pel_growth *growth)
+{
+    pel_mesh_destroy(growth->mesh);
+    PEL_FREE_ALL(growth->marks, growth->is_moved);
+    *growth = (pel_growth){0};
+}
+
+/* ---- creation ---- */
+
+pel_status pel_tear_create(pel_sim *sim, pel_error *error)
+{
+    int32_t body_count = sim->given->body_count, most = sim->def.tear.max_tips, count = 0;
+    for (int32_t b = 0; b < body_count; b++)
+        count += pel_body_can_tear(sim, b);
+    if (count == 0)
+        return PEL_OK;
+    sim->tear = pel_allocate(1, sizeof *sim->tear);
+    if (sim->tear == NULL)
+        return pel_fail_memory(error);
+    sim->tear->tip_room = most;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tear->surveys, count), PEL_ROOM(sim->tear->tips, most)))
+        return pel_fail_memory(error);
+    pel_status status = PEL_OK;
+    for (int32_t b = 0; status == PEL_OK && b < body_count; b++)
+        if (pel_body_can_tear(sim, b)) {
+            pel_survey *survey = &sim->tear->surveys[sim->tear->survey_count++];
+            status = pel_survey_begin(survey, sim, b, error);
+            survey->has_notches = pel_tear_may_start(sim, b);
+        }
+    return status;
+}
+
+void pel_tear_destroy(pel_sim *sim)
+{
+    if (sim->tear == NULL)
+        return;
+    for (int32_t i = 0; i < sim->tear->survey_count; i++)
+        pel_survey_end(&sim->tear->surveys[i]);
+    PEL_FREE_ALL(sim->tear->surveys, sim->tear->tips);
+    pel_free(sim->tear);
+}

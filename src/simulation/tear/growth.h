@@ -1,0 +1,41 @@
+/* Growth of tears by toughness: which tips move on in the present state, and to which vertices. */
+#ifndef PEL_TEAR_GROWTH_H
+#define PEL_TEAR_GROWTH_H
+
+#include "tear/survey.h"
+
+/* whether tips of a body grow, and whether notches count as tips */
+bool pel_body_can_tear(const pel_sim *sim, int32_t body);
+bool pel_tear_may_start(const pel_sim *sim, int32_t body);
+/* m, of the sheet at a vertex, and N, the energy that a tear takes per length there; NaN where it is not known */
+double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex);
+double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex);
+
+/* Surveys of the bodies that can tear, made for the present triangles: a step that finds nothing allocates nothing. */
+typedef struct pel_tear {
+    int32_t survey_count;
+    pel_survey *surveys;
+    pel_tip *tips; /* (tip_room) of the body at work, the readiest first */
+    int32_t tip_room;
+} pel_tear;
+
+/* sim->tear stays null if no body can tear. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+pel_status pel_tear_create(pel_sim *sim, pel_error *error);
+void pel_tear_destroy(pel_sim *sim);
+
+/* What grows in a body. */
+typedef struct pel_growth {
+    int32_t edge_count; /* edges that open; 0 = nothing grows, and the rest is null */
+    uint8_t *marks;     /* (edges of the topology) of them */
+    pel_mesh *mesh;     /* with the vertices that have moved in the rest shape */
+    uint8_t *is_moved;  /* (vertices) */
+    double energy;      /* J, that the edges take */
+} pel_growth;
+
+/* Finds the growth of one of the surveys. Free with pel_growth_clear, also on failure. PEL_OUT_OF_MEMORY. */
+pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, pel_error *error);
+/* Puts its vertices back to where they are in the mesh. */
+void pel_growth_stay(const pel_tear *tear, int32_t survey, pel_growth *growth);
+void pel_growth_clear(pel_growth *growth);
+
+#endif
