@@ -117,6 +117,7 @@ GETTER(rest_positions, double)
 GETTER(masses, double)
 GETTER(triangles, int32_t)
 GETTER(levels, int32_t)
+GETTER(origins, int32_t)
 
 typedef struct sim_array {
     const char *name;
@@ -132,7 +133,7 @@ typedef struct sim_array {
 static const sim_array arrays[] = {
     ARRAY(positions, 'd', 3, 0),      ARRAY(velocities, 'd', 3, 0), ARRAY(forces, 'd', 3, 0),
     ARRAY(rest_positions, 'd', 3, 0), ARRAY(masses, 'd', 1, 0),     ARRAY(triangles, 'i', 3, 1),
-    ARRAY(levels, 'i', 1, 0),
+    ARRAY(levels, 'i', 1, 0),         ARRAY(origins, 'i', 1, 0),
 };
 enum { ARRAY_COUNT = sizeof arrays / sizeof *arrays };
 
@@ -474,6 +475,7 @@ static PyMethodDef methods[] = {
     CHANGE(evaluate, METH_FASTCALL),
     CHANGE(hessian, METH_O),
     CHANGE(set_pins, METH_FASTCALL),
+    CHANGE(cut, METH_FASTCALL),
     CHANGE(pick, METH_O),
     CHANGE(drag, METH_FASTCALL),
     CHANGE(adjoint, METH_FASTCALL),

@@ -2,13 +2,17 @@
 #include "core.h"
 
 #include <pellicle/live.h>
+#include <pellicle/tear.h>
 
-/* set_pins(body, vertices) */
-PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+/* a change of a body by numbers of its vertices */
+typedef pel_status vertex_change(pel_sim *sim, int32_t body, const int32_t *vertices, int32_t count, pel_error *error);
+
+static PyObject *change_vertices(core_sim *self, const char *name, vertex_change *change, PyObject *const *arguments,
+                                 Py_ssize_t count)
 {
     Py_buffer view;
     pel_error error;
-    if (core_check_count("set_pins", count, 2) < 0)
+    if (core_check_count(name, count, 2) < 0)
         return NULL;
     int32_t body = core_sim_body(self, arguments[0]);
     if (body < 0 || core_get_array(arguments[1], "vertices", 'i', -1, 0, &view) < 0)
@@ -16,10 +20,21 @@ PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize
     /* the potential belongs to the model, which the change may replace */
     pel_potential_destroy(self->potential);
     self->potential = NULL;
-    pel_status status =
-        pel_sim_set_pins(self->sim, body, view.buf, (int32_t)(view.len / (Py_ssize_t)sizeof(int32_t)), &error);
+    pel_status status = change(self->sim, body, view.buf, (int32_t)(view.len / (Py_ssize_t)sizeof(int32_t)), &error);
     PyBuffer_Release(&view);
     return status == PEL_OK ? Py_NewRef(Py_None) : core_raise(&error);
+}
+
+/* set_pins(body, vertices) */
+PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    return change_vertices(self, "set_pins", pel_sim_set_pins, arguments, count);
+}
+
+/* cut(body, vertices) */
+PyObject *core_sim_cut(core_sim *self, PyObject *const *arguments, Py_ssize_t count)
+{
+    return change_vertices(self, "cut", pel_cut, arguments, count);
 }
 
 static const core_member hit_members[] = {

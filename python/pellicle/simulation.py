@@ -393,6 +393,26 @@ class Simulation:
         """Pin these vertices of the body's mesh at their present positions. They replace all earlier pins; []: no pins."""
         self._core.set_pins(body, indices(vertices, "vertices", (None,)))
 
+    # ---- cuts ----
+
+    def cut(self, vertices: Any, body: Union[int, str] = 0) -> None:
+        """Open the surface along edges: these vertices, which edges join, are doubled.
+
+        The path runs through the surface, from a border, between borders, or back to its first vertex. Triangles and vertices
+        keep their numbers, and copies come last.
+
+        Raises
+        ------
+        Error
+            No edge joins two of them, one is of the border, nothing opens, a body refines, or the lips would intersect. The
+            simulation is unchanged.
+        """
+        self._core.cut(body, indices(vertices, "vertices", (None,)))
+
+    def origins(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """The vertex before all cuts that each vertex is a copy of (vertex_count,), int32; itself if it is none."""
+        return self._core.get(_NUMBER["origins"], body, out)
+
     # ---- picking and dragging ----
 
     def pick(self, origin: Any, direction: Any) -> Optional[dict[str, Any]]:

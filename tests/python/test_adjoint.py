@@ -220,6 +220,23 @@ class Hand(unittest.TestCase):
         with self.assertRaises(TypeError):
             sim.set_pins([0.5])
 
+    def test_cut(self):
+        sim = pellicle.load_scene(ball())
+        count, before = len(sim.positions()), sim.triangles()
+        start = int(before[0, 0])
+        path = [start]
+        for _ in range(3):
+            ring = {int(v) for t in before if path[-1] in t for v in t} - set(path)
+            path.append(max(ring, key=lambda v: np.linalg.norm(sim.positions()[v] - sim.positions()[start])))
+        with self.assertRaisesRegex(pellicle.Error, "no edge"):
+            sim.cut([start, path[-1]])
+        sim.cut(path)
+        origins = sim.origins()
+        self.assertEqual(len(sim.positions()), count + 2)
+        self.assertEqual(sorted(origins[count:]), sorted(path[1:3]))
+        self.assertTrue((origins[sim.triangles()] == before).all())
+        sim.step(5)
+
 
 if __name__ == "__main__":
     unittest.main()
