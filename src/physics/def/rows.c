@@ -466,11 +466,11 @@ static const pel_def_row rows[] = {
     {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
 
     {"tear", MAP, .preset = "{}", .doc = "growth of tears in bodies with a toughness"},
-    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), WORD("none", "borders"), .preset = "borders",
+    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders"), .preset = "borders",
      .initial = PEL_TEAR_BORDERS,
      .doc = "where tears start, beside the ends of cuts, which always grow. borders: in sharp notches of the border, "
             "with an inner angle above 270 degrees"},
-    {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), INTEGER, COUNT_FROM(1), DEFAULT(64),
+    {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), FIXED, INTEGER, COUNT_FROM(1), DEFAULT(64),
      .doc = "number of tips of a body that may grow in one step; of more, those that release most energy do"},
 
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), MAP,
