@@ -263,6 +263,26 @@ static void test_rigid_motion(void **unused)
 
 /* ---- what is refused, and told ---- */
 
+/* tension holds the vibrations of a stretched skin: the run says so, and how to brake them */
+static void test_dilution(void **unused)
+{
+    (void)unused;
+    run r;
+    check_begin(
+        &r,
+        "version: 1\nbodies:\n  - name: skin\n    mesh: { shape: grid, nx: 6, ny: 6, size_x: 0.3, size_y: 0.3 }\n"
+        "    mass: { density: 1100 }\n    membrane: { young: 1e6, poisson: 0.5, thickness: 0.001, damping: { "
+        "loss_factor: 0.05 } }\n    supports:\n"
+        "      - { at: { box: { min: [-1, -1, -1], max: [-0.149, 1, 1] } }, fix: [x, z], displacement: [-0.01, 0, "
+        "0] }\n"
+        "      - { at: { box: { min: [0.149, -1, -1], max: [1, 1, 1] } }, fix: [x, z], displacement: [0.01, 0, 0] }\n"
+        "      - { at: { box: { min: [-1, -1, -1], max: [1, -0.149, 1] } }, fix: [y, z] }\n"
+        "      - { at: { box: { min: [-1, 0.149, -1], max: [1, 1, 1] } }, fix: [y, z] }\nduration: 1\n");
+    assert_non_null(strstr(r.told.text, "the rest is tension"));
+    assert_non_null(strstr(r.told.text, "solver.drag"));
+    end(&r);
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -296,6 +316,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_ruler),        cmocka_unit_test(test_hinges),
                                        cmocka_unit_test(test_breathing),    cmocka_unit_test(test_springs),
-                                       cmocka_unit_test(test_rigid_motion), cmocka_unit_test(test_refusals)};
+                                       cmocka_unit_test(test_rigid_motion), cmocka_unit_test(test_dilution),
+                                       cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,15 +35,17 @@ static pel_status refuse(pel_scene_reader *reader, const pel_scene_value *value,
     return PEL_BAD_SCENE;
 }
 
-/* A vibration that tension holds strains the material in second order only. */
+/* A vibration that tension holds strains the material in second order only; one on springs to fixed points not at all.
+ */
 static void tell_dilution(pel_scene_reader *reader, const char *name, double factor, const pel_vibration *lowest)
 {
     if (lowest->strain < DILUTED)
         pel_log_line(
             reader->log,
-            "tension holds this vibration of '%s': %.2g %% of its stiffness is strain, so its ratio to critical "
-            "damping is %.2g, not %.2g. solver.drag %.3g 1/s would brake it by the loss factor",
-            name, 100 * lowest->strain, 0.5 * factor * lowest->strain, 0.5 * factor,
+            "%.2g %% of the stiffness of this vibration of '%s' is strain of the damped material, the rest is "
+            "tension or springs to fixed points: its ratio to critical damping is %.2g, not %.2g. solver.drag %.3g "
+            "1/s would brake it by the loss factor",
+            100 * lowest->strain, name, 0.5 * factor * lowest->strain, 0.5 * factor,
             factor * TWO_PI * lowest->frequency);
 }
 
