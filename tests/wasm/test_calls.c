@@ -245,6 +245,29 @@ static void test_undo(void **unused)
     pel_wasm_sim_destroy(sim);
 }
 
+/* a blade from the pole down one side: arrays have the copies, and lose them with undo */
+static void test_cut(void **unused)
+{
+    (void)unused;
+    pel_wasm_sim *sim = create(ball);
+    assert_int_equal(pel_wasm_sim_apply(sim, "mark"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "cut 0 0.05 3  0 0 -1"), PEL_OK);
+    assert_int_equal(pel_wasm_sim_apply(sim, "cut 0.95 0.05 3  0 0 -1"), PEL_OK);
+    assert_true(holds(pel_wasm_sim_summary(sim), "\"kind\":\"cut\""));
+    assert_int_equal(pel_wasm_sim_apply(sim, "release"), PEL_OK);
+    int32_t count = pel_wasm_sim_vertex_count(sim, 0), most = 0;
+    assert_true(count > BALL_VERTICES);
+    const int32_t *triangles = pel_wasm_sim_triangles(sim, 0);
+    for (int32_t c = 0; c < 3 * BALL_TRIANGLES; c++)
+        most = triangles[c] > most ? triangles[c] : most;
+    assert_int_equal(most, count - 1);
+    assert_true(isfinite(pel_wasm_sim_positions(sim, 0)[3 * count - 1]));
+    assert_int_equal(pel_wasm_sim_step(sim, 5), PEL_OK);
+    assert_int_equal(pel_wasm_sim_undo(sim), 1);
+    assert_int_equal(pel_wasm_sim_vertex_count(sim, 0), BALL_VERTICES);
+    pel_wasm_sim_destroy(sim);
+}
+
 /* commands of the scene's session are done at their steps */
 static void test_session_of_scene(void **unused)
 {
@@ -390,15 +413,11 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_arrays),
-        cmocka_unit_test(test_queries),
-        cmocka_unit_test(test_refined),
-        cmocka_unit_test(test_notes),
-        cmocka_unit_test(test_undo),
-        cmocka_unit_test(test_session_of_scene),
-        cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_live),
+        cmocka_unit_test(test_steps),       cmocka_unit_test(test_arrays),
+        cmocka_unit_test(test_queries),     cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_notes),       cmocka_unit_test(test_undo),
+        cmocka_unit_test(test_cut),         cmocka_unit_test(test_session_of_scene),
+        cmocka_unit_test(test_bad_scenes),  cmocka_unit_test(test_live),
         cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -303,6 +303,10 @@ export class Simulation {
         this.apply(`unpin ${numbers(origin, direction, reach)}`);
     }
 
+    cut(origin, direction) {
+        this.apply(`cut ${numbers(origin, direction)}`);
+    }
+
     inflate(body, pressure) {
         this.apply(`inflate ${this.#hello.bodies[this.#body(body)].name} ${numbers(pressure)}`);
     }

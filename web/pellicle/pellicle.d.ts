@@ -89,9 +89,9 @@ export interface Summary {
     readonly step: number;
     /** of time, positions and velocities, 16 hexadecimal digits */
     readonly hash: string;
-    /** the spring of `grab` or the tool of `press`; lengths in m, force in N */
+    /** the spring of `grab`, the tool of `press` or the blade of `cut`; lengths in m, force in N */
     readonly hand: {
-        readonly kind: "free" | "grab" | "press";
+        readonly kind: "free" | "grab" | "press" | "cut";
         readonly shape: string;
         readonly radius: number;
         readonly point: readonly number[];
@@ -142,7 +142,7 @@ export interface Simulation {
     positions(body?: number | string): Float32Array;
     /** (triangleCount x 3), rows of `positions` */
     triangles(body?: number | string): Uint32Array;
-    /** increases when the triangles change (refinement) */
+    /** increases when the triangles change (refinement, cuts) */
     surfaceRevision(body?: number | string): number;
     /** (vertexCount x components) */
     field(name: string, body?: number | string): Float32Array;
@@ -168,6 +168,8 @@ export interface Simulation {
     /** Pins the vertices within `reach` [m] of the hit at their present positions; `unpin` releases them. */
     pin(origin: Vector, direction: Vector, reach?: number): void;
     unpin(origin: Vector, direction: Vector, reach?: number): void;
+    /** The first call sets a blade where the ray meets a body, further ones lead it there: the surface opens until `release`. */
+    cut(origin: Vector, direction: Vector): void;
     /** Sets a pressure [Pa] along the normals of a body, in addition to that of the scene. */
     inflate(body: number | string, pressure: number): void;
     /** Marks the start of an interaction: `undo` returns here. */
