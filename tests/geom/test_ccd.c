@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "geom/ccd.h"
 #include "geom/ccd_pair.h"
 #include "pellicle/geometry.h"
 #include "random.h"
@@ -418,6 +419,22 @@ static void fill_batch(random_state *random, query *queries, int count, bool edg
     }
 }
 
+/* it keeps what hits, and only what the filter keeps */
+static void check_near_batch(const pel_ccd_batch *batch, const int32_t *hits, int32_t hit_count,
+                             const int32_t *filtered, int32_t filtered_count)
+{
+    static int32_t near[1500];
+    int32_t count = pel_ccd_near_batch(batch, near), hit = 0, passed = 0;
+    assert_true(count <= filtered_count);
+    for (int32_t i = 0; i < count; i++) {
+        while (passed < filtered_count && filtered[passed] != near[i])
+            passed++;
+        assert_true(passed < filtered_count);
+        hit += hit < hit_count && hits[hit] == near[i];
+    }
+    assert_int_equal(hit, hit_count);
+}
+
 /* a batch of any size, with point numbers or without, finds what single queries find */
 static void test_batches(void **unused)
 {
@@ -462,6 +479,8 @@ static void test_batches(void **unused)
         assert_int_equal(statistics.hits, found_count);
         assert_int_equal(statistics.passed_filter, survivor_count);
         assert_true(statistics.passed_hull >= found_count && statistics.passed_hull <= survivor_count);
+        batch.points = points;
+        check_near_batch(&batch, found, found_count, survivors, survivor_count);
     }
 }
 

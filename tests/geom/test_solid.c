@@ -75,6 +75,37 @@ static void test_depth_against_samples(void **unused)
 }
 
 /* a triangle that the axis goes through is pushed sideways, against its own normal; a level one anywhere sideways */
+/* a corner is deepest, and stays so while corners move by less than the room */
+static void test_corner_room(void **unused)
+{
+    (void)unused;
+    srand(11);
+    for (size_t s = 0; s < sizeof solids / sizeof *solids; s++) {
+        int sure = 0, roomy = 0;
+        for (int n = 0; n < 2000; n++) {
+            double corner[3][3], center[3], normal[3], deepest = -HUGE_VAL;
+            for (int k = 0; k < 3; k++)
+                center[k] = uniform(-1, 1);
+            for (int i = 0; i < 9; i++)
+                corner[i / 3][i % 3] = center[i % 3] + uniform(-0.2, 0.2);
+            double room = pel_solid_corner_room(&solids[s], (const double(*)[3])corner);
+            if (room < 0)
+                continue;
+            for (int i = 0; i < 9; i++)
+                corner[i / 3][i % 3] += uniform(-1, 1) * room / sqrt(3);
+            for (int c = 0; c < 3; c++)
+                deepest = fmax(deepest, -pel_solid_distance(&solids[s], corner[c], normal));
+            /* outside, distances to edges and corners are no depths below faces */
+            if (deepest > 0)
+                assert_true(deepest >= sampled_depth(&solids[s], corner) - 1e-9);
+            sure += deepest > 0;
+            roomy += deepest > 0 && room > 0;
+        }
+        bool is_round = pel_solid_is_round(&solids[s]);
+        assert_true(is_round ? sure == 0 : sure > 20 && roomy > 5);
+    }
+}
+
 static void test_pierced(void **unused)
 {
     (void)unused;
@@ -130,6 +161,7 @@ int main(void)
         cmocka_unit_test(test_depth_against_samples),
         cmocka_unit_test(test_distance_outside_and_inside),
         cmocka_unit_test(test_half_box),
+        cmocka_unit_test(test_corner_room),
         cmocka_unit_test(test_pierced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

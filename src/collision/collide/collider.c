@@ -1,7 +1,6 @@
 #include "collide/collider.h"
 
 #include "base/memory.h"
-#include "base/sort.h"
 #include "base/status.h"
 #include "collide/clearance.h"
 #include "geom/ccd.h"
@@ -44,6 +43,8 @@ struct pel_collider {
     pel_pool *pool, *own_pool;
     part parts[PARTS];
     collision_list collisions;
+    int32_t *ends; /* (features) scratch of their order */
+    size_t end_capacity;
 };
 
 /* ---- creation ---- */
@@ -242,6 +243,7 @@ void pel_collider_destroy(pel_collider *collider)
     for (int i = 0; i < PARTS; i++)
         pel_free(collider->parts[i].list.collisions);
     pel_free(collider->collisions.collisions);
+    pel_free(collider->ends);
     pel_free(collider);
 }
 
@@ -333,22 +335,28 @@ static void set_points(const narrow *n, pel_pair pair, int32_t points[4])
     }
 }
 
+/* at most BLOCK pairs, whose points are written */
+static pel_ccd_batch batch_of(const narrow *n, const pel_pair *pairs, int32_t count, int32_t points[BLOCK][4])
+{
+    for (int32_t i = 0; i < count; i++)
+        set_points(n, pairs[i], points[i]);
+    return (pel_ccd_batch){.start = n->query->start,
+                           .end = n->query->end,
+                           .points = points[0],
+                           .query_count = count,
+                           .edge_edge = n->edge_edge,
+                           .method = n->query->method,
+                           .min_separation = n->query->min_separation,
+                           .tolerance = n->query->tolerance,
+                           .near = n->query->near};
+}
+
 /* at most BLOCK pairs */
 static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
 {
     int32_t points[BLOCK][4], queries[BLOCK];
     pel_ccd_hit hits[BLOCK];
-    for (int32_t i = 0; i < count; i++)
-        set_points(n, pairs[i], points[i]);
-    const pel_ccd_batch batch = {.start = n->query->start,
-                                 .end = n->query->end,
-                                 .points = points[0],
-                                 .query_count = count,
-                                 .edge_edge = n->edge_edge,
-                                 .method = n->query->method,
-                                 .min_separation = n->query->min_separation,
-                                 .tolerance = n->query->tolerance,
-                                 .near = n->query->near};
+    const pel_ccd_batch batch = batch_of(n, pairs, count, points);
     int32_t hit_count = pel_ccd_solve_batch(&batch, queries, hits, &p->statistics);
     collision_list *list = &p->list;
     if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)hit_count,
@@ -365,14 +373,18 @@ static pel_status solve_block(const narrow *n, const pel_pair *pairs, int32_t co
 
 static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t count, part *p)
 {
+    int32_t points[BLOCK][4], near[BLOCK];
     collision_list *list = &p->list;
-    if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)count,
+    const pel_ccd_batch batch = batch_of(n, pairs, count, points);
+    int32_t near_count = pel_ccd_near_batch(&batch, near);
+    if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)near_count,
                      sizeof *list->collisions))
         return PEL_OUT_OF_MEMORY;
-    for (int32_t i = 0; i < count; i++) {
+    for (int32_t i = 0; i < near_count; i++) {
+        const pel_pair *pair = &pairs[near[i]];
         pel_collision *c = &list->collisions[list->count];
-        *c = (pel_collision){.edge_edge = n->edge_edge, .first = pairs[i].first, .second = pairs[i].second};
-        set_points(n, pairs[i], c->vertices);
+        *c = (pel_collision){.edge_edge = n->edge_edge, .first = pair->first, .second = pair->second};
+        memcpy(c->vertices, points[near[i]], sizeof c->vertices);
         list->count += n->measure(n->context, c);
     }
     p->statistics.queries += count;
@@ -394,15 +406,55 @@ static void solve_part(void *context, int32_t number)
     }
 }
 
-static bool comes_before(const pel_collision *a, const pel_collision *b)
+/* by `second`; few */
+static void sort_few(pel_collision *collisions, int32_t count)
 {
-    if (a->edge_edge != b->edge_edge)
-        return b->edge_edge;
-    return a->first != b->first ? a->first < b->first : a->second < b->second;
+    for (int32_t i = 1; i < count; i++) {
+        const pel_collision moving = collisions[i];
+        int32_t at = i;
+        for (; at > 0 && collisions[at - 1].second > moving.second; at--)
+            collisions[at] = collisions[at - 1];
+        collisions[at] = moving;
+    }
 }
 
-/* the order of candidates does not show */
-PEL_DEFINE_SORT(sort_collisions, pel_collision, comes_before)
+/* Adds the hits of all parts in the order of their features, so that the order of candidates does not show: each goes
+   to its place by its first feature. */
+static pel_status gather(pel_collider *collider, bool edge_edge, pel_error *error)
+{
+    collision_list *all = &collider->collisions;
+    const pel_tree *tree = collider->candidates->tree;
+    size_t feature_count = (size_t)(edge_edge ? 3 * tree->triangle_count : tree->vertex_count), count = 0;
+    for (int i = 0; i < PARTS; i++)
+        count += collider->parts[i].list.count;
+    if (count == 0)
+        return PEL_OK;
+    if (!pel_reserve((void **)&all->collisions, &all->capacity, all->count + count, sizeof *all->collisions) ||
+        !pel_reserve((void **)&collider->ends, &collider->end_capacity, feature_count, sizeof *collider->ends))
+        return pel_fail_memory(error);
+    int32_t *ends = collider->ends, end = 0;
+    pel_collision *to = all->collisions + all->count;
+    memset(ends, 0, feature_count * sizeof *ends);
+    for (int i = 0; i < PARTS; i++)
+        for (size_t k = 0; k < collider->parts[i].list.count; k++)
+            ends[collider->parts[i].list.collisions[k].first]++;
+    for (size_t f = 0; f < feature_count; f++) {
+        int32_t own = ends[f];
+        ends[f] = end;
+        end += own;
+    }
+    for (int i = 0; i < PARTS; i++)
+        for (size_t k = 0; k < collider->parts[i].list.count; k++) {
+            const pel_collision *collision = &collider->parts[i].list.collisions[k];
+            to[ends[collision->first]++] = *collision;
+        }
+    for (size_t f = 0; f < feature_count; f++) {
+        int32_t begin = f > 0 ? ends[f - 1] : 0;
+        sort_few(to + begin, ends[f] - begin);
+    }
+    all->count += count;
+    return PEL_OK;
+}
 
 /* solves the pairs of one kind and adds the hits */
 static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_list *pairs,
@@ -410,29 +462,21 @@ static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_li
 {
     if (pairs->count == 0)
         return PEL_OK;
-    collision_list *all = &collider->collisions;
     n.tree = collider->candidates->tree;
     n.pairs = pairs->pairs;
     n.pair_count = pairs->count;
     n.parts = collider->parts;
     n.pool = collider->pool;
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
-    size_t before = all->count;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
         if (p->status == PEL_STOPPED)
             return pel_pool_check(collider->pool, error);
-        if (p->status != PEL_OK || !pel_reserve((void **)&all->collisions, &all->capacity, all->count + p->list.count,
-                                                sizeof *all->collisions))
+        if (p->status != PEL_OK)
             return pel_fail_memory(error);
-        if (p->list.count > 0)
-            memcpy(all->collisions + all->count, p->list.collisions, p->list.count * sizeof *all->collisions);
-        all->count += p->list.count;
         pel_ccd_statistics_add(statistics, &p->statistics);
     }
-    if (all->count > before)
-        sort_collisions(all->collisions + before, all->count - before);
-    return PEL_OK;
+    return gather(collider, n.edge_edge, error);
 }
 
 /* m, pairs that stay farther apart are no hits */

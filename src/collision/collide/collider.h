@@ -19,8 +19,8 @@ const pel_tree *pel_collider_tree(const pel_collider *collider);
 /* Whether a pair is to be listed: is given all but its hit, and fills that in. Runs on several threads at once. */
 typedef bool pel_pair_measure(const void *context, pel_collision *pair);
 
-/* pel_collider_detect with another narrow phase: of the pairs that it would look at those that a measure accepts. Its
-   statistics stay 0 but for the queries. */
+/* pel_collider_detect with another narrow phase: of the pairs that may come within min_separation on the way those that
+   a measure accepts. Its statistics stay 0 but for the queries. */
 pel_status pel_collider_list(pel_collider *collider, const pel_collision_query *query, pel_pair_measure *measure,
                              const void *context, pel_collision_result *result, pel_error *error);
 

@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-enum { PAIRS_OF_CHUNK = 256, MEASURE_PARTS = 16 };
+enum { PAIRS_OF_CHUNK = 256 };
 
 /* weights of closest points inside a feature are farther from 0 than this */
 #define INSIDE 1e-9
@@ -29,6 +29,8 @@ enum { PAIRS_OF_CHUNK = 256, MEASURE_PARTS = 16 };
 /* of its room: a pair whose places moved less against each other need not be looked at, and then has as much room left;
    the rest is for turning features and for corrections within a substep */
 #define MOVED_SHARE 0.25
+/* of the thickness: near pairs keep weights and normal until points may have moved so far against each other */
+#define KEEP_SHARE 0.01
 
 void pel_contact_set_place_substep(pel_contact_set *set)
 {
@@ -45,11 +47,12 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     double square = substep * substep;
     pel_contacts_begin(&set->list, substep);
     set->list.active = NULL;
-    set->travel = 0;
-    set->is_measured = false;
-    for (int32_t c = 0; c < set->list.count; c++)
-        set->calm[c] = pel_contact_sleeps(set, &set->keys[c]) ? HUGE_VAL : 0;
+    pel_travel_restart(&set->travel);
+    set->calm_until = 0;
+    set->is_moved = set->moves = false;
     for (int32_t c = 0; c < set->list.count; c++) {
+        set->calm[c] = pel_contact_sleeps(set, &set->keys[c]) ? HUGE_VAL : 0;
+        memset(set->owed[c], 0, sizeof set->owed[c]);
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);
         contact->earlier = (pel_real)(square * set->keys[c].earlier);
@@ -330,7 +333,8 @@ static void keep_calm(const refresh_job *job, int32_t c, double thickness, doubl
         room = pel_max(room, OFF_SHARE * thickness);
     bool is_far = is_off || (room > PEL_CONTACT_NEAR_SHARE * thickness && !job->looks_at_all);
     key->room = is_far && !(set->list.contacts[c].multiplier > 0) ? room : 0;
-    set->calm[c] = key->room > 0 ? 2 * set->travel + 0.5 * key->room : 0;
+    double left = key->room > 0 ? 0.5 * key->room : key->slack > 0 ? 0 : KEEP_SHARE * thickness;
+    set->calm[c] = set->travel.approach + left;
     if (set->def.has_layers) {
         way_between(x, weights, key->apart);
         memcpy(key->place, weights, sizeof key->place);
@@ -350,7 +354,7 @@ static bool has_hardly_moved(const refresh_job *job, int32_t c)
     double moved = pel_vec3_distance(way, key->apart);
     if (!(moved < MOVED_SHARE * key->room))
         return false;
-    set->calm[c] = 2 * set->travel + MOVED_SHARE * key->room;
+    set->calm[c] = set->travel.approach + MOVED_SHARE * key->room;
     return true;
 }
 
@@ -363,7 +367,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
     for (int i = 0; i < 4; i++)
         load_point(job, key->points[i], x[i]);
     if (key->is_impact) {
-        set->calm[c] = 0;
+        set->calm[c] = key->room = 0;
         if (set->minds_sides)
             check_impact(job, x, key, contact);
         if (is_far_through(set, x, key, contact))
@@ -378,7 +382,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
     keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
-    if (set->calm[c] > 0 || key->is_off)
+    if (key->room > 0 || key->is_off)
         pel_contact_switch_off(contact);
 }
 
@@ -388,14 +392,16 @@ static void refresh_chunk(void *context, int32_t chunk)
     const pel_contact_set *set = job->set;
     int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
     for (int32_t c = begin; c < end && c < set->list.count; c++) {
-        if (!job->looks_at_all && set->calm[c] > 2 * set->travel)
+        bool follows = set->is_moved && set->keys[c].obstacle >= 0 && !(set->keys[c].room > 0);
+        if (!job->looks_at_all && !follows && set->calm[c] > set->travel.approach)
             continue;
         /* freeze the plane of a loaded contact within the substep: a load removed along a turned normal adds energy */
         if (!job->is_first && set->list.contacts[c].multiplier > 0)
             continue;
         if (pel_contact_sleeps(set, &set->keys[c]))
             continue;
-        if (job->looks_at_all || !(set->calm[c] > 0) || !has_hardly_moved(job, c))
+        bool has_room = set->calm[c] > 0 && set->keys[c].room > 0;
+        if (job->looks_at_all || !has_room || !has_hardly_moved(job, c))
             refresh_pair(job, c);
     }
 }
@@ -408,7 +414,7 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     if (key->edge_edge || key->is_impact || key->border == PEL_NO_BORDER)
         return false;
     for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--)
-        if (set->keys[i].border == key->border && !(set->calm[i] > 0) && !set->keys[i].is_off &&
+        if (set->keys[i].border == key->border && !(set->keys[i].room > 0) && !set->keys[i].is_off &&
             !set->keys[i].is_impact)
             return true;
     return false;
@@ -419,9 +425,11 @@ static void list_active(pel_contact_set *set)
     pel_contact_list *list = &set->list;
     list->active = set->active;
     list->active_count = 0;
+    set->calm_until = HUGE_VAL;
     for (int32_t c = 0; c < list->count; c++) {
         bool is_loaded = list->contacts[c].multiplier > 0;
-        if (pel_contact_sleeps(set, &set->keys[c]) || (!is_loaded && (set->calm[c] > 0 || set->keys[c].is_off)))
+        set->calm_until = pel_min(set->calm_until, set->calm[c]);
+        if (pel_contact_sleeps(set, &set->keys[c]) || (!is_loaded && (set->keys[c].room > 0 || set->keys[c].is_off)))
             continue;
         if (is_again(set, c) && !is_loaded)
             pel_contact_switch_off(&list->contacts[c]);
@@ -430,56 +438,26 @@ static void list_active(pel_contact_set *set)
     }
 }
 
-/* ---- travel ---- */
-
-typedef struct measure_job {
-    pel_contact_set *set;
-    const pel_record *positions;
-    double longest[MEASURE_PARTS]; /* m2 */
-} measure_job;
-
-static void measure_part(void *context, int32_t part)
-{
-    measure_job *job = context;
-    pel_contact_set *set = job->set;
-    int64_t count = set->vertex_count, end = count * (part + 1) / MEASURE_PARTS;
-    double longest = 0;
-    for (int64_t v = count * part / MEASURE_PARTS; v < end; v++) {
-        const pel_record x = job->positions[v];
-        float *last = set->measured[v];
-        double square = 0;
-        for (int k = 0; k < 3; k++) {
-            double way = (double)x[k] - (double)last[k];
-            square += way * way;
-            last[k] = (float)x[k];
-        }
-        longest = square > longest ? square : longest;
-    }
-    job->longest[part] = longest;
-}
-
-/* m, of the points of obstacles in this substep */
+/* m, of the points of obstacles in this substep; negative = there are none */
 static double obstacle_travel(const pel_contact_set *set)
 {
-    double longest = 0;
+    double longest = set->point_count > set->vertex_count ? 0 : -1;
     for (int32_t p = 0; p < set->point_count - set->vertex_count; p++)
         longest = pel_max(longest, pel_vec3_distance(set->substep_start[p], set->substep_end[p]));
     return longest;
 }
 
-/* adds the longest way of any point since the last call */
-static void measure_travel(pel_contact_set *set, const pel_record *positions, bool is_first)
+bool pel_contact_set_needs_look(pel_contact_set *set, const pel_record *positions, bool is_first)
 {
-    measure_job job = {.set = set, .positions = positions};
-    double longest = 0;
-    if (set->list.count == 0)
-        return;
-    pel_pool_run(set->def.pool, MEASURE_PARTS, measure_part, &job);
-    for (int part = 0; part < MEASURE_PARTS; part++)
-        longest = pel_max(longest, job.longest[part]);
-    if (set->is_measured)
-        set->travel += sqrt(longest) + (is_first ? obstacle_travel(set) : 0);
-    set->is_measured = true;
+    if (set->list.count == 0 && set->list.active != NULL)
+        return false;
+    double way = is_first ? obstacle_travel(set) : set->point_count > set->vertex_count ? 0 : -1;
+    if (is_first) {
+        set->is_moved = way > 0 || set->moves;
+        set->moves = way > 0;
+    }
+    pel_travel_follow(&set->travel, positions, way, set->def.pool);
+    return set->is_moved || set->list.active == NULL || !(set->travel.approach < set->calm_until);
 }
 
 void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, const pel_record *start,
@@ -487,7 +465,6 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
 {
     refresh_job job = {set, positions, start, looks_at_all, is_first};
     int32_t count = set->list.count;
-    measure_travel(set, positions, is_first);
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
     list_active(set);
 }

@@ -21,7 +21,7 @@ enum { VELOCITY_SWEEPS = 4 };
 /* of a solver with contacts in its loop: by which ways may be wrong at least, of the thickness, and at most, of the
    shortest edge */
 #define LEAST_MARGIN 0.5
-#define MOST_MARGIN 0.05
+#define MOST_MARGIN 0.1
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -48,6 +48,7 @@ static void set_distances(pel_contact_set *set)
     set->near = set->largest + NEAR_SHARE * set->def.shortest_edge;
     set->aim = HUGE_VAL;
     set->margin = LEAST_MARGIN * set->largest;
+    set->horizon = 1;
 }
 
 static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def, pel_error *error)
@@ -65,7 +66,8 @@ static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def,
     for (size_t i = 0; i < obstacle_count; i++)
         set->obstacles[i] = def->obstacles[i];
     set_distances(set);
-    return PEL_OK;
+    const pel_travel_def travel = {def->vertex_count, def->body_count, def->body_of_slice, def->mass};
+    return pel_travel_create(&travel, &set->travel, error);
 }
 
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error)
@@ -84,10 +86,11 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
                  set->start, set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys,
-                 set->other_keys, set->calm, set->active, set->measured, set->other_contacts,
-                 set->heights.list.contacts, set->heights.triangles, set->heights.bounds, set->heights.places,
-                 set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
-                 set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->other_keys, set->calm, set->active, set->owed, set->other_contacts, set->heights.list.contacts,
+                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
+                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
+                 set->body_shares, set->body_impacts);
+    pel_travel_destroy(&set->travel);
     pel_free(set);
 }
 
@@ -168,7 +171,8 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
     if (pel_reserve((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
         pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
         pel_reserve((void **)&set->calm, &set->calm_capacity, count, sizeof *set->calm) &&
-        pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active))
+        pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active) &&
+        pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed))
         return PEL_OK;
     return pel_fail_memory(error);
 }
@@ -192,7 +196,7 @@ static double most_margin(const pel_contact_set *set)
 bool pel_contact_set_restore(pel_contact_set *set)
 {
     double least = LEAST_MARGIN * set->largest;
-    bool is_whole = set->margin >= least && set->margin <= most_margin(set);
+    bool is_whole = set->margin >= least && set->margin <= most_margin(set) && set->horizon > 0 && set->horizon <= 1;
     for (int32_t c = 0; is_whole && c < set->list.count; c++) {
         const pel_contact_key *key = &set->keys[c];
         is_whole = key->load >= 0 && key->earlier >= 0 && key->slack >= 0 &&
@@ -204,6 +208,7 @@ bool pel_contact_set_restore(pel_contact_set *set)
         return true;
     set->list.count = 0;
     set->margin = least;
+    set->horizon = 1;
     return false;
 }
 
@@ -219,6 +224,7 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
     }
     set->margin = pel_min(pel_max(from->margin, LEAST_MARGIN * set->largest), most_margin(set));
     set->was_widened = from->was_widened;
+    set->horizon = from->horizon;
     return true;
 }
 

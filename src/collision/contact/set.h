@@ -17,6 +17,7 @@
 
 #include "collide/collider.h"
 #include "contact/contact.h"
+#include "contact/travel.h"
 #include "geom/solid.h"
 #include "math/pose.h"
 #include "pellicle/sim_contact.h"
@@ -180,6 +181,7 @@ typedef struct pel_contact_set {
     double elapsed;                                /* s, in substeps since slacks were reduced; 0 between steps */
     double margin;                                 /* m, ways between start and end may be wrong by half of this */
     bool was_widened;                              /* in this step */
+    double horizon;                                /* share of a step that a search is for, the owner's */
     double aim;                                    /* m, to be brought: how far corrections part a pair at most */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_set_place clears it */
@@ -192,12 +194,14 @@ typedef struct pel_contact_set {
     pel_contact_key *keys, *other_keys;
     pel_contact *other_contacts;
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
-    double *calm;    /* (list.count) m, travel before which a pair need not be looked at; 0 = it is near */
-    int32_t *active; /* (list.active_count) the list's */
-    size_t calm_capacity, active_capacity;
-    double travel;        /* m, how far any point may have gone since the loads were recalled */
-    bool is_measured;     /* its last positions are known: */
-    float (*measured)[3]; /* (vertex_count) m */
+    double *calm;      /* (list.count) m, travel.approach up to which a pair need not be looked at */
+    int32_t *active;   /* (list.active_count) the list's */
+    double (*owed)[4]; /* (list.count) N, parts of mean_load and mean_drag that are no forces of the step yet */
+    size_t calm_capacity, active_capacity, owed_capacity;
+    pel_travel travel; /* in this step */
+    double calm_until; /* m, the least of `calm` */
+    bool is_moved;     /* an obstacle has moved in this substep, or in the one before: */
+    bool moves;
     pel_contact_heights heights;
 
     /* the guard; from `solved` on null until it first runs */
@@ -306,6 +310,9 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 /* After the last substep: store the loads of the multipliers and the remaining slacks. */
 void pel_contact_set_keep_loads(pel_contact_set *set);
+/* Whether any pair is to be looked at, after points have moved to positions (vertex_count); is_first: in this
+   substep. Otherwise all contacts are as they were. */
+bool pel_contact_set_needs_look(pel_contact_set *set, const pel_record *positions, bool is_first);
 /* Contacts at positions (vertex_count) and the poses at the end of the substep, and which of them are active;
    multipliers of these are kept. start (vertex_count): positions at the start of the substep. looks_at_all: also at
    what has no need. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */

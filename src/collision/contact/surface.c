@@ -258,13 +258,12 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
     size_t triangles = (size_t)(set->obstacle_triangle_count + set->def.triangle_limit);
     size_t most = triangles > point_count ? triangles : point_count;
     /* start and end have one more: points are read four numbers at once */
-    bool made =
-        PEL_ALLOCATE_ALL(PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
-                         PEL_ROOM(set->is_asleep, group_count), PEL_ROOM(set->start, point_count + 1),
-                         PEL_ROOM(set->end, point_count + 1), PEL_ROOM(set->substep_start, obstacle_points),
-                         PEL_ROOM(set->substep_end, obstacle_points), PEL_ROOM(set->heights.bounds, triangles),
-                         PEL_ROOM(set->heights.places, set->vertex_count), PEL_ROOM(set->measured, set->vertex_count),
-                         PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));
+    bool made = PEL_ALLOCATE_ALL(
+        PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
+        PEL_ROOM(set->is_asleep, group_count), PEL_ROOM(set->start, point_count + 1),
+        PEL_ROOM(set->end, point_count + 1), PEL_ROOM(set->substep_start, obstacle_points),
+        PEL_ROOM(set->substep_end, obstacle_points), PEL_ROOM(set->heights.bounds, triangles),
+        PEL_ROOM(set->heights.places, set->vertex_count), PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));
     return made ? PEL_OK : pel_fail_memory(error);
 }
 

@@ -45,42 +45,47 @@ static inline void move(const pel_contact *contact, pel_record *positions, recor
     for (int i = 0; i < 4; i++) {
         pel_record *x = &positions[contact->vertices[i]];
         double share = (double)(*x)[3] * (double)contact->weights[i];
+        if (share == 0)
+            continue;
         *x = __builtin_convertvector(record_in_double(*x) + share * impulse, pel_record);
     }
 }
 
-/* takes back as much of the way across the normal as friction can hold */
-static void rub(pel_contact *contact, pel_record *positions, const pel_record *start, double free)
+/* three numbers of a contact, and 0 */
+static inline record4 vector_of(const pel_real v[3])
 {
-    double slip[3], along = 0, wanted[3], square = 0;
-    record4 now = combine(contact, positions), before = combine(contact, start), change = {0};
-    for (int k = 0; k < 3; k++) {
-        slip[k] = now[k] - before[k] - (double)contact->drift[k];
-        along += slip[k] * (double)contact->normal[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        wanted[k] = (double)contact->drag[k] - (slip[k] - along * (double)contact->normal[k]) / free;
-        square += wanted[k] * wanted[k];
-    }
-    double limit = (double)contact->friction * (double)contact->multiplier;
-    double scale = square > limit * limit ? limit / sqrt(square) : 1;
-    for (int k = 0; k < 3; k++) {
-        change[k] = scale * wanted[k] - (double)contact->drag[k];
-        contact->drag[k] = (pel_real)(scale * wanted[k]);
-    }
-    move(contact, positions, change);
+    return (record4){(double)v[0], (double)v[1], (double)v[2], 0};
 }
 
-/* most contacts of a sweep neither push nor rub: they are told before anything else is found of them */
+static inline double dot(record4 a, record4 b)
+{
+    record4 product = a * b;
+    return product[0] + product[1] + product[2];
+}
+
+/* the change of the drag that takes back as much of a slip across the normal as friction can hold */
+static record4 rub(pel_contact *contact, record4 slip, record4 normal, double free)
+{
+    record4 drag = vector_of(contact->drag), wanted = drag - (slip - dot(slip, normal) * normal) / free;
+    wanted[3] = 0;
+    double square = dot(wanted, wanted), limit = (double)contact->friction * (double)contact->multiplier;
+    if (square > limit * limit)
+        wanted *= limit / sqrt(square);
+    for (int k = 0; k < 3; k++)
+        contact->drag[k] = (pel_real)wanted[k];
+    return wanted - drag;
+}
+
+/* Most contacts of a sweep neither push nor rub: they are told before anything else is found of them. The others read
+   and write their points once; the normal's share of their way is known without another look. */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start)
 {
     double largest = 0, carried = 0, rate = 1 / (list->substep * list->substep);
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
-        double gap = -(double)contact->separation, load = (double)contact->multiplier;
-        record4 sum = combine(contact, positions), way = {0};
-        for (int k = 0; k < 3; k++)
-            gap += sum[k] * (double)contact->normal[k];
+        double load = (double)contact->multiplier;
+        record4 sum = combine(contact, positions), normal = vector_of(contact->normal);
+        double gap = dot(sum, normal) - (double)contact->separation;
         if (!(gap < 0) && !(load > 0))
             continue;
         double free = mobility(contact, positions), compliance = rate * (double)contact->compliance;
@@ -88,15 +93,16 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
             continue;
         double change = -(gap + compliance * load) / (free + compliance);
         change = change > -load ? change : -load;
-        for (int k = 0; k < 3; k++)
-            way[k] = change * (double)contact->normal[k];
-        move(contact, positions, way);
         contact->multiplier = (pel_real)(load + change);
+        record4 impulse = change * normal;
+        if (contact->friction > 0) {
+            record4 slip = sum + free * impulse - combine(contact, start) - vector_of(contact->drift);
+            impulse += rub(contact, slip, normal, free);
+        }
+        move(contact, positions, impulse);
         double moved = free * (change < 0 ? -change : change);
         largest = moved > largest ? moved : largest;
         carried = free * (load + change) > carried ? free * (load + change) : carried;
-        if (contact->friction > 0)
-            rub(contact, positions, start, free);
     }
     list->carried = carried;
     return largest;

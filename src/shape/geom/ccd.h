@@ -47,6 +47,9 @@ void ccd_hit_set(const ccd_query *query, double time, pel_ccd_hit *hit);
 /* The hit of input that is not finite. */
 void ccd_hit_unknown(bool edge_edge, pel_ccd_hit *hit);
 
+/* Filter and axes of a batch whose points have numbers: as pel_ccd_filter_batch. */
+int32_t pel_ccd_near_batch(const pel_ccd_batch *batch, int32_t *survivors);
+
 static inline void pel_ccd_statistics_add(pel_ccd_statistics *sum, const pel_ccd_statistics *more)
 {
     sum->queries += more->queries;

@@ -131,6 +131,18 @@ int32_t pel_ccd_filter_batch(const pel_ccd_batch *batch, int32_t *survivors)
     return survivor_count;
 }
 
+int32_t pel_ccd_near_batch(const pel_ccd_batch *batch, int32_t *survivors)
+{
+    pel_ccd_batch clean = cleaned(batch);
+    int32_t survivor_count = 0;
+    for (int32_t first = 0; first < batch->query_count; first += BLOCK) {
+        int32_t *kept = survivors + survivor_count;
+        int32_t count = filter_row(&clean, first, block_size(batch, first), kept);
+        survivor_count += run_hull(&clean, (query_list){kept, count}, kept);
+    }
+    return survivor_count;
+}
+
 static bool solve_one(const pel_ccd_batch *batch, int32_t query, pel_ccd_hit *hit, pel_ccd_statistics *statistics)
 {
     ccd_points points;

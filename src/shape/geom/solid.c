@@ -244,24 +244,36 @@ static double box_depth(const pel_solid *solid, const double a[3], const double 
     return support - pel_vec3_dot(normal, point);
 }
 
+/* m, the least depth of a point below the faces of a box but one */
+static double depth_below_others(const double half[3], const double p[3], int axis, int side)
+{
+    double least = half[axis] + side * p[axis];
+    for (int k = 0; k < 3; k++)
+        if (k != axis)
+            least = pel_min(least, half[k] - fabs(p[k]));
+    return least;
+}
+
 /* Depth below a face is linear: where the deepest corner is limited by that face alone, no other point of the triangle
-   is deeper. */
-static bool is_deepest_at_corner(const pel_solid *solid, const double corner[3][3])
+   is deeper. Where all corners are deeper below the other faces, it is so for any of them. */
+static double box_corner_room(const pel_solid *solid, const double corner[3][3])
 {
     const double *half = solid->half_extents;
+    double room = -1;
     for (int i = 0; i < 3; i++)
         for (int side = -1; side <= 1; side += 2) {
             int deepest = 0;
-            for (int c = 1; c < 3; c++)
+            double least = HUGE_VAL;
+            for (int c = 0; c < 3; c++) {
                 if (side * corner[c][i] < side * corner[deepest][i])
                     deepest = c;
-            double depth = half[i] - side * corner[deepest][i], least = HUGE_VAL;
-            for (int k = 0; k < 3; k++)
-                least = pel_min(least, half[k] - fabs(corner[deepest][k]));
-            if (least >= depth)
-                return true;
+                least = pel_min(least, depth_below_others(half, corner[c], i, side));
+            }
+            double depth = half[i] - side * corner[deepest][i];
+            if (depth_below_others(half, corner[deepest], i, side) >= depth)
+                room = pel_max(room, pel_max(0.5 * (least - depth), 0));
         }
-    return false;
+    return room;
 }
 
 static void box_half_box(const pel_solid *solid, double half[3])
@@ -288,7 +300,7 @@ const pel_solid_row pel_solid_rows[PEL_TOOL_SHAPE_COUNT] = {
                       .depth = box_depth,
                       .half_box = box_half_box,
                       .separation = box_separation,
-                      .is_deepest_at_corner = is_deepest_at_corner,
+                      .corner_room = box_corner_room,
                       .corner_count = 8,
                       .triangle_count = 12,
                       .corners = box_corners,
@@ -333,10 +345,10 @@ double pel_solid_separation(const pel_solid *solid, const double triangle[3][3],
     return pel_solid_rows[solid->shape].separation(solid, triangle, axis);
 }
 
-bool pel_solid_is_deepest_at_corner(const pel_solid *solid, const double triangle[3][3])
+double pel_solid_corner_room(const pel_solid *solid, const double triangle[3][3])
 {
     const pel_solid_row *row = &pel_solid_rows[solid->shape];
-    return row->is_deepest_at_corner != NULL && row->is_deepest_at_corner(solid, triangle);
+    return row->corner_room != NULL ? row->corner_room(solid, triangle) : -1;
 }
 
 void pel_solid_half_box(const pel_solid *solid, double half[3])

@@ -27,7 +27,7 @@ typedef struct pel_solid_row {
     void (*half_box)(const pel_solid *solid, double half[3]);
     /* of flat faces */
     double (*separation)(const pel_solid *solid, const double triangle[3][3], double axis[3]);
-    bool (*is_deepest_at_corner)(const pel_solid *solid, const double triangle[3][3]);
+    double (*corner_room)(const pel_solid *solid, const double triangle[3][3]);
     int32_t corner_count, triangle_count;
     const double (*corners)[3]; /* (corner_count) in units of half_extents */
     const int32_t (*triangles)[3];
@@ -66,8 +66,9 @@ double pel_solid_depth(const pel_solid *solid, const double a[3], const double b
    point p is axis . p minus it. */
 double pel_solid_separation(const pel_solid *solid, const double triangle[3][3], double axis[3]);
 
-/* Whether a corner of the triangle is surely as deep in flat faces as any other of its points. */
-bool pel_solid_is_deepest_at_corner(const pel_solid *solid, const double triangle[3][3]);
+/* A corner of the triangle is surely as deep in flat faces as any other of its points, also after its corners have
+   moved by this much [m]; negative = that is not sure. */
+double pel_solid_corner_room(const pel_solid *solid, const double triangle[3][3]);
 
 /* Half sizes of the box about the solid in its own frame. */
 void pel_solid_half_box(const pel_solid *solid, double half[3]);

@@ -60,7 +60,7 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
     pel_contact_list *pairs = loop_contacts(sim);
     if (pairs != NULL) {
         pel_contacts_begin_substep(sim, sim->projector->tau);
-        pel_contact_set_refresh(sim->contacts, positions, start, false, true);
+        pel_contacts_refresh(sim, start, true);
         pel_contacts_begin(&sim->contacts->heights.list, sim->projector->tau);
         pel_contacts_load(pairs, positions);
     }
@@ -71,6 +71,13 @@ static void begin_contacts(pel_sim *sim, const pel_record *start)
     }
 }
 
+/* m, of the layers in the loop */
+static double least_thickness(const pel_sim *sim)
+{
+    double least = sim->contacts != NULL ? sim->contacts->def.thickness : HUGE_VAL;
+    return sim->tools->solids != NULL ? pel_min(least, pel_solids_thickness(sim)) : least;
+}
+
 /* whether a sweep has hardly changed the loads and the gaps */
 static bool has_settled(const pel_sim *sim, const pel_contact_list *list, double moved)
 {
@@ -78,31 +85,39 @@ static bool has_settled(const pel_sim *sim, const pel_contact_list *list, double
     return !(moved > pel_min(SWEEP_TOLERANCE * list->carried, depth));
 }
 
+/* update the contacts between two sweeps */
+static void follow_contacts(pel_sim *sim, const pel_record *start)
+{
+    if (loop_contacts(sim) != NULL)
+        pel_contacts_refresh(sim, start, false);
+    if (sim->tools->solids != NULL)
+        pel_solids_refresh(sim, start, false);
+}
+
 /* one sweep over the elements, then over contacts until their loads hardly change */
 static void sweep(pel_sim *sim, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
-    pel_contact_list *pairs = loop_contacts(sim);
+    pel_contact_list *lists[] = {loop_contacts(sim), sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_sweep(sim->projector, positions);
-    if (pairs != NULL)
+    if (lists[0] != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
-    double moved = 0;
+    double most = REFRESH_SHARE * least_thickness(sim), moved = 0;
     bool is_over = false;
     for (int i = 0; i < SWEEP_LIMIT && !is_over; i++) {
+        if (moved > most)
+            follow_contacts(sim, start);
+        moved = 0;
         is_over = true;
-        if (pairs != NULL) {
-            if (moved > REFRESH_SHARE * sim->contacts->def.thickness)
-                pel_contact_set_refresh(sim->contacts, positions, start, false, false);
-            moved = pel_contacts_project(pairs, positions, start);
-            is_over = has_settled(sim, pairs, moved);
+        for (int k = 0; k < 2; k++) {
+            if (lists[k] == NULL)
+                continue;
+            double way = pel_contacts_project(lists[k], positions, start);
+            is_over &= has_settled(sim, lists[k], way);
+            moved = pel_max(moved, way);
+        }
+        if (lists[0] != NULL)
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
-        }
-        if (sim->tools->solids != NULL) {
-            if (i > 0)
-                pel_solids_refresh(sim, start, false);
-            pel_contact_list *solids = &sim->tools->solids->list;
-            is_over &= has_settled(sim, solids, pel_contacts_project(solids, positions, start));
-        }
     }
 }
 
@@ -156,16 +171,6 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_loads_tally(sim, span, start);
 }
 
-/* before a substep: search the pairs again if positions deviate from the prediction */
-static pel_status follow_pairs(pel_sim *sim, int32_t number, pel_error *error)
-{
-    const pel_record *now = sim->state->position_next;
-    double share = (double)number / sim->solver.substeps;
-    if (!pel_contacts_stray(sim, now, share))
-        return PEL_OK;
-    return pel_contacts_find_again(sim, now, pel_project_substep_start(sim->projector), share, error);
-}
-
 static pel_status run_substeps(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -174,18 +179,23 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
     pel_loads_begin_tally(sim, sim->projector->substep);
     if (pel_sim_has_loop_contacts(sim))
         pel_contact_set_recall_loads(sim->contacts, sim->projector->substep);
+    if (sim->tools->solids != NULL)
+        pel_solids_recall_loads(sim, sim->projector->substep);
     for (int32_t s = 0; status == PEL_OK && s < sim->solver.substeps; s++) {
         if (s > 0 && pel_sim_has_loop_contacts(sim))
-            status = follow_pairs(sim, s, error);
+            status = pel_contacts_follow(sim, sim->state->position_next, pel_project_substep_start(sim->projector),
+                                         (double)s / sim->solver.substeps, error);
         if (status == PEL_OK)
             run_substep(sim, s);
         if (status == PEL_OK)
             status = pel_pool_check(sim->pool, error);
     }
+    if (sim->tools->solids != NULL)
+        pel_solids_keep_loads(sim);
     if (!pel_sim_has_loop_contacts(sim))
         return status;
-    if (pel_contacts_stray(sim, sim->state->position_next, 1))
-        pel_contact_set_widen(sim->contacts);
+    pel_contacts_end_search(sim, sim->state->position_next);
+    pel_contacts_tell(sim);
     pel_contact_set_keep_loads(sim->contacts);
     pel_contacts_tally_asleep(sim);
     return status;

@@ -25,6 +25,10 @@
 #define TURNED 0.5
 /* a triangle whose deepest point is nearer to a corner than this is left to the contact of the corner */
 #define CORNER_WEIGHT (1 - 1e-6)
+/* of the thickness: pairs with tools that rest keep weights and normal until vertices may have moved so far; of its
+   distance: how far a vertex away from a tool may come before it is looked at */
+#define KEEP_SHARE 0.01
+#define ROOM_SHARE 0.5
 
 /* ---- creation ---- */
 
@@ -46,8 +50,11 @@ pel_status pel_solids_create(pel_sim *sim, pel_error *error)
     pel_sim_solids *solids = sim->tools->solids;
     size_t triangle_count = (size_t)sim->model->triangle_begin[sim->model->body_count];
     bool made = PEL_ALLOCATE_ALL(PEL_ROOM(solids->pair_of_vertex, sim->model->vertex_count),
-                                 PEL_ROOM(solids->pair_of_triangle, triangle_count));
-    return made ? PEL_OK : pel_fail_memory(error);
+                                 PEL_ROOM(solids->pair_of_triangle, triangle_count),
+                                 PEL_ROOM(solids->calm_until, sim->model->body_count));
+    const pel_travel_def travel = {sim->model->vertex_count, sim->model->body_count, sim->model->body_of_slice,
+                                   sim->model->mass};
+    return made ? pel_travel_create(&travel, &solids->travel, error) : pel_fail_memory(error);
 }
 
 void pel_solids_destroy(pel_sim *sim)
@@ -55,8 +62,9 @@ void pel_solids_destroy(pel_sim *sim)
     pel_sim_solids *solids = sim->tools->solids;
     if (solids == NULL)
         return;
-    PEL_FREE_ALL(solids->list.contacts, solids->pairs, solids->kept, solids->pair_of_vertex, solids->pair_of_triangle,
-                 solids);
+    pel_travel_destroy(&solids->travel);
+    PEL_FREE_ALL(solids->list.contacts, solids->active, solids->pairs, solids->calm, solids->calm_until, solids->kept,
+                 solids->pair_of_vertex, solids->pair_of_triangle, solids);
 }
 
 /* ---- search ---- */
@@ -74,7 +82,9 @@ static double compliance_of(const pel_sim *sim, const pel_contact *contact, int 
 static bool make_room(pel_sim_solids *solids, size_t count)
 {
     return pel_reserve((void **)&solids->list.contacts, &solids->capacity, count, sizeof *solids->list.contacts) &&
-           pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count, sizeof *solids->pairs);
+           pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count, sizeof *solids->pairs) &&
+           pel_reserve((void **)&solids->calm, &solids->calm_capacity, count, sizeof *solids->calm) &&
+           pel_reserve((void **)&solids->active, &solids->active_capacity, count, sizeof *solids->active);
 }
 
 static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
@@ -132,6 +142,7 @@ static pel_status keep_pairs(pel_sim_solids *solids, pel_error *error)
     if (!pel_reserve((void **)&solids->kept, &solids->kept_capacity, (size_t)solids->list.count, sizeof *solids->kept))
         return pel_fail_memory(error);
     solids->kept_count = 0;
+    solids->list.active = NULL;
     for (int32_t c = 0; c < solids->list.count; c++)
         if (is_kept(&solids->pairs[c]))
             solids->kept[solids->kept_count++] = solids->pairs[c];
@@ -189,9 +200,9 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
 
 bool pel_solids_carry(const pel_sim *sim)
 {
-    const pel_sim_solids *solids = sim->tools->solids;
-    for (int32_t c = 0; c < solids->list.count; c++)
-        if (solids->pairs[c].load > 0)
+    const pel_contact_list *list = &sim->tools->solids->list;
+    for (int32_t i = 0; i < pel_contact_list_length(list); i++)
+        if (pel_contact_list_at(list, i)->multiplier > 0)
             return true;
     return false;
 }
@@ -208,29 +219,88 @@ void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)
     }
 }
 
+static int32_t body_of(const pel_sim *sim, const pel_solid_pair *pair)
+{
+    int32_t v = pair->triangle < 0 ? pair->vertex : sim->model->triangles[pair->triangle][0];
+    return sim->model->body_of_slice[v / PEL_WIDTH];
+}
+
 /* its body is left out of the step */
 static bool sleeps(const pel_sim *sim, int32_t c)
 {
     const pel_contact_set *contacts = sim->contacts;
-    int32_t v = sim->tools->solids->list.contacts[c].vertices[0];
     return contacts != NULL && contacts->asleep_count > 0 &&
-           contacts->is_asleep[sim->model->body_of_slice[v / PEL_WIDTH]];
+           contacts->is_asleep[body_of(sim, &sim->tools->solids->pairs[c])];
+}
+
+/* m, of the layer of a pair */
+static double thickness_of(const pel_sim *sim, const pel_solid_pair *pair)
+{
+    return sim->layers[body_of(sim, pair)].thickness;
+}
+
+double pel_solids_thickness(const pel_sim *sim)
+{
+    double least = HUGE_VAL;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        least = pel_min(least, sim->layers[b].thickness);
+    return least;
+}
+
+void pel_solids_recall_loads(pel_sim *sim, double substep)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    double square = substep * substep;
+    pel_contacts_begin(&solids->list, substep);
+    pel_travel_restart(&solids->travel);
+    solids->list.active = NULL;
+    solids->is_moved = solids->moves = false;
+    solids->has_slack = false;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        pel_contact *contact = &solids->list.contacts[c];
+        pel_solid_pair *pair = &solids->pairs[c];
+        pair->owed = 0;
+        memset(pair->owed_drag, 0, sizeof pair->owed_drag);
+        solids->calm[c] = sleeps(sim, c) ? HUGE_VAL : 0;
+        solids->has_slack |= pair->slack > 0;
+        contact->multiplier = (pel_real)(square * pair->load);
+        contact->earlier = (pel_real)(square * pair->earlier);
+        for (int k = 0; k < 3; k++)
+            contact->drag[k] = (pel_real)(square * pair->drag[k]);
+    }
+}
+
+/* m, the longest way of a tool in this substep */
+static double tool_travel(const pel_sim *sim)
+{
+    double longest = 0;
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_tool *tool = &sim->tools->items[i];
+        if (presses(tool))
+            longest = pel_max(longest, pel_tool_way(tool, &tool->pose_substep, &tool->pose));
+    }
+    return longest;
 }
 
 void pel_solids_begin_substep(pel_sim *sim, double substep)
 {
     pel_sim_solids *solids = sim->tools->solids;
-    double square = substep * substep;
-    pel_contacts_begin(&solids->list, substep);
-    for (int32_t c = 0; c < solids->list.count; c++) {
-        pel_contact *contact = &solids->list.contacts[c];
-        pel_solid_pair *pair = &solids->pairs[c];
-        double gain = sim->layers[sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH]].thickness * substep /
-                      PEL_CONTACT_RECOVERY_TIME;
-        contact->multiplier = (pel_real)(square * pair->load);
-        contact->earlier = (pel_real)(square * pair->earlier);
+    double ratio = substep / solids->list.substep, way = tool_travel(sim);
+    solids->list.substep = substep;
+    solids->is_moved = way > 0 || solids->moves;
+    solids->moves = way > 0;
+    if (solids->list.count > 0)
+        pel_travel_follow(&solids->travel, sim->state->position_next, way, sim->pool);
+    for (int32_t i = 0; ratio != 1 && i < pel_contact_list_length(&solids->list); i++) {
+        pel_contact *contact = pel_contact_list_at(&solids->list, i);
+        contact->multiplier *= (pel_real)(ratio * ratio);
+        contact->earlier *= (pel_real)(ratio * ratio);
         for (int k = 0; k < 3; k++)
-            contact->drag[k] = (pel_real)(square * pair->drag[k]);
+            contact->drag[k] *= (pel_real)(ratio * ratio);
+    }
+    for (int32_t c = 0; solids->has_slack && c < solids->list.count; c++) {
+        pel_solid_pair *pair = &solids->pairs[c];
+        double gain = thickness_of(sim, pair) * substep / PEL_CONTACT_RECOVERY_TIME;
         if (!sleeps(sim, c))
             pair->slack = pair->slack > gain ? pair->slack - gain : 0;
     }
@@ -279,15 +349,17 @@ static void keep_start_side(const pel_tool *tool, const double before[3], const 
 }
 
 /* A pair that touches for the first time, and did so when the substep began, may be as deep as it was then. */
-static void find_slack(pel_solid_pair *pair, double distance, double distance_before)
+static void find_slack(pel_sim_solids *solids, pel_solid_pair *pair, double distance, double distance_before)
 {
     if (pair->is_known || !(distance < 0))
         return;
     pair->is_known = true;
     pair->slack = distance_before < 0 ? -distance_before : 0;
+    solids->has_slack |= pair->slack > 0;
 }
 
-static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
+/* returns how far the vertex may go before the next look, 0 = not at all [m] */
+static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
 {
     int32_t v = pair->vertex;
     const pel_tool *tool = &sim->tools->items[pair->tool];
@@ -297,22 +369,20 @@ static void refresh_vertex(const pel_sim *sim, const pel_record *start, pel_soli
     pel_pose_to_local(&tool->pose, x, local);
     const pel_solid solid = pel_tool_press_solid(sim, tool, v);
     double distance = pel_solid_distance(&solid, local, normal);
-    double thickness = sim->layers[sim->model->body_of_slice[v / PEL_WIDTH]].thickness;
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
     bool is_fast = way >= FAST_SHARE * least_half_width(&solid);
     double distance_before =
         is_fast || (distance < 0 && !pair->is_known) ? pel_solid_distance(&solid, before, normal_before) : 0;
-    find_slack(pair, distance, distance_before);
-    if (is_fast && distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED)
+    find_slack(sim->tools->solids, pair, distance, distance_before);
+    if (is_fast && distance_before < way && pel_vec3_dot(normal, normal_before) < TURNED) {
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
-    else {
-        set_plane(tool, x, normal, -(distance + pair->slack), contact);
-        bool is_far = !(contact->multiplier > 0) && distance > PEL_CONTACT_NEAR_SHARE * thickness;
-        pair->room = is_far ? 0.5 * distance : 0;
-        pel_vec3_copy(local, pair->place);
-        pair->is_near = !is_far;
+        return 0;
     }
+    set_plane(tool, x, normal, -(distance + pair->slack), contact);
+    bool is_far = !(contact->multiplier > 0) && distance > PEL_CONTACT_NEAR_SHARE * thickness_of(sim, pair);
+    pair->is_near = !is_far;
+    return is_far ? ROOM_SHARE * distance : KEEP_SHARE * thickness_of(sim, pair);
 }
 
 /* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
@@ -356,8 +426,8 @@ static double depth_before(const pel_sim *sim, const pel_record *start, const pe
     return pel_solid_depth(&pair->solid, before[0], before[1], before[2], weights, normal);
 }
 
-static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool is_first, pel_solid_pair *pair,
-                             pel_contact *contact)
+/* the same for the corners of a triangle */
+static double refresh_triangle(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
 {
     double corner[3][3], local[3][3], weights[3], normal[3], point[3] = {0, 0, 0};
     const pel_tool *tool = &sim->tools->items[pair->tool];
@@ -367,58 +437,105 @@ static void refresh_triangle(const pel_sim *sim, const pel_record *start, bool i
         pel_vertex_position(sim->state->position_next, sim->model->triangles[t][c], corner[c]);
         pel_pose_to_local(&tool->pose, corner[c], local[c]);
     }
-    bool is_vertex = pel_solid_is_deepest_at_corner(solid, (const double(*)[3])local);
+    double room = pel_solid_corner_room(solid, (const double(*)[3])local), keep = KEEP_SHARE * thickness_of(sim, pair);
+    bool is_vertex = room >= 0;
     double depth = is_vertex ? 0 : pel_solid_depth(solid, local[0], local[1], local[2], weights, normal);
     if (!is_vertex && pel_solid_is_round(solid) &&
         is_passed(sim, start, pair, local, depth > 0 ? normal : NULL, contact))
-        return;
+        return 0;
     if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT) {
         pel_contact_switch_off(contact);
-        pair->is_near &= !is_first;
-        return;
+        pair->is_near = false;
+        return pel_max(keep, room);
     }
     for (int c = 0; c < 3; c++) {
         contact->weights[c] = (pel_real)weights[c];
         pel_vec3_along(point, weights[c], corner[c], point);
     }
     if (!pair->is_known)
-        find_slack(pair, -depth, -depth_before(sim, start, pair));
+        find_slack(sim->tools->solids, pair, -depth, -depth_before(sim, start, pair));
     set_plane(tool, point, normal, depth - pair->slack, contact);
+    return keep;
 }
 
-/* whether a vertex that was away from its tool has come too little nearer to be looked at */
-static bool has_room(const pel_sim *sim, const pel_solid_pair *pair)
+static void refresh_pair(const pel_sim *sim, const pel_record *start, int32_t c)
 {
-    double x[3], local[3];
-    pel_vertex_position(sim->state->position_next, pair->vertex, x);
-    pel_pose_to_local(&sim->tools->items[pair->tool].pose, x, local);
-    return pel_vec3_distance(local, pair->place) < pair->room;
-}
-
-static void refresh_pair(const pel_sim *sim, const pel_record *start, bool is_first, int32_t c)
-{
-    pel_solid_pair *pair = &sim->tools->solids->pairs[c];
+    pel_sim_solids *solids = sim->tools->solids;
+    pel_solid_pair *pair = &solids->pairs[c];
+    pel_contact *contact = &solids->list.contacts[c];
     pair->is_near = true;
-    if (pair->triangle < 0)
-        refresh_vertex(sim, start, pair, &sim->tools->solids->list.contacts[c]);
-    else
-        refresh_triangle(sim, start, is_first, pair, &sim->tools->solids->list.contacts[c]);
+    double room =
+        pair->triangle < 0 ? refresh_vertex(sim, start, pair, contact) : refresh_triangle(sim, start, pair, contact);
+    bool is_calm = room > 0 && !(pair->is_near && pair->slack > 0);
+    solids->calm[c] = is_calm ? solids->travel.way[body_of(sim, pair)] + room : 0;
+}
+
+static void list_active(const pel_sim *sim)
+{
+    pel_sim_solids *solids = sim->tools->solids;
+    solids->list.active = solids->active;
+    solids->list.active_count = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        solids->calm_until[b] = HUGE_VAL;
+    for (int32_t c = 0; c < solids->list.count; c++) {
+        double *until = &solids->calm_until[body_of(sim, &solids->pairs[c])];
+        *until = pel_min(*until, solids->calm[c]);
+        if ((solids->pairs[c].is_near || solids->list.contacts[c].multiplier > 0) && !sleeps(sim, c))
+            solids->active[solids->list.active_count++] = c;
+    }
+}
+
+/* whether any pair is to be looked at */
+static bool needs_look(const pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    bool needs = solids->is_moved || solids->list.active == NULL;
+    for (int32_t b = 0; b < sim->model->body_count && !needs; b++)
+        needs = !(solids->travel.way[b] < solids->calm_until[b]);
+    return needs;
+}
+
+/* the loads of past substeps become forces of the step */
+static void tell(pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    double square = solids->list.substep * solids->list.substep * sim->solver.substeps;
+    for (int32_t i = 0; solids->list.active != NULL && i < solids->list.active_count; i++) {
+        pel_contact contact = *pel_contact_list_at(&solids->list, i);
+        pel_solid_pair *pair = &solids->pairs[solids->active[i]];
+        if (!(pair->owed > 0))
+            continue;
+        pair->mean_load += pair->owed;
+        contact.multiplier = (pel_real)(square * pair->owed);
+        for (int k = 0; k < 3; k++) {
+            pair->mean_drag[k] += pair->owed_drag[k];
+            contact.drag[k] = (pel_real)(square * pair->owed_drag[k]);
+            pair->owed_drag[k] = 0;
+        }
+        pair->owed = 0;
+        pel_contact_take(sim, pair->tool, &contact, 1 / square);
+    }
 }
 
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
 {
     pel_sim_solids *solids = sim->tools->solids;
+    if (!is_first && solids->list.count > 0)
+        pel_travel_follow(&solids->travel, sim->state->position_next, 0, sim->pool);
+    if (!needs_look(sim))
+        return;
+    tell(sim);
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_solid_pair *pair = &solids->pairs[c];
-        if (sleeps(sim, c))
-            continue;
-        if (pair->room > 0 && has_room(sim, pair))
+        /* planes follow a tool */
+        bool follows = solids->is_moved && is_first && pair->is_near;
+        if ((!follows && solids->calm[c] > solids->travel.way[body_of(sim, pair)]) || sleeps(sim, c))
             continue;
         /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
-        if (!is_first && (!pair->is_near || solids->list.contacts[c].multiplier > 0))
-            continue;
-        refresh_pair(sim, start, is_first, c);
+        if (is_first || !(solids->list.contacts[c].multiplier > 0))
+            refresh_pair(sim, start, c);
     }
+    list_active(sim);
 }
 
 void pel_solids_keep_means(const pel_sim *sim, const uint8_t *fell_asleep)
@@ -444,7 +561,7 @@ void pel_solids_tally_asleep(pel_sim *sim)
         contact->multiplier = (pel_real)pair->load;
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)pair->drag[k];
-        refresh_pair(sim, sim->state->position, false, c);
+        refresh_pair(sim, sim->state->position, c);
         if (contact->multiplier > 0)
             pel_contact_take(sim, pair->tool, contact, 1);
     }
@@ -453,21 +570,31 @@ void pel_solids_tally_asleep(pel_sim *sim)
 void pel_solids_tally(pel_sim *sim, double rate)
 {
     const pel_sim_solids *solids = sim->tools->solids;
-    double square = solids->list.substep * solids->list.substep;
+    for (int32_t i = 0; i < pel_contact_list_length(&solids->list); i++) {
+        const pel_contact *contact = pel_contact_list_at(&solids->list, i);
+        pel_solid_pair *pair = &solids->pairs[contact - solids->list.contacts];
+        if (!(contact->multiplier > 0))
+            continue;
+        pair->owed += rate * (double)contact->multiplier;
+        for (int k = 0; k < 3; k++)
+            pair->owed_drag[k] += rate * (double)contact->drag[k];
+    }
+}
+
+void pel_solids_keep_loads(pel_sim *sim)
+{
+    const pel_sim_solids *solids = sim->tools->solids;
+    double rate = 1 / (solids->list.substep * solids->list.substep);
+    tell(sim);
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_contact *contact = &solids->list.contacts[c];
         pel_solid_pair *pair = &solids->pairs[c];
         if (sleeps(sim, c))
             continue;
-        pair->earlier = (double)contact->earlier / square;
-        pair->load = (double)contact->multiplier / square;
+        pair->load = rate * (double)contact->multiplier;
+        pair->earlier = rate * (double)contact->earlier;
         for (int k = 0; k < 3; k++)
-            pair->drag[k] = (double)contact->drag[k] / square;
-        pair->mean_load += rate * (double)contact->multiplier;
-        for (int k = 0; k < 3; k++)
-            pair->mean_drag[k] += rate * (double)contact->drag[k];
-        if (contact->multiplier > 0)
-            pel_contact_take(sim, pair->tool, contact, rate);
+            pair->drag[k] = rate * (double)contact->drag[k];
     }
 }
 

@@ -5,6 +5,7 @@
 #define PEL_TOOL_SOLID_H
 
 #include "contact/contact.h"
+#include "contact/travel.h"
 #include "geom/solid.h"
 #include "stage/transfer.h"
 
@@ -12,20 +13,26 @@ typedef struct pel_solid_pair {
     int32_t tool;
     int32_t triangle; /* -1 = the vertex */
     int32_t vertex;
-    pel_solid solid; /* that the triangle is kept out of */
-    bool is_known;   /* its slack is */
-    bool is_near;    /* it may touch in this substep */
-    double room;     /* m, that a vertex may go from `place` before it is looked at again; 0 = it is near */
-    double place[3]; /* of the vertex in the tool's frame at the last look */
-    double slack;    /* m, by which it may be in the tool: it was so at the start */
+    pel_solid solid;                /* that the triangle is kept out of */
+    bool is_known;                  /* its slack is */
+    bool is_near;                   /* it may touch in this substep */
+    double slack;                   /* m, by which it may be in the tool: it was so at the start */
     double load, earlier, drag[3];  /* N, along the normal and across it; warm start of the next substep */
     double mean_load, mean_drag[3]; /* N, over the substeps of this step */
+    double owed, owed_drag[3];      /* N, parts of them that are no forces of the step yet */
 } pel_solid_pair;
 
 struct pel_sim_solids {
-    pel_contact_list list;
+    pel_contact_list list; /* its `active` is: */
+    int32_t *active;       /* (list.active_count) */
     pel_solid_pair *pairs; /* (list.count) */
-    size_t capacity, pair_capacity;
+    double *calm;          /* (list.count) m, way of its body up to which a pair need not be looked at */
+    size_t capacity, pair_capacity, calm_capacity, active_capacity;
+    pel_travel travel;  /* in this step, of vertices and tools */
+    double *calm_until; /* (body_count) m, the least of `calm` */
+    bool is_moved;      /* a tool has moved in this substep, or in the one before: */
+    bool moves;
+    bool has_slack;       /* a pair may have */
     pel_solid_pair *kept; /* (kept_count) those of the last step that carried a load or had slack */
     int32_t kept_count;
     size_t kept_capacity;
@@ -42,14 +49,22 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error);
 bool pel_solids_carry(const pel_sim *sim);
 /* contacts of a body with a tool carry nothing any more */
 void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool);
-/* At the start of a substep of this length [s]: kept loads in the multipliers, and less slack. */
+/* Before the first substep of a step, its length [s]: kept loads in the multipliers. */
+void pel_solids_recall_loads(pel_sim *sim, double substep);
+/* At the start of a substep of this length [s]: less slack. */
 void pel_solids_begin_substep(pel_sim *sim, double substep);
-/* Contacts at position_next and the present poses; multipliers are kept. start (vertex_count): positions at the start
-   of the substep. is_first: in this substep, nothing has acted yet; otherwise loaded contacts stay unchanged. */
+/* Contacts at position_next and the present poses, and which of them are active, where anything has moved enough;
+   multipliers are kept. start (vertex_count): positions at the start of the substep. is_first: in this substep, nothing
+   has acted yet; otherwise loaded contacts stay unchanged. */
 void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first);
+/* m, the least thickness of the layers before tools */
+double pel_solids_thickness(const pel_sim *sim);
 
-/* After the sweeps of a substep: its loads act on the tools, and are kept. rate: see pel_contact_take. */
+/* After the sweeps of a substep: its loads act on the tools, as soon as contacts change or loads are kept. rate: see
+   pel_contact_take. */
 void pel_solids_tally(pel_sim *sim, double rate);
+/* After the last substep: the loads of the multipliers are kept. */
+void pel_solids_keep_loads(pel_sim *sim);
 
 /* The bodies (body_count) that fell asleep: their pairs keep the mean loads of the step. */
 void pel_solids_keep_means(const pel_sim *sim, const uint8_t *fell_asleep);

@@ -29,6 +29,10 @@
 
 enum { SWEEP_PRESET = 10, ROUND_LIMIT = 10, LAYER_ROUNDS = 2, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2 };
 
+/* pairs are searched for this many substeps at least, and for the rest of the step if it is shorter than this share */
+#define LEAST_HORIZON 4
+#define LEAST_REST 0.5
+
 /* corrected pairs keep this share of the guarded distance */
 #define CLEAR_SHARE 1.5
 
@@ -389,8 +393,9 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
 
 /* ---- search ---- */
 
-/* Tools where they are and where they will want to be. The substeps place them: `share` of the step is done. */
-static void expect_tools(pel_sim *sim, double share)
+/* Tools where they are at a share of the step, and where they will want to be at a later one. The substeps place them.
+ */
+static void expect_tools(pel_sim *sim, double share, double until)
 {
     pel_contact_set *contacts = sim->contacts;
     double next = pel_sim_next_time(sim);
@@ -398,28 +403,30 @@ static void expect_tools(pel_sim *sim, double share)
     for (int32_t i = 0; i < sim->tools->count; i++) {
         const pel_obstacle *own = &contacts->obstacles[i];
         pel_tool *tool = &sim->tools->items[i];
-        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(sim, tool, next);
+        pel_pose wanted = began ? tool->pose_wanted : pel_tool_next_pose(sim, tool, next), at = wanted;
+        if (until < 1)
+            pel_pose_between(&tool->pose_before, &wanted, until, &at);
         pel_obstacle_points(own, began && share <= 0 ? &tool->pose_before : &tool->pose,
                             contacts->start + own->point_begin);
-        pel_obstacle_points(own, &wanted, contacts->end + own->point_begin);
+        pel_obstacle_points(own, &at, contacts->end + own->point_begin);
     }
 }
 
 /* held vertices follow their path */
-static void expect_held(pel_sim *sim, double share)
+static void expect_held(pel_sim *sim, double share, double until)
 {
     const pel_boundary *boundary = &sim->tools->boundary;
     if (!pel_sim_is_projected(sim) || boundary->held_count == 0)
         return;
-    pel_tools_place(sim, 1);
+    pel_tools_place(sim, until);
     for (int32_t i = 0; i < boundary->held_count; i++)
         pel_vec3_copy(boundary->target[i], sim->contacts->end[boundary->held[i]]);
     pel_tools_place(sim, share);
 }
 
-/* Positions at the end of the step, from the velocity and its mean change in the last one, so that resting and
-   falling bodies are predicted well. */
-static void expect_vertices(pel_sim *sim)
+/* Positions after a share of the step, from the velocity and its mean change in the last one, so that resting and
+   falling bodies are predicted well: along the parabola of a steady acceleration. */
+static void expect_vertices(pel_sim *sim, double until)
 {
     pel_contact_set *contacts = sim->contacts;
     const pel_state *state = sim->state;
@@ -428,9 +435,9 @@ static void expect_vertices(pel_sim *sim)
         for (int k = 0; k < 3; k++) {
             double way = state->velocity != NULL ? dt * (double)state->velocity[p][k] : 0;
             double last = state->velocity != NULL ? contacts->start[p][k] - (double)state->position_before[p][k] : 0;
-            contacts->end[p][k] = contacts->start[p][k] + 2 * way - last;
+            contacts->end[p][k] = contacts->start[p][k] + until * (way + until * (way - last));
         }
-    expect_held(sim, 0);
+    expect_held(sim, 0, until);
 }
 
 /* m, how far a vertex goes in the step at most by its velocity */
@@ -443,6 +450,14 @@ static double longest_way(const pel_sim *sim)
     return sim->step.dt * sqrt(most[0] * most[0] + most[1] * most[1] + most[2] * most[2]);
 }
 
+/* Share of the step up to which pairs that are searched at another share are to serve. Methods without substeps search
+   once. */
+static double search_end(const pel_sim *sim, double share)
+{
+    double end = share + sim->contacts->horizon;
+    return !pel_sim_is_projected(sim) || end + LEAST_REST * sim->contacts->horizon > 1 ? 1 : end;
+}
+
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     const pel_record *position = sim->state->position;
@@ -451,30 +466,34 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     sim->contacts->dt = sim->step.dt;
     if (is_free && pel_contact_set_stays_clear(sim->contacts, position, least, longest_way(sim)))
         return PEL_OK;
+    double until = search_end(sim, 0);
     pel_contacts_place(sim);
-    expect_tools(sim, 0);
-    expect_vertices(sim);
+    expect_tools(sim, 0, until);
+    expect_vertices(sim, until);
     sim->touch->found_at = 0;
+    sim->touch->found_until = until;
     pel_contact_set_calm(sim->contacts);
     pel_status status;
     do
-        status = pel_contact_set_find(sim->contacts, least, sim->step.dt, error);
+        status = pel_contact_set_find(sim->contacts, least, until * sim->step.dt, error);
     while (status == PEL_OK && pel_sleep_meet(sim));
     return status;
 }
 
-bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
+/* whether a vertex is where it was not expected after a share of the step: pairs may be missing */
+static bool strays(const pel_sim *sim, const pel_record *now, double share)
 {
     const pel_contact_set *contacts = sim->contacts;
     const pel_record *velocity = sim->state->velocity;
-    double found = sim->touch->found_at, part = found < 1 ? (share - found) / (1 - found) : 0;
+    double found = sim->touch->found_at, length = sim->touch->found_until - found;
+    double part = found < 1 ? (share - found) / length : 0, time = length * sim->step.dt;
     double limit = 0.5 * contacts->margin, most = 0;
     for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
             double way = contacts->end[p][k] - contacts->start[p][k];
             /* from the start of the step on, along the parabola of a steady acceleration */
-            double first = found > 0 ? way : sim->step.dt * (double)velocity[p][k];
+            double first = found > 0 ? way : time * (double)velocity[p][k];
             double stray = (double)now[p][k] - contacts->start[p][k] - part * (first + part * (way - first));
             square += stray * stray;
         }
@@ -483,29 +502,55 @@ bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share)
     return most > limit * limit;
 }
 
-pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
-                                   pel_error *error)
+/* for the next part of the step; positions now and one substep before */
+static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+                             pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    double substeps = sim->solver.substeps * (1 - share);
+    double until = search_end(sim, share), substeps = sim->solver.substeps * (until - share);
+    pel_contacts_tell(sim);
     pel_contact_set_keep_loads(contacts);
     for (int32_t p = 0; p < contacts->vertex_count; p++)
         for (int k = 0; k < 3; k++) {
             contacts->start[p][k] = (double)now[p][k];
             contacts->end[p][k] = (double)now[p][k] + substeps * (double)(now[p][k] - base[p][k]);
         }
-    expect_tools(sim, share);
-    expect_held(sim, share);
+    expect_tools(sim, share, until);
+    expect_held(sim, share, until);
     sim->touch->found_at = share;
-    pel_contact_set_widen(contacts);
+    sim->touch->found_until = until;
     double substep = contacts->list.substep;
     pel_status status;
     do
-        status = pel_contact_set_find(contacts, 0, sim->step.dt * (1 - share), error);
+        status = pel_contact_set_find(contacts, 0, sim->step.dt * (until - share), error);
     while (status == PEL_OK && pel_sleep_meet(sim));
     if (status == PEL_OK)
         pel_contact_set_recall_loads(contacts, substep);
     return status;
+}
+
+pel_status pel_contacts_follow(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+                               pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double found = sim->touch->found_at, substep = 1.0 / sim->solver.substeps;
+    if (strays(sim, now, share)) {
+        contacts->horizon = pel_min(pel_max(share - found, LEAST_HORIZON * substep), 1);
+        pel_contact_set_widen(contacts);
+    } else if (found < 1 && share + 0.5 * substep > sim->touch->found_until)
+        contacts->horizon = pel_min(2 * contacts->horizon, 1);
+    else
+        return PEL_OK;
+    return find_again(sim, now, base, share, error);
+}
+
+void pel_contacts_end_search(const pel_sim *sim, const pel_record *now)
+{
+    pel_contact_set *contacts = sim->contacts;
+    if (strays(sim, now, 1))
+        pel_contact_set_widen(contacts);
+    else
+        contacts->horizon = pel_min(2 * contacts->horizon, 1);
 }
 
 void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b)
@@ -728,13 +773,42 @@ void pel_contacts_tally(pel_sim *sim, double rate)
         const pel_contact *contact = &contacts->list.contacts[c];
         if (!(contact->multiplier > 0))
             continue;
-        pel_contact_key *key = &contacts->keys[c];
-        key->has_pushed = true;
-        key->mean_load += rate * (double)contact->multiplier;
+        contacts->owed[c][0] += rate * (double)contact->multiplier;
         for (int k = 0; k < 3; k++)
-            key->mean_drag[k] += rate * (double)contact->drag[k];
-        pel_contact_take(sim, key->obstacle, contact, rate);
+            contacts->owed[c][1 + k] += rate * (double)contact->drag[k];
     }
+}
+
+void pel_contacts_tell(pel_sim *sim)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double square = contacts->list.substep * contacts->list.substep * sim->solver.substeps;
+    for (int32_t i = 0; i < contacts->list.active_count; i++) {
+        int32_t c = contacts->list.active[i];
+        double *owed = contacts->owed[c];
+        pel_contact_key *key = &contacts->keys[c];
+        pel_contact contact = contacts->list.contacts[c];
+        if (!(owed[0] > 0))
+            continue;
+        key->has_pushed = true;
+        key->mean_load += owed[0];
+        contact.multiplier = (pel_real)(square * owed[0]);
+        for (int k = 0; k < 3; k++) {
+            key->mean_drag[k] += owed[1 + k];
+            contact.drag[k] = (pel_real)(square * owed[1 + k]);
+        }
+        pel_contact_take(sim, key->obstacle, &contact, 1 / square);
+        memset(owed, 0, sizeof contacts->owed[c]);
+    }
+}
+
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start, bool is_first)
+{
+    const pel_record *positions = sim->state->position_next;
+    if (!pel_contact_set_needs_look(sim->contacts, positions, is_first))
+        return;
+    pel_contacts_tell(sim);
+    pel_contact_set_refresh(sim->contacts, positions, start, false, is_first);
 }
 
 void pel_contacts_tally_asleep(pel_sim *sim)

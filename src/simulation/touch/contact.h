@@ -26,6 +26,7 @@ struct pel_touch {
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
     bool is_carried;    /* pairs and revisions are of another simulation, the surface of the set is not yet */
     double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
+    double found_until; /* share of the step up to which they serve */
     void *before_event; /* (event_size) snapshot, of models that refine; else null */
     size_t event_size, event_room;
     size_t event_least;              /* of one without lists (sim/snapshot.h) */
@@ -47,13 +48,13 @@ bool pel_contacts_are_of_present(const pel_sim *sim);
 /* Before the solver of a method with contacts in its loop: finds pairs that may touch in this step, and all pairs
    nearer than `least` [m], except with tools. */
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error);
-/* Whether a vertex is where it was not expected after a share of the step: pairs may be missing. now (vertex_count):
-   present positions. */
-bool pel_contacts_stray(const pel_sim *sim, const pel_record *now, double share);
-/* Searches the pairs again for the rest of the step. base (vertex_count): positions one substep before. Loads are kept.
- */
-pel_status pel_contacts_find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
-                                   pel_error *error);
+/* Before a substep that begins after a share of the step: searches the pairs again if a vertex is where it was not
+   expected, or if they serve no longer. now (vertex_count): present positions; base: those one substep before. Loads
+   are kept. */
+pel_status pel_contacts_follow(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+                               pel_error *error);
+/* After the last substep: margin and horizon of the next searches. */
+void pel_contacts_end_search(const pel_sim *sim, const pel_record *now);
 /* After the substeps: kept loads of what is asleep are forces of the step. */
 void pel_contacts_tally_asleep(pel_sim *sim);
 /* Between steps: contacts of these groups carry nothing any more, nor does a tool's with a body. */
@@ -62,8 +63,13 @@ void pel_contacts_forget_loads(pel_sim *sim, int32_t a, int32_t b);
 pel_status pel_contacts_find_on_way(pel_sim *sim, pel_error *error);
 /* At the start of a substep of this length [s], after pel_tools_place. */
 void pel_contacts_begin_substep(pel_sim *sim, double substep);
-/* After the sweeps of a substep: its loads are forces of the step. rate: see pel_contact_take. */
+/* Contacts at position_next where they need a look: see pel_contact_set_refresh. */
+void pel_contacts_refresh(pel_sim *sim, const pel_record *start, bool is_first);
+/* After the sweeps of a substep: its loads are forces of the step, as soon as contacts change or pel_contacts_tell is
+   called. rate: see pel_contact_take. */
 void pel_contacts_tally(pel_sim *sim, double rate);
+/* After the last substep */
+void pel_contacts_tell(pel_sim *sim);
 /* After the solver: tools, contacts and guard bring position_next, velocity_next and the tools to the end of the
    step. On failure the state and the poses of the tools are those before the step. */
 pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *result, pel_error *error);

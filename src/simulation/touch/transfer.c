@@ -191,6 +191,7 @@ void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unuse
     uint8_t was_widened = set->was_widened;
     int64_t count = set->list.count;
     pel_transfer(at, &set->margin, sizeof set->margin);
+    pel_transfer(at, &set->horizon, sizeof set->horizon);
     pel_transfer(at, &was_widened, sizeof was_widened);
     pel_transfer_count(at, &count, sizeof(layer_name));
     if (at->load) {
