@@ -19,7 +19,9 @@ int cli_live(const cli_call *call)
 
 #include <pellicle/server.h>
 
+#include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -138,19 +140,55 @@ static int load(const cli_call *call, const char *const *settings, int setting_c
 
 typedef struct serving {
     const cli_call *call;
-    pid_t opener; /* the process that opens the browser; 0 = none is left */
+    pid_t opener;        /* the process that opens the browser; 0 = none is left */
+    char way[PATH_SIZE]; /* a file that leads the browser to the address; "" = none */
 } serving;
 
 /* Starts the browser of the desktop, which may run in the foreground: the server does not wait for it. */
-static pid_t open_browser(const char *address)
+static pid_t open_browser(const char *path)
 {
     pid_t child = fork();
     if (child != 0)
         return child;
     setsid();
     if (freopen("/dev/null", "w", stdout) != NULL && freopen("/dev/null", "w", stderr) != NULL)
-        execlp("xdg-open", "xdg-open", address, (char *)NULL);
+        execlp("xdg-open", "xdg-open", path, (char *)NULL);
     _exit(127);
+}
+
+/* All users see the words of a process, and the address has the token: the browser gets a file, which only this user
+   can read. */
+static bool write_way(const char *address, char *path, size_t size)
+{
+    const char *folder = getenv("XDG_RUNTIME_DIR");
+    if (folder == NULL || access(folder, W_OK) != 0)
+        folder = "/tmp";
+    bool fits = snprintf(path, size, "%s/pellicle-XXXXXX", folder) + (int)sizeof "/live.html" < (int)size;
+    char *made = fits ? mkdtemp(path) : NULL;
+    if (made == NULL) {
+        path[0] = '\0';
+        return false;
+    }
+    strcat(path, "/live.html");
+    int descriptor = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    bool written =
+        descriptor >= 0 && dprintf(descriptor,
+                                   "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Pellicle live</title>\n"
+                                   "<meta http-equiv=\"refresh\" content=\"0;url=%s\">\n",
+                                   address) > 0;
+    if (descriptor >= 0)
+        close(descriptor);
+    return written;
+}
+
+/* with its folder */
+static void remove_way(char *path)
+{
+    if (path[0] == '\0')
+        return;
+    unlink(path);
+    *strrchr(path, '/') = '\0';
+    rmdir(path);
 }
 
 static void note_no_browser(void)
@@ -166,7 +204,7 @@ static void tell_address(void *user, const char *address)
     fflush(stdout);
     if (cli_has(s->call, "no-open"))
         return;
-    s->opener = open_browser(address);
+    s->opener = write_way(address, s->way, sizeof s->way) ? open_browser(s->way) : -1;
     if (s->opener < 0)
         note_no_browser();
 }
@@ -205,7 +243,9 @@ static int serve(const cli_call *call, const pel_scene *scene)
     def.wanted = is_wanted;
     def.user = &state;
     def.log = cli_has(call, "quiet") ? NULL : &cli_notes;
-    if (pel_serve(&def, &error) == PEL_OK)
+    pel_status served = pel_serve(&def, &error);
+    remove_way(state.way);
+    if (served == PEL_OK)
         return CLI_DONE;
     pel_scene_locate(scene, &error);
     return cli_report(&error);

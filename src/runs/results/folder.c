@@ -98,16 +98,22 @@ pel_status pel_run_folder_open(const char *folder, pel_error *error)
         if (*slash != '/' || slash[-1] == '/')
             continue;
         *slash = '\0';
-        bool made = make_folder(path);
+        bool made = make_folder(path) && pel_file_sync_folder(path);
         *slash = '/';
         if (!made)
             return fail_folder(folder, "cannot make the output folder", errno, error);
     }
     if (access(folder, W_OK | X_OK) != 0)
         return fail_folder(folder, "cannot write into the output folder", errno, error);
-    if (!make_folder(path) || access(path, W_OK | X_OK) != 0)
+    if (!make_folder(path) || !pel_file_sync_folder(path) || access(path, W_OK | X_OK) != 0)
         return fail_folder(path, "cannot write into the folder", errno, error);
     return write_mark(folder) ? PEL_OK : fail_folder(folder, "cannot write into the folder", errno, error);
+}
+
+pel_status pel_run_folder_sync(const char *folder, pel_error *error)
+{
+    return pel_file_sync_system(folder) ? PEL_OK
+                                        : fail_folder(folder, "cannot write into the output folder", errno, error);
 }
 
 /* the file that is locked; it holds who does */
@@ -304,8 +310,11 @@ pel_status pel_run_folder_claim(const char *folder, const char *resume, bool ove
         return move_aside(folder, log, error);
     if (marked || is_empty(folder) || (resume != NULL && is_home_of(folder, resume)))
         return PEL_OK;
-    return fail_claim(folder, "the folder has files, and none that says that they are of a run",
-                      "choose a new or empty folder with -o; nothing was changed", error);
+    return fail_claim(
+        folder, "the folder has files, and none that says that they are of a run",
+        "choose a new or empty folder with -o; nothing was changed. a run of version 0.2.0 or before has no "
+        "mark either: move or remove its folder yourself",
+        error);
 }
 
 /* the number between two texts, such as f00012.vtp; -1 if the name does not match */

@@ -37,6 +37,8 @@ void pel_run_folder_leave_queue(int queue);
 /* Keeps other runs out of the folder until it is unlocked or the program ends in any way. *lock receives the argument
    of unlocking, -1 if the file system has no locks. PEL_BAD_FILE, with the owner, if another run holds it. */
 pel_status pel_run_folder_lock(const char *folder, int *lock, pel_error *error);
+/* Waits until frames and rows are on the disk, which a checkpoint or a summary counts on. PEL_BAD_FILE. */
+pel_status pel_run_folder_sync(const char *folder, pel_error *error);
 void pel_run_folder_unlock(const char *folder, int lock);
 
 /* Removes the files of an older run: frames from first_frame on, partial files, and the other files of a run; of these

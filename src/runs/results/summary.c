@@ -247,8 +247,11 @@ pel_status pel_results_write_summary(const pel_run_ending *ending, pel_error *er
     pel_json_close(&json, '}');
     pel_status status = json.failed ? pel_fail_memory(error) : PEL_OK;
     if (status == PEL_OK)
+        status = pel_run_folder_sync(ending->folder, error);
+    if (status == PEL_OK)
         status = pel_file_writer_open(&writer, pel_run_path(path, ending->folder, PEL_RUN_SUMMARY), error);
     if (status == PEL_OK) {
+        pel_file_writer_keep(&writer);
         pel_file_writer_write(&writer, json.text, json.length);
         status = pel_file_writer_commit(&writer, error);
     }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/file.h"
+#include "results/folder.h"
 #include "run/state.h"
 
 #include <stdio.h>
@@ -63,9 +64,12 @@ static void remember(pel_run_state *run, const char *path)
 static pel_status write_buffer(pel_run_state *run, const char *path, pel_error *error)
 {
     pel_file_writer writer;
-    pel_status status = pel_file_writer_open(&writer, path, error);
+    pel_status status = pel_run_folder_sync(run->def->folder, error);
+    if (status == PEL_OK)
+        status = pel_file_writer_open(&writer, path, error);
     if (status != PEL_OK)
         return status;
+    pel_file_writer_keep(&writer);
     pel_file_writer_write(&writer, run->checkpoint, run->checkpoint_size);
     status = pel_file_writer_commit(&writer, error);
     if (status == PEL_OK)

@@ -564,19 +564,24 @@ static pel_status write_results(pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* save the last state of a run that can resume; a completed run keeps only requested checkpoints */
+/* save the last state of a run that can resume; a completed run names requested checkpoints only */
 static pel_status settle_checkpoint(pel_run_state *run, bool over, pel_error *error)
 {
-    char path[PEL_RUN_FILE_SIZE];
     if (run->session != NULL)
         return PEL_OK;
     if (!over && (run->checkpoint_path[0] == '\0' || run->checkpoint_step != pel_sim_step_count(run->sim)))
         return pel_run_checkpoint_write(run, false, error);
-    if (over && run->plan.checkpoint_steps == 0) {
-        unlink(pel_run_path(path, run->def->folder, PEL_RUN_CHECKPOINT));
+    if (over && run->plan.checkpoint_steps == 0)
         run->checkpoint_path[0] = '\0';
-    }
     return PEL_OK;
+}
+
+/* the state of a completed run goes once its summary is on the disk: a power failure leaves one of them */
+static void drop_checkpoint(const pel_run_state *run)
+{
+    char path[PEL_RUN_FILE_SIZE];
+    if (run->session == NULL && run->plan.checkpoint_steps == 0)
+        unlink(pel_run_path(path, run->def->folder, PEL_RUN_CHECKPOINT));
 }
 
 /* Counts the triangles that intersect at the end: -1 where that is too much work, which is a warning, or would keep a
@@ -621,7 +626,8 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     bool uncounted = later == PEL_BAD_MESH;
     status = status == PEL_OK && !uncounted ? later : status;
     bool over = run->settled || pel_sim_step_count(run->sim) >= run->plan.step_total;
-    later = has_folder ? settle_checkpoint(run, status == PEL_OK && over, status == PEL_OK ? error : NULL) : PEL_OK;
+    bool is_done = status == PEL_OK && over;
+    later = has_folder ? settle_checkpoint(run, is_done, status == PEL_OK ? error : NULL) : PEL_OK;
     status = status == PEL_OK ? later : status;
     if (status != PEL_OK)
         name_checkpoint(run, error);
@@ -634,6 +640,8 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
     later = has_folder
                 ? pel_run_summary_write(run, summary, status != PEL_OK ? error : NULL, status == PEL_OK ? error : NULL)
                 : PEL_OK;
+    if (status == PEL_OK && later == PEL_OK && has_folder && is_done)
+        drop_checkpoint(run);
     if (status == PEL_OK && later != PEL_OK)
         summary->status = "failed";
     return status == PEL_OK ? later : status;

@@ -62,7 +62,7 @@ static pel_status make_folders(const char *folder, pel_error *error)
         if (*slash != '/' || slash[-1] == '/')
             continue;
         *slash = '\0';
-        if (!make_folder(path))
+        if (!make_folder(path) || !pel_file_sync_folder(path))
             return fail_file(path, "cannot make the folder", errno, error);
         *slash = '/';
     }
@@ -227,7 +227,8 @@ static pel_status append(const pel_study_store *store, const char *text, size_t 
 {
     ssize_t written = write(store->descriptor, text, length);
     if (written == (ssize_t)length)
-        return PEL_OK;
+        return pel_file_sync(store->descriptor) ? PEL_OK
+                                                : fail_file(store->path, "cannot write the file", errno, error);
     return fail_file(store->path, "cannot write the file", written < 0 ? errno : ENOSPC, error);
 }
 
@@ -244,7 +245,10 @@ static pel_status open_rows(pel_study_store *store, pel_error *error)
     if (status != PEL_OK || lseek(store->descriptor, 0, SEEK_END) > 0)
         return status;
     put_title(store->study, title, sizeof title);
-    return append(store, title, strlen(title), error);
+    status = append(store, title, strlen(title), error);
+    return status == PEL_OK && !pel_file_sync_folder(store->path)
+               ? fail_file(store->path, "cannot write the file", errno, error)
+               : status;
 }
 
 /* ---- public ---- */

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -278,10 +279,56 @@ void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...)
     va_end(arguments);
 }
 
+bool pel_file_sync(int descriptor)
+{
+    return fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS;
+}
+
+bool pel_file_sync_folder(const char *path)
+{
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash != NULL)
+        slash[slash == folder] = '\0';
+    int descriptor = open(slash != NULL ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    /* a folder that may not be read cannot be waited for */
+    bool done = descriptor >= 0 ? pel_file_sync(descriptor) : errno == EACCES;
+    int number = errno;
+    if (descriptor >= 0)
+        close(descriptor);
+    errno = number;
+    return done;
+}
+
+bool pel_file_sync_system(const char *folder)
+{
+#if defined(__linux__)
+    int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool done = descriptor >= 0 && syncfs(descriptor) == 0;
+    int number = errno;
+    if (descriptor >= 0)
+        close(descriptor);
+    errno = number;
+    return done;
+#else
+    (void)folder;
+    sync();
+    return true;
+#endif
+}
+
+void pel_file_writer_keep(pel_file_writer *writer)
+{
+    writer->is_kept = writer->temporary != NULL;
+}
+
 pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error)
 {
     int number = writer->failure;
     if (number == 0 && writer->stream != NULL && fflush(writer->stream) != 0)
+        number = errno;
+    if (number == 0 && writer->is_kept && !pel_file_sync(fileno(writer->stream)))
         number = errno;
     if (number == 0 && writer->nameless && !link_temporary(writer))
         number = errno;
@@ -289,8 +336,14 @@ pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error)
         number = errno;
     if (number == 0 && writer->temporary != NULL && rename(writer->temporary, writer->target) != 0)
         number = errno;
+    bool is_named = number == 0 && writer->is_kept;
+    if (is_named && !pel_file_sync_folder(writer->target))
+        number = errno;
     pel_status status = PEL_OK;
-    if (number != 0) {
+    if (number != 0 && is_named) {
+        status = fail_path(error, writer->path, "the file is there, but may not survive a power failure", number,
+                           pel_file_write_remedy(number));
+    } else if (number != 0) {
         remove_temporary(writer);
         status = fail_path(error, writer->path, "cannot write the file", number, pel_file_write_remedy(number));
     }

@@ -4,6 +4,7 @@
 
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /* Reads a whole regular file into a new block of *size bytes, to be freed with pel_free. One zero byte follows the
@@ -34,6 +35,7 @@ typedef struct pel_file_writer {
     char *target;    /* the same with links resolved */
     char *temporary; /* null when written directly */
     bool nameless;   /* the temporary file has no name yet */
+    bool is_kept;    /* waits for the disk */
     int failure;     /* errno of the first failure, 0 = none */
 } pel_file_writer;
 
@@ -42,9 +44,18 @@ pel_status pel_file_writer_open(pel_file_writer *writer, const char *path, pel_e
 void pel_file_writer_write(pel_file_writer *writer, const void *bytes, size_t size);
 /* for text and integers; floating-point numbers follow the locale here: see pel_number_print for those */
 void pel_file_writer_printf(pel_file_writer *writer, const char *format, ...) PEL_PRINTF(2, 3);
+/* Before commit: the file is to survive a power failure. Its bytes are on the disk before its name is, and its name is
+   before commit returns. Takes some milliseconds. */
+void pel_file_writer_keep(pel_file_writer *writer);
 /* Flushes, closes and renames. On failure (disk full, ...) the temporary file is removed and an older file under the
    path stays as it was. Closes the writer either way. */
 pel_status pel_file_writer_commit(pel_file_writer *writer, pel_error *error);
+/* Waits until the bytes of a file, or the names of the folder that a path is in, are on the disk. False with errno;
+   file systems that cannot wait are no failure. */
+bool pel_file_sync(int descriptor);
+bool pel_file_sync_folder(const char *path);
+/* The same for all that was written to the file system of a folder: for many files faster than one by one. */
+bool pel_file_sync_system(const char *folder);
 /* Remedy for a write that failed with this errno. Lives forever. */
 const char *pel_file_write_remedy(int number);
 /* Closes and removes the file; allowed on a closed writer. */
