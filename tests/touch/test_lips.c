@@ -117,7 +117,8 @@ static void test_random_cuts(void **unused)
     for (int round = 0; round < LONG(6000, ROUNDS(48, 6)); round++)
         cut_at_random(round, &random, &sum);
     print_message("%d cuts made, %d held back, %d refused\n", sum.made, sum.held, sum.refused);
-    assert_true(50 * (sum.held + sum.refused) <= sum.made + 50);
+    /* refused are those whose path is open already, along older cuts */
+    assert_true(100 * sum.held <= sum.made + 100 && 20 * sum.refused <= sum.made + 20);
 }
 
 /* ---- lips that are pressed together ---- */
