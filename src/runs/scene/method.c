@@ -40,7 +40,7 @@ typedef struct step_cost {
 static step_cost cost_of(const pel_scene *scene)
 {
     enum { FREE, TOOLS, CONTACT };
-    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 100e-3}; /* of a triangle */
+    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 250e-3}; /* of a triangle */
     int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
     double triangles = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
