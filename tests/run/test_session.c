@@ -475,6 +475,12 @@ static void test_bad_lines(void **unused)
     memset(long_line, 'a', sizeof long_line - 1);
     long_line[sizeof long_line - 1] = '\0';
     assert_int_equal(pel_session_apply(made.session, long_line, &error), PEL_BAD_ARGUMENT);
+    /* of a tool that is far larger than all bodies nothing can be computed */
+    static const char *const large[] = {"press torus 1e300 -2 0 0 0 0 0 1", "press box 1e300 -2 0 0 0 0 0 1"};
+    for (size_t i = 0; i < sizeof large / sizeof *large; i++) {
+        assert_int_equal(pel_session_apply(made.session, large[i], &error), PEL_BAD_ARGUMENT);
+        assert_non_null(strstr(error.what, "more than 1000 times the size of all bodies"));
+    }
     /* no hit, or the hand is free: no error, and nothing to repeat */
     apply(&made, "grab 0 -5 9 0 1 0 20 0.3");
     apply(&made, "pin 0 -5 9 0 1 0 0.3");

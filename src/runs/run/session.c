@@ -24,6 +24,8 @@
 
 /* marks that are kept */
 enum { MARK_LIMIT = 16 };
+/* sizes of all bodies that a tool of the hand may have */
+enum { MOST_SIZES = 1000 };
 /* diagonals of the bodies in a second: how fast a tool follows the hand */
 #define TOOL_SPEED 1.5
 
@@ -356,6 +358,10 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
     if (!(n[0] > 0) || !(length > 0))
         return pel_fail(error, PEL_BAD_ARGUMENT, "the tool has the radius %g m and a quaternion of length %g", n[0],
                         length);
+    if (n[0] > MOST_SIZES * session->size)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use a smaller radius",
+                          "the tool has the radius %g m, more than %d times the size of all bodies (%g m)", n[0],
+                          (int)MOST_SIZES, session->size);
     snprintf(session->tool, sizeof session->tool, "hand");
     for (int i = 2; find_tool(session->sim, session->tool) >= 0; i++)
         snprintf(session->tool, sizeof session->tool, "hand-%d", i);
