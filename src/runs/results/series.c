@@ -1,7 +1,9 @@
 #include "results/series.h"
 
+#include "base/assert.h"
 #include "base/memory.h"
 #include "base/number.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "io/file.h"
 #include "pellicle/sim_reading.h"
@@ -37,6 +39,7 @@ static pel_status fail_series(const pel_run_series *series, int number, pel_erro
 static void put_text(pel_run_series *series, const char *text)
 {
     size_t length = strlen(text);
+    PEL_ASSERT(series->length + length < series->room);
     memcpy(series->line + series->length, text, length + 1);
     series->length += length;
 }
@@ -82,7 +85,7 @@ enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
 /* a body whose pins have no tool for columns */
 static bool has_pins(const pel_run_series *series, int32_t body)
 {
-    return pel_model_pinned_count(series->model, body) > 0;
+    return series->has_pins[body] != 0;
 }
 
 static const char *const body_columns[] = {"contact_force", "contact_force_x", "contact_force_y", "contact_force_z"};
@@ -146,6 +149,10 @@ static void put_residual(pel_run_series *series, const pel_sim *sim)
     pel_sim_get_solver(sim, &reading);
     put_number(series, reading.residual);
 }
+
+static const char tear_columns[] = ",cut_length,dissipated_fracture,dissipated_remesh,tips,tip_rate,tip_x,tip_y,tip_z,"
+                                   "tip_force_x,tip_force_y,tip_force_z";
+enum { TEAR_COLUMN_COUNT = 11 };
 
 /* the tip that releases most energy per area; returns the number of tips */
 static int32_t find_tip(pel_sim *sim, pel_tip *most)
@@ -235,9 +242,7 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     if (has_residual(sim))
         put_text(series, ",solver_residual");
     if (pel_sim_can_tear(sim))
-        put_text(series,
-                 ",cut_length,dissipated_fracture,dissipated_remesh,tips,tip_rate,tip_x,tip_y,tip_z,tip_force_x,"
-                 "tip_force_y,tip_force_z");
+        put_text(series, tear_columns);
     if (has_caving(sim))
         put_text(series, ",caving_limited");
     put_text(series, "\n");
@@ -326,15 +331,18 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
 {
     size_t name_room = 2 * PEL_NAME_SIZE + LONGEST_TOOL_COLUMN + PEL_NUMBER_SIZE;
     size_t tool_room = TOOL_COLUMN_COUNT * name_room;
-    *series = (pel_run_series){
-        .descriptor = -1, .path = path, .tool_count = pel_sim_tool_count(sim), .model = pel_sim_model(sim)};
+    *series = (pel_run_series){.descriptor = -1, .path = path, .tool_count = pel_sim_tool_count(sim)};
+    int32_t body_count = pel_model_body_count(pel_sim_model(sim));
     series->room =
-        sizeof first_columns +
+        sizeof first_columns + sizeof tear_columns + TEAR_COLUMN_COUNT * PEL_NUMBER_SIZE +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
-    series->line = pel_allocate(series->room, 1);
-    return series->line != NULL ? PEL_OK : pel_fail_memory(error);
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(series->line, series->room), PEL_ROOM(series->has_pins, body_count)))
+        return pel_fail_memory(error);
+    for (int32_t b = 0; b < body_count; b++)
+        series->has_pins[b] = pel_model_pinned_count(pel_sim_model(sim), b) > 0;
+    return PEL_OK;
 }
 
 static pel_status write_line(pel_run_series *series, pel_error *error)
@@ -467,6 +475,6 @@ void pel_run_series_close(pel_run_series *series)
 {
     if (series->line != NULL && series->descriptor >= 0)
         close(series->descriptor);
-    pel_free(series->line);
+    PEL_FREE_ALL(series->line, series->has_pins);
     *series = (pel_run_series){.descriptor = -1};
 }

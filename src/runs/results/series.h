@@ -14,7 +14,7 @@ typedef struct pel_run_series {
     const char *path;    /* the caller's */
     /* at the start, which the columns are of: a session adds tools and pins */
     int32_t tool_count;
-    const pel_model *model; /* the caller's */
+    uint8_t *has_pins; /* (bodies): a cut makes another model */
 } pel_run_series;
 
 /* One row; the tools' present readings come from the sim. */
