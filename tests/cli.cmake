@@ -24,6 +24,10 @@ if(TARGET pellicle_program)
     if(NOT PELLICLE_SANITIZE AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
         add_test(NAME cli/power COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/power.py $<TARGET_FILE:pellicle_program>)
     endif()
+    # things that are pressed together, by `make nightly` or with PELLICLE_ALL
+    add_test(NAME cli/pressed COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/pressed.py
+                                      $<TARGET_FILE:pellicle_program>)
+    set_tests_properties(cli/pressed PROPERTIES SKIP_RETURN_CODE 77)
     # whole runs of random scenes: more of them by `make nightly`
     set(PROPERTIES --count 12)
     if(PELLICLE_SANITIZE)
