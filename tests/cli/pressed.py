@@ -48,6 +48,7 @@ def judge(program, scene, folder):
 
 def main(program, *names):
     if "PELLICLE_ALL" not in os.environ:
+        print("long: scenes of things pressed together")
         return 77
     scenes = sorted((pathlib.Path(__file__).parent / "pressed").glob("*.yaml"))
     failed = False
