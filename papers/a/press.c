@@ -1,6 +1,7 @@
 /* Figures 4 and 6 to 9 of paper A: levels of the lens surface; pressing and letting go, with and without volumetric
    springs; base, global and local refinement under the same force; the lens capsule under a probe. */
 #include "papers/a/cases.h"
+#include "papers/a/weights.h"
 
 #include <pellicle/mesh_io.h>
 #include <pellicle/shape.h>
@@ -86,6 +87,7 @@ static pel_status run_figure_4(lab_experiment *experiment)
         lab_begin_claim(experiment, LAB_PAPER, "the scheme interpolates: vertices stay where they are", NULL);
         lab_at_most(experiment, "largest displacement of a vertex of level 0 [m]", most_moved(levels[0], levels[2]), 0,
                     "paper A, section 3.1");
+        status = a_judge_weights(experiment);
         lab_begin_claim(experiment, LAB_REGRESSION, "the levels lie near the outline that the base was made from",
                         NULL);
         lab_at_most(experiment, "level 1: largest distance from the outline / radius", most_off(levels[1], fine), 0.03,
