@@ -405,6 +405,27 @@ static pel_status draw_figure_8(lab_experiment *experiment, char names[WAYS][64]
     return status;
 }
 
+/* E_B with the curvature at rest taken away: the energy of the initial state is 0 */
+static pel_status judge_return(lab_experiment *experiment)
+{
+    double volumes[B_SHOWN] = {0};
+    pel_status status = PEL_OK;
+    for (int body = 0; status == PEL_OK && body < b_shown(experiment); body++) {
+        char name[64];
+        int rises;
+        pel_run_summary summary;
+        const char *settings[] = {"bodies.0.bending.weight=1", "bodies.0.bending.model=isometric-rest", NULL};
+        status = b_shrink(experiment, body, "rest-1", settings, &summary);
+        if (status == PEL_OK)
+            status = b_volume(experiment, b_run_name(experiment, body, "rest-1", name), 100, &volumes[body], &rises);
+    }
+    lab_begin_claim(experiment, LAB_PAPER, "E_B drives the body to its initial state", NULL);
+    for (int body = 0; status == PEL_OK && body < b_shown(experiment); body++)
+        b_expect(experiment, body, "volume in frame 100, isometric-rest, k_B 1", volumes[body], 1, 0.04,
+                 B_PAPER ", section 2; 0.04 is ours");
+    return status;
+}
+
 static pel_status run_figure_8(lab_experiment *experiment)
 {
     char names[WAYS][64], energy[B_FIBRES_SIZE];
@@ -443,7 +464,8 @@ static pel_status run_figure_8(lab_experiment *experiment)
                  shapes[FIBRES].cap_depth - shapes[SOFT].cap_depth, 0.02, B_PAPER ", figure 8");
     lab_at_most(experiment, "mean curvature of the cap minus that without E_A [1/m]",
                 shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, 0, B_PAPER ", figure 8");
-    return draw_figure_8(experiment, names);
+    status = judge_return(experiment);
+    return status == PEL_OK ? draw_figure_8(experiment, names) : status;
 }
 
 const lab_case b_figure_8 = {
