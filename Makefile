@@ -79,7 +79,7 @@ machines: need-machines program ## compile for ARM64 and Windows, run scenes the
 	@tools/machines
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 12 minutes)
-	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/numbers.inc
+	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/lab/numbers.inc
 
 mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)
 	@tools/mutants-of-the-papers

@@ -7,7 +7,7 @@
 #define STORED_TOLERANCE 0.01
 
 static const lab_stored stored[] = {
-#include "papers/numbers.inc"
+#include "papers/lab/numbers.inc"
 };
 
 int lab_stored_numbers(const lab_stored **numbers)

@@ -14,7 +14,7 @@ typedef struct lab_stored {
    number for the experiment it adds none. */
 void lab_judge_stored(lab_experiment *experiment, const lab_stored *numbers, int count);
 
-/* numbers.h, written by `make reproduction`; returns how many there are */
+/* numbers.inc, written by `make reproduction`; returns how many there are */
 int lab_stored_numbers(const lab_stored **numbers);
 
 #endif
