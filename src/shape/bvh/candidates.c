@@ -17,7 +17,7 @@ static const double few_left = 0.2;
 static const double pair_growth = 1.5;
 /* pairs are kept no longer if they are more than this times those that overlap, and LIST_ROOM of each vertex: they were
    found for a long way, and the ways of the parts of a divided step are short */
-static const double waste = 6;
+static const double waste = 16;
 enum { LIST_ROOM = 4 };
 /* updates that kept pairs must serve to be worth it, and the longest pause without; vertices of one chunk */
 enum { WORTH_KEEPING = 2, PAUSE_LIMIT = 32, VERTICES_PER_CHUNK = 2048 };
