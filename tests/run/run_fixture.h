@@ -296,7 +296,7 @@ static inline void blank_times(const char *name, char *bytes)
         return;
     }
     const char *const keys[] = {"\"wall_s\": ", "\"steps_per_second\": ", "\"threads\": ", "\"checkpoint\": ",
-                                "\"find_s\": ", "\"solve_s\": ",          "\"guard_s\": "};
+                                "\"find_s\": ", "\"solve_s\": ",          "\"guard_s\": ", "\"worst_step_ms\": "};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         char *at = strstr(bytes, keys[i]);
         for (at = at != NULL ? at + strlen(keys[i]) : NULL; at != NULL && *at != '\n' && *at != ',' && *at != '}'; at++)
