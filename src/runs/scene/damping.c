@@ -49,7 +49,8 @@ static void tell_dilution(pel_scene_reader *reader, const char *name, double fac
             factor * TWO_PI * lowest->frequency);
 }
 
-static pel_status take_body(pel_scene_reader *reader, const pel_scene_value *value, pel_scene *scene, int32_t b)
+static pel_status take_body(pel_scene_reader *reader, const pel_scene_value *value, pel_scene *scene, int32_t b,
+                            bool *any)
 {
     /* the scene's own array, which it was built into */
     pel_body_def *body = (pel_body_def *)(uintptr_t)&scene->model.bodies[b];
@@ -66,6 +67,7 @@ static pel_status take_body(pel_scene_reader *reader, const pel_scene_value *val
     }
     if (first == NULL)
         return PEL_OK;
+    *any = true;
     if (pel_scene_find_vibration(scene, b, &lowest) == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
     if (!(lowest.frequency > 0))
@@ -83,12 +85,14 @@ static pel_status take_body(pel_scene_reader *reader, const pel_scene_value *val
     return PEL_OK;
 }
 
-pel_status pel_scene_take_loss_factors(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+pel_status pel_scene_take_loss_factors(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene,
+                                       bool *any)
 {
     const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
     pel_status status = PEL_OK;
     int32_t b = 0;
+    *any = false;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
-        status = take_body(reader, value, scene, b++);
+        status = take_body(reader, value, scene, b++, any);
     return status;
 }

@@ -103,9 +103,18 @@ static pel_status list_mesh_files(pel_scene_reader *reader, const pel_scene_valu
     return PEL_OK;
 }
 
+static pel_status choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+{
+    pel_status status = pel_scene_choose_method(reader, root, scene);
+    if (status == PEL_OK)
+        pel_scene_choose_bending(root, scene);
+    return status;
+}
+
 static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
 {
     scene_storage *storage = scene->inner;
+    bool damps = false;
     int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
     int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
     int32_t cut_count = pel_scene_value_count(pel_scene_value_entry(root, "cuts"));
@@ -127,13 +136,14 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     if (status != PEL_OK)
         return status;
     pel_scene_keep_fillings(reader, scene);
-    status = pel_scene_choose_method(reader, root, scene);
-    if (status == PEL_OK)
-        pel_scene_choose_bending(root, scene);
+    status = choose_method(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_make_imperfect(reader, root, scene, storage->meshes, storage->mesh_count);
     if (status == PEL_OK)
-        status = pel_scene_take_loss_factors(reader, root, scene);
+        status = pel_scene_take_loss_factors(reader, root, scene, &damps);
+    /* damping counts as stiffness, and loss factors become damping at a frequency that a method finds */
+    if (status == PEL_OK && damps)
+        status = choose_method(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_choose_dt(reader, root, scene);
     /* default names have been added to the tree: sort it */
