@@ -1,59 +1,10 @@
 /* Damping of materials: decay against exp(-z w t) with z = retardation w / 2, rigid motion, the ledger, loss factors.
  */
-#include "check.h"
+#include "scene_run.h"
 
 #include <stdlib.h>
 
-#include "pellicle/scene.h"
-#include "pellicle/sim.h"
-
 #define TWO_PI 6.283185307179586
-
-typedef struct heard {
-    char text[2000];
-} heard;
-
-static void hear(void *user, const char *text)
-{
-    heard *told = user;
-    size_t length = strlen(told->text);
-    snprintf(told->text + length, sizeof told->text - length, "%s\n", text);
-}
-
-typedef struct run {
-    pel_scene *scene;
-    pel_model *model;
-    pel_sim *sim;
-    heard told;
-} run;
-
-static pel_status begin(run *r, const char *text, pel_error *error)
-{
-    *r = (run){0};
-    pel_log log = {.write = hear, .user = &r->told};
-    pel_status status = pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, &log, &r->scene, error);
-    if (status == PEL_OK)
-        status = pel_model_create(&r->scene->model, &r->model, error);
-    if (status != PEL_OK)
-        return status;
-    r->scene->sim.model = r->model;
-    return pel_sim_create(&r->scene->sim, &r->sim, error);
-}
-
-static void end(run *r)
-{
-    pel_sim_destroy(r->sim);
-    pel_model_destroy(r->model);
-    pel_scene_destroy(r->scene);
-}
-
-static void check_begin(run *r, const char *text)
-{
-    pel_error error = {0};
-    char message[1000];
-    if (begin(r, text, &error) != PEL_OK)
-        fail_msg("%s", pel_error_text(&error, message, sizeof message));
-}
 
 static double energy_of(pel_sim *sim)
 {
@@ -283,12 +234,30 @@ static void test_dilution(void **unused)
     end(&r);
 }
 
+/* the choice of the method counts damping as stiffness, also where it was given as a loss factor */
+static void test_method(void **unused)
+{
+    (void)unused;
+    static const char *const dampings[] = {"", ", damping: { stiffness: 0.05 }", ", damping: { loss_factor: 1 }"};
+    for (int i = 0; i < 3; i++) {
+        run r;
+        char text[600];
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"
+            "    membrane: { young: 1e6, thickness: 0.001%s }\n    bending: { model: hinge }\n"
+            "    volumetric: { stiffness: 0.001 }\nduration: 1\nsolver: { dt: 0.01 }\n",
+            dampings[i]);
+        check_begin(&r, text);
+        assert_int_equal(r.scene->sim.solver.method, i == 0 ? PEL_METHOD_XPBD : PEL_METHOD_IMPLICIT);
+        end(&r);
+    }
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
-    static const struct {
-        const char *text, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {BALL("    " SKIN ", damping: { stiffness: 8e-5 } }\n    bending: { model: hinge }\n", "method: explicit"),
          "damping of the material exists only for the methods implicit and xpbd"},
         {BALL("    " SKIN ", damping: { stiffness: 8e-5 } }\n", "method: pbd"), "exists only for the methods"},
@@ -300,16 +269,7 @@ static void test_refusals(void **unused)
         {BALL("    " SKIN ", damping: { loss_factor: 3 } }\n", "method: xpbd"), "3"},
         {BALL("    " SKIN ", damping: { loss_factor: 0.1, stiffness: 1 } }\n", "method: xpbd"), "stiffness"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        run r;
-        pel_error error = {0};
-        char message[1000] = "";
-        pel_status status = begin(&r, cases[i].text, &error);
-        pel_error_text(&error, message, sizeof message);
-        if (status == PEL_OK || strstr(message, cases[i].says) == NULL)
-            fail_msg("case %d: %s", (int)i, message);
-        end(&r);
-    }
+    check_refusals(cases, sizeof cases / sizeof *cases);
 }
 
 int main(void)
@@ -317,6 +277,6 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_ruler),        cmocka_unit_test(test_hinges),
                                        cmocka_unit_test(test_breathing),    cmocka_unit_test(test_springs),
                                        cmocka_unit_test(test_rigid_motion), cmocka_unit_test(test_dilution),
-                                       cmocka_unit_test(test_refusals)};
+                                       cmocka_unit_test(test_method),       cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,54 +1,10 @@
 /* Liquids in bodies: thrusts on walls and floors, weights on supports, the potential of a filling, free fall. */
-#include "check.h"
+#include "scene_run.h"
 
 #include <stdlib.h>
 
 #include "boundary/fluid.h"
 #include "newton/newton.h"
-#include "pellicle/scene.h"
-#include "pellicle/sim.h"
-
-typedef struct run {
-    pel_scene *scene;
-    pel_model *model;
-    pel_sim *sim;
-    char told[2000];
-} run;
-
-static void hear(void *user, const char *text)
-{
-    run *r = user;
-    size_t length = strlen(r->told);
-    snprintf(r->told + length, sizeof r->told - length, "%s\n", text);
-}
-
-static pel_status begin(run *r, const char *text, pel_error *error)
-{
-    *r = (run){0};
-    pel_log log = {.write = hear, .user = r};
-    pel_status status = pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, &log, &r->scene, error);
-    if (status == PEL_OK)
-        status = pel_model_create(&r->scene->model, &r->model, error);
-    if (status != PEL_OK)
-        return status;
-    r->scene->sim.model = r->model;
-    return pel_sim_create(&r->scene->sim, &r->sim, error);
-}
-
-static void check_begin(run *r, const char *text)
-{
-    pel_error error = {0};
-    char message[1000];
-    if (begin(r, text, &error) != PEL_OK)
-        fail_msg("%s", pel_error_text(&error, message, sizeof message));
-}
-
-static void end(run *r)
-{
-    pel_sim_destroy(r->sim);
-    pel_model_destroy(r->model);
-    pel_scene_destroy(r->scene);
-}
 
 /* ---- walls ---- */
 
@@ -119,7 +75,7 @@ static void test_hanging(void **unused)
         pel_support_reading reading;
         double filling, x[200][3];
         check_begin(&r, scenes[i]);
-        assert_non_null(strstr(r.told, "fluid of 'bag': its volume is kept"));
+        assert_non_null(strstr(r.told.text, "fluid of 'bag': its volume is kept"));
         double mass = mass_of(&r, &filling);
         assert_true(filling > 0.5);
         assert_near(mass - filling, 1000 * 0.004 * r.model->bodies[0].rest_area, 1e-9);
@@ -272,9 +228,7 @@ static void test_iterations(void **unused)
 static void test_refusals(void **unused)
 {
     (void)unused;
-    static const struct {
-        const char *text, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"version: 1\nbodies:\n  - mesh: { shape: grid, nx: 2, ny: 2, size_x: 1, size_y: 1 }\n    membrane: { preset: "
          "rubber }\n    fluid: {}\nduration: 1\n",
          "a liquid cannot fill an open body. give fluid.level"},
@@ -283,16 +237,7 @@ static void test_refusals(void **unused)
         {BAG("method: static, path: arc-length", NAIL), "does not support `fluid`"},
         {BAG("method: static, analysis: buckling", NAIL), "does not support `fluid`"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        run r;
-        pel_error error = {0};
-        char message[1000] = "";
-        pel_status status = begin(&r, cases[i].text, &error);
-        pel_error_text(&error, message, sizeof message);
-        if (status == PEL_OK || strstr(message, cases[i].says) == NULL)
-            fail_msg("case %d: %s", (int)i, message);
-        end(&r);
-    }
+    check_refusals(cases, sizeof cases / sizeof *cases);
 }
 
 int main(void)

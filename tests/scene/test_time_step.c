@@ -1,9 +1,7 @@
 /* The step of scenes that leave it to the program. */
-#include "check.h"
+#include "scene_run.h"
 
 #include <stdlib.h>
-
-#include "pellicle/scene.h"
 
 #define RULER                                                                                                          \
     "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
@@ -15,17 +13,6 @@
 #define SHEET                                                                                                          \
     "version: 1\nbodies:\n  - name: card\n    mesh: { shape: grid, nx: 3, ny: 3, size_x: 9, size_y: 9 }\n"             \
     "    membrane: { preset: rubber }\n"
-
-typedef struct heard {
-    char text[2000];
-} heard;
-
-static void hear(void *user, const char *text)
-{
-    heard *told = user;
-    size_t length = strlen(told->text);
-    snprintf(told->text + length, sizeof told->text - length, "%s\n", text);
-}
 
 /* what moves and goes on moving gets a step that resolves it, if that is affordable; all else the default */
 static void test_choice(void **unused)
