@@ -21,9 +21,11 @@ typedef struct sheet_def {
     double from[2], to[2]; /* of the cut */
     pel_method method;
     double dt, young, thickness, toughness;
-    double pull[3]; /* m in 1 s, of the upper side, whose lower side is pinned */
-    bool has_legs;  /* else the two halves of the left side are drawn apart, and the right side is pinned */
-    bool is_pinned; /* at both sides, without supports */
+    double pull[3];            /* m in 1 s, of the upper side, whose lower side is pinned */
+    bool has_legs;             /* else the two halves of the left side are drawn apart, and the right side is pinned */
+    bool is_pinned;            /* at both sides, without supports */
+    bool holds_tip;            /* then also at the end of the cut */
+    int32_t max_tips, threads; /* 0 = by default, one */
 } sheet_def;
 
 typedef struct sheet {
@@ -132,6 +134,8 @@ static sheet make_sheet(const sheet_def *def)
         memcpy(lists[2] + supports[0].vertex_count, lists[1], (size_t)supports[1].vertex_count * sizeof **lists);
         body.pinned = lists[2];
         body.pinned_count = supports[0].vertex_count + supports[1].vertex_count;
+        if (def->holds_tip)
+            lists[2][body.pinned_count++] = path[cut.vertex_count - 1];
     } else {
         supports[2].name = "plane";
         supports[2].vertices = lists[2];
@@ -145,6 +149,8 @@ static sheet make_sheet(const sheet_def *def)
     sim.support_count = count;
     sim.cuts = &cut;
     sim.cut_count = 1;
+    sim.thread_count = def->threads > 0 ? def->threads : sim.thread_count;
+    sim.tear.max_tips = def->max_tips > 0 ? def->max_tips : sim.tear.max_tips;
     s.sim = make_sim(&sim);
     return s;
 }
@@ -320,6 +326,16 @@ static const pel_method methods[] = {PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATI
                                      PEL_METHOD_DESCENT,  PEL_METHOD_PBD_DISTANCE};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
 
+static void stretch(sheet *s, double ratio)
+{
+    double *x = calloc((size_t)s->mesh->vertex_count, 24);
+    for (int32_t v = 0; v < s->mesh->vertex_count; v++)
+        for (int c = 0; c < 3; c++)
+            x[3 * v + c] = (c == 1 ? ratio : 1) * s->mesh->positions[v][c];
+    assert_int_equal(pel_sim_set_positions(s->sim, 0, x, NULL), PEL_OK);
+    free(x);
+}
+
 static sheet make_small(pel_method method)
 {
     sheet_def def = usual;
@@ -337,14 +353,8 @@ static sheet make_small(pel_method method)
         def.pull[1] = 0.05;
     }
     sheet s = make_sheet(&def);
-    if (method == PEL_METHOD_STATIC)
-        return s;
-    double *x = calloc((size_t)s.mesh->vertex_count, 24);
-    for (int32_t v = 0; v < s.mesh->vertex_count; v++)
-        for (int c = 0; c < 3; c++)
-            x[3 * v + c] = (c == 1 ? 1.2 : 1) * s.mesh->positions[v][c];
-    assert_int_equal(pel_sim_set_positions(s.sim, 0, x, NULL), PEL_OK);
-    free(x);
+    if (method != PEL_METHOD_STATIC)
+        stretch(&s, 1.2);
     return s;
 }
 
@@ -401,6 +411,72 @@ static void test_snapshots(void **unused)
     }
 }
 
+/* edges by which a pinned and stretched, or pressed, sheet with a cut inside tears in its steps until it tears first */
+static int32_t first_growth(const sheet_def *def, double ratio, int most)
+{
+    sheet s = make_sheet(def);
+    stretch(&s, ratio);
+    /* the first step makes the cut */
+    run_steps(s.sim, 1);
+    int32_t count = pel_sim_vertex_count(s.sim, 0), now = count;
+    assert_near(length_of(s.sim), def->to[0] - def->from[0], 1e-12);
+    for (int i = 1; i < most && now == count; i++) {
+        run_steps(s.sim, 1);
+        now = pel_sim_vertex_count(s.sim, 0);
+    }
+    end_sheet(&s);
+    return now - count;
+}
+
+/* Both tips of a cut are ready at once: each grows by two edges in a step, or one of them where the budget is one tip.
+   Tips that are pinned, and cuts that are pressed shut, do not grow. */
+static void test_budget(void **unused)
+{
+    (void)unused;
+    sheet_def def = usual;
+    def.method = PEL_METHOD_IMPLICIT;
+    def.is_pinned = true;
+    def.dt = 1e-4;
+    def.toughness = 20;
+    def.from[0] = -0.02;
+    def.to[0] = 0.02;
+    assert_int_equal(first_growth(&def, 1.2, 20), 4);
+    def.max_tips = 1;
+    assert_int_equal(first_growth(&def, 1.2, 20), 2);
+    def.max_tips = 0;
+    def.holds_tip = true;
+    assert_int_equal(first_growth(&def, 1.2, 20), 2);
+    def.holds_tip = false;
+    assert_int_equal(first_growth(&def, 0.8, 4), 0);
+}
+
+/* the same bits with one thread and with four */
+static void test_threads(void **unused)
+{
+    (void)unused;
+    static const pel_method some[] = {PEL_METHOD_QUASI_STATIC, PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT};
+    for (int m = 0; m < 3; m++) {
+        uint64_t hashes[2];
+        for (int i = 0; i < 2; i++) {
+            sheet_def def = usual;
+            def.cells[0] = def.cells[1] = 40;
+            def.method = some[m];
+            def.is_pinned = true;
+            def.dt = 1e-4;
+            def.toughness = 20;
+            def.threads = i == 0 ? 1 : 4;
+            sheet s = make_sheet(&def);
+            stretch(&s, 1.2);
+            double cut = length_of(s.sim);
+            run_steps(s.sim, 30);
+            assert_true(length_of(s.sim) > cut);
+            hashes[i] = pel_sim_hash(s.sim);
+            end_sheet(&s);
+        }
+        assert_true(hashes[0] == hashes[1]);
+    }
+}
+
 /* ---- refusals ---- */
 
 static void test_refusals(void **unused)
@@ -442,8 +518,9 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kink),  cmocka_unit_test(test_paths),     cmocka_unit_test(test_trousers),
-        cmocka_unit_test(test_strip), cmocka_unit_test(test_snapshots), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_kink),    cmocka_unit_test(test_paths),     cmocka_unit_test(test_trousers),
+        cmocka_unit_test(test_strip),   cmocka_unit_test(test_snapshots), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
