@@ -1,5 +1,5 @@
-/* Numbers of the experiments of both papers as the last version of this program measured them: a claim of the paper can
-   hold although a formula is broken, a number to 1 % seldom stays. */
+/* Numbers of the experiments of both papers as the last version of this program measured them. A broken formula can
+   leave a claim of the paper true; it seldom leaves a number within 1 %. */
 #ifndef PAPERS_LAB_STORED_H
 #define PAPERS_LAB_STORED_H
 
@@ -10,8 +10,8 @@ typedef struct lab_stored {
     double value;
 } lab_stored;
 
-/* Adds the claim that the findings of the experiment are those of numbers (count), and those that are not. Without a
-   number for the experiment it adds none. */
+/* Adds a claim that the findings of the experiment equal its numbers (count) within 1 %, with a finding for each that
+   does not. Adds no claim if there are no numbers of the experiment. */
 void lab_judge_stored(lab_experiment *experiment, const lab_stored *numbers, int count);
 
 /* numbers.inc, written by `make reproduction`; returns how many there are */

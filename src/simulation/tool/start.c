@@ -202,7 +202,8 @@ pel_status pel_tool_refuse_inside(const pel_sim *sim, int32_t index, int32_t bod
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_tool *tool = &sim->tools->items[index];
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", index,
-                              "move its first key away from the body by at least that much",
+                              tool->grasp ? "give `press: false` if it only grasps, or move its first key away"
+                                          : "move its first key away from the body by at least that much",
                               "tool '%s' starts inside body '%s' (by %.3g m)", tool->name,
                               sim->model->bodies[body].name, way_out(sim, tool, body));
 }
