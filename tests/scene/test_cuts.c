@@ -74,6 +74,7 @@ static void test_errors(void **unused)
         {SHEET "cuts:\n  - {at: 1}\n", "path", 12},
         {SHEET "cuts:\n  - {at: 1, path: [60, 61, 62]}\n  - {at: 0.5, path: [50, 51, 52]}\n", "earlier", 13},
         {SHEET BALL "cuts:\n  - {path: [60, 61, 62]}\n", "which body", 15},
+        {SHEET BALL "    fluid: {}\ncuts:\n  - {body: ball, path: [[1, 0, 0], [0, 0, 1]]}\n", "a liquid fills", 16},
         {SHEET "cuts:\n  - {body: shet, path: [60, 61, 62]}\n", "shet", 12},
     };
     for (size_t f = 0; f < sizeof faults / sizeof *faults; f++) {

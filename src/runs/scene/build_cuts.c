@@ -5,6 +5,7 @@
 #include "keys/validate.h"
 #include "mesh/path.h"
 
+#include <math.h>
 #include <string.h>
 
 static pel_status fail_value(pel_scene_reader *reader, const pel_scene_value *value, const char *what,
@@ -126,6 +127,10 @@ pel_status pel_scene_check_cuts(pel_scene_reader *reader, const pel_scene_value 
         const pel_scene_value *owner = pel_scene_value_entry(value, "body");
         if (cut->vertices == NULL)
             return pel_scene_fail_name(reader, &owner->place, "body", owner->text, names, count);
+        const pel_body_def *body = &scene->model.bodies[cut->body];
+        if (body->fluid_density > 0 && !isfinite(body->fluid_level))
+            return fail_value(reader, value, "the cut opens a body that a liquid fills",
+                              "give fluid.level, the height of the liquid's surface, or leave `fluid` out");
     }
     return PEL_OK;
 }
