@@ -448,7 +448,7 @@ static const cli_command commands[] = {
                    .noun = "experiment",
                    .words = cli_experiment_names}},
         .options = {{.name = "list", .kind = CLI_FLAG, .doc = "list the experiments"},
-                    {.name = "all", .kind = CLI_FLAG, .doc = "run all experiments, as without NAME (about 15 minutes)"},
+                    {.name = "all", .kind = CLI_FLAG, .doc = "run all experiments, as without NAME (about 6 minutes)"},
                     {.name = "output",
                      .letter = 'o',
                      .kind = CLI_FOLDER,

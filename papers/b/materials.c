@@ -340,7 +340,8 @@ static pel_status run_figure_13(lab_experiment *experiment)
     lab_at_least(experiment, "pressure with size: largest difference of volume to frame 40, solid", off_solid, 0.005,
                  B_PAPER ", figure 13; 0.005 is ours");
     lab_begin_claim(experiment, LAB_PAPER,
-                    "the difference from the method of Bender and others in frame 100 grows as the size falls", NULL);
+                    "the difference from the method of Bender and others in frame 100 grows as the size falls",
+                    "at V0 / 16 the shell is crushed and has little volume left to lose, while the solid loses on");
     lab_at_least(experiment, "V0-4 / V0: difference of volume, solid and shell", between[1] / between[0], 1,
                  B_PAPER ", figure 13");
     lab_at_least(experiment, "V0-16 / V0-4: difference of volume, solid and shell", between[2] / between[1], 1,
