@@ -506,6 +506,37 @@ static pel_status draw_figure_10(lab_experiment *experiment, char names[B_BODIES
     return status;
 }
 
+/* the integral of the Gaussian curvature over the surface at the end of a run, by the fields of its last frame, less
+   that of Gauss and Bonnet, over 4 pi; a closed surface has 3/2 edges a triangle */
+static pel_status curvature_error(const lab_experiment *experiment, const char *run, double *error)
+{
+    pel_mesh *mesh;
+    pel_status status = b_read_frame(experiment, run, -1, &mesh);
+    if (status != PEL_OK)
+        return status;
+    const double pi = acos(-1.0);
+    *error = (0.5 * mesh->triangle_count - mesh->vertex_count) / 2;
+    const pel_field *curvature = pel_mesh_field(mesh, "gaussian_curvature"), *area = pel_mesh_field(mesh, "area");
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        *error += curvature->values[v] * area->values[v] / (4 * pi);
+    pel_mesh_destroy(mesh);
+    return PEL_OK;
+}
+
+static pel_status judge_curvature(lab_experiment *experiment, char names[B_BODIES][64])
+{
+    pel_status status = PEL_OK;
+    lab_begin_claim(experiment, LAB_THEORY, "the Gaussian curvature of a closed body adds up to 4 pi, less for handles",
+                    NULL);
+    for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
+        double error = (double)NAN;
+        status = curvature_error(experiment, names[body], &error);
+        b_expect(experiment, body, "error of the integral of the Gaussian curvature / 4 pi", error, 0, 1e-3,
+                 "Gauss and Bonnet");
+    }
+    return status;
+}
+
 static pel_status run_figure_10(lab_experiment *experiment)
 {
     static char names[B_BODIES][64];
@@ -515,7 +546,8 @@ static pel_status run_figure_10(lab_experiment *experiment)
     for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
         char energy[B_FIBRES_SIZE];
         const char *settings[] = {b_fibres(experiment, body, "arap", energy), experiment->bodies[body].cap,
-                                  "output.fields=[displacement, pressure, mean_curvature, gaussian_curvature]", NULL};
+                                  "output.fields=[displacement, pressure, area, mean_curvature, gaussian_curvature]",
+                                  NULL};
         status = b_shrink(experiment, body, fibred, settings, &summaries[body]);
         b_run_name(experiment, body, fibred, names[body]);
         if (status == PEL_OK)
@@ -532,7 +564,8 @@ static pel_status run_figure_10(lab_experiment *experiment)
         b_tell(experiment, body, "volume in frame 100", summaries[body].volume_ratio_final, (double)NAN, "");
     }
     claim_contact(experiment, summaries, experiment->body_count);
-    return draw_figure_10(experiment, names);
+    status = judge_curvature(experiment, names);
+    return status == PEL_OK ? draw_figure_10(experiment, names) : status;
 }
 
 const lab_case b_figure_10 = {
