@@ -6,7 +6,7 @@
 #include "base/assert.h"
 #include "math/extremes.h"
 
-/* of the shortest edge: what opening a cut by it does to strains is small, and single precision resolves it */
+/* of the shortest edge: opening a cut by it strains the body little, and single precision resolves it */
 #define KIN_SHARE 1e-3
 /* of the thickness at most: half of it is less than what the guard keeps free around each lip */
 #define MOST_SHARE 0.4

@@ -306,7 +306,7 @@ static double compliance_of(const pel_contact_set *set, const pel_collision *pai
     for (int side = 0; side < 2; side++) {
         double mass = side_mass(set, pair, side == 0 ? 0 : middle, side == 0 ? middle : 4);
         const pel_contact_group *group = &set->groups[set->group_of_point[pair->vertices[3 * side]]];
-        /* a thinner layer gives way less */
+        /* a thinner layer is stiffer */
         const pel_contact_layer layer = {thickness, group->hardness / share};
         double own = mass > 0 ? pel_contact_layer_compliance(&layer, mass, speed, set->dt) : 0;
         compliance = own > compliance ? own : compliance;

@@ -12,7 +12,7 @@
 typedef struct pel_travel_def {
     int32_t vertex_count, body_count;
     const int32_t *body_of_slice; /* (vertex_count / PEL_WIDTH), rising */
-    const pel_real *mass;         /* (vertex_count) kg: what has none is no point */
+    const pel_real *mass;         /* (vertex_count) kg; places with mass 0 are skipped */
 } pel_travel_def;
 
 typedef struct pel_travel {

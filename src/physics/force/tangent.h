@@ -116,7 +116,7 @@ bool pel_tangent_is_viscous(const pel_tangent *tangent);
    input, and the retardation times the positive stiffness there. Another state then adds its weighted strains. */
 void pel_tangent_refer_rates(pel_tangent *tangent, const pel_tangent_input *input, double weight, bool is_other,
                              pel_pool *pool, double *viscous);
-/* J: what rates of strain take out in 1 / rate at the input, which has `viscous`. */
+/* J: viscous dissipation during 1 / rate; the input has `viscous`. */
 double pel_tangent_viscous_loss(pel_tangent *tangent, const pel_tangent_input *input, pel_pool *pool);
 
 /* unknowns + scale step: positions are added, xi takes psi and the finite turns of its triangles. */

@@ -52,7 +52,7 @@ PEL_INLINE void pel_strain_row_set(pel_lane *row, pel_lane3 part)
     row[2] = part.z;
 }
 
-/* Writes what a later viscous element refers to, and adds the viscous part of this one. */
+/* Stores the strains that rates refer to later, and adds the viscous part of this element. */
 PEL_INLINE void pel_strain_damp(pel_strain_point *point, int strains, const pel_strain_request *request)
 {
     pel_lane change[PEL_STRAIN_LIMIT];

@@ -205,7 +205,7 @@ static int32_t find_thick(const pel_run_state *run)
     return -1;
 }
 
-/* what is at fault: a tool, then a law, then a thickness; else the length of the steps */
+/* names the cause: a tool, else a law, else a thickness, else the step length */
 static void write_fault(const pel_run_state *run, char *text, size_t size)
 {
     const pel_body_def *bodies = run->scene->model.bodies;

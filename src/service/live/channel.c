@@ -22,7 +22,7 @@ static size_t head_needed(const pel_channel *channel)
     return 2 + (length == LONG_LENGTH ? 8u : length == LONG_LENGTH - 1 ? 2u : 0u) + MASK_SIZE;
 }
 
-/* what needs only the first two bytes */
+/* checks that need only the first two bytes */
 static bool may_begin(const pel_channel *channel)
 {
     int kind = channel->head[0] & KIND;

@@ -48,7 +48,7 @@ typedef enum pel_channel_event {
 pel_channel_event pel_channel_take(pel_channel *channel, const unsigned char *bytes, size_t size, size_t *used);
 void pel_channel_free(pel_channel *channel);
 
-/* The head of a frame of `size` bytes, written so that it ends at `end`; returns its begin. */
+/* The head of a frame of `size` bytes, written so that it ends at `end`; returns its first byte. */
 unsigned char *pel_channel_head(unsigned char *end, pel_frame_kind kind, size_t size);
 /* The answer to a key. */
 void pel_channel_accept(const char *key, char accept[PEL_DIGEST_TEXT]);

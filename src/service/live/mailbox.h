@@ -43,7 +43,7 @@ typedef struct pel_mailbox {
     size_t line_bytes;
     int64_t lost_lines;      /* that did not fit */
     atomic_int interrupting; /* lines of those that wait which stop the present stage */
-    const char *stage;       /* what the simulation does now, "" or null = nothing long; lives forever */
+    const char *stage;       /* present long stage, "" or null = none; a literal */
     double stage_at;         /* clock of its start */
     int32_t behind_stage;    /* lines that were taken and wait for it */
     bool stage_is_told;

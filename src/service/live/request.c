@@ -18,7 +18,7 @@ static span trim(span text)
     return text;
 }
 
-/* takes the text up to a letter, and leaves what follows it */
+/* splits the text at a letter and leaves the rest */
 static span take(span *text, char letter)
 {
     const char *found = memchr(text->at, letter, (size_t)(text->end - text->at));
@@ -86,7 +86,7 @@ static void take_cookies(span cookies, const char *name, pel_request *request)
     }
 }
 
-/* what the headers of an upgrade have to say, all of them */
+/* all headers that an upgrade requires */
 typedef struct upgrade {
     bool connection, websocket, version;
 } upgrade;

@@ -124,7 +124,7 @@ static void end_visit(visit *v)
     *v = (visit){.socket = -1};
 }
 
-/* sends what the socket takes at once */
+/* sends without blocking */
 static void flush(visit *v)
 {
     while (v->out_done < v->out_size) {

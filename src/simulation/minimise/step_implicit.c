@@ -243,7 +243,7 @@ static void refer_rates(pel_sim *sim, const pel_record *position, double weight,
     pel_tangent_refer_rates(pel_newton_tangent(sim->newton), &input, weight, is_other, sim->pool, newton->viscous);
 }
 
-/* what rates of strain refer to */
+/* strains at the start of the step, for rates of strain */
 static void set_viscous(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->minimise->newton;

@@ -30,7 +30,8 @@ struct pel_sim_newton {
     double (*points)[3];      /* (vertex_count) m */
     double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
                             half the square of radial . x - radial[3]; null = none */
-    double *viscous; /* what rates of strain in the step refer to (force/tangent.h); null = elastic, and in statics */
+    double *viscous; /* strains at the start of the step, for rates of strain (force/tangent.h); null = elastic, and in
+                        statics */
     double rate;     /* 1/s, of these */
     struct newton_group *groups; /* (body_count) bodies that move together; null in statics */
     int32_t (*couplings)[4];     /* scratch: vertices of constraints */

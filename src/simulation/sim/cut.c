@@ -255,7 +255,7 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
 
 /* ---- tears ---- */
 
-/* opens what grows in a body, after its vertices have moved */
+/* opens the growing edges of a body, after its vertices have moved */
 static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, bool *is_open, pel_error *error)
 {
     int32_t body = sim->tear->surveys[survey].body;

@@ -26,7 +26,7 @@ typedef struct pel_surfaces {
     pel_mesh **meshes;       /* (body_count) null = as it is */
     int32_t **origins;       /* (body_count) of the vertices of these meshes */
     int32_t **sources;       /* (body_count) the vertex of the present mesh that each one is like */
-    int32_t *kept_counts;    /* (body_count) vertices of the present mesh that stay what they are */
+    int32_t *kept_counts;    /* (body_count) vertices of the present mesh that keep their number */
     pel_vertex_move **moves; /* (body_count) of vertices that are elsewhere in the rest shape; null = none */
     int32_t *move_counts;    /* (body_count) */
 } pel_surfaces;

@@ -77,7 +77,7 @@ typedef struct pel_event_guard {
    what the material takes. */
 typedef struct pel_tear_drop {
     int32_t body, vertex; /* the tip after the last advance that is not in balance yet; vertex -1 = none */
-    double before;        /* N, what it released before */
+    double before;        /* N, its release before */
     double ratio;         /* of the last two in balance; 0 = unknown */
 } pel_tear_drop;
 

@@ -16,7 +16,7 @@
    ahead of a crack under shear (Erdogan and Sih 1963) */
 #define MOST_TURN_COSINE (1.0 / 3)
 #define MOST_TURN_SINE 0.9428090415820634
-/* of what a tip releases from one edge to the next, at least */
+/* least ratio of the release of a tip after and before an advance */
 #define LEAST_RATIO 0.5
 /* sides that overlap by more than this share of their distance are closed */
 #define LEAST_OPENING (-0.05)

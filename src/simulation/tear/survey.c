@@ -178,7 +178,8 @@ double pel_survey_triangle(const pel_survey *s, int32_t t, double gradient[3][3]
     return energy + add_springs(s, t, (const double(*)[3])x, gradient);
 }
 
-/* lists the triangles around all vertices with a weight, and sums up what they say about vertices; returns how many */
+/* lists the triangles around all vertices with a weight and sums their areas and gradients by vertex; returns their
+ * number */
 static int32_t list_triangles(pel_survey *s, int32_t vertex_count)
 {
     const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;

@@ -199,7 +199,7 @@ static double inertia(const pel_sim *sim, int32_t v)
     return (double)sim->model->mass[v] * pel_vec3_distance(now, before) / sim->step.dt;
 }
 
-/* N, the largest sum of forces on what is held */
+/* N, the largest sum of forces on held vertices */
 static double grip_limit(const pel_sim *sim, const pel_tool *tool)
 {
     double sum = 0, load = 0;

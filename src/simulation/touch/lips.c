@@ -182,7 +182,7 @@ static pel_status part(pel_sim *sim, int32_t body, pel_error *error)
     return status;
 }
 
-/* what tools hold goes with them from its new place */
+/* moves the anchors of held vertices to their new places */
 static void move_anchors(const pel_sim *sim)
 {
     for (int32_t t = 0; t < sim->tools->count; t++) {

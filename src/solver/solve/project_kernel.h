@@ -166,7 +166,7 @@ PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, i
     return t;
 }
 
-/* what the viscous part adds to the strains of a triangle, which are given: g (s - s_0) */
+/* viscous part of the strains of a triangle: g (s - s_0) */
 PEL_INLINE pel_symmetric2 viscous_strain(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric2 strain,
                                          bool is_aligned)
 {
