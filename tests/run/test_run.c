@@ -518,8 +518,9 @@ static void test_full_disk_at_frame(void **unused)
     (void)unused;
     /* with fields enough for a frame to be larger than a checkpoint */
     const char *const overrides[] = {"output.compress=false", "output.precision=double", "output.checkpoint=0",
-                                     "output.fields=[displacement, velocity, force, contact_force, normal, pressure]"};
-    pel_scene *scene = load_scene(busy, overrides, 4);
+                                     "output.fields=[displacement, velocity, force, contact_force, normal, pressure]",
+                                     "contact=none"};
+    pel_scene *scene = load_scene(busy, overrides, 5);
     run_case whole = {.run = "frame-whole"};
     run_case test = {.run = "frame", .fill_at = 30};
     char path[256], remedy[64];

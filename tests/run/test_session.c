@@ -22,7 +22,7 @@ static const char text[] =
     "  - { name: probe, shape: sphere, radius: 0.3, body: ball,\n"
     "      motion: [{ time: 0, position: [0, 0, 1.35] }, { time: 0.3, position: [0, 0, 1.2] }] }\n"
     "solver: { method: xpbd, dt: 0.01, substeps: 4 }\nduration: 0.5\nstop: { time: 0.4 }\n"
-    "output: { every: 0.1 }\n";
+    "output: { every: 0.1 }\ncontact: none\n";
 
 typedef struct play {
     pel_scene *scene;

@@ -473,8 +473,10 @@ static const pel_def_row rows[] = {
     {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), FIXED, INTEGER, COUNT_FROM(1), DEFAULT(64),
      .doc = "number of tips of a body that may grow in one step; of more, those that release most energy do"},
 
-    {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), MAP,
-     .doc = "contact without interpenetration (paper B, section 4); optional"},
+    {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), .forms = PEL_FORM_MAP | PEL_FORM_WORD,
+     WORDS("none"),
+     .doc = "contact without interpenetration (paper B, section 4), or none. Default: several bodies touch each other, "
+            "but not themselves ({ self: false }), unless two intersect at the start; one body has none"},
     {"contact.self", CONTACT(self), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
      STRUCTURE("parts that touch or intersect by now would be pushed apart at once"),
      .doc = "contact between parts of one body"},

@@ -396,7 +396,8 @@ static bool is_touching(const pel_run_state *run, bool at_frame)
     int64_t count = 0;
     if (pel_sim_contact_thickness(run->sim) > 0) {
         pel_sim_get_contact_statistics(run->sim, &statistics);
-        return statistics.contacts > 0;
+        if (statistics.contacts > 0 || run->scene->sim.contact.self)
+            return statistics.contacts > 0;
     }
     return at_frame && pel_sim_intersections(run->sim, &count, NULL) == PEL_OK && count > 0;
 }

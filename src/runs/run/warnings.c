@@ -326,6 +326,9 @@ static void check_motion(pel_run_state *run, int64_t frame)
     bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
     for (int32_t b = 0; b < scene->model.body_count; b++)
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
+    pel_contact_statistics contact;
+    pel_sim_get_contact_statistics(run->sim, &contact);
+    moves &= contact.contacts == 0;
     if (moves && pel_scene_is_undamped(scene) && ledger->dissipated_solver > ledger->tolerance)
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, ledger->dissipated_solver / ledger->supplied);
 }

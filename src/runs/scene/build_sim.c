@@ -296,11 +296,11 @@ static pel_status read_thickness(pel_scene_reader *reader, const pel_scene_value
     return PEL_BAD_SCENE;
 }
 
-/* a null value is no contact */
+/* a null value is no contact, and so is the word */
 static pel_status read_contact(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact)
 {
-    contact->enabled = value != NULL;
-    if (value == NULL)
+    contact->enabled = value != NULL && value->form == PEL_FORM_MAP;
+    if (!contact->enabled)
         return PEL_OK;
     const pel_scene_part part = {reader, value, NULL};
     const pel_scene_value *thickness = pel_scene_value_entry(value, "thickness");

@@ -290,13 +290,38 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
 }
 
+/* modes, or a path of balances */
+static bool is_equilibrium_search(pel_scene_value *solver)
+{
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    return has_modes || is_word(solver, "path", "arc-length");
+}
+
+/* ---- contact ---- */
+
+static bool has_several(const pel_scene_value *list)
+{
+    return list->first != NULL && list->first->next != NULL;
+}
+
+/* Bodies do not pass through each other: several ones have contact between them. */
+static pel_status imply_contact(pel_scene_reader *reader, pel_scene_value *root, const pel_scene_value *bodies)
+{
+    if (find(root, "contact") != NULL || !has_several(bodies) || is_equilibrium_search(find_map(root, "solver")))
+        return PEL_OK;
+    pel_scene_value *contact = add(reader, root, "contact", PEL_SCENE_MAP);
+    if (contact == NULL)
+        return PEL_OUT_OF_MEMORY;
+    contact->is_implied = true;
+    return set_text(reader, contact, "self", "false");
+}
+
 /* ---- statics: neither duration nor dt ---- */
 
 static pel_status imply_static(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *solver = find_map(root, "solver");
-    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
-    return has_modes || is_word(solver, "path", "arc-length") ? set_text(reader, solver, "method", "static") : PEL_OK;
+    return is_equilibrium_search(solver) ? set_text(reader, solver, "method", "static") : PEL_OK;
 }
 
 /* the greatest common divisor of two times, at least `least` */
@@ -398,5 +423,7 @@ pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *ro
         status = imply_static(reader, root);
     if (status == PEL_OK && has_material)
         status = imply_method(reader, root);
+    if (status == PEL_OK)
+        status = imply_contact(reader, root, bodies);
     return status == PEL_OK ? imply_duration(reader, root) : status;
 }

@@ -9,9 +9,10 @@
        membrane.preset gives the numbers of the material; membrane and mass share a thickness; a membrane without mass
        has the density of its preset or 1000 kg/m3; a body with a membrane or bending has no springs unless it has the
        key; a body with a membrane has bending, except under pbd and pbd-distance; a scene with a membrane is stepped by
-       xpbd (or by implicit: method.h); an analysis uses the method static; stop.time and stop.frames give the duration;
-       the duration of a static run is that of its keys, with a step for each of them. The checker reports wrong values.
-       Errors: PEL_OUT_OF_MEMORY; PEL_BAD_SCENE for an unknown preset. */
+       xpbd (or by implicit: method.h); several bodies have contact between them (apart.c); an analysis uses the method
+   static; stop.time and stop.frames give the duration; the duration of a static run is that of its keys, with a step
+   for each of them. The checker reports wrong values. Errors: PEL_OUT_OF_MEMORY; PEL_BAD_SCENE for an unknown preset.
+ */
 pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *root);
 
 #endif

@@ -7,6 +7,7 @@
 #include "keys/print.h"
 #include "keys/validate.h"
 #include "keys/yaml.h"
+#include "scene/apart.h"
 #include "scene/build.h"
 #include "scene/damping.h"
 #include "scene/defaults.h"
@@ -126,6 +127,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count, cuts);
     if (status == PEL_OK)
         status = pel_scene_build_sim(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
+    if (status == PEL_OK)
+        status = pel_scene_keep_apart(reader, root, scene);
     scene->sim.cuts = cuts;
     scene->sim.cut_count = cut_count;
     if (status == PEL_OK)

@@ -40,7 +40,8 @@ static bool is_damped(const pel_body_def *body)
 
 bool pel_scene_is_undamped(const pel_scene *scene)
 {
-    bool any = scene->sim.tool_count > 0 || scene->sim.contact.enabled || scene->sim.solver.drag > 0;
+    bool any = scene->sim.tool_count > 0 || scene->sim.solver.drag > 0;
+    any |= scene->sim.contact.enabled && !scene->contact_is_implied;
     for (int32_t b = 0; b < scene->model.body_count; b++)
         any |= is_damped(&scene->model.bodies[b]);
     return !any;
