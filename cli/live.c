@@ -1,4 +1,5 @@
 /* pellicle live: a scene, or a mesh with a scene that suits it, on a page that a browser shows. */
+#define _DEFAULT_SOURCE /* flock */
 #define _XOPEN_SOURCE 700
 #include "commands.h"
 #include "diagnostics.h"
@@ -20,10 +21,13 @@ int cli_live(const cli_call *call)
 #include <pellicle/server.h>
 
 #include <fcntl.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -209,6 +213,58 @@ static void tell_address(void *user, const char *address)
         note_no_browser();
 }
 
+/* ---- the kept session ---- */
+
+/* FNV-1a (Fowler, Noll, Vo) */
+static uint64_t hash_text(uint64_t hash, const char *text)
+{
+    for (; *text != '\0'; text++)
+        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+/* $XDG_STATE_HOME/pellicle, with its parents; false if there is none */
+static bool make_state_folder(char *path, size_t size)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    bool is_set = state != NULL && state[0] == '/';
+    int length = snprintf(path, size, "%s%s/pellicle", is_set ? state : home, is_set ? "" : "/.local/state");
+    if ((!is_set && (home == NULL || home[0] != '/')) || length >= (int)size)
+        return false;
+    for (char *at = path + 1; *at != '\0'; at++)
+        if (*at == '/') {
+            *at = '\0';
+            mkdir(path, 0700);
+            *at = '/';
+        }
+    mkdir(path, 0700);
+    return access(path, W_OK | X_OK) == 0;
+}
+
+/* The file that keeps the session of a scene with these texts at this place; false if there is none. It belongs to one
+   process, which holds a lock until it ends. */
+static bool find_kept(const cli_call *call, const pel_scene *scene, char *path, size_t size)
+{
+    char full[PATH_SIZE], lock[PATH_SIZE];
+    const char *place = realpath(call->arguments[0], full) != NULL ? full : call->arguments[0];
+    uint64_t hash = hash_text(hash_text(UINT64_C(0xcbf29ce484222325), place), pel_scene_text(scene));
+    if (!make_state_folder(full, sizeof full) ||
+        snprintf(path, size, "%s/live-%016" PRIx64 ".yaml", full, hash) >= (int)size ||
+        snprintf(lock, sizeof lock, "%s.lock", path) >= (int)sizeof lock)
+        return false;
+    int descriptor = open(lock, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (descriptor < 0)
+        return false;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+        fputs("note: another 'pellicle live' keeps the session of this scene, so this one is not kept\n", stderr);
+        close(descriptor);
+        return false;
+    }
+    if (cli_has(call, "fresh"))
+        unlink(path);
+    return true;
+}
+
 /* takes leave of the opener once it has ended */
 static bool is_wanted(void *user)
 {
@@ -224,7 +280,7 @@ static bool is_wanted(void *user)
 
 static int serve(const cli_call *call, const pel_scene *scene)
 {
-    char found[PATH_SIZE];
+    char found[PATH_SIZE], kept[PATH_SIZE];
     pel_server_def def = pel_server_def_default();
     serving state = {.call = call};
     pel_error error;
@@ -239,6 +295,7 @@ static int serve(const cli_call *call, const pel_scene *scene)
     def.port = cli_count(call, "port");
     def.thread_count = cli_count(call, "threads");
     def.paused = cli_has(call, "paused");
+    def.kept = find_kept(call, scene, kept, sizeof kept) ? kept : NULL;
     def.opened = tell_address;
     def.wanted = is_wanted;
     def.user = &state;

@@ -95,7 +95,8 @@ static const cli_command commands[] = {
             "for bit. A MESH becomes a body filled with tissue or, with --shell, a shell of rubber. Default: the scene "
             "balloon.\n\nPrints 'live at http://127.0.0.1:PORT/?token=TOKEN', opens this address in a browser and "
             "serves it until interrupted. Only this machine can reach it, unless --host names another address, and "
-            "only with the token.\n\n--html writes one HTML file instead, which simulates in any browser without this "
+            "only with the token. The next start continues the session.\n\n--html writes one HTML file instead, which "
+            "simulates in any browser without this "
             "program: it contains the scene, the meshes and the library as WebAssembly.",
         .slots = {{.name = "SCENE|MESH", .kind = CLI_SCENE, .optional = true}},
         .options =
@@ -111,6 +112,7 @@ static const cli_command commands[] = {
               .value = "OUT",
               .doc = "write the page with the simulation to this file; start no server"},
              {.name = "paused", .kind = CLI_FLAG, .doc = "start paused"},
+             {.name = "fresh", .kind = CLI_FLAG, .doc = "start anew, not from the last session of this scene"},
              {.name = "set",
               .kind = CLI_SETTING,
               .repeated = true,

@@ -20,6 +20,10 @@ if(TARGET pellicle_program)
     add_test(NAME cli/faults COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/faults.py
                                      $<TARGET_FILE:pellicle_program>)
     set_tests_properties(cli/faults PROPERTIES ENVIRONMENT "PELLICLE_SANITIZE=${PELLICLE_SANITIZE};LSAN_OPTIONS=detect_leaks=0")
+    # live as a process: signals, answers, a session that was killed
+    if(TARGET pellicle_live AND NOT PELLICLE_SANITIZE)
+        add_test(NAME cli/live_process COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/live_process.py $<TARGET_FILE:pellicle_program>)
+    endif()
     # what a power failure may leave; the recorder is preloaded, which sanitizers do not bear
     if(NOT PELLICLE_SANITIZE AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
         add_test(NAME cli/power COMMAND ${PYTHON3} ${CMAKE_CURRENT_SOURCE_DIR}/cli/power.py $<TARGET_FILE:pellicle_program>)

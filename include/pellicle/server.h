@@ -18,6 +18,10 @@ typedef struct pel_server_def {
     int32_t port;         /* 0 = any free port */
     int32_t thread_count; /* 0 = as in the scene */
     bool paused;          /* true: wait for the user; false: start when the first page connects */
+    /* Path of a file that keeps the session as a scene, null = none. It is written at most 0.5 s after each step and
+       command, so a crash loses no more, and removed while nothing is recorded. If it is there at the start, the server
+       first repeats it, as fast as the machine can, to the same bits. For one server at a time. */
+    const char *kept;
     /* Called once, when the server accepts connections, with "http://127.0.0.1:PORT/?token=TOKEN". Nullable. */
     void (*opened)(void *user, const char *address);
     /* Called about ten times a second; returning false ends the server. Nullable. */

@@ -87,7 +87,7 @@ def main():
         cases = [case for case in cases if not case["long"]]
         print(*[f"long: {left} commands"] if left else [], sep="\n")
     with tempfile.TemporaryDirectory() as folder:
-        environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}", LC_ALL="C")
+        environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}", LC_ALL="C", XDG_STATE_HOME=f"{folder}/state")
         for case in cases:
             found = run(case, pathlib.Path(folder), environment)
             if found:

@@ -252,6 +252,129 @@ static void test_slow(void **unused)
     }
 }
 
+#define KEPT "kept-player.yaml"
+
+static const char soft[] =
+    "version: 1\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 2 }, mass: { per_vertex: 0.1 },\n"
+    "      springs: { stiffness: 3, damping: 0.1 }, volumetric: { stiffness: 1.5, damping: 0.1 } }\n"
+    "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n";
+
+/* a player of `soft` that keeps its session; those of the same name continue each other */
+static void start_kept(fixture *f)
+{
+    *f = (fixture){.def = pel_server_def_default()};
+    pel_mailbox_create(&f->box);
+    assert_int_equal(pel_scene_parse("ball.yaml", soft, strlen(soft), NULL, 0, NULL, &f->scene, NULL), PEL_OK);
+    f->def.scene = f->scene;
+    f->def.kept = KEPT;
+    assert_int_equal(pel_player_create(&f->def, &f->box, &f->player, NULL), PEL_OK);
+    pel_mailbox_welcome(&f->box, &f->reader);
+}
+
+/* of the newest frame */
+static void copy_hash(fixture *f, char hash[40])
+{
+    (void)say_and_see(f, "echo 1");
+    char head[4000] = {0};
+    memcpy(head, f->box.posts[PEL_POST_FRAME].bytes + 4, sizeof head - 1);
+    const char *found = strstr(head, "\"hash\":\"");
+    assert_non_null(found);
+    snprintf(hash, 40, "%.*s", (int)strcspn(found + 8, "\""), found + 8);
+}
+
+static void wait_seconds(fixture *f, double seconds)
+{
+    for (double start = pel_seconds(); pel_seconds() - start < seconds;)
+        assert_true(pel_player_turn(f->player, 0.02));
+}
+
+/* a player that ends without a word is continued by the next one, to the same bits; what ends it is not lost either */
+static void test_kept(void **unused)
+{
+    (void)unused;
+    static const char *const lines[] = {"mark",
+                                        "grab 0 -5 0 0 1 0 20 0.3",
+                                        "move 0 -1.5 0",
+                                        "step",
+                                        "step",
+                                        "release",
+                                        "set bodies.ball.springs.stiffness 4",
+                                        "step",
+                                        "step"};
+    fixture f;
+    char before[40], after[40];
+    remove(KEPT);
+    start_kept(&f);
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        say(&f, lines[i]);
+    copy_hash(&f, before);
+    wait_seconds(&f, 0.9);
+    stop(&f);
+    start_kept(&f);
+    /* what is said meanwhile waits, and does not come before its turn */
+    say(&f, "set bodies.ball.springs.stiffness 9");
+    wait_seconds(&f, 0.2);
+    assert_true(holds(&f, PEL_POST_NOTICE, "the last session is back"));
+    copy_hash(&f, after);
+    assert_string_equal(after, before);
+    /* and it goes on: the last second is kept by the end */
+    say(&f, "set bodies.ball.springs.stiffness 5");
+    say(&f, "step");
+    copy_hash(&f, before);
+    pel_mailbox_end(&f.box);
+    assert_false(pel_player_turn(f.player, 0));
+    stop(&f);
+    start_kept(&f);
+    wait_seconds(&f, 0.2);
+    copy_hash(&f, after);
+    assert_string_equal(after, before);
+    /* after a reset there is nothing to keep */
+    say(&f, "reset");
+    wait_seconds(&f, 0.9);
+    assert_null(fopen(KEPT, "r"));
+    stop(&f);
+}
+
+static void put_kept(const char *content)
+{
+    FILE *stream = fopen(KEPT, "w");
+    assert_non_null(stream);
+    fprintf(stream, "%s%s", content, soft);
+    fclose(stream);
+}
+
+/* a long repetition ends by a reset at once; one that fails leaves its file under another name */
+static void test_kept_ends(void **unused)
+{
+    (void)unused;
+    fixture f;
+    put_kept("# pellicle live: 100000000 steps\nsession: [\"0 inflate ball 0.1\"]\n");
+    start_kept(&f);
+    wait_seconds(&f, 0.1);
+    say(&f, "inflate ball 1");
+    assert_true(holds(&f, PEL_POST_NOTICE, "the last session is repeated first"));
+    double start = pel_seconds();
+    assert_int_equal(say_and_see(&f, "reset"), 0);
+    assert_int_equal(say_and_see(&f, "step"), 1);
+    assert_true(pel_seconds() - start < 1);
+    stop(&f);
+    put_kept("# pellicle live: 3 steps\nsession: [\"1 inflate nobody 0.1\"]\n");
+    start_kept(&f);
+    wait_seconds(&f, 0.2);
+    assert_true(holds(&f, PEL_POST_NOTICE, "cannot be repeated (it is in " KEPT ".1)"));
+    assert_int_equal(say_and_see(&f, "step"), 2);
+    stop(&f);
+    assert_int_equal(remove(KEPT ".1"), 0);
+    put_kept("");
+    start_kept(&f);
+    assert_true(holds(&f, PEL_POST_NOTICE, "this is no kept state"));
+    assert_int_equal(say_and_see(&f, "step"), 1);
+    stop(&f);
+    assert_int_equal(remove(KEPT ".1"), 0);
+    remove(KEPT);
+}
+
 #define SHELL "material: stvk, young: 1.0e5, poisson: 0.3"
 
 /* shape, membrane, contact and solver, and a command that makes a step of minutes */
@@ -303,6 +426,8 @@ int main(void)
                                        cmocka_unit_test(test_not_opened),
                                        cmocka_unit_test(test_opened),
                                        cmocka_unit_test(test_slow),
+                                       cmocka_unit_test(test_kept),
+                                       cmocka_unit_test(test_kept_ends),
                                        cmocka_unit_test(test_absurd)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

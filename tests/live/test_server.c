@@ -8,9 +8,11 @@
 #include <pellicle/server.h>
 
 #include <arpa/inet.h>
+#include <errno.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <time.h>
@@ -104,14 +106,19 @@ typedef struct client {
     bool is_text;
 } client;
 
-static int call(void)
+static void reach(int made)
 {
     struct sockaddr_in where = {.sin_family = AF_INET, .sin_port = htons((uint16_t)atomic_load(&port))};
     const struct timeval patience = {.tv_sec = 20};
     inet_pton(AF_INET, "127.0.0.1", &where.sin_addr);
-    int made = socket(AF_INET, SOCK_STREAM, 0);
     assert_int_equal(connect(made, (struct sockaddr *)&where, sizeof where), 0);
     setsockopt(made, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+}
+
+static int call(void)
+{
+    int made = socket(AF_INET, SOCK_STREAM, 0);
+    reach(made);
     return made;
 }
 
@@ -129,6 +136,9 @@ static bool read_all(int from, void *bytes, size_t size)
 {
     for (size_t done = 0; done < size;) {
         ssize_t count = recv(from, (char *)bytes + done, size - done, 0);
+        /* silence is not the end */
+        if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
+            fail_msg("the server neither answers nor closes");
         if (count <= 0)
             return false;
         done += (size_t)count;
@@ -170,13 +180,19 @@ static const char *own_host(void)
     "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"                                       \
     "Sec-WebSocket-Key: x3JJHMbDL1EzLkh9GBhXDw==\r\nSec-WebSocket-Protocol: pellicle\r\n"
 
-static client visit(void)
+/* asks for a channel; the status */
+static int enter(int to)
 {
     char headers[600], path[100];
-    client made = {.socket = call()};
     snprintf(headers, sizeof headers, "%s" UPGRADE, own_host());
     snprintf(path, sizeof path, "/?token=%s", token);
-    assert_int_equal(request(made.socket, path, "", headers), 101);
+    return request(to, path, "", headers);
+}
+
+static client visit(void)
+{
+    client made = {.socket = call()};
+    assert_int_equal(enter(made.socket), 101);
     return made;
 }
 
@@ -389,6 +405,59 @@ static void test_idle_sockets(void **unused)
     close(line);
     for (int i = 0; i < IDLE; i++)
         close(idle[i]);
+}
+
+/* where no descriptor is left, those that say nothing leave at once, and a page comes in */
+static void test_descriptors(void **unused)
+{
+    (void)unused;
+    enum { IDLE = 40, LEFT = 6 };
+    int idle[IDLE], page;
+    struct rlimit before, few;
+    for (int i = 0; i < IDLE; i++)
+        idle[i] = socket(AF_INET, SOCK_STREAM, 0);
+    page = socket(AF_INET, SOCK_STREAM, 0);
+    int most = page;
+    for (int i = 0; i < IDLE; i++)
+        most = idle[i] > most ? idle[i] : most;
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    few = before;
+    few.rlim_cur = (rlim_t)(most + 1 + LEFT);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
+    const double start = pel_seconds();
+    for (int i = 0; i < IDLE; i++)
+        reach(idle[i]);
+    reach(page);
+    int status = enter(page);
+    setrlimit(RLIMIT_NOFILE, &before);
+    assert_int_equal(status, 101);
+    /* not after they have been silent for 5 s */
+    assert_true(pel_seconds() - start < 3);
+    for (int i = 0; i < IDLE; i++)
+        close(idle[i]);
+    close(page);
+}
+
+/* the 33rd page is told to come later; once one has left there is room */
+static void test_most_pages(void **unused)
+{
+    (void)unused;
+    enum { PAGES = 32 };
+    client pages[PAGES];
+    int status = 0;
+    for (int i = 0; i < PAGES; i++)
+        pages[i] = visit();
+    int line = call();
+    assert_int_equal(enter(line), 503);
+    close(line);
+    for (int i = 0; i < PAGES; i++)
+        leave(&pages[i]);
+    for (int tries = 0; tries < 100 && status != 101; tries++) {
+        line = call();
+        status = enter(line);
+        close(line);
+    }
+    assert_int_equal(status, 101);
 }
 
 static void test_first_messages(void **unused)
@@ -633,6 +702,7 @@ int main(void)
         cmocka_unit_test(test_cookie),          cmocka_unit_test(test_idle_sockets),
         cmocka_unit_test(test_bad_frames),      cmocka_unit_test(test_long_stages),
         cmocka_unit_test(test_port_is_taken),   cmocka_unit_test(test_all_addresses),
+        cmocka_unit_test(test_descriptors),     cmocka_unit_test(test_most_pages),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -14,9 +14,14 @@ const folder = mkdtempSync(join(tmpdir(), "pellicle-live-"));
 
 /* ---- the program ---- */
 
-// { address, stop() }
+// all that was started: what is left keeps this test from ending
+const children = [];
+
+// { address, stop() }; sessions are kept in the folder of the test
 async function serve(...words) {
-    const child = spawn(program, ["live", ...words, "--no-open", "-q"], { stdio: ["ignore", "pipe", "inherit"] });
+    const env = { ...process.env, XDG_STATE_HOME: folder };
+    const child = spawn(program, ["live", ...words, "--no-open", "-q"], { stdio: ["ignore", "pipe", "inherit"], env });
+    children.push(child);
     const address = await new Promise((done, fail) => {
         let text = "";
         child.stdout.on("data", (bytes) => {
@@ -29,7 +34,6 @@ async function serve(...words) {
     const ended = new Promise((done) => child.on("exit", done));
     return {
         address,
-        end: () => child.kill("SIGKILL"),
         async stop() {
             child.kill("SIGTERM");
             assert.equal(await ended, 0);
@@ -552,7 +556,7 @@ try {
     await following(browser);
     console.log("the live page pulls, presses with shapes and meshes, films, pins, slides, inflates, colours, measures, follows, saves and repeats, by pointer and keys");
 } finally {
-    server.end();
+    for (const child of children) child.kill("SIGKILL");
     await browser.close();
     rmSync(folder, { recursive: true, force: true });
 }

@@ -20,7 +20,7 @@ writeFileSync(
 );
 
 // the program says where the page is
-const child = spawn(program, ["live", path, "--no-open", "-q"], { stdio: ["ignore", "pipe", "inherit"] });
+const child = spawn(program, ["live", path, "--no-open", "--fresh", "-q"], { stdio: ["ignore", "pipe", "inherit"] });
 const address = await new Promise((done) => child.stdout.on("data", (bytes) => done(/http:\S+/.exec(bytes)[0])));
 
 // In the page: each move is followed by an echo; the frame that brings it back is drawn, and a fence says when the

@@ -2,6 +2,9 @@
    open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
    next frame).
 
+   The state is kept in a file while it changes, and a file that is there at the start is repeated, as fast as the
+   machine can. Until then lines that change the simulation are refused, but undo, reset and open end the repetition.
+
    Each line and each step is a stage. Pause, undo, reset, open and contact stop the present stage once it has taken
    STAGE_SECONDS, and so does the end of the server: whatever was to change is then as it was before. */
 #include "live/player.h"
@@ -9,6 +12,7 @@
 #include "base/memory.h"
 #include "base/patience.h"
 #include "base/status.h"
+#include "live/keep.h"
 #include "live/message.h"
 #include "math/extremes.h"
 #include "pellicle/observe.h"
@@ -74,6 +78,13 @@ struct pel_player {
     double pace, step_ms, serving;
     double slow_seconds; /* in a row */
     bool has_told_slow;
+    /* the kept state: what is still to be repeated, and what is newer than the file */
+    pel_kept kept;     /* its scene is own_scene */
+    int32_t kept_next; /* command */
+    bool repeats;
+    bool is_ahead; /* of the file */
+    bool has_told_lost;
+    double kept_at;
     struct pel_player *self; /* where it stays: a scene is opened in a copy */
 };
 
@@ -330,6 +341,93 @@ static void save_scene(pel_player *player)
     pel_session_free_text(text);
 }
 
+/* ---- the kept state ---- */
+
+/* writes what is newer than the file; an error is told once */
+static void keep(pel_player *player)
+{
+    pel_error error;
+    if (player->def->kept == NULL || !player->is_ahead || player->repeats)
+        return;
+    pel_status status = pel_keep_write(player->def->kept, player->session, pel_sim_step_count(player->sim), &error);
+    player->kept_at = pel_seconds();
+    player->is_ahead = false;
+    if (status != PEL_OK && !player->has_told_lost)
+        say_error(player, "error", "a crash would lose this session: ", &error);
+    player->has_told_lost = status != PEL_OK;
+}
+
+/* the commands of the kept state for the present step */
+static pel_status repeat_kept(pel_player *player, pel_error *error)
+{
+    const pel_kept *kept = &player->kept;
+    int64_t now = pel_sim_step_count(player->sim);
+    while (player->kept_next < kept->command_count && kept->commands[player->kept_next].step <= now) {
+        pel_status status = pel_session_apply(player->session, kept->commands[player->kept_next].line, error);
+        if (status != PEL_OK)
+            return status;
+        player->kept_next++;
+    }
+    return PEL_OK;
+}
+
+/* a file that cannot be repeated stays, under another name */
+static void set_aside(pel_player *player, pel_error *error)
+{
+    char path[4096], before[4200];
+    bool fits = snprintf(path, sizeof path, "%s.1", player->def->kept) < (int)sizeof path;
+    snprintf(before, sizeof before, "the last session cannot be repeated (it is in %s): ",
+             fits && rename(player->def->kept, path) == 0 ? path : player->def->kept);
+    tell_error(player, "error", before, error);
+}
+
+/* one step of the kept state; its last one ends the repetition. A line that stops it waits for more. */
+static void repeat_step(pel_player *player)
+{
+    pel_error error;
+    bool is_last = pel_sim_step_count(player->sim) >= player->kept.steps;
+    begin_stage(player, "repeating the last session");
+    pel_status status = repeat_kept(player, &error);
+    if (status == PEL_OK && !is_last)
+        status = pel_session_step(player->session, &error);
+    bool was_stopped = end_stage(player) || status == PEL_STOPPED;
+    if ((status == PEL_OK && !is_last) || (status != PEL_OK && was_stopped))
+        return;
+    player->repeats = false;
+    player->has_new_parameters = player->has_new_surface = true;
+    if (status == PEL_OK)
+        tell(player, "note", "the last session is back. Reset starts anew");
+    else
+        set_aside(player, &error);
+}
+
+/* as fast as the machine can, for as long as a picture lasts */
+static void repeat_steps(pel_player *player)
+{
+    double start = pel_seconds();
+    while (player->repeats && !atomic_load(&player->box->ended) && pel_seconds() - start < PICTURE_SECONDS)
+        repeat_step(player);
+    player->changed = true;
+    player->due = pel_seconds();
+}
+
+/* the scene of the file instead of that of the def */
+static void take_kept(pel_player *player)
+{
+    pel_error error;
+    if (player->def->kept == NULL)
+        return;
+    if (pel_keep_read(player->def->kept, player->def->scene->path, &player->kept, &error) != PEL_OK) {
+        set_aside(player, &error);
+    } else if (player->kept.scene != NULL) {
+        player->own_scene = player->kept.scene;
+        player->scene = player->own_scene;
+        player->repeats = true;
+        pel_log_line(player->def->log, "repeats the last session: %d commands, %lld steps",
+                     (int)player->kept.command_count, (long long)player->kept.steps);
+    }
+}
+
 /* ---- steps ---- */
 
 static void begin_interval(pel_player *player, double now)
@@ -452,7 +550,7 @@ static bool do_step(pel_player *player)
     (void)end_stage(player);
     player->interval_stepping += seconds;
     player->interval_steps++;
-    player->changed = true;
+    player->changed = player->is_ahead = true;
     player->answers |= player->touched;
     player->touched = false;
     if (status == PEL_OK) {
@@ -538,8 +636,24 @@ static void apply(pel_player *player, const char *line)
         player->has_new_surface = true;
 }
 
+/* what else is said while the last session is repeated has to wait: it would come before its turn */
+static bool waits_for_repetition(pel_player *player, const char *line)
+{
+    static const char *const harmless[] = {"play", "pause", "save", "field ", "echo "};
+    bool waits = player->repeats;
+    for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
+        waits &= strncmp(line, harmless[i], strlen(harmless[i])) != 0;
+    if (waits && pel_player_interrupts(line))
+        player->repeats = waits = false;
+    if (waits)
+        tell(player, "note", "the last session is repeated first. Reset starts anew");
+    return waits;
+}
+
 static void do_line(pel_player *player, const char *line)
 {
+    if (waits_for_repetition(player, line))
+        return;
     if (strcmp(line, "play") == 0)
         play(player, true);
     else if (strcmp(line, "pause") == 0)
@@ -562,7 +676,7 @@ static void do_line(pel_player *player, const char *line)
         player->echo = (uint32_t)strtoul(line + 5, NULL, 10);
     else
         apply(player, line);
-    player->changed = player->touched = true;
+    player->changed = player->touched = player->is_ahead = true;
     player->answers |= !player->playing;
 }
 
@@ -578,6 +692,8 @@ bool pel_player_interrupts(const char *line)
 double pel_player_rest(const pel_player *player)
 {
     double now = pel_seconds(), rest = player->playing ? player->due - now : 0.1;
+    if (player->repeats)
+        return 0;
     if (player->changed && atomic_load(&player->box->wanted))
         return pel_min(rest, picture_due(player) - now);
     return player->changed ? pel_min(rest, 0.004) : pel_min(rest, 0.1);
@@ -597,7 +713,11 @@ bool pel_player_turn(pel_player *player, double rest)
             do_line(player, lines[i]);
         pel_free(lines[i]);
     }
-    if (goes_on && player->playing)
+    if (!goes_on || pel_seconds() - player->kept_at >= PEL_KEEP_SECONDS)
+        keep(player);
+    if (goes_on && player->repeats)
+        repeat_steps(player);
+    else if (goes_on && player->playing)
         do_steps(player);
     if (goes_on)
         post_all(player);
@@ -621,6 +741,7 @@ pel_status pel_player_create(const pel_server_def *def, pel_mailbox *box, pel_pl
     made->box = box;
     made->scene = def->scene;
     made->self = made;
+    take_kept(made);
     pel_status status = start_scene(made, error);
     if (status != PEL_OK) {
         pel_player_destroy(made);

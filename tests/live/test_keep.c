@@ -1,0 +1,150 @@
+/* The kept state as a file: what it holds, when there is none, and other files under its name. */
+#include "check.h"
+#include "failing_malloc.h"
+
+#include "base/memory.h"
+#include "io/file.h"
+#include "live/keep.h"
+
+#include <pellicle/sim.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define KEPT "kept-state.yaml"
+
+static const char text[] =
+    "version: 1\nbodies:\n"
+    "  - { name: ball, mesh: { shape: geodesic-sphere, frequency: 2 }, mass: { per_vertex: 0.1 },\n"
+    "      springs: { stiffness: 3 }, volumetric: { stiffness: 1.5 } }\n"
+    "solver: { method: quasi-static, dt: 0.01 }\nduration: 1\n";
+
+typedef struct fixture {
+    pel_scene *scene;
+    pel_model *model;
+    pel_sim *sim;
+    pel_session *session;
+} fixture;
+
+static fixture start(void)
+{
+    fixture f;
+    pel_sim_def def;
+    assert_int_equal(pel_scene_parse("ball.yaml", text, strlen(text), NULL, 0, NULL, &f.scene, NULL), PEL_OK);
+    assert_int_equal(pel_model_create(&f.scene->model, &f.model, NULL), PEL_OK);
+    def = f.scene->sim;
+    def.model = f.model;
+    assert_int_equal(pel_sim_create(&def, &f.sim, NULL), PEL_OK);
+    assert_int_equal(pel_session_create(f.scene, f.sim, &f.session, NULL), PEL_OK);
+    return f;
+}
+
+static void stop(fixture *f)
+{
+    pel_session_destroy(f->session);
+    pel_sim_destroy(f->sim);
+    pel_model_destroy(f->model);
+    pel_scene_destroy(f->scene);
+    unlink(KEPT);
+}
+
+static void test_file(void **unused)
+{
+    (void)unused;
+    fixture f = start();
+    pel_kept kept;
+    unlink(KEPT);
+    /* no file; nothing recorded makes none */
+    assert_int_equal(pel_keep_read(KEPT, "ball.yaml", &kept, NULL), PEL_OK);
+    assert_null(kept.scene);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 3, NULL), PEL_OK);
+    assert_int_not_equal(access(KEPT, F_OK), 0);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(pel_session_step(f.session, NULL), PEL_OK);
+    assert_int_equal(pel_session_apply(f.session, "set bodies.ball.springs.stiffness 4", NULL), PEL_OK);
+    assert_int_equal(pel_session_step(f.session, NULL), PEL_OK);
+    assert_int_equal(pel_session_apply(f.session, "inflate ball 0.5", NULL), PEL_OK);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 7, NULL), PEL_OK);
+    assert_int_equal(pel_keep_read(KEPT, "ball.yaml", &kept, NULL), PEL_OK);
+    assert_true(kept.steps == 7 && kept.command_count == 2 && kept.scene->session_count == 0);
+    assert_int_equal(kept.commands[0].step, 3);
+    assert_string_equal(kept.commands[0].line, "set bodies.ball.springs.stiffness 4");
+    assert_int_equal(kept.commands[1].step, 4);
+    pel_scene_destroy(kept.scene);
+    /* a reset leaves nothing to keep */
+    assert_int_equal(pel_session_reset(f.session, NULL), PEL_OK);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 0, NULL), PEL_OK);
+    assert_int_not_equal(access(KEPT, F_OK), 0);
+    stop(&f);
+}
+
+static void refuse(const char *content, pel_status expected, const char *words)
+{
+    pel_kept kept;
+    pel_error error;
+    char said[1200];
+    FILE *stream = fopen(KEPT, "w");
+    assert_non_null(stream);
+    fputs(content, stream);
+    fclose(stream);
+    assert_int_equal(pel_keep_read(KEPT, "ball.yaml", &kept, &error), expected);
+    assert_null(kept.scene);
+    pel_error_text(&error, said, sizeof said);
+    if (strstr(said, words) == NULL)
+        fail_msg("%s", said);
+    unlink(KEPT);
+}
+
+static void test_other_files(void **unused)
+{
+    (void)unused;
+    fixture f = start();
+    refuse("", PEL_BAD_FORMAT, KEPT ": error: this is no kept state");
+    refuse(text, PEL_BAD_FORMAT, "this is no kept state");
+    refuse("# pellicle live: -1 steps\nversion: 1\n", PEL_BAD_FORMAT, "this is no kept state");
+    refuse("# pellicle live: 1 steps\nversion: 1\nbodies: [}\n", PEL_BAD_SCENE, "ball.yaml:3:");
+    /* a folder is in the way */
+    pel_kept kept;
+    pel_error error;
+    assert_int_equal(mkdir(KEPT, 0700), 0);
+    assert_int_equal(pel_keep_read(KEPT, "ball.yaml", &kept, &error), PEL_BAD_FILE);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 1, &error), PEL_BAD_FILE);
+    assert_string_equal(error.file, KEPT);
+    assert_int_equal(pel_session_apply(f.session, "inflate ball 0.5", NULL), PEL_OK);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 1, &error), PEL_BAD_FILE);
+    rmdir(KEPT);
+    stop(&f);
+}
+
+static pel_status write_case(const void *session, pel_error *error)
+{
+    return pel_keep_write(KEPT, session, 1, error);
+}
+
+static pel_status read_case(const void *path, pel_error *error)
+{
+    pel_kept kept;
+    pel_status status = pel_keep_read(path, "ball.yaml", &kept, error);
+    pel_scene_destroy(kept.scene);
+    return status;
+}
+
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    fixture f = start();
+    assert_int_equal(pel_session_apply(f.session, "inflate ball 0.5", NULL), PEL_OK);
+    assert_true(for_every_allocation_failure(write_case, f.session) >= 3);
+    assert_int_equal(pel_keep_write(KEPT, f.session, 1, NULL), PEL_OK);
+    assert_true(for_every_allocation_failure(read_case, KEPT) >= 10);
+    stop(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_file), cmocka_unit_test(test_other_files),
+                                       cmocka_unit_test(test_allocation_failures)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
