@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers python format docs pictures install deb clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -83,6 +83,9 @@ reproduction: program ## run all experiments of both papers and write docs/repro
 
 mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)
 	@tools/mutants-of-the-papers
+
+mutants-of-the-limits: need-demo need-dev ## take out the limits of tools/limits one at a time and check that their tests notice (half an hour)
+	@tools/mutate --list tools/limits
 
 pictures: program ## draw docs/pictures from scenes/
 	@tools/pictures $(PROGRAM) docs/pictures

@@ -129,6 +129,8 @@ static void test_mailbox(void **unused)
     (void)unused;
     pel_mailbox box;
     pel_mailbox_create(&box);
+    /* docs/live.md */
+    assert_true(PEL_LINE_LIMIT == 1024 && PEL_MESSAGE_LIMIT == 8 << 20 && PEL_WAITING_LIMIT == 32 << 20);
     for (int round = 0; round < 2; round++) {
         for (int i = 0; i < PEL_LINE_LIMIT + 5; i++)
             pel_mailbox_line(&box, make_line(3), false);
@@ -166,9 +168,43 @@ static void test_mailbox(void **unused)
     pel_mailbox_destroy(&box);
 }
 
+/* takes the head of a masked frame of a text, and its payload of spaces */
+static pel_channel_event take_frame(pel_channel *channel, unsigned char first, size_t size, size_t given)
+{
+    unsigned char head[PEL_CHANNEL_HEAD] = {first, 0x80 | 127}, *payload = malloc(given + 1);
+    size_t used = 0;
+    assert_non_null(payload);
+    memset(payload, ' ', given + 1);
+    for (int i = 0; i < 8; i++)
+        head[2 + i] = (unsigned char)((uint64_t)size >> (56 - 8 * i));
+    pel_channel_event event = pel_channel_take(channel, head, sizeof head, &used);
+    if (event == PEL_CHANNEL_NOTHING && given > 0)
+        event = pel_channel_take(channel, payload, given, &used);
+    free(payload);
+    return event;
+}
+
+/* a message of 8 MiB is whole, also in pieces; a byte more is refused by the head, before it comes */
+static void test_message_limit(void **unused)
+{
+    (void)unused;
+    pel_channel channel = {0};
+    assert_int_equal(take_frame(&channel, 0x81, PEL_MESSAGE_LIMIT, PEL_MESSAGE_LIMIT), PEL_CHANNEL_MESSAGE);
+    assert_int_equal(strlen(channel.text), PEL_MESSAGE_LIMIT);
+    assert_int_equal(take_frame(&channel, 0x81, PEL_MESSAGE_LIMIT + 1, 0), PEL_CHANNEL_REFUSED);
+    pel_channel_free(&channel);
+    const size_t part = PEL_MESSAGE_LIMIT / 2;
+    for (size_t more = 0; more < 2; more++) {
+        assert_int_equal(take_frame(&channel, 0x01, part, part), PEL_CHANNEL_NOTHING);
+        pel_channel_event event = take_frame(&channel, 0x80, part + more, more == 0 ? part : 0);
+        assert_int_equal(event, more == 0 ? PEL_CHANNEL_MESSAGE : PEL_CHANNEL_REFUSED);
+    }
+    pel_channel_free(&channel);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_digests), cmocka_unit_test(test_requests),
-                                       cmocka_unit_test(test_mailbox)};
+                                       cmocka_unit_test(test_mailbox), cmocka_unit_test(test_message_limit)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
