@@ -119,6 +119,11 @@ static void test_coarse_load(void **unused)
     assert_null(warning_of(DISC, fine, 1, "coarse-load", &summary));
     assert_true(fabs(summary.max_displacement - exact) < 0.05 * exact);
     assert_false(warns(DISC, wide, 2, "coarse-load"));
+    /* and the remedy of its text works */
+    const char *automatic[] = {"bodies.disc.refine=auto"};
+    assert_non_null(strstr(warning_of(DISC, no_change, 0, "coarse-load", &summary), automatic[0]));
+    assert_null(warning_of(DISC, automatic, 1, "coarse-load", &summary));
+    assert_true(fabs(summary.max_displacement - exact) < 0.03 * exact);
     assert_false(warns(DISC, along, 1, "coarse-load"));
     /* a point load at the end of a clamped strip bends the whole strip */
     assert_false(warns(STRIP(CLAMP, STATIC "loads: [ { force: [0, 0, -0.1], at: { nearest: [0.25, 0, 0] } } ]\n"),

@@ -156,3 +156,11 @@ pel_status pel_curve_copy(const pel_quantity *quantity, pel_curve *curve, pel_er
     curve->key_count = quantity->key_count;
     return PEL_OK;
 }
+
+double pel_quantity_mean(const pel_quantity *quantity, int32_t vertex_count)
+{
+    double sum = 0;
+    for (int32_t v = 0; quantity->field != NULL && v < vertex_count; v++)
+        sum += quantity->field[v] / vertex_count;
+    return quantity->field != NULL ? sum : quantity->value;
+}

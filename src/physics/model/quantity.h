@@ -20,6 +20,8 @@ pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def
 
 /* Its value on a vertex; 1 when it is keyed. */
 double pel_quantity_at(const pel_quantity *quantity, int32_t v);
+/* Its mean over the vertices of a mesh. */
+double pel_quantity_mean(const pel_quantity *quantity, int32_t vertex_count);
 
 /* Keeps the keys of a quantity, if any; freed by pel_free(curve->keys). */
 pel_status pel_curve_copy(const pel_quantity *quantity, pel_curve *curve, pel_error *error);

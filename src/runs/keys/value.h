@@ -42,6 +42,8 @@ typedef struct pel_scene_reader {
     const pel_log *log;
     pel_error *error;
     pel_scene_welding *weldings; /* of the meshes that have some */
+    /* meshes of the bodies and tools in the order of the scene, which were made before; null = none */
+    struct pel_mesh *const *made;
 } pel_scene_reader;
 
 /* a new value at a place, null when out of memory (the error is filled) */

@@ -3,6 +3,7 @@
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "field/radius.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "math/vec3.h"
@@ -11,6 +12,7 @@
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "model/model.h"
+#include "model/quantity.h"
 #include "model/shell.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
@@ -38,8 +40,6 @@
 /* share from which one step is enough */
 #define JAM_AT_ONCE 0.5
 enum { JAM_STEPS = 10 };
-/* edges of a mesh that turn by less than this are flat */
-#define FLAT_ANGLE 1e-6
 /* rounding errors of a position, in units of the last place; of the supplied energy: an excess that counts */
 #define ROUNDING_ERRORS 8
 #define EXCESS_SHARE 0.05
@@ -84,48 +84,6 @@ static const char *const codes[PEL_WARN_COUNT] = {
 
 /* ---- the scene ---- */
 
-static void triangle_normal(const pel_mesh *mesh, int32_t t, double normal[3])
-{
-    const int32_t *v = mesh->triangles[t];
-    double a[3], b[3];
-    pel_vec3_subtract(mesh->positions[v[1]], mesh->positions[v[0]], a);
-    pel_vec3_subtract(mesh->positions[v[2]], mesh->positions[v[0]], b);
-    pel_vec3_cross(a, b, normal);
-}
-
-/* Mean radius of curvature, and mean length of an edge. Steiner's formula for the integral of the mean curvature of a
-   polyhedron, the sum over edges of length times angle over 2, here without sign; a sphere gives its radius. */
-static pel_status measure_edges(const pel_mesh *mesh, double *radius, double *edge, pel_error *error)
-{
-    pel_topology *topology;
-    pel_status status = pel_topology_create(mesh, &topology, error);
-    if (status != PEL_OK)
-        return status;
-    double area = 0, turn = 0, length_sum = 0;
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        double n[3], m[3], cross[3];
-        triangle_normal(mesh, t, n);
-        area += pel_vec3_length(n) / 2;
-        for (int i = 0; i < 3; i++) {
-            int32_t twin = topology->twin[3 * t + i];
-            const int32_t *v = mesh->triangles[t];
-            double length = pel_vec3_distance(mesh->positions[v[i]], mesh->positions[v[(i + 1) % 3]]);
-            length_sum += length;
-            if (twin < 0)
-                continue;
-            triangle_normal(mesh, twin / 3, m);
-            pel_vec3_cross(n, m, cross);
-            double angle = pel_atan2(pel_vec3_length(cross), pel_vec3_dot(n, m));
-            /* each inner edge comes twice */
-            turn += angle > FLAT_ANGLE ? length * angle / 4 : 0;
-        }
-    }
-    pel_topology_destroy(topology);
-    *radius = turn > 0 ? area / turn : HUGE_VAL;
-    *edge = length_sum / (3.0 * mesh->triangle_count);
-    return PEL_OK;
-}
-
 /* Edges against sqrt(R h), the width of the layer in which a load bends a shell as well as stretching it (Calladine
    1983, Theory of Shell Structures, sections 7.5 and 11.4). A body that refines has shorter edges where needed. Loads
    that only stretch need no such edges: frames show whether it bends (bends_locally). */
@@ -137,11 +95,14 @@ static pel_status check_edges(pel_run_state *run, int32_t b, pel_error *error)
     if (!membrane->on || body->shell.bending.model == PEL_BENDING_NONE ||
         !pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)))
         return PEL_OK;
-    pel_status status = measure_edges(body->mesh, &radius, &edge, error);
+    pel_topology *topology;
+    pel_status status = pel_topology_create(body->mesh, &topology, error);
     if (status != PEL_OK)
         return status;
+    pel_mesh_mean_radius(body->mesh, topology, body->mesh->positions[0], (double)HUGE_VAL, &radius, &edge);
+    pel_topology_destroy(topology);
     edge = ldexp(edge, -body->refine.levels);
-    double limit = sqrt(radius * pel_mean_quantity(&membrane->thickness, body->mesh->vertex_count));
+    double limit = sqrt(radius * pel_quantity_mean(&membrane->thickness, body->mesh->vertex_count));
     if (edge > limit && !(run->flagged[PEL_WARN_COARSE].limit > 0))
         run->flagged[PEL_WARN_COARSE] = (pel_flagged_body){b, edge, limit};
     return PEL_OK;
@@ -172,7 +133,7 @@ static bool is_supported(const pel_scene *scene, int32_t b)
 static void check_filling(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
-    double stiffness = pel_mean_quantity(&body->volumetric_stiffness, body->mesh->vertex_count);
+    double stiffness = pel_quantity_mean(&body->volumetric_stiffness, body->mesh->vertex_count);
     double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
     if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
         pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);

@@ -7,6 +7,7 @@
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "model/model.h"
+#include "model/quantity.h"
 #include "pellicle/sim_surface.h"
 #include "run/state.h"
 
@@ -26,17 +27,9 @@
 /* kg/m3, of the filling that a text proposes */
 #define WATER 1000.0
 
-double pel_mean_quantity(const pel_quantity *quantity, int32_t count)
-{
-    double sum = 0;
-    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
-        sum += quantity->field[v] / count;
-    return quantity->field != NULL ? sum : quantity->value;
-}
-
 static double mean_of(const pel_quantity *quantity, const pel_body_def *body)
 {
-    return pel_mean_quantity(quantity, body->mesh->vertex_count);
+    return pel_quantity_mean(quantity, body->mesh->vertex_count);
 }
 
 static bool has_volumetric(const pel_body_def *body)

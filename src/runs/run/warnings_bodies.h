@@ -12,9 +12,6 @@ typedef struct pel_warning_text {
     size_t size;
 } pel_warning_text;
 
-/* Mean of a quantity over the vertices of a mesh. */
-double pel_mean_quantity(const pel_quantity *quantity, int32_t count);
-
 /* Counts one more of a body before the first step; remembers the first for the text. */
 void pel_warn_body(pel_run_state *run, pel_warning_kind kind, int32_t body, double value, double limit);
 

@@ -7,6 +7,7 @@
 #include "mesh/figures.h"
 #include "pellicle/sim_contact.h"
 #include "run/state.h"
+#include "scene/build.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -123,10 +124,21 @@ void pel_tell_lost_grasp(const pel_warning_text *at)
 
 /* ---- coarse contact ---- */
 
+/* meshes of shells that became finer there have edges for a point of contact: few vertices are enough */
+static bool is_fine(const pel_run_state *run, int32_t t)
+{
+    bool is_fine = true;
+    for (int32_t b = 0; b < run->scene->model.body_count; b++)
+        if (run->scene->sim.tools[t].body < 0 || run->scene->sim.tools[t].body == b)
+            is_fine &= pel_scene_is_fine(run->scene, b);
+    return is_fine;
+}
+
 int32_t pel_pressed_count(const pel_run_state *run, int32_t t)
 {
     const pel_tool_def *tool = &run->scene->sim.tools[t];
-    bool presses = !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
+    bool presses =
+        !tool->grasp && !is_fine(run, t) && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 
@@ -159,8 +171,13 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
 {
     const pel_body_def *body = &run->scene->model.bodies[0];
     int levels = contacts > 0 ? (int)ceil(pel_log2(2.0 * PEL_LEAST_CONTACTS / contacts) / 2) : 1;
+    bool bends = body->shell.membrane.on && body->shell.bending.model != PEL_BENDING_NONE;
     if (run->scene->model.body_count > 1)
-        snprintf(text, size, "refine the body that it touches (refine: near_tools), or use a finer mesh");
+        snprintf(
+            text, size,
+            "refine the body that it touches (refine: auto for shells, near_tools for tissue), or use a finer mesh");
+    else if (bends && body->refine.levels == 0)
+        snprintf(text, size, "use bodies.%s.refine=auto, or a finer mesh", body->name);
     else if (body->refine.levels > 0)
         snprintf(text, size, "use bodies.%s.refine.levels=%d%s", body->name, (int)body->refine.levels + levels,
                  body->refine.near_tools > 0 ? "" : ", with near_tools");

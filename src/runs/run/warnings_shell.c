@@ -29,6 +29,7 @@
 #include "model/shell.h"
 #include "pellicle/sim_surface.h"
 #include "run/state.h"
+#include "scene/build.h"
 #include "stage/stepper.h"
 #include "tool/tool.h"
 
@@ -403,9 +404,11 @@ void pel_warnings_tell_load(const pel_run_state *run, char *text, size_t size)
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_LOAD];
     bool is_known = flagged->body < run->sim->loads->count;
     const pel_load *load = is_known ? &run->sim->loads->items[flagged->body] : NULL;
+    bool can_refine = is_known && !pel_scene_is_fine(run->scene, load->body);
     snprintf(text, size,
              "the edges of body '%s' are %.2g m long under load '%s', too long for so small a load: the dent is too "
-             "deep. use edges of about %.2g m there (pellicle subdivide), or distribute the load over a larger region",
+             "deep. %s%s%sedges of about %.2g m there, or distribute the load over a larger region",
              is_known ? run->sim->model->bodies[load->body].name : "", flagged->value, is_known ? load->name : "",
-             flagged->limit);
+             can_refine ? "use bodies." : "use ", can_refine ? run->sim->model->bodies[load->body].name : "",
+             can_refine ? ".refine=auto, or " : "", flagged->limit);
 }

@@ -82,7 +82,8 @@ static pel_status check_refine(const pel_scene_part *source, const pel_scene_val
 static pel_status finish_refine(const pel_scene_part *source, pel_refine_def *refine)
 {
     const pel_scene_value *value = pel_scene_value_entry(source->value, "refine");
-    if (value == NULL)
+    /* a word: the mesh itself becomes finer (fine_spots.c) */
+    if (value == NULL || value->form == PEL_FORM_WORD)
         return PEL_OK;
     const pel_scene_value *region = pel_scene_value_entry(value, "region");
     pel_status status = check_refine(source, value, refine->everywhere);

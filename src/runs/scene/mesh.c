@@ -82,6 +82,25 @@ static pel_status weld(pel_scene_reader *reader, pel_mesh *mesh)
     return status;
 }
 
+pel_status pel_scene_keep_welding(pel_scene_reader *reader, const pel_mesh *mesh, pel_mesh *fine)
+{
+    const pel_scene_welding *old = reader->weldings;
+    while (old != NULL && old->mesh != mesh)
+        old = old->next;
+    if (old == NULL)
+        return PEL_OK;
+    pel_scene_welding *welding = pel_arena_take(reader->arena, 1, sizeof *welding);
+    if (welding == NULL)
+        return pel_fail_memory(reader->error);
+    *welding = (pel_scene_welding){fine, old->index_of, old->file_count, reader->weldings};
+    reader->weldings = welding;
+    /* new vertices are none of the file */
+    const pel_field *field = pel_mesh_field(fine, "file_vertex");
+    for (int32_t v = mesh->vertex_count; field != NULL && v < fine->vertex_count; v++)
+        field->values[v] = -1;
+    return PEL_OK;
+}
+
 static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
 {
     /* in the order of the words in the table */
@@ -159,6 +178,10 @@ static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *val
 
 pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh)
 {
+    if (reader->made != NULL) {
+        *mesh = *reader->made++;
+        return PEL_OK;
+    }
     *mesh = NULL;
     pel_status status = pel_scene_value_entry(value, "shape") != NULL ? create_shape(reader, value, mesh)
                                                                       : read_file(reader, value, folder, mesh);

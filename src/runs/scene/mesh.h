@@ -7,8 +7,12 @@
 #include "pellicle/mesh.h"
 
 /* Makes the mesh that the map `value` describes; a relative path starts at folder and becomes an absolute one in the
-   tree. Free with pel_mesh_destroy; null on failure. */
+   tree. Free with pel_mesh_destroy; null on failure. Takes the next one of reader->made instead where that is given.
+   */
 pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh);
+
+/* The numbers in the file, if its mesh was welded, of the vertices of a mesh that was made finer. */
+pel_status pel_scene_keep_welding(pel_scene_reader *reader, const pel_mesh *mesh, pel_mesh *fine);
 
 /* The scalar field of that name; PEL_BAD_SCENE at `name`, with the nearest name, if there is none. */
 pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,

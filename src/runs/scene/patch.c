@@ -8,6 +8,15 @@ static bool is_chosen_by(pel_def_kind kind)
     return kind != PEL_DEF_LOAD && kind != PEL_DEF_TOOL;
 }
 
+/* meshes that became finer follow from nearly all numbers of bodies, loads and tools */
+static bool has_fine_mesh(const pel_scene *scene)
+{
+    bool has = false;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        has |= pel_scene_is_fine(scene, b);
+    return has;
+}
+
 bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_parameter_place *place)
 {
     if (pel_parameter_find_place(&scene->model, &scene->sim, path, place, NULL) != PEL_OK)
@@ -16,7 +25,8 @@ bool pel_scene_patch_find(const pel_scene *scene, const char *path, pel_paramete
     bool leaves_method = pel_scene_value_at(pel_scene_root(scene), "solver.method")->is_implied;
     /* supports and fibres are checked by the scene */
     bool is_checked = row->def == PEL_DEF_SUPPORT || row->def == PEL_DEF_FIBRES;
-    return row->refusal == NULL && !row->is_implying && !is_checked && !(leaves_method && is_chosen_by(row->def));
+    return row->refusal == NULL && !row->is_implying && !is_checked && !has_fine_mesh(scene) &&
+           !(leaves_method && is_chosen_by(row->def));
 }
 
 bool pel_scene_patch(pel_scene *scene, pel_parameter_place place, const char *text)

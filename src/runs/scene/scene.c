@@ -112,16 +112,13 @@ static pel_status choose_method(pel_scene_reader *reader, const pel_scene_value 
     return status;
 }
 
-static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
+/* bodies, loads, tools and cuts */
+static pel_status build_parts(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
 {
     scene_storage *storage = scene->inner;
-    bool damps = false;
-    int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
-    int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
     int32_t cut_count = pel_scene_value_count(pel_scene_value_entry(root, "cuts"));
-    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
     pel_cut_def *cuts = pel_arena_take(reader->arena, (size_t)cut_count, sizeof *cuts);
-    if (storage->meshes == NULL || cuts == NULL)
+    if (cuts == NULL)
         return pel_fail_memory(reader->error);
     pel_status status =
         pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count, cuts);
@@ -131,8 +128,45 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         status = pel_scene_keep_apart(reader, root, scene);
     scene->sim.cuts = cuts;
     scene->sim.cut_count = cut_count;
+    return status == PEL_OK ? pel_scene_check_cuts(reader, root, scene) : status;
+}
+
+/* builds all again where the meshes of bodies became finer around what acts on them */
+static pel_status refine_meshes(pel_scene_reader *reader, pel_scene_value *root, const char *folder,
+                                const pel_scene *blank, pel_scene *scene)
+{
+    scene_storage *storage = scene->inner;
+    const pel_log *log = reader->log;
+    const pel_sim_def before = scene->sim;
+    bool any;
+    pel_status status = pel_scene_refine_meshes(reader, root, scene, storage->meshes, &any);
+    if (status != PEL_OK || !any)
+        return status;
+    /* everything was told the first time */
+    reader->log = NULL;
+    reader->made = storage->meshes;
+    const int32_t mesh_count = storage->mesh_count;
+    *scene = *blank;
+    status = build_parts(reader, root, folder, scene);
+    storage->mesh_count = mesh_count;
+    reader->made = NULL;
+    reader->log = log;
+    return status == PEL_OK ? pel_scene_check_refined_loads(reader, root, &before, &scene->sim) : status;
+}
+
+static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
+{
+    scene_storage *storage = scene->inner;
+    const pel_scene blank = *scene;
+    bool damps = false;
+    int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
+    int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
+    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
+    if (storage->meshes == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = build_parts(reader, root, folder, scene);
     if (status == PEL_OK)
-        status = pel_scene_check_cuts(reader, root, scene);
+        status = refine_meshes(reader, root, folder, &blank, scene);
     if (status != PEL_OK)
         return status;
     status = list_mesh_files(reader, root, body_count + tool_count, scene);

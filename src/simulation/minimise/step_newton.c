@@ -11,8 +11,10 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/constraint.h"
+#include "pellicle/sim.h"
 
 #include <string.h>
 
@@ -219,6 +221,35 @@ static int32_t find_farthest(const pel_sim *sim, int32_t body, int32_t from, con
     return farthest;
 }
 
+/* The distance of a vertex from the nearest load on a part of the body, at its first vertex; infinite without any. */
+static double distance_from_loads(const pel_sim *sim, int32_t body, int32_t v)
+{
+    double least = (double)HUGE_VAL, way[3];
+    for (int32_t l = 0; l < sim->loads->count; l++) {
+        const pel_load *load = &sim->loads->items[l];
+        if (load->body != body || load->vertex_count == 0 || load->vertex_count >= pel_sim_vertex_count(sim, body))
+            continue;
+        way_between(sim->minimise->newton, load->vertices[0], v, way);
+        least = pel_min(least, pel_vec3_length(way));
+    }
+    return least;
+}
+
+/* The vertex farthest from all such loads: the displacement of the others is that from where it is. */
+static int32_t find_calm(const pel_sim *sim, int32_t body)
+{
+    double most = -1;
+    int32_t calm = -1;
+    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+        double distance = sim->model->mesh_vertex[v] >= 0 ? distance_from_loads(sim, body, v) : -1;
+        if (distance > most) {
+            most = distance;
+            calm = v;
+        }
+    }
+    return calm;
+}
+
 static void fix(pel_sim_newton *newton, int32_t v, int k)
 {
     newton->fixed[3 * v + k] = 1;
@@ -231,9 +262,7 @@ static void fix(pel_sim_newton *newton, int32_t v, int k)
 static void support_free_body(pel_sim *sim, int32_t body)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
-    while (sim->model->mesh_vertex[first] < 0)
-        first++;
+    int32_t first = find_calm(sim, body);
     int32_t second = find_farthest(sim, body, first, NULL);
     double axis[3], way[3], normal[3];
     way_between(newton, first, second, axis);
