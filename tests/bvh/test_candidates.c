@@ -424,20 +424,39 @@ static void test_allocations(void **unused)
     free_surface(&s);
 }
 
+/* numbers out of their ranges, as a damaged snapshot has them, are refused and forgotten */
+static void test_damaged_memory(void **unused)
+{
+    (void)unused;
+    surface s = make_sphere(3, 0);
+    pel_candidates *c = make_candidates(&s, 0.1);
+    update(c, &s, 0.01, NULL);
+    int32_t *const counts[] = {&c->kept_uses, &c->pause, &c->pause_length};
+    const int32_t bad[] = {-1, INT32_MAX};
+    for (size_t i = 0; i < 6; i++) {
+        int32_t kept = *counts[i / 2];
+        *counts[i / 2] = bad[i % 2];
+        if (pel_candidates_recall(c, NULL, NULL) != PEL_BAD_FORMAT || c->has_kept)
+            fail_msg("number %d is taken", (int)i);
+        *counts[i / 2] = kept;
+    }
+    c->margin = (double)NAN;
+    assert_int_equal(pel_candidates_recall(c, NULL, NULL), PEL_BAD_FORMAT);
+    c->margin = 0.1;
+    assert_int_equal(pel_candidates_recall(c, NULL, NULL), PEL_OK);
+    pel_candidates_destroy(c);
+    free_surface(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_motion),
-        cmocka_unit_test(test_extension),
-        cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_pause),
-        cmocka_unit_test(test_waste),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_rebuild),
-        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_limit_shrinks_margin),
+        cmocka_unit_test(test_damaged_memory), cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_extension),      cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_pause),          cmocka_unit_test(test_waste),
+        cmocka_unit_test(test_threads),        cmocka_unit_test(test_rebuild),
+        cmocka_unit_test(test_no_allocation),  cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),    cmocka_unit_test(test_limit_shrinks_margin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -131,6 +131,32 @@ static void test_bad_triangles(void **unused)
     assert_int_equal(pel_mesh_self_intersections(&mesh, pairs, 4, &count, NULL), PEL_BAD_ARGUMENT);
 }
 
+/* a fan of 3,000 triangles about one vertex: its boxes are too many to test, and the vertex is named */
+static void test_too_many_pairs(void **unused)
+{
+    (void)unused;
+    enum { COUNT = 3000 };
+    double(*positions)[3] = calloc(COUNT + 1, sizeof *positions);
+    int32_t(*triangles)[3] = calloc(COUNT, sizeof *triangles);
+    assert_true(positions != NULL && triangles != NULL);
+    for (int i = 0; i < COUNT; i++) {
+        positions[i + 1][0] = 1 + 1e-6 * i;
+        positions[i + 1][1] = 1;
+        positions[i + 1][2] = 1e-3 * (i % 7);
+        triangles[i][1] = 1 + i;
+        triangles[i][2] = 1 + (i + 1) % COUNT;
+    }
+    pel_mesh mesh = {
+        .vertex_count = COUNT + 1, .triangle_count = COUNT, .positions = positions, .triangles = triangles};
+    pel_error error;
+    int64_t count;
+    assert_int_equal(pel_mesh_self_intersections(&mesh, NULL, 0, &count, &error), PEL_BAD_MESH);
+    assert_non_null(strstr(error.what, "vertex 0 has 3000 triangles"));
+    assert_true(error.element == 0 && error.remedy[0] != '\0');
+    free(positions);
+    free(triangles);
+}
+
 /* free at rest, as their makers say; one vertex pushed through makes them cut themselves */
 static void check_file(const char *name)
 {
@@ -194,8 +220,9 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_soups), cmocka_unit_test(test_sheet_and_sphere), cmocka_unit_test(test_bad_triangles),
-        cmocka_unit_test(test_files), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_soups),         cmocka_unit_test(test_sheet_and_sphere),
+        cmocka_unit_test(test_bad_triangles), cmocka_unit_test(test_too_many_pairs),
+        cmocka_unit_test(test_files),         cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

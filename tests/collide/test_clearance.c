@@ -258,13 +258,33 @@ static void test_worth(void **unused)
     end(&p);
 }
 
+/* counts out of their ranges, as a damaged snapshot has them, are refused and forgotten */
+static void test_damaged_memory(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    int32_t *const counts[] = {&p.clearance.uses, &p.clearance.pause, &p.clearance.pause_length};
+    const int32_t bad[] = {-1, INT32_MAX};
+    for (size_t i = 0; i < 6; i++) {
+        int32_t kept = *counts[i / 2];
+        *counts[i / 2] = bad[i % 2];
+        pel_error error;
+        if (pel_clearance_recall(&p.clearance, p.candidates, NULL, &error) != PEL_BAD_FORMAT)
+            fail_msg("number %d is taken", (int)i);
+        *counts[i / 2] = kept;
+    }
+    p.clearance.reach = (double)NAN;
+    assert_int_equal(pel_clearance_recall(&p.clearance, p.candidates, NULL, NULL), PEL_BAD_FORMAT);
+    assert_int_equal(pel_clearance_recall(&p.clearance, p.candidates, NULL, NULL), PEL_OK);
+    end(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_pairs),
-        cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_clear),
-        cmocka_unit_test(test_worth),
+        cmocka_unit_test(test_damaged_memory), cmocka_unit_test(test_known_pairs), cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_clear),          cmocka_unit_test(test_worth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,8 +11,11 @@
 #include "random.h"
 #include "source_dir.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define MESH "child-test.dae"
@@ -122,6 +125,57 @@ static void test_endings(void **unused)
         10, "gave no mesh");
 }
 
+/* the limits of the process that reads, asked of it after it has read: 0 = as documented, else the first that is not */
+static int read_under_limits(const char *path, off_t size)
+{
+    const struct {
+        int resource;
+        rlim_t most;
+    } limits[] = {{RLIMIT_CPU, PEL_CHILD_CPU_SECONDS},
+                  {RLIMIT_AS, PEL_CHILD_MEMORY(size)},
+                  {RLIMIT_FSIZE, 0},
+                  {RLIMIT_NOFILE, 16},
+                  {RLIMIT_CORE, 0}};
+    enum { INHERITED = 9 };
+    int null = open("/dev/null", O_WRONLY);
+    if (dup2(null, 1) != 1 || dup2(null, INHERITED) != INHERITED || pel_mesh_import_child(path) != 0)
+        return 100;
+    for (int i = 0; i < (int)(sizeof limits / sizeof *limits); i++) {
+        struct rlimit now;
+        /* the address sanitizer needs them all */
+        bool has_addresses = is_slow() && limits[i].resource == RLIMIT_AS;
+        if (getrlimit((__rlimit_resource_t)limits[i].resource, &now) != 0 ||
+            (now.rlim_max != limits[i].most && !has_addresses))
+            return 1 + i;
+    }
+    return fcntl(INHERITED, F_GETFD) == -1 ? 0 : 50;
+}
+
+static void test_limits(void **unused)
+{
+    (void)unused;
+    struct stat information;
+    char path[600];
+    int status = 0;
+    sample_path(0, path);
+    assert_int_equal(stat(path, &information), 0);
+    assert_true(PEL_CHILD_CPU_SECONDS == 60 && PEL_CHILD_MEMORY(1000) == (1u << 30) + 100000);
+    pid_t child = fork();
+    if (child == 0)
+        _exit(read_under_limits(path, information.st_size));
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+/* one that does not end is stopped once it has said as much as it may have memory: a GiB */
+static void test_endless_answer(void **unused)
+{
+    (void)unused;
+    skip_if_slow();
+    refuse("#!/bin/sh\nexec cat /dev/zero\n", 60, "the reader of dae made more than 1073741824 bytes");
+}
+
 static void test_files(void **unused)
 {
     (void)unused;
@@ -168,6 +222,8 @@ int main(void)
         cmocka_unit_test(test_damage),
         cmocka_unit_test(test_endings),
         cmocka_unit_test(test_files),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_endless_answer),
         cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

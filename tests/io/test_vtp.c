@@ -463,7 +463,13 @@ static void test_refuses(void **unused)
     pel_mesh *mesh;
     sample.fields[0].name = "";
     assert_int_equal(pel_vtp_write(PATH, &sample.vtp, &error), PEL_BAD_ARGUMENT);
+    sample.fields[0].name = "a-name-of-64-characters-----------------------------------------";
+    assert_int_equal(pel_vtp_write(PATH, &sample.vtp, &error), PEL_BAD_ARGUMENT);
     sample.fields[0].name = "energy";
+    pel_vtp huge = sample.vtp;
+    huge.triangle_count = INT32_MAX / 3 + 1;
+    assert_int_equal(pel_vtp_write(PATH, &huge, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "715827883 triangles"));
     assert_int_equal(pel_vtp_write("no-such-folder/a.vtp", &sample.vtp, &error), PEL_BAD_FILE);
     assert_string_equal(error.file, "no-such-folder/a.vtp");
     assert_int_equal(pel_vtp_read("no-such-folder/a.vtp", &mesh, NULL, &error), PEL_BAD_FILE);

@@ -183,6 +183,19 @@ static void test_meshes(void **unused)
     FAILS(pel_mesh_add_field(mesh, "x", 0, NULL, &error));
     FAILS(pel_mesh_add_field(mesh, "x", -3, NULL, &error));
     FAILS(pel_mesh_add_field(mesh, "x", INT32_MAX, NULL, &error));
+    REFUSED("longer than 63 characters",
+            pel_mesh_add_field(mesh, "a-name-of-64-characters-----------------------------------------", 1,
+                               mesh->positions[0], &error));
+    /* triangles beyond 32-bit corners: refused before they are read */
+    const pel_mesh many = {.vertex_count = 3,
+                           .triangle_count = INT32_MAX / 3 + 1,
+                           .positions = mesh->positions,
+                           .triangles = mesh->triangles};
+    pel_topology *corners;
+    pel_mesh_report *huge;
+    REFUSED("715827883 triangles", pel_topology_create(&many, &corners, &error));
+    REFUSED("715827883 triangles", pel_mesh_check(&many, &huge, &error));
+    REFUSED("715827883 triangles", pel_mesh_repair(&many, NULL, &made, NULL, &error));
     GIVES(pel_mesh_field(NULL, "x") == NULL);
     GIVES(pel_mesh_field(mesh, NULL) == NULL);
     double low[3], high[3];

@@ -248,6 +248,20 @@ static void test_long_series(void **unused)
     assert_non_null(strstr(text, "\\n299999,299999.5\\n\",\n\"series_thinned\":true"));
     assert_null(strstr(text, "\\n1,1.5\\n"));
     pel_free(text);
+    /* a page of 2 MB of text at most: of a long series every n-th row, of a long scene the first 2 MB */
+    enum { LONG_SIZE = 5 << 20, LIMIT = 2 << 20 };
+    file = fopen(folder_path(path, folder, "scene.yaml"), "a");
+    assert_non_null(file);
+    for (int i = 0; i < LONG_SIZE; i++)
+        fputc(i % 64 == 0 ? '\n' : '#', file);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(pel_report_write(out, &def, NULL, NULL), PEL_OK);
+    text = read_report();
+    assert_non_null(strstr(text, "\"scene_thinned\":true"));
+    const char *series = strstr(text, "\"series\":\""), *behind = strstr(text, "\"series_thinned\"");
+    assert_true(series != NULL && behind - series < LIMIT + LIMIT / 4);
+    assert_true(strlen(text) < 3 * LIMIT);
+    pel_free(text);
 }
 
 enum { NOTES_SIZE = 1 << 16 };

@@ -94,6 +94,14 @@ static void test_bad_folders(void **unused)
     assert_refused(folder, PEL_BAD_FORMAT, "names no file");
     folder_write_text(folder, "frames.pvd", "<VTKFile><DataSet timestep=\"soon\" file=\"a.vtp\"/></VTKFile>");
     assert_refused(folder, PEL_BAD_FORMAT, "has no time");
+    static const char *const parts[] = {"4097", "-1", "nan", "x", "1e300"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        char list[200];
+        snprintf(list, sizeof list, "<VTKFile><DataSet timestep=\"0\" part=\"%s\" file=\"a.vtp\"/></VTKFile>",
+                 parts[i]);
+        folder_write_text(folder, "frames.pvd", list);
+        assert_refused(folder, PEL_BAD_FORMAT, "has no number as its part");
+    }
     folder_write_text(folder, "frames.pvd", "<VTKFile><DataSet timestep=\"0\" file=\"a.vtp\"/>");
     assert_refused(folder, PEL_BAD_FORMAT, "cut off");
     remove(folder_path(path, folder, "frames.pvd"));

@@ -51,6 +51,12 @@ static void test_ends(void **unused)
     assert_true(pel_run_plan_time(&plan, 7) == 70 * 0.01);
     assert_int_equal(pel_run_plan_make(&scene, 1000).frame_end, 100);
     assert_int_equal(pel_run_plan_make(&scene, 1).frame_end, 1);
+    /* a time ends the plan too; more steps than can be counted are as many as can be */
+    scene.time_limit = 2.5;
+    assert_int_equal(pel_run_plan_make(&scene, 0).step_total, 250);
+    scene = make_scene(1e-300, 1e300, 0, 1);
+    plan = pel_run_plan_make(&scene, 0);
+    assert_true(plan.step_total == INT64_C(1000000000000000) && plan.frame_total == plan.step_total);
 }
 
 /* the last moment at which anything is scheduled to change */

@@ -475,6 +475,15 @@ static void test_bad_lines(void **unused)
     memset(long_line, 'a', sizeof long_line - 1);
     long_line[sizeof long_line - 1] = '\0';
     assert_int_equal(pel_session_apply(made.session, long_line, &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.what, "a command is longer than 511 bytes");
+    /* one that just fits, and a byte that is no printable ASCII, at its place */
+    long_line[PEL_SESSION_LINE - 1] = '\0';
+    assert_int_equal(pel_session_apply(made.session, long_line, &error), PEL_BAD_ARGUMENT);
+    assert_null(strstr(error.what, "longer than"));
+    assert_int_equal(pel_session_apply(made.session, "set a \x1b[0m", &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.what, "a command holds the byte 0x1b at place 6");
+    assert_int_equal(pel_session_apply(made.session, "set a \xc3\xa4", &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.what, "a command holds the byte 0xc3 at place 6");
     /* of a tool that is far larger than all bodies nothing can be computed */
     static const char *const large[] = {"press torus 1e300 -2 0 0 0 0 0 1", "press box 1e300 -2 0 0 0 0 0 1"};
     for (size_t i = 0; i < sizeof large / sizeof *large; i++) {

@@ -1,6 +1,9 @@
 /* Bad scenes: each gives one message with its exact place and a remedy. */
 #include "check.h"
 
+#include <stdlib.h>
+#include <time.h>
+
 #include "pellicle/scene.h"
 
 #include <stdlib.h>
@@ -471,8 +474,39 @@ static void test_nesting_without_end(void **unused)
     pel_scene *scene;
     pel_error error;
     assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_string_equal(error.what, "lists and maps are nested too deeply");
     memset(text, '[', DEPTH);
     assert_int_equal(pel_scene_parse("a.yaml", text, DEPTH, NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_string_equal(error.what, "lists and maps are nested too deeply");
+}
+
+/* 100 lists in each other are read, 101 are not; 8 MB of brackets end before they are read */
+static void test_depth(void **unused)
+{
+    (void)unused;
+    enum { SIZE = 8 << 20 };
+    char text[240];
+    pel_scene *scene;
+    pel_error error;
+    for (int depth = 100; depth <= 101; depth++) {
+        snprintf(
+            text, sizeof text, "version: 1\nbodies: %.*s%.*s\n", depth - 1,
+            "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[["
+            "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[",
+            depth - 1,
+            "]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]]");
+        assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+        bool is_deep = strcmp(error.what, "lists and maps are nested too deeply") == 0;
+        assert_int_equal(is_deep, depth == 101);
+    }
+    char *brackets = malloc(SIZE);
+    assert_non_null(brackets);
+    memset(brackets, '[', SIZE);
+    clock_t start = clock();
+    assert_int_equal(pel_scene_parse("a.yaml", brackets, SIZE, NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+    /* read by libfyaml they take 27 s */
+    assert_true((double)(clock() - start) / CLOCKS_PER_SEC < 5);
+    free(brackets);
 }
 
 int main(void)
@@ -481,8 +515,8 @@ int main(void)
         cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
         cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
         cmocka_unit_test(test_field_out_of_range),  cmocka_unit_test(test_aliases_without_end),
-        cmocka_unit_test(test_nesting_without_end), cmocka_unit_test(test_locations),
-        cmocka_unit_test(test_many_names),
+        cmocka_unit_test(test_nesting_without_end), cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

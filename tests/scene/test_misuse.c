@@ -441,6 +441,8 @@ static void test_loads_and_tools(void **unused)
     REFUSED("position", try_tool(&wrong, &error));
     bad = still, bad.rotation[3] = 0, wrong.keys = &bad;
     REFUSED("rotation", try_tool(&wrong, &error));
+    bad = still, bad.rotation_vector[2] = 7e6, wrong.keys = &bad;
+    REFUSED("turns too often", try_tool(&wrong, &error));
     double position[3], rotation[4];
     SURVIVES(pel_tool_def_pose(NULL, 0, position, rotation));
     SURVIVES(pel_tool_def_pose(&tool, nan_value, position, rotation));

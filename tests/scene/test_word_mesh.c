@@ -123,6 +123,25 @@ static void test_list(void **unused)
     assert_non_null(strstr(seen, "a%20spoon.ply "));
     assert_non_null(strstr(seen, "ring.obj "));
     assert_null(strstr(seen, "yaml"));
+    /* of many files only some are offered */
+    char *many = calloc(200, 32), path[PATH_MAX + 32];
+    assert_non_null(many);
+    for (int made = 1; made >= 0; made--)
+        for (int i = 0; i < 120; i++) {
+            snprintf(path, sizeof path, "%s/many-%03d.obj", folder, i);
+            FILE *file = made == 1 ? fopen(path, "w") : NULL;
+            if (file != NULL)
+                fclose(file);
+            else
+                remove(path);
+            if (made == 1 && i == 119)
+                pel_word_mesh_list(scene, note, many);
+        }
+    int count = 0;
+    for (const char *at = many; *at != '\0'; at++)
+        count += *at == ' ';
+    assert_int_equal(count, 3 + 100);
+    free(many);
 }
 
 static pel_status create_ring(const void *unused, pel_error *error)

@@ -53,6 +53,8 @@ static void test_study(void **unused)
     REFUSED("default", pel_study_execute(study, &wrong, NULL, &error));
     wrong = def, wrong.thread_count = -1;
     REFUSED("thread_count", pel_study_execute(study, &wrong, NULL, &error));
+    wrong = def, wrong.folder = "misuse", wrong.thread_count = 1025;
+    REFUSED("thread_count", pel_study_execute(study, &wrong, NULL, &error));
     wrong = def, wrong.folder = "misuse", wrong.run_seconds = -1;
     REFUSED("run_seconds", pel_study_execute(study, &wrong, NULL, &error));
     REFUSED("path", pel_fit_load(NULL, &json, &error));

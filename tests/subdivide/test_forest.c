@@ -77,7 +77,10 @@ static void test_memory_bound(void **unused)
     assert_int_equal(pel_lod_forest_create(mesh, 12, 0, &forest, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.remedy, "use 10 levels"));
     assert_int_equal(pel_lod_forest_create(mesh, -1, 0, &forest, &error), PEL_BAD_ARGUMENT);
-    assert_int_equal(pel_lod_forest_create(mesh, 99, 0, &forest, &error), PEL_BAD_ARGUMENT);
+    for (int32_t levels = 13; levels < 100; levels += 86) {
+        assert_int_equal(pel_lod_forest_create(mesh, levels, 0, &forest, &error), PEL_BAD_ARGUMENT);
+        assert_non_null(strstr(error.remedy, "from 0 to 12"));
+    }
     pel_mesh_destroy(mesh);
 }
 

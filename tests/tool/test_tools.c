@@ -4,6 +4,7 @@
 #include "pellicle/sim_ledger.h"
 #include "sim/fixture.h"
 #include "sim/snapshot.h"
+#include "tool/tool.h"
 
 static stage make_stage_with(int32_t frequency, const pel_tool_def *tools, int32_t count, pel_method method,
                              const pel_load_def *load)
@@ -458,13 +459,58 @@ static void test_damaged_snapshot(void **unused)
     end_stage(&s);
 }
 
+/* numbers out of their ranges in a snapshot with the right checksum are refused, one by one */
+static void test_ranges_of_snapshots(void **unused)
+{
+    (void)unused;
+    const pel_pose_key keys[2] = {{.position = {0, 0, 1.5}, .rotation = {0, 0, 0, 1}},
+                                  {.time = 0.5, .position = {0, 0, 1.1}, .rotation = {0, 0, 0, 1}}};
+    pel_tool_def def = pel_tool_def_default();
+    def.shape = PEL_TOOL_SPHERE;
+    def.name = "probe";
+    def.radius = 0.3;
+    def.keys = keys;
+    def.key_count = 2;
+    stage s = make_stage(3, &def, 1, PEL_METHOD_QUASI_STATIC);
+    run_steps(s.sim, 60);
+    pel_tool *tool = &s.sim->tools->items[0], kept = *tool;
+    size_t size = pel_sim_save_size(s.sim);
+    unsigned char *bytes = malloc(size);
+    assert_non_null(bytes);
+    assert_true(tool->plane_count > 0);
+    for (int i = 0; i < 8; i++) {
+        pel_contact_plane plane = tool->planes[0];
+        tool->plane_count = i == 0 ? PEL_PLANE_LIMIT + 1 : i == 1 ? -1 : kept.plane_count;
+        tool->phase = i == 2 ? PEL_GRASP_DONE + 1 : kept.phase;
+        tool->stride = i == 3 ? 0 : i == 4 ? 2 : kept.stride;
+        tool->held_count = i == 5 ? 1 : kept.held_count;
+        tool->planes[0].triangle = i == 6 ? -1 : i == 7 ? s.mesh->triangle_count : plane.triangle;
+        pel_sim_save(s.sim, bytes);
+        *tool = kept;
+        tool->planes[0] = plane;
+        if (pel_sim_load(s.sim, bytes, size, NULL) != PEL_BAD_FORMAT)
+            fail_msg("number %d is taken", i);
+        *tool = kept;
+        tool->planes[0] = plane;
+    }
+    pel_sim_save(s.sim, bytes);
+    assert_int_equal(pel_sim_load(s.sim, bytes, size, NULL), PEL_OK);
+    free(bytes);
+    end_stage(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_press),    cmocka_unit_test(test_force_balances_at_rest),
-        cmocka_unit_test(test_grasp),    cmocka_unit_test(test_grip_feels_damping),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_driven_tool),
-        cmocka_unit_test(test_settles),  cmocka_unit_test(test_damaged_snapshot),
+        cmocka_unit_test(test_ranges_of_snapshots),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_force_balances_at_rest),
+        cmocka_unit_test(test_grasp),
+        cmocka_unit_test(test_grip_feels_damping),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_driven_tool),
+        cmocka_unit_test(test_settles),
+        cmocka_unit_test(test_damaged_snapshot),
         cmocka_unit_test(test_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
