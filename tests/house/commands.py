@@ -27,7 +27,7 @@ NOT_RUN = {
     r"pellicle live( [\w.]+)?( --shell)?": "serves until interrupted; the test web/live",
     r"pellicle live balloon --html \w+\.html": "needs `make wasm`; the test web/play",
     r"pellicle bench (frames|frames-all|springs|springs-explicit|table1)": "measurements; the test cli/bench",
-    r"pellicle reproduce (--all.*|accuracy|b-table2|b-figure10 b-figure16-18 --mesh bust.ply)": "takes minutes; the test cli/reproduce",
+    r"pellicle reproduce (--all.*|precision|b-table2|b-figure10 b-figure16-18 --mesh bust.ply)": "takes minutes; the test cli/reproduce",
     r"pellicle run scenes/shell-crushed.yaml --set bodies.*": "a measurement of minutes",
     r"pellicle sweep study.yaml .*": "needs a cluster; the tests cli/slurm and study/study",
     r"pellicle calibrate .*": "needs the Python package; the test python/calibration",

@@ -96,7 +96,7 @@ static void *run_scene(void *argument)
     char folder[64];
     pel_run_def def = pel_run_def_default();
     pel_run_summary *summary = calloc(1, sizeof *summary);
-    snprintf(folder, sizeof folder, "threads-run-%d", work->number);
+    snprintf(folder, sizeof folder, "of-thread-run-%d", work->number);
     def.folder = folder;
     def.thread_count = 2;
     work->hash = summary != NULL && pel_run(work->scene, &def, summary, NULL) == PEL_OK ? summary->state_hash : 0;
@@ -120,7 +120,7 @@ static void *run_in_one_folder(void *argument)
     pel_run_def def = pel_run_def_default();
     pel_run_summary *summary = calloc(1, sizeof *summary);
     pel_error error;
-    def.folder = "threads-one";
+    def.folder = "of-thread-one";
     pel_status status = summary != NULL ? pel_run(work->scene, &def, summary, &error) : PEL_OUT_OF_MEMORY;
     bool refused = status == PEL_BAD_FILE && strstr(error.what, "another run is writing") != NULL;
     work->hash = status == PEL_OK || refused ? 1 : 0;
@@ -136,8 +136,8 @@ static void test_one_folder(void **unused)
     /* in later rounds there is an older run, which one of them moves aside */
     for (int round = 0; round < 3; round++)
         start_all(works, &(shared_work){.scene = scene}, run_in_one_folder);
-    assert_int_equal(access("threads-one/.pellicle-lock", F_OK), -1);
-    assert_int_equal(access("threads-one/summary.json", F_OK), 0);
+    assert_int_equal(access("of-thread-one/.pellicle-lock", F_OK), -1);
+    assert_int_equal(access("of-thread-one/summary.json", F_OK), 0);
     pel_scene_destroy(scene);
 }
 

@@ -104,7 +104,10 @@ static pel_status fail_form(pel_scene_reader *reader, const pel_def_row *row, co
     char path[PATH_SIZE], form[200], found[100];
     pel_scene_fail(reader, &value->place, "%s is %s, it must be: %s",
                    value->parent != NULL ? pel_scene_value_path(value, path, sizeof path) : "the scene",
-                   describe(value, found, sizeof found), pel_scene_form_text(row, form, sizeof form));
+                   /* a file that is no scene, and may hold secrets, is one text */
+                   value->parent == NULL && value->kind == PEL_SCENE_SCALAR ? "a text"
+                                                                           : describe(value, found, sizeof found),
+                   pel_scene_form_text(row, form, sizeof form));
     if (value->kind == PEL_SCENE_SCALAR && is_one_of(value->text, not_finite))
         pel_fail_remedy(reader->error, "infinite numbers and NaN are refused");
     else

@@ -129,18 +129,25 @@ pel_status pel_text_cursor_fail(const pel_text_cursor *scan, const char *at, pel
     return PEL_BAD_FORMAT;
 }
 
-/* a copy of the word at the cursor for a message: short, printable */
+/* A copy of the word at the cursor for a message, in quotes. Files that are no meshes may hold secrets, so only short
+   words of letters, digits and signs are shown. */
 static void quote_word(const pel_text_cursor *scan, char *text, size_t size)
 {
-    size_t length = 0;
-    for (const char *at = scan->at; at < scan->end && !pel_is_space(*at) && length + 1 < size; at++)
-        text[length++] = *at >= ' ' && *at <= '~' ? *at : '?';
-    text[length] = '\0';
+    static const char shown[] = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ+-.,/_";
+    size_t length = 0, known = 0;
+    while (scan->at + length < scan->end && !pel_is_space(scan->at[length]))
+        length++;
+    while (known < length && scan->at[known] != '\0' && strchr(shown, scan->at[known]) != NULL)
+        known++;
+    if (length > 0 && known == length && length + 3 <= size)
+        snprintf(text, size, "'%.*s'", (int)length, scan->at);
+    else
+        snprintf(text, size, "%s", length > 0 ? "this word" : "");
 }
 
 pel_status pel_text_cursor_fail_number(const pel_text_cursor *scan, pel_error *error, const char *wanted)
 {
-    char word[40];
+    char word[24];
     quote_word(scan, word, sizeof word);
     if (scan->at == scan->end)
         return pel_text_cursor_fail(scan, scan->at, error, "the file seems to be cut off: copy or export it again",
@@ -148,5 +155,5 @@ pel_status pel_text_cursor_fail_number(const pel_text_cursor *scan, pel_error *e
     if (word[0] == '\0')
         return pel_text_cursor_fail(scan, scan->at, error, "complete the line", "the line ends where %s should be",
                                     wanted);
-    return pel_text_cursor_fail(scan, scan->at, error, "correct the value", "'%s' is not %s", word, wanted);
+    return pel_text_cursor_fail(scan, scan->at, error, "correct the value", "%s is not %s", word, wanted);
 }
