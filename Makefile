@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -53,6 +53,7 @@ web: build/web/report.html ## build the pages of `pellicle report` and `pellicle
 
 wasm: need-wasm ## build the JavaScript package build/wasm/pellicle, and the page of `pellicle live --html` (needs emscripten and npm)
 	@tools/fetch-sources build/sources
+	@mkdir -p build/wasm
 	@cmake --preset wasm >build/wasm/configure.log 2>&1 || { cat build/wasm/configure.log; exit 1; }
 	@cmake --build build/wasm $(QUIET)
 	@$(MAKE) --no-print-directory build/web/play.html
@@ -95,11 +96,16 @@ install: build/$(PRESET)/build.ninja ## install library, headers and program (PR
 	@cmake --install build/$(PRESET) --prefix "$(PREFIX)" >build/$(PRESET)/install.log
 	@echo "installed into $(PREFIX); build/$(PRESET)/install_manifest.txt lists the files"
 
-deb: need-demo ## build a Debian package of program, library and headers: build/deb/pellicle_*.deb
-	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_SHARED=OFF -DPELLICLE_PYTHON=OFF -DPELLICLE_TESTS=OFF >/dev/null
+deb: need-demo need-python ## build Debian packages in build/deb: pellicle (program), libpellicle-dev, python3-pellicle
+	@cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DPELLICLE_NATIVE=OFF -DPELLICLE_SHARED=OFF -DPELLICLE_PYTHON=ON -DPELLICLE_TESTS=OFF >/dev/null
 	@cmake --build build/deb $(QUIET)
 	@cd build/deb && cpack -G DEB >cpack.log || { cat cpack.log; exit 1; }
 	@ls build/deb/*.deb
+
+release: program need-python ## build the files of a release in build/dist (wheel, sdist, npm, .deb, sources, page) and try each in a sandbox
+	@$(MAKE) --no-print-directory wasm web || echo "without the npm package and the pages" >&2
+	@tools/release $(PROGRAM) build/dist
+	@tools/try-release build/dist
 
 clean: ## remove build/ (results/ is kept)
 	rm -rf build

@@ -42,13 +42,13 @@ static bool can_fit(const char *python)
 static const char *find_python(void)
 {
     static const char *const known[] = {"python3", "/usr/bin/python3"};
-    static const char *const beside[] = {"venv/bin/python3", "../venv/bin/python3"};
+    static const char *const beside[] = {"venv/bin/python3", "../venv/bin/python3", "python3"};
     static char path[PATH_MAX + 32];
     char program[PATH_MAX] = "";
     const char *chosen = getenv("PELLICLE_PYTHON");
     if (chosen != NULL)
         return can_fit(chosen) ? chosen : NULL;
-    /* that of `make python`, beside the program */
+    /* that of `make python` or of the wheel, beside the program */
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     char *slash = length > 0 ? strrchr(program, '/') : NULL;
     for (size_t i = 0; slash != NULL && i < sizeof beside / sizeof *beside; i++) {

@@ -1,18 +1,20 @@
 # cmake --install: library, headers, program, scenes, CMake package and pkg-config files.
 # The scene and view libraries have exports of their own, so that the core is usable where what they need is not installed.
+# Components: dev (libraries, headers), program, and python, which only the Debian packages contain.
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 
 # core
 install(TARGETS ${CORE_LIBRARIES} EXPORT pellicleTargets)
 install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL FILES_MATCHING PATTERN *.yaml)
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle COMPONENT program OPTIONAL FILES_MATCHING PATTERN *.yaml)
 
 # the pages of `pellicle report` and `pellicle live`; made by `make web` and `make wasm`, which this does not wait for
 install(FILES ${PROJECT_SOURCE_DIR}/build/web/report.html ${PROJECT_SOURCE_DIR}/build/web/live.html
-        ${PROJECT_SOURCE_DIR}/build/web/play.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle OPTIONAL)
+        ${PROJECT_SOURCE_DIR}/build/web/play.html DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle COMPONENT program OPTIONAL)
 
 # CMake package
 configure_package_config_file(cmake/pellicle-config.cmake.in pellicle-config.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
@@ -58,7 +60,7 @@ if(TARGET pellicle_live)
     install(FILES ${PROJECT_BINARY_DIR}/pellicle-live.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endif()
 if(TARGET pellicle_program)
-    install(TARGETS pellicle_program)
+    install(TARGETS pellicle_program COMPONENT program)
 endif()
 
 # what the program prints about itself: completion for shells, the manual page, the schema for editors
@@ -72,12 +74,20 @@ if(TARGET pellicle_program AND NOT CMAKE_CROSSCOMPILING)
             separate_arguments(WORDS UNIX_COMMAND \"\${CMAKE_MATCH_2}\")
             execute_process(COMMAND \"$<TARGET_FILE:pellicle_program>\" \${WORDS} OUTPUT_FILE \"${PRINTED}/\${CMAKE_MATCH_1}\"
                             COMMAND_ERROR_IS_FATAL ANY)
-        endforeach()")
-    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-    install(FILES ${PRINTED}/_pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
-    install(FILES ${PRINTED}/pellicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
-    install(FILES ${PRINTED}/pellicle.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle)
+        endforeach()" COMPONENT program)
+    install(FILES ${PRINTED}/pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+    install(FILES ${PRINTED}/_pellicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program)
+    install(FILES ${PRINTED}/pellicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+    install(FILES ${PRINTED}/pellicle.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+    install(FILES ${PRINTED}/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle COMPONENT program)
+endif()
+
+# the Python package as Debian places it
+if(TARGET pellicle_python)
+    set(PYTHON_PLACE lib/python3/dist-packages/pellicle)
+    install(TARGETS pellicle_python LIBRARY DESTINATION ${PYTHON_PLACE} COMPONENT python EXCLUDE_FROM_ALL)
+    install(DIRECTORY python/pellicle/ DESTINATION ${PYTHON_PLACE} COMPONENT python EXCLUDE_FROM_ALL
+            FILES_MATCHING PATTERN *.py PATTERN *.pyi PATTERN py.typed PATTERN __pycache__ EXCLUDE)
 endif()
 
 # everything that is installed and nothing else, for `make install` from any state of the build

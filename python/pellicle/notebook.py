@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from . import _core
+from ._places import shared
 from .mesh import PathLike
 
 if TYPE_CHECKING:
@@ -23,10 +24,8 @@ _HEIGHT = 640
 
 def find_page() -> str:
     """Path of the page without data: $PELLICLE_PAGE, else that of this package, else that of an installed pellicle."""
-    here = os.path.dirname(os.path.abspath(__file__))
-    places = [os.environ.get("PELLICLE_PAGE", ""), os.path.join(here, "report.html")]
-    places += [os.path.join(prefix, "share/pellicle/report.html") for prefix in (sys.prefix, "/usr/local", "/usr")]
-    for place in places:
+    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "report.html")
+    for place in (os.environ.get("PELLICLE_PAGE"), beside, shared("report.html")):
         if place and os.path.isfile(place):
             return place
     raise _core.Error(

@@ -10,7 +10,7 @@ from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from . import _core
+from . import _core, _places
 from ._arrays import from_bytes, indices, numbers, room
 from .mesh import Mesh, PathLike
 
@@ -82,7 +82,7 @@ class Scene:
     Parameters
     ----------
     source : path or mapping
-        The path of a scene file, or a dict with the keys of a scene file (docs/reference/scene.md). In a dict the value of
+        The path of a scene file, the name of an installed scene such as ``"balloon"``, or a dict with the keys of a scene file (docs/reference/scene.md). In a dict the value of
         ``mesh`` may be a `Mesh`, and ``version`` and ``duration`` may be omitted (default of ``duration``: 1 s).
     overrides : mapping of str to value, optional
         Changes such as ``{"solver.dt": 0.001, "bodies.ball.membrane.young": 2e4}``.
@@ -115,7 +115,7 @@ class Scene:
         if isinstance(source, Mapping):
             self._core = _parse(source, texts, notes)
         else:
-            self._core = _core.Scene(os.fspath(source), None, texts, notes)
+            self._core = _core.Scene(_places.scene(os.fspath(source)), None, texts, notes)
         info = self._core.info()
         self.title: str = info["title"]
         self.bodies: tuple[str, ...] = info["bodies"]
