@@ -55,7 +55,7 @@ typedef struct job {
 
 pel_render_def pel_render_def_default(void)
 {
-    pel_render_def def = {.component = -1, .color_map = PEL_COLORS_AUTO, .up = 2, .cookie = cookie};
+    pel_render_def def = {.component = -1, .color_map = PEL_COLORS_AUTO, .up = -1, .cookie = cookie};
     pel_camera_preset_find("iso", &def.angle);
     return def;
 }
@@ -82,7 +82,7 @@ static pel_status check_numbers(const pel_render_def *def, pel_error *error)
     if (!isfinite(def->turn) || (def->turn != 0 && view_output_kind(def->output) != VIEW_FILM))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "write a .mp4 or a .gif, or choose a view",
                           "the camera turns in films alone");
-    if (def->component < -1 || def->up < 0 || def->up > 2 || (unsigned)def->color_map > PEL_COLORS_AUTO ||
+    if (def->component < -1 || def->up < -1 || def->up > 2 || (unsigned)def->color_map > PEL_COLORS_AUTO ||
         (unsigned)def->background > PEL_BACKGROUND_TRANSPARENT)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "begin with pel_render_def_default", "a choice is out of range");
     return PEL_OK;
@@ -149,6 +149,8 @@ static pel_status open_runs(job *j, pel_error *error)
     pel_status status = j->runs != NULL ? PEL_OK : pel_fail_memory(error);
     for (int32_t r = 0; status == PEL_OK && r < j->def.input_count; ++r)
         status = view_run_open(&j->runs[r], j->def.inputs[r], !j->def.hide_tools, j->log, error);
+    if (status == PEL_OK && j->def.up < 0)
+        j->def.up = view_run_up(&j->runs[0]);
     return status;
 }
 

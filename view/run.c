@@ -50,7 +50,8 @@ static pel_status read_positions(view_run *run, const char *path, pel_error *err
     return status;
 }
 
-static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error)
+/* the scene, and with `tools` the positions of its tools */
+static pel_status open_scene(view_run *run, bool tools, const pel_log *log, pel_error *error)
 {
     char path[PATH_SIZE];
     pel_error problem;
@@ -65,10 +66,12 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     }
     if (status != PEL_OK) {
         char text[800];
-        pel_log_line(log, "tools are not drawn: %s", pel_error_text(&problem, text, sizeof text));
+        if (tools)
+            pel_log_line(log, "tools are not drawn: %s", pel_error_text(&problem, text, sizeof text));
         return PEL_OK;
     }
-    if (run->scene->sim.tool_count == 0)
+    run->tool_count = tools ? run->scene->sim.tool_count : 0;
+    if (run->tool_count == 0)
         return PEL_OK;
     snprintf(path, sizeof path, "%s/%s", run->frames->folder, pel_run_file_name(PEL_RUN_SERIES));
     if (!is_file(path))
@@ -76,9 +79,14 @@ static pel_status open_tools(view_run *run, const pel_log *log, pel_error *error
     return read_positions(run, path, error);
 }
 
+int32_t view_run_up(const view_run *run)
+{
+    return run->scene != NULL ? run->scene->up : 2;
+}
+
 int32_t view_run_tool_count(const view_run *run)
 {
-    return run->scene != NULL ? run->scene->sim.tool_count : 0;
+    return run->tool_count;
 }
 
 const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t frame, double position[3],
@@ -150,8 +158,8 @@ pel_status view_run_open(view_run *run, const char *path, bool tools, const pel_
     pel_status status = pel_frames_open(folder, &run->frames, error);
     if (status == PEL_OK)
         status = find_peak(run, error);
-    if (status == PEL_OK && tools)
-        status = open_tools(run, log, error);
+    if (status == PEL_OK)
+        status = open_scene(run, tools, log, error);
     if (status != PEL_OK)
         view_run_close(run);
     run->has_times = run->frames != NULL;

@@ -9,7 +9,8 @@ typedef struct view_run {
     const char *path;           /* as the user named it */
     bool has_times;             /* false for a single mesh */
     pel_frames *frames;         /* null for a single mesh */
-    pel_scene *scene;           /* of scene.yaml; null = no tools */
+    pel_scene *scene;           /* of scene.yaml; null = there is none */
+    int32_t tool_count;         /* of those that are drawn */
     pel_series *tool_positions; /* (tools x 3) columns of series.csv; null = the keys of the scene say all */
     int32_t peak;               /* frame with the largest displacement; the last one if series.csv does not tell */
 } view_run;
@@ -26,6 +27,8 @@ double view_run_time(const view_run *run, int32_t frame);
 pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pel_error *error);
 
 int32_t view_run_tool_count(const view_run *run);
+/* the axis that points up in its scene: 0 x, 1 y, 2 z */
+int32_t view_run_up(const view_run *run);
 /* the tool's shape and where it is at a frame */
 const pel_tool_def *view_run_tool(const view_run *run, int32_t tool, int32_t frame, double position[3],
                                   double rotation[4]);

@@ -15,13 +15,15 @@ typedef enum pel_region_kind {
     PEL_REGION_BOX,      /* low <= position <= high */
     PEL_REGION_VERTICES, /* the listed vertices */
     PEL_REGION_FIELD,    /* where the scalar field `field` is greater than `above` */
-    PEL_REGION_BOUNDARY  /* the vertices on the boundary of an open mesh */
+    PEL_REGION_BOUNDARY, /* the vertices on the boundary of an open mesh, or on one of its loops */
+    PEL_REGION_PLANE     /* on the side of a plane to which its normal points, and on the plane */
 } pel_region_kind;
 
 /* A region. Members of other kinds are ignored. Pointers must be valid only during the call. */
 typedef struct pel_region {
     pel_region_kind kind;
-    double point[3];         /* m, nearest */
+    double point[3];         /* m, nearest; plane: a point of it */
+    double normal[3];        /* plane; of any length but 0 */
     double center[3];        /* m, sphere */
     double radius;           /* m, sphere, >= 0 */
     double low[3], high[3];  /* m, box, low <= high */
@@ -29,10 +31,12 @@ typedef struct pel_region {
     int32_t vertex_count;
     const char *field; /* name of a scalar field of the mesh */
     double above;      /* field; 0.5 by default */
-    double falloff;    /* m, >= 0; nearest, sphere and box only: outside the region, up to this distance from it, the
-                          weight falls smoothly from 1 to 0 (cubic, with slope 0 at both ends). The distance is measured
-                          along a straight line in space to the sphere, the box or the nearest vertex */
-    uint32_t cookie;   /* set by pel_region_default */
+    int32_t loop;      /* boundary: the loop of this number, from 0, the longest first; -1 (default) = all */
+    double
+        falloff; /* m, >= 0; nearest, sphere, box and plane only: outside the region, up to this distance from it, the
+                    weight falls smoothly from 1 to 0 (cubic, with slope 0 at both ends). The distance is measured
+                    along a straight line in space to the sphere, the box, the plane or the nearest vertex */
+    uint32_t cookie; /* set by pel_region_default */
 } pel_region;
 
 /* All vertices: kind PEL_REGION_ALL, no falloff. */

@@ -8,7 +8,8 @@
        def.output = "press.png";
        pel_status status = pel_render(&def, NULL, &error);
 
-   The same input gives the same picture on the same machine. z points up; def.up selects another axis. */
+   The same input gives the same picture on the same machine. `up` of the scene points up, z by default; def.up
+   selects another axis. */
 #ifndef PELLICLE_RENDER_H
 #define PELLICLE_RENDER_H
 
@@ -82,7 +83,7 @@ typedef struct pel_render_def {
     const char *arrows; /* vector field drawn as arrows with lengths proportional to its values; null = none */
 
     pel_camera_angle angle;
-    int32_t up;                /* axis that points up: 0 x, 1 y, 2 z */
+    int32_t up; /* axis that points up: 0 x, 1 y, 2 z, -1 (default) that of the first input's scene, else z */
     int32_t width, height;     /* pixels of the whole picture; 0 = 1280 x 720, or a size that fits the contact sheet */
     int32_t columns, rows;     /* of a contact sheet; 0 = one row per input */
     bool flat;                 /* one normal per triangle */

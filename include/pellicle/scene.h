@@ -33,6 +33,7 @@ typedef struct pel_scene_command {
 typedef struct pel_scene {
     const char *path;
     const char *title; /* "" if there is none */
+    int32_t up;        /* axis that points up: 0 x, 1 y, 2 z */
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;

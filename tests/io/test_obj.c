@@ -175,12 +175,57 @@ static void test_objects_of_bodies(void **unused)
     unlink(path);
 }
 
+/* the vertices of a group, as digits; "" if there is no such field */
+static const char *vertices_of(const pel_mesh *mesh, const char *group, char text[16])
+{
+    char name[80];
+    int length = 0;
+    snprintf(name, sizeof name, "group:%s", group);
+    const pel_field *field = pel_mesh_field(mesh, name);
+    for (int32_t v = 0; field != NULL && v < mesh->vertex_count; v++)
+        if (field->values[v] > 0.5)
+            text[length++] = (char)('0' + v);
+    text[length] = '\0';
+    return text;
+}
+
+static void test_groups(void **unused)
+{
+    (void)unused;
+    char text[16];
+    pel_mesh *mesh =
+        parse_text("a.obj",
+                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\no whole\nusemtl red\ng one both\nf 1 2 3\n"
+                   "g two both # a comment\nf 1 3 4\nusemtl blue\ng\nf 2 5 3\n",
+                   NULL);
+    assert_string_equal(vertices_of(mesh, "one", text), "012");
+    assert_string_equal(vertices_of(mesh, "two", text), "023");
+    assert_string_equal(vertices_of(mesh, "both", text), "0123");
+    assert_string_equal(vertices_of(mesh, "red", text), "0123");
+    assert_string_equal(vertices_of(mesh, "blue", text), "124");
+    /* what holds for all faces selects nothing */
+    assert_string_equal(vertices_of(mesh, "whole", text), "");
+    assert_int_equal(mesh->field_count, 5);
+    pel_mesh_destroy(mesh);
+    /* more names than a reader keeps */
+    char many[4000] = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (int i = 0; i < 70; i++)
+        snprintf(many + strlen(many), sizeof many - strlen(many), "g part%d\nf 1 2 3\n", i);
+    notes said;
+    mesh = parse_text("a.obj", many, &said);
+    assert_int_equal(mesh->field_count, 64);
+    assert_non_null(strstr(said.text, "groups beyond the first 64 names ignored"));
+    pel_mesh_destroy(mesh);
+}
+
 static void test_allocation_failures(void **unused)
 {
     (void)unused;
     assert_true(for_every_allocation_failure(parse_case, (const char *const[]){"a.obj", CORNERS "f 1 2 3\n"}) >= 4);
     assert_true(
         for_every_allocation_failure(parse_case, (const char *const[]){"a.obj", CORNERS "v 1 1 0\nf 1 2 4 3\n"}) >= 5);
+    assert_true(for_every_allocation_failure(
+                    parse_case, (const char *const[]){"a.obj", CORNERS "v 1 1 0\nf 1 2 4\ng a\nf 1 4 3\n"}) >= 8);
 }
 
 int main(void)
@@ -195,6 +240,7 @@ int main(void)
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_objects_of_bodies),
+        cmocka_unit_test(test_groups),
         cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

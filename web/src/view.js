@@ -182,10 +182,15 @@ export function styleLines(lines, alone, coloured, ink) {
     uniforms.plain.value.set(alone ? ink : "#000000").convertLinearToSRGB();
 }
 
-// z is up
-export function makeEye(canvas, changed) {
+// the axis of a scene's `up` (x, y or z; default z)
+export const upOf = (axis) => new Vector3(axis === "x" ? 1 : 0, axis === "y" ? 1 : 0, axis === "x" || axis === "y" ? 0 : 1);
+
+// the direction from which bodies are first seen
+export const firstView = (up) => new Vector3(0.5, -0.75, 0.5).normalize().applyQuaternion(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), up));
+
+export function makeEye(canvas, changed, up) {
     const camera = new PerspectiveCamera(28, 1, 0.01, 100);
-    camera.up.set(0, 0, 1);
+    camera.up.copy(up);
     const controls = new OrbitControls(camera, canvas);
     controls.enableDamping = false;
     controls.minDistance = 0.05;
@@ -376,7 +381,7 @@ export class View {
         this.uniforms = makeUniforms();
         const { centre, size } = unionBox(runs);
         this.bodies = runs.map((run) => new Body(run, this.uniforms, centre, size));
-        Object.assign(this, makeEye(canvas, changed));
+        Object.assign(this, makeEye(canvas, changed, upOf(/^up: (\w)/m.exec(runs[0].scene)?.[1])));
         this.resize();
     }
 
@@ -387,14 +392,14 @@ export class View {
         const radius = 1.15 * Math.max(...this.bodies.map((body) => body.radius()));
         const distance = Math.max(0.5, radius) / Math.sin(Math.atan(half));
         this.controls.target.set(0, 0, 0);
-        this.camera.position.set(0.5, -0.75, 0.5).normalize().multiplyScalar(distance);
+        this.camera.position.copy(firstView(this.camera.up)).multiplyScalar(distance);
         this.controls.update();
     }
 
     turn(right, up) {
         const { camera, controls } = this;
         const offset = camera.position.clone().sub(controls.target);
-        const elevation = Math.asin(offset.z / offset.length());
+        const elevation = Math.asin(offset.dot(camera.up) / offset.length());
         offset.applyAxisAngle(camera.up, -right);
         const side = new Vector3().crossVectors(offset, camera.up).normalize();
         if (Math.abs(elevation + up) < 1.5) offset.applyAxisAngle(side, up);

@@ -245,6 +245,34 @@ async function pinning(page) {
     await until(page, (n) => globalThis.pellicle.stage.bodies[0].pinned.length <= n + 2, before);
 }
 
+// the lines of each tool at the pointer belong to a scene that the program accepts
+async function copying(page) {
+    const box = await page.locator("#view").boundingBox();
+    const text = readFileSync(scene, "utf8");
+    for (const mode of ["press", "pin", "pull", "measure"]) {
+        await page.click(`[data-mode=${mode}]`);
+        await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+        await page.keyboard.press("y");
+        await until(page, (word) => globalThis.pellicle.copied.includes(word), { press: "tools:", pin: "pinned:", pull: "loads:", measure: "nearest" }[mode]);
+        const lines = await page.evaluate(() => globalThis.pellicle.copied);
+        const whole = {
+            press: text + lines,
+            pull: text + lines,
+            pin: text.replace("springs:", `${lines.split("\n")[1]}, springs:`),
+            measure: text.replace("springs:", `pinned: ${lines.split("\n")[1]}, springs:`),
+        }[mode];
+        assert.notEqual(whole, text);
+        const path = join(folder, `${mode}.yaml`);
+        writeFileSync(path, whole);
+        execFileSync(program, ["check", path], { stdio: "pipe" });
+    }
+    // the ball of the lines starts outside of the ball of the scene and is pressed into it
+    const press = execFileSync(program, ["run", join(folder, "press.yaml"), "-o", join(folder, "pressed"), "-q"], { stdio: "pipe" });
+    const summary = JSON.parse(readFileSync(join(folder, "pressed", "summary.json"), "utf8"));
+    assert.ok(summary.max_displacement > 0.01, `the tool of the copied lines moves ${summary.max_displacement} m ${press}`);
+    await page.click("[data-mode=pull]");
+}
+
 async function cutting(page) {
     const count = () => page.evaluate(() => globalThis.pellicle.stage.bodies[0].count);
     const before = await count();
@@ -535,6 +563,7 @@ try {
     await pressingPen(page);
     await playingPads(page);
     await pinning(page);
+    await copying(page);
     await cutting(page);
     await colouring(page);
     await measuring(page);

@@ -24,6 +24,7 @@
 #define WORDS(...) .words = WORD_LIST(__VA_ARGS__)
 #define WORD(...) .forms = PEL_FORM_WORD, WORDS(__VA_ARGS__)
 #define INTEGER_OR(...) .forms = PEL_FORM_INTEGER | PEL_FORM_WORD, WORDS(__VA_ARGS__)
+#define WORD_OR_MAP(...) .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS(__VA_ARGS__)
 #define NUMBER_OR(...) .forms = PEL_FORM_NUMBER | PEL_FORM_WORD, WORDS(__VA_ARGS__)
 /* a number, over the body or over time */
 #define QUANTITY .forms = PEL_FORM_NUMBER | PEL_FORM_MAP, .like = "<quantity>"

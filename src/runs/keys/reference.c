@@ -153,6 +153,9 @@ static void write_paths(FILE *file, const pel_scene_table *table, const char *pr
                  strcmp(name, "[]") == 0 ? "0" : name);
         if ((row->forms & ~(unsigned)(PEL_FORM_MAP | PEL_FORM_LIST)) != 0)
             fprintf(file, "%s\n", child_path);
+        /* a group that contains itself, as regions do, is listed once */
+        if (row->like != NULL && strncmp(row->path, row->like, strlen(row->like)) == 0)
+            continue;
         write_paths(file, table, pel_scene_row_prefix(row), child_path);
     }
 }

@@ -233,6 +233,17 @@ static void write_map(schema_writer *out, const char *prefix, const pel_def_row 
     emit(out, "]}");
 }
 
+/* Whether the entries of a map are a group that stands once, under `definitions`: one whose units and ranges are its
+ * own. */
+static bool is_defined(const pel_scene_table *table, const pel_def_row *row)
+{
+    const pel_def_row *child = NULL;
+    while (row->like != NULL && (child = pel_scene_row_next(table, row->like, child)) != NULL)
+        if (child->scoped)
+            return false;
+    return row->like != NULL;
+}
+
 /* a default as JSON: numbers, booleans and lists as they are, words in quotes */
 static void write_preset(schema_writer *out, const pel_def_row *row)
 {
@@ -267,6 +278,8 @@ static void write_form(schema_writer *out, pel_form form, const pel_def_row *row
         write_tuple(out, 3, limits->range, limits->range);
     else if (form == PEL_FORM_LIST)
         write_list(out, row, limits);
+    else if (is_defined(out->table, row))
+        pel_json_print(out->json, "{\"$ref\":\"#/definitions/%.*s\"}", (int)strlen(row->like) - 2, row->like + 1);
     else
         write_map(out, pel_scene_row_prefix(row), limits);
 }
@@ -301,11 +314,27 @@ static void write_value(schema_writer *out, const pel_def_row *row, const pel_de
     emit(out, "]}");
 }
 
+static void write_definitions(schema_writer *out)
+{
+    const char *comma = "\n";
+    for (size_t i = 0; i < out->table->row_count; i++) {
+        const pel_def_row *row = &out->table->rows[i];
+        const pel_def_row group = {.like = row->path};
+        if (row->path[0] != '<' || strchr(row->path, '.') != NULL || !is_defined(out->table, &group))
+            continue;
+        pel_json_print(out->json, "%s\"%.*s\":", comma, (int)strlen(row->path) - 2, row->path + 1);
+        write_map(out, row->path, row);
+        comma = ",\n";
+    }
+}
+
 void pel_scene_put_schema(pel_json *json, const pel_scene_table *table)
 {
     schema_writer out = {json, table};
     emit(&out,
          "{\"$schema\":\"http://json-schema.org/draft-07/schema#\",\"title\":\"scene of pellicle\",\"allOf\":[\n");
     write_object(&out, "", NULL, &(schema_variant){NULL, NULL, false});
-    emit(&out, "\n]}\n");
+    emit(&out, "\n],\"definitions\":{");
+    write_definitions(&out);
+    emit(&out, "\n}}\n");
 }

@@ -17,6 +17,8 @@
 static const pel_def_row first_rows[] = {
     {"version", INTEGER, BETWEEN(1, 1), REQUIRED, .doc = "version of the scene format"},
     {"title", SCENE(title), TEXT, .doc = "title of the run, shown in reports"},
+    {"up", SCENE(up), WORD("x", "y", "z"), .preset = "z",
+     .doc = "axis that points up: for tools above the highest point, and in pictures and pages"},
 };
 
 static const pel_def_row run_rows[] = {
@@ -114,7 +116,7 @@ static const pel_def_row last_rows[] = {
     {"<region>.sphere", MAP, ALTERNATIVE, .doc = "the vertices inside a sphere"},
     {"<region>.sphere.center", VECTOR, .unit = "m", REQUIRED, .doc = "center of the sphere"},
     {"<region>.sphere.radius", NUMBER, .unit = "m", POSITIVE, REQUIRED, .doc = "radius of the sphere"},
-    {"<region>.falloff", NUMBER, .unit = "m", AT_LEAST(0), .needs = "sphere, box, nearest", .preset = "0",
+    {"<region>.falloff", NUMBER, .unit = "m", AT_LEAST(0), .needs = "sphere, box, plane, nearest, ray", .preset = "0",
      .doc = "width around the region over which its weight decreases smoothly from 1 to 0"},
     {"<region>.box", MAP, ALTERNATIVE, .doc = "the vertices inside a box parallel to the axes"},
     {"<region>.box.min", VECTOR, .unit = "m", REQUIRED, .doc = "lowest corner"},
@@ -124,6 +126,34 @@ static const pel_def_row last_rows[] = {
     {"<region>.field", TEXT, ALTERNATIVE, .doc = "the vertices at which this field of the mesh exceeds `above`"},
     {"<region>.above", NUMBER, .needs = "field", .preset = "0.5", .doc = "threshold of the field"},
     {"<region>.nearest", VECTOR, .unit = "m", ALTERNATIVE, .doc = "the one vertex nearest to this point"},
+    {"<region>.ray", MAP, ALTERNATIVE, .like = "<ray>",
+     .doc = "the one vertex nearest to the first point at which this ray meets the body"},
+    {"<region>.plane", MAP, ALTERNATIVE, .doc = "the vertices on one side of a plane, and on it"},
+    {"<region>.plane.point", VECTOR, .unit = "m", .preset = "[0, 0, 0]", .doc = "a point of the plane"},
+    {"<region>.plane.normal", VECTOR, REQUIRED,
+     .doc = "direction from the plane to the side that is selected, of any length but 0"},
+    {"<region>.boundary", INTEGER, COUNT_FROM(0), ALTERNATIVE,
+     .doc = "the vertices on one loop of open edges: its number from 0, the longest first"},
+    {"<region>.group", TEXT, ALTERNATIVE,
+     .doc = "the vertices of the faces of this object, group or material of an OBJ file (field `group:NAME`)"},
+    {"<region>.union", LIST, COUNT_FROM(1), ALTERNATIVE, .doc = "the vertices of all of these regions"},
+    {"<region>.union[]", REGION, .doc = "one region"},
+    {"<region>.not", REGION, ALTERNATIVE, .doc = "the vertices outside this region"},
+    {"<ray>", MAP, .doc = "a ray that is cast at bodies at rest"},
+    {"<ray>.origin", VECTOR, .unit = "m", REQUIRED, .doc = "where it starts"},
+    {"<ray>.direction", VECTOR, REQUIRED, .doc = "where it points, of any length but 0"},
+    {"<place>", MAP, .doc = "a place of a tool that is given by the bodies at rest"},
+    {"<place>.above", WORD_OR_MAP("highest"), REQUIRED,
+     .doc =
+         "the point of the body that the tool faces. highest: the highest along `up`, the middle one of a level top"},
+    {"<place>.above.vertex", INTEGER, COUNT_FROM(0), ALTERNATIVE, .doc = "the vertex of this number"},
+    {"<place>.above.ray", MAP, ALTERNATIVE, .like = "<ray>", .doc = "where this ray first meets the body"},
+    {"<place>.by", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", .preset = "0",
+     .doc = "distance between the tool and that point, along `up` for highest, else along the normal of the surface; "
+            "below "
+            "0 the tool is pressed in. A number of metres, or `relative` and a factor on the diagonal of the box about "
+            "the bodies, such as relative 0.05"},
+    {"<place>.body", TEXT, .doc = "name of the body; default: all bodies"},
 };
 
 /* the shapes of tools, or the solids among them; null when out of memory */

@@ -5,6 +5,7 @@
 #include "keys/validate.h"
 #include "observe/field.h"
 #include "scene/mesh.h"
+#include "scene/place.h"
 #include "scene/region.h"
 #include "stage/stepper.h"
 
@@ -97,9 +98,9 @@ static pel_status read_loads(pel_scene_reader *reader, const pel_scene_value *li
     return status;
 }
 
-/* positions are about an origin */
-static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, const double origin[3],
-                              pel_tool_def *tool)
+/* Positions are about an origin. Places above bodies of the scene become positions. */
+static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *list, const pel_scene *scene,
+                              const double origin[3], pel_tool_def *tool)
 {
     int32_t count = 0;
     pel_pose_key *keys = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *keys);
@@ -107,15 +108,18 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
         return pel_fail_memory(reader->error);
     for (const pel_scene_value *value = list->first; value != NULL; value = value->next) {
         pel_pose_key *key = &keys[count++];
+        pel_scene_value *position = pel_scene_value_entry(value, "position");
         key->time = pel_scene_value_number(value, "time");
-        pel_scene_value_numbers(pel_scene_value_entry(value, "position"), key->position);
-        for (int i = 0; i < 3; i++)
-            key->position[i] += origin[i];
         key->rotation[3] = 1;
         pel_status status =
             pel_scene_rotation_vector(reader, pel_scene_value_entry(value, "rotation"), key->rotation_vector);
+        if (status == PEL_OK && position->kind == PEL_SCENE_MAP)
+            status = pel_scene_place_tool(reader, position, &scene->model, scene->up, tool, key->rotation_vector);
         if (status != PEL_OK)
             return status;
+        pel_scene_value_numbers(position, key->position);
+        for (int i = 0; i < 3; i++)
+            key->position[i] += origin[i];
         if (count > 1 && !(key->time > key[-1].time)) {
             pel_scene_fail(reader, &value->place, "the times of the poses do not increase: %g after %g", key->time,
                            key[-1].time);
@@ -148,28 +152,31 @@ static pel_status read_mesh(pel_scene_reader *reader, pel_scene_value *value, co
     return PEL_OK;
 }
 
-static pel_status read_tool(pel_scene_reader *reader, const pel_scene_value *value, const pel_model_def *model,
+static pel_status read_tool(pel_scene_reader *reader, pel_scene_value *value, const pel_scene *scene,
                             const mesh_store *store, pel_tool_def *tool)
 {
     const pel_scene_value *body = pel_scene_value_entry(value, "body"), *grasp = pel_scene_value_entry(value, "grasp");
     const pel_scene_part part = {reader, value, NULL};
     *tool = pel_tool_def_default();
-    pel_status status = pel_scene_read_members(&part, PEL_DEF_TOOL, tool);
+    pel_status status = pel_scene_size_tool(reader, value, &scene->model);
+    if (status == PEL_OK)
+        status = pel_scene_read_members(&part, PEL_DEF_TOOL, tool);
     pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
     if (status == PEL_OK && mesh != NULL)
         status = read_mesh(reader, mesh, store, tool);
     if (status == PEL_OK && body != NULL)
-        status = find_body(reader, body, model, &tool->body);
+        status = find_body(reader, body, &scene->model, &tool->body);
     if (status == PEL_OK && grasp != NULL)
         status = check_times(reader, grasp, tool->grasp_from, tool->grasp_until);
     static const double origin[3] = {0};
-    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), origin, tool) : status;
+    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), scene, origin, tool) : status;
 }
 
 /* pinned vertices that move; the motion is that of the center, from its rest position */
-static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
+static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *value, const pel_scene *scene,
                                int32_t number, pel_tool_def *tool)
 {
+    const pel_body_def *body = &scene->model.bodies[number];
     const pel_scene_value *support = pel_scene_value_entry(value, "support");
     size_t size = strlen(body->name) + sizeof "_support";
     char *name = pel_arena_take(reader->arena, size, 1);
@@ -185,8 +192,9 @@ static pel_status read_support(pel_scene_reader *reader, const pel_scene_value *
     const pel_scene_part source = {reader, value, body->mesh};
     pel_status status =
         pel_scene_read_vertices(&source, pel_scene_value_entry(value, "pinned"), &tool->vertices, &tool->vertex_count);
-    return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(support, "motion"), tool->center, tool)
-                            : status;
+    if (status != PEL_OK)
+        return status;
+    return read_motion(reader, pel_scene_value_entry(support, "motion"), scene, tool->center, tool);
 }
 
 /* after the tools of the scene */
@@ -197,7 +205,7 @@ static pel_status read_supports(pel_scene_reader *reader, const pel_scene_value 
     int32_t b = 0;
     for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++)
         if (pel_scene_value_entry(value, "support") != NULL)
-            status = read_support(reader, value, &scene->model.bodies[b], b, &tools[(*count)++]);
+            status = read_support(reader, value, scene, b, &tools[(*count)++]);
     return status;
 }
 
@@ -211,8 +219,8 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *ro
         return pel_fail_memory(reader->error);
     pel_status status = pel_scene_check_names(reader, list);
     int32_t count = 0;
-    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
-        status = read_tool(reader, value, &scene->model, store, &tools[count++]);
+    for (pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next)
+        status = read_tool(reader, value, scene, store, &tools[count++]);
     if (status == PEL_OK)
         status = read_supports(reader, bodies, scene, tools, &count);
     scene->sim.tools = tools;

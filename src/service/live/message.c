@@ -102,6 +102,7 @@ unsigned char *pel_message_hello(const pel_scene *scene, const char *path, pel_s
     pel_json_open(&json, NULL, '{');
     pel_json_text(&json, "type", "hello");
     pel_json_text(&json, "title", scene->title);
+    pel_json_text(&json, "up", scene->up == 0 ? "x" : scene->up == 1 ? "y" : "z");
     pel_json_text(&json, "path", path);
     pel_json_number(&json, "dt", scene->sim.solver.dt);
     pel_json_number(&json, "stiffness", pel_drag_suit_stiffness(sim));

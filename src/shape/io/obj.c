@@ -3,11 +3,26 @@
 
 #include "base/memory.h"
 
+#include <stdio.h>
 #include <string.h>
+
+/* Names of objects, groups and materials: bit i of a mask is name i. */
+enum { MOST_GROUPS = 64, PREFIX = sizeof "group:" - 1 };
+
+/* the names of the polygons from one on */
+typedef struct obj_run {
+    size_t first;
+    uint64_t names;
+} obj_run;
 
 typedef struct obj_reader {
     pel_text_cursor *scan;
     pel_polygon_soup builder;
+    char names[MOST_GROUPS][PEL_NAME_SIZE - PREFIX];
+    int name_count;
+    uint64_t object, groups, material; /* in force */
+    obj_run *runs;
+    size_t run_count, run_capacity, lost_names;
     size_t colour_count;    /* vertices with a colour or weight */
     size_t reference_count; /* corners with texture or normal indices */
     size_t curve_count;     /* points and lines */
@@ -120,16 +135,94 @@ static pel_status read_face(obj_reader *reader, pel_error *error)
     return pel_polygon_soup_end_polygon(&reader->builder, count) ? PEL_OK : pel_fail_memory(error);
 }
 
+/* the bit of a name; 0 for those beyond the last */
+static uint64_t bit_of_name(obj_reader *reader, const char *name, size_t length)
+{
+    char text[PEL_NAME_SIZE - PREFIX];
+    snprintf(text, sizeof text, "%.*s", (int)(length < sizeof text ? length : sizeof text), name);
+    int i = 0;
+    while (i < reader->name_count && strcmp(reader->names[i], text) != 0)
+        i++;
+    if (i == MOST_GROUPS) {
+        reader->lost_names++;
+        return 0;
+    }
+    if (i == reader->name_count)
+        memcpy(reader->names[reader->name_count++], text, sizeof text);
+    return (uint64_t)1 << i;
+}
+
+/* the names of an object, groups or a material hold for the polygons that follow */
+static pel_status read_names(obj_reader *reader, char kind, pel_error *error)
+{
+    uint64_t *names = kind == 'o' ? &reader->object : kind == 'g' ? &reader->groups : &reader->material;
+    *names = 0;
+    for (skip_blanks(reader->scan); !at_statement_end(reader->scan); skip_blanks(reader->scan)) {
+        size_t length;
+        const char *name = pel_text_cursor_word(reader->scan, &length);
+        if (length == 0)
+            break;
+        *names |= bit_of_name(reader, name, length);
+    }
+    skip_statement(reader->scan);
+    void *runs = reader->runs;
+    if (!pel_reserve(&runs, &reader->run_capacity, reader->run_count + 1, sizeof *reader->runs))
+        return pel_fail_memory(error);
+    reader->runs = runs;
+    const uint64_t all = reader->object | reader->groups | reader->material;
+    reader->runs[reader->run_count++] = (obj_run){reader->builder.polygon_count, all};
+    return PEL_OK;
+}
+
+/* Names at each vertex of the polygons (vertex_count). Returns those that some polygons have and others lack. */
+static uint64_t spread_names(const obj_reader *reader, uint64_t *at_vertex)
+{
+    const pel_polygon_soup *soup = &reader->builder;
+    uint64_t some = 0, all = ~(uint64_t)0, names = 0;
+    size_t corner = 0, run = 0;
+    for (size_t i = 0; i < soup->polygon_count; i++) {
+        while (run < reader->run_count && reader->runs[run].first <= i)
+            names = reader->runs[run++].names;
+        some |= names;
+        all &= names;
+        for (int32_t k = 0; k < soup->sizes[i]; k++)
+            at_vertex[soup->corners[corner++]] |= names;
+    }
+    return some & ~all;
+}
+
+/* a field "group:NAME" for each name that does not hold for the whole mesh: 1 at its vertices, else 0 */
+static pel_status add_groups(const obj_reader *reader, const uint64_t *at_vertex, uint64_t names, pel_mesh *mesh,
+                             pel_error *error)
+{
+    double *values = pel_allocate((size_t)mesh->vertex_count, sizeof *values);
+    pel_status status = values != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int i = 0; i < reader->name_count && status == PEL_OK; i++) {
+        char field[PEL_NAME_SIZE];
+        if ((names >> i & 1) == 0)
+            continue;
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            values[v] = (double)(at_vertex[v] >> i & 1);
+        snprintf(field, sizeof field, "group:%s", reader->names[i]);
+        status = pel_mesh_add_field(mesh, field, 1, values, error);
+    }
+    pel_free(values);
+    return status;
+}
+
 /* every statement that is not a vertex or a face */
 static pel_status read_other(obj_reader *reader, const char *word, size_t length, pel_error *error)
 {
     static const char *const curves[] = {"l", "p", NULL};
-    static const char *const silent[] = {"o", "g", "s", "vt", "vn", "usemtl", "mtllib", NULL};
+    static const char *const silent[] = {"s", "vt", "vn", "mtllib", NULL};
+    static const char *const naming[] = {"o", "g", "usemtl", NULL};
     static const char *const known[] = {"vp",     "curv",       "curv2",     "surf",     "parm",  "trim",   "hole",
                                         "scrv",   "sp",         "end",       "deg",      "bmat",  "step",   "cstype",
                                         "con",    "mg",         "bevel",     "c_interp", "lod",   "usemap", "d_interp",
                                         "maplib", "shadow_obj", "trace_obj", "ctech",    "stech", "call",   "csh",
                                         "bsp",    "bzp",        "cdc",       "cdp",      "res",   NULL};
+    if (pel_word_is_one_of(word, length, naming))
+        return read_names(reader, word[0], error);
     if (pel_word_is_one_of(word, length, curves)) {
         reader->curve_count++;
     } else if (pel_word_is_one_of(word, length, known)) {
@@ -171,8 +264,33 @@ static void note_ignored(const obj_reader *reader, const pel_log *log)
         pel_log_line(log, "colours or weights of %zu vertices ignored", reader->colour_count);
     if (reader->reference_count > 0)
         pel_log_line(log, "texture coordinates and normals ignored");
+    if (reader->lost_names > 0)
+        pel_log_line(log, "groups beyond the first %d names ignored", MOST_GROUPS);
     if (reader->unknown_count > 0)
         pel_log_line(log, "%zu statements for curves, surfaces or display ignored", reader->unknown_count);
+}
+
+/* the mesh, and the fields of its groups */
+static pel_status finish(obj_reader *reader, const pel_log *log, pel_mesh **mesh, pel_error *error)
+{
+    pel_polygon_soup *soup = &reader->builder;
+    uint64_t *at_vertex = NULL, names = 0;
+    if (reader->run_count > 0 && soup->largest_corner < (int64_t)soup->vertex_count) {
+        at_vertex = pel_allocate(soup->vertex_count, sizeof *at_vertex);
+        if (at_vertex == NULL)
+            return pel_fail_memory(error);
+        names = spread_names(reader, at_vertex);
+    }
+    pel_status status = pel_polygon_soup_finish(soup, reader->scan, log, mesh, error);
+    if (status == PEL_OK && names != 0) {
+        status = add_groups(reader, at_vertex, names, *mesh, error);
+        if (status != PEL_OK) {
+            pel_mesh_destroy(*mesh);
+            *mesh = NULL;
+        }
+    }
+    pel_free(at_vertex);
+    return status;
 }
 
 pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error)
@@ -182,9 +300,10 @@ pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **me
     pel_status status = read_statements(&reader, error);
     if (status == PEL_OK) {
         note_ignored(&reader, log);
-        status = pel_polygon_soup_finish(&reader.builder, scan, log, mesh, error);
+        status = finish(&reader, log, mesh, error);
     }
     pel_polygon_soup_free(&reader.builder);
+    pel_free(reader.runs);
     return status;
 }
 

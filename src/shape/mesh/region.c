@@ -20,6 +20,7 @@ pel_region pel_region_default(void)
     memset(&region, 0, sizeof region);
     region.kind = PEL_REGION_ALL;
     region.above = 0.5;
+    region.loop = -1;
     region.cookie = COOKIE;
     return region;
 }
@@ -31,13 +32,13 @@ static bool finite_point(const double point[3])
 
 static pel_status check_falloff(const pel_region *region, pel_error *error)
 {
-    bool has_distance =
-        region->kind == PEL_REGION_NEAREST || region->kind == PEL_REGION_SPHERE || region->kind == PEL_REGION_BOX;
+    bool has_distance = region->kind == PEL_REGION_NEAREST || region->kind == PEL_REGION_SPHERE ||
+                        region->kind == PEL_REGION_BOX || region->kind == PEL_REGION_PLANE;
     if (!isfinite(region->falloff) || region->falloff < 0)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give a width in metres, 0 for none",
                           "falloff of the region is not a number from 0 on");
     if (region->falloff > 0 && !has_distance)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "set falloff to 0, or use a sphere, box or nearest",
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "set falloff to 0, or use a sphere, box, plane or nearest",
                           "this kind of region has no falloff");
     return PEL_OK;
 }
@@ -147,6 +148,11 @@ static pel_status check_region(const pel_region *region, const pel_mesh *mesh, p
         return check_field(region, mesh, error);
     case PEL_REGION_BOUNDARY:
         return check_triangles(mesh, error);
+    case PEL_REGION_PLANE:
+        if (finite_point(region->point) && finite_point(region->normal) && pel_vec3_length(region->normal) > 0)
+            return PEL_OK;
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give three numbers each, a normal that is not 0",
+                          "plane of the region has a point or a normal that is no place or direction");
     default:
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use one of pel_region_kind", "there is no such kind of region");
     }
@@ -185,9 +191,18 @@ static double weight_at(double distance, double falloff)
     return 1 - s * s * (3 - 2 * s);
 }
 
-/* distance of each vertex from the sphere, box or nearest vertex; <= 0 inside */
+/* distance of each vertex from the sphere, box, half space or nearest vertex; <= 0 inside */
 static void measure_distances(const pel_mesh *mesh, const pel_region *region, double *distances)
 {
+    if (region->kind == PEL_REGION_PLANE) {
+        double normal[3] = {region->normal[0], region->normal[1], region->normal[2]}, from[3];
+        pel_vec3_normalize(normal);
+        for (int32_t v = 0; v < mesh->vertex_count; v++) {
+            pel_vec3_subtract(mesh->positions[v], region->point, from);
+            distances[v] = -pel_vec3_dot(from, normal);
+        }
+        return;
+    }
     const double *middle = region->center;
     double radius = region->radius;
     if (region->kind == PEL_REGION_NEAREST) {
@@ -218,8 +233,68 @@ static void weigh_by_field(const pel_mesh *mesh, const pel_region *region, doubl
         weights[v] = values[v] > region->above;
 }
 
+/* the root of the loop that a vertex belongs to; shortens the path to it */
+static int32_t loop_of(int32_t *parents, int32_t v)
+{
+    while (parents[v] != v) {
+        parents[v] = parents[parents[v]];
+        v = parents[v];
+    }
+    return v;
+}
+
+/* The root of the loop of that number, by decreasing length; -1 if there are fewer. Lengths are at the roots, 0 at
+   other vertices, and are lost. */
+static int32_t longest_loop(double *lengths, int32_t vertex_count, int32_t number)
+{
+    int32_t longest = -1;
+    for (int32_t n = 0; n <= number; n++) {
+        if (longest >= 0)
+            lengths[longest] = 0;
+        longest = -1;
+        for (int32_t v = 0; v < vertex_count; v++)
+            if (lengths[v] > 0 && (longest < 0 || lengths[v] > lengths[longest]))
+                longest = v;
+        if (longest < 0)
+            break;
+    }
+    return longest;
+}
+
+/* keeps the weights of one loop: boundary edges that hang together are a loop */
+static pel_status keep_loop(const pel_mesh *mesh, const pel_edge_table *edges, int32_t number, double *weights,
+                            pel_error *error)
+{
+    int32_t *parents = pel_allocate((size_t)mesh->vertex_count, sizeof *parents);
+    double *lengths = pel_allocate((size_t)mesh->vertex_count, sizeof *lengths);
+    if (parents == NULL || lengths == NULL) {
+        pel_free(parents);
+        pel_free(lengths);
+        return pel_fail_memory(error);
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        parents[v] = v;
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t e = 0; e < edges->edge_count; e++) {
+            const int32_t h = edges->half_edge_of_edge[e];
+            const int32_t a = mesh->triangles[h / 3][h % 3], b = mesh->triangles[h / 3][(h + 1) % 3];
+            if (pel_edge_table_valence(edges, e) > 1)
+                continue;
+            if (pass == 0)
+                parents[loop_of(parents, a)] = loop_of(parents, b);
+            else
+                lengths[loop_of(parents, a)] += pel_vec3_distance(mesh->positions[a], mesh->positions[b]);
+        }
+    const int32_t root = longest_loop(lengths, mesh->vertex_count, number);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        weights[v] = weights[v] > 0 && root >= 0 && loop_of(parents, v) == root;
+    pel_free(parents);
+    pel_free(lengths);
+    return PEL_OK;
+}
+
 /* vertices of edges that have one triangle */
-static pel_status weigh_boundary(const pel_mesh *mesh, double *weights, pel_error *error)
+static pel_status weigh_boundary(const pel_mesh *mesh, const pel_region *region, double *weights, pel_error *error)
 {
     pel_edge_table edges;
     if (pel_edge_table_build((const int32_t(*)[3])mesh->triangles, mesh->triangle_count, mesh->vertex_count, NULL,
@@ -232,8 +307,9 @@ static pel_status weigh_boundary(const pel_mesh *mesh, double *weights, pel_erro
         weights[mesh->triangles[h / 3][h % 3]] = 1;
         weights[mesh->triangles[h / 3][(h + 1) % 3]] = 1;
     }
+    const pel_status status = region->loop >= 0 ? keep_loop(mesh, &edges, region->loop, weights, error) : PEL_OK;
     pel_edge_table_clear(&edges);
-    return PEL_OK;
+    return status;
 }
 
 static pel_status weigh(const pel_mesh *mesh, const pel_region *region, double *weights, pel_error *error)
@@ -251,7 +327,7 @@ static pel_status weigh(const pel_mesh *mesh, const pel_region *region, double *
         weigh_by_field(mesh, region, weights);
         break;
     case PEL_REGION_BOUNDARY:
-        return weigh_boundary(mesh, weights, error);
+        return weigh_boundary(mesh, region, weights, error);
     default:
         weigh_by_distance(mesh, region, weights);
         break;
@@ -264,6 +340,10 @@ static pel_status fail_empty(const pel_mesh *mesh, const pel_region *region, dou
 {
     if (region->kind == PEL_REGION_VERTICES)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give at least one number", "the region lists no vertex");
+    if (region->kind == PEL_REGION_BOUNDARY && region->loop >= 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "count the loops from 0, the longest first, or use the whole boundary",
+                          "the region is empty: the boundary of the mesh has no loop %d", (int)region->loop);
     if (region->kind == PEL_REGION_BOUNDARY)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "select vertices by a sphere, a box or a field",
                           "the region is empty: the mesh is closed, it has no boundary");

@@ -7,6 +7,7 @@ import { Parameters } from "./parameters.js";
 import { findPad, readPad } from "./pads.js";
 import { LivePlots } from "./plots.js";
 import { Stage } from "./stage.js";
+import { linesOf } from "./yaml.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -46,7 +47,7 @@ function receive(message) {
 
 function start(message) {
     hello = message;
-    shown = frame = hand = null;
+    shown = frame = hand = pointed = null;
     ruler.length = 0;
     range.reset();
     plots.setTools(message.tools.map(({ name }) => name));
@@ -346,6 +347,36 @@ function brush(word, ray) {
     return { kind: word, move: paint, end: () => {} };
 }
 
+/* ---- lines of a scene ---- */
+
+let pointed = null; // the last hit of the hand, or the place under the pointer
+
+// copies the lines of a scene for the tool, pin or region at the pointer
+async function copyLines(ray) {
+    const hit = (ray && shown && stage.pick(ray)) || pointed;
+    if (!hit) return showNotice({ kind: "note", text: "use the tool on a body first, or point at one and press y" });
+    const place = stage.atFirst(hit);
+    const body = hello.bodies[place.body].name;
+    const sizes = { shape: state.shape, size: stage.size };
+    for (const key of ["radius", "depth", "brush", "reach"]) sizes[key] = state[key] * stage.size;
+    copied = linesOf(state.mode, { ...place, body }, sizes);
+    try {
+        await navigator.clipboard.writeText(copied);
+        showNotice({ kind: "note", text: `copied for a scene: ${copied}` });
+    } catch {
+        download(new Blob([copied], { type: "application/yaml" }), "lines.yaml");
+    }
+}
+let copied = "";
+
+function copyButton() {
+    const button = element("button", "quiet", "Copy as YAML");
+    button.type = "button";
+    button.title = "Copy the lines of a scene for the place where the tool was last used (y: at the pointer)";
+    button.addEventListener("click", () => copyLines());
+    return button;
+}
+
 function rayOf(event) {
     const box = $("view").getBoundingClientRect();
     return stage.ray(event.clientX - box.left, event.clientY - box.top);
@@ -356,6 +387,7 @@ function begin(ray) {
     const hit = shown && stage.pick(ray);
     if (hand || !hit || state.mode === "turn") return false;
     hand = modes[state.mode](ray, hit);
+    pointed = hit;
     // start playing after the mark, so that undo returns to the state before
     if (hand && !state.playing) send("play");
     schedule();
@@ -373,6 +405,8 @@ function squeezeBy(event) {
     if (hand && event.pointerType === "pen") hand.squeeze = 2 * event.pressure;
 }
 
+let under = null; // ray of the pointer over the picture
+
 function listenToPicture() {
     const canvas = $("view");
     canvas.addEventListener(
@@ -385,6 +419,8 @@ function listenToPicture() {
         },
         { capture: true },
     );
+    canvas.addEventListener("pointermove", (event) => (under = rayOf(event)));
+    canvas.addEventListener("pointerleave", () => (under = null));
     // raw moves arrive at once; other moves wait for the next picture
     canvas.addEventListener("onpointerrawupdate" in canvas ? "pointerrawupdate" : "pointermove", (event) => {
         if (!hand || aim.acts) return;
@@ -544,7 +580,7 @@ function makeOptions() {
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
         unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
     };
-    $("options").replaceChildren(...(made[state.mode]?.() ?? []));
+    $("options").replaceChildren(...(made[state.mode]?.() ?? []), copyButton());
 }
 
 function makeControls() {
@@ -663,6 +699,7 @@ const keys = {
     w: () => cycle("surface", setSurface),
     "ctrl s": askForScene,
     o: () => $("file").click(),
+    y: () => copyLines(under),
     "+": () => stage.zoom(1.15),
     "=": () => stage.zoom(1.15),
     "-": () => stage.zoom(1 / 1.15),
@@ -743,6 +780,9 @@ globalThis.pellicle = {
     },
     get parameters() {
         return latestParameters;
+    },
+    get copied() {
+        return copied;
     },
     get hello() {
         return hello;

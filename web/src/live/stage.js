@@ -22,6 +22,7 @@ import {
 import {
     FINE_COUNT,
     fillNormals,
+    firstView,
     isSoftware,
     listEdges,
     makeEye,
@@ -30,6 +31,7 @@ import {
     showMap,
     styleLines,
     surfaceShader,
+    upOf,
     vertexShader,
 } from "../view.js";
 
@@ -93,6 +95,7 @@ class Body {
         const { centre, size } = this.stage;
         for (let i = 0; i < positions.length; i += 3)
             for (let c = 0; c < 3; c++) this.positions[i + c] = (positions[i + c] - centre[c]) / size;
+        this.first ??= this.positions.slice();
         fillNormals(this.corners, this.positions, this.normals);
         this.outside ??= this.closed ? outsideOf(this.corners, this.positions) : DoubleSide;
         if (values) this.values.set(values);
@@ -229,7 +232,8 @@ export class Stage {
         this.bodies = [];
         this.tools = new Map();
         this.held = { name: "", mesh: null }; // the tool of the hand
-        Object.assign(this, makeEye(canvas, changed));
+        this.changed = changed;
+        Object.assign(this, makeEye(canvas, changed, upOf("z")));
         this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, "#d1341d");
         this.arrow.line.material.depthTest = this.arrow.cone.material.depthTest = false;
         this.arrow.line.renderOrder = this.arrow.cone.renderOrder = 2;
@@ -251,7 +255,13 @@ export class Stage {
 
     /* ---- contents ---- */
 
-    setScene({ low, high, bodies, tools }) {
+    setScene({ low, high, bodies, tools, up }) {
+        // the controls keep the axis that they were made with
+        if (!upOf(up).equals(this.camera.up)) {
+            this.controls.dispose();
+            Object.assign(this, makeEye(this.canvas, this.changed, upOf(up)));
+            this.resize();
+        }
         this.bodies.forEach((body) => body.dispose());
         for (const name of this.tools.keys()) this.removeTool(name);
         this.centre = low.map((x, c) => (x + high[c]) / 2);
@@ -340,7 +350,7 @@ export class Stage {
 
     // shows all bodies so that they fill the picture; keeps the direction of the view if `turned`
     reset(turned = false) {
-        const away = turned ? this.camera.position.clone().sub(this.controls.target).normalize() : new Vector3(0.5, -0.75, 0.5).normalize();
+        const away = turned ? this.camera.position.clone().sub(this.controls.target).normalize() : firstView(this.camera.up);
         const right = new Vector3().crossVectors(this.camera.up, away).normalize();
         const axes = [right, new Vector3().crossVectors(away, right)];
         const points = this.outline();
@@ -398,7 +408,7 @@ export class Stage {
 
     turn(right, up) {
         const offset = this.camera.position.clone().sub(this.controls.target);
-        const elevation = Math.asin(offset.z / offset.length());
+        const elevation = Math.asin(offset.dot(this.camera.up) / offset.length());
         offset.applyAxisAngle(this.camera.up, -right);
         const side = new Vector3().crossVectors(offset, this.camera.up).normalize();
         if (Math.abs(elevation + up) < 1.5) offset.applyAxisAngle(side, up);
@@ -481,6 +491,17 @@ export class Stage {
         best.point = origin.clone().addScaledVector(direction, best.place.distance);
         best.normal = best.place.normal.dot(direction) > 0 ? best.place.normal.clone().negate() : best.place.normal;
         return best;
+    }
+
+    // { body, point, normal } of a hit on the body as the page first saw it [m]
+    atFirst({ body: b, place, normal }) {
+        const body = this.bodies[b];
+        const isOld = place.corners.every((v) => 3 * v < body.first.length);
+        const [x, y, z] = place.corners.map((v) => new Vector3().fromArray(isOld ? body.first : body.positions, 3 * v));
+        const across = y.clone().sub(x).cross(z.clone().sub(x)).normalize();
+        if (place.normal.dot(normal) < 0) across.negate();
+        const point = x.multiplyScalar(place.weights[0]).addScaledVector(y, place.weights[1]).addScaledVector(z, place.weights[2]);
+        return { body: b, point: this.outward(point), normal: across.toArray() };
     }
 
     // intersection of the ray with the plane through a point, parallel to the picture
