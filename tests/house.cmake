@@ -50,6 +50,11 @@ if(NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
                                         ${CMAKE_C_COMPILER} ${CMAKE_CXX_COMPILER})
 endif()
 
+# the tag of a wheel
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT PELLICLE_SANITIZE)
+    add_test(NAME house/audit COMMAND bash ${HOUSE}/audit.sh ${PROJECT_SOURCE_DIR} ${CMAKE_C_COMPILER})
+endif()
+
 # links and commands of the pages
 if(TARGET pellicle_program)
     add_test(NAME house/docs COMMAND ${PYTHON3} ${HOUSE}/docs.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)
