@@ -98,6 +98,7 @@ static void write_numbers(pel_json *json, const lab_experiment *experiment)
         pel_json_bool(json, "judged", f->relation != LAB_TOLD);
         pel_json_bool(json, "holds", lab_finding_holds(f));
         pel_json_text(json, "origin", lab_origin_name(experiment->claims[f->claim].origin));
+        pel_json_bool(json, "by_construction", experiment->claims[f->claim].by_construction);
         pel_json_text(json, "source", f->source);
         pel_json_number(json, "claim", f->claim);
         pel_json_close(json, '}');

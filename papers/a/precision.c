@@ -293,5 +293,6 @@ const lab_case a_precision = {
     .name = "precision",
     .doc = "displacement under a load, refined locally, everywhere, and a reference (about a minute)",
     .group = "paper A",
+    .place = "section 5",
     .run = run_precision,
 };

@@ -117,6 +117,7 @@ const lab_case a_figure_4 = {
     .name = "figure4",
     .doc = "three levels of the surface of a lens by the modified butterfly scheme",
     .group = "paper A",
+    .place = "section 3.1, figure 4",
     .run = run_figure_4,
 };
 
@@ -262,6 +263,7 @@ const lab_case a_figure_6_7 = {
     .name = "figure6-7",
     .doc = "a ball pressed and released, without and with volumetric springs",
     .group = "paper A",
+    .place = "section 4, figures 6 and 7",
     .run = run_figure_6_7,
 };
 
@@ -326,6 +328,7 @@ const lab_case a_figure_8 = {
     .name = "figure8",
     .doc = "the same force on the base, the globally and the locally refined ball",
     .group = "paper A",
+    .place = "section 4, figure 8",
     .run = run_figure_8,
 };
 
@@ -397,5 +400,6 @@ const lab_case a_figure_9 = {
     .name = "figure9",
     .doc = "the capsule of an eye lens under a probe, on its mesh and refined near the probe",
     .group = "paper A",
+    .place = "section 4, figure 9",
     .run = run_figure_9,
 };

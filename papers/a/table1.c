@@ -67,6 +67,7 @@ const lab_case a_table_1 = {
     .name = "table1",
     .doc = "times of 500 steps on the base, globally and locally refined",
     .group = "paper A",
+    .place = "section 4, table 1",
     .run = run_table_1,
 };
 
@@ -100,5 +101,6 @@ const lab_case a_rates = {
     .name = "rates",
     .doc = "steps a second of the base, the globally and the locally refined ball",
     .group = "paper A",
+    .place = "section 1",
     .run = run_rates,
 };

@@ -87,5 +87,6 @@ const lab_case b_inflation = {
     .name = "b-inflation",
     .doc = "the paper's wish: bodies under a pressure from inside",
     .group = "paper B",
+    .place = "section 7, future work",
     .run = run_inflation,
 };

@@ -1,5 +1,5 @@
-/* Figures 11 to 15 and table 1 of paper B: materials, sizes, distances and minimisation compared with the paper's
-   method, and the method of Bender and others 2014 (continuous_pbd.h), with which the paper compares itself. */
+/* Figures 11 to 14 of paper B: materials, sizes and distances compared with the paper's method, and the method of Bender
+   and others 2014 (solid.h), with which the paper compares itself. */
 #include "papers/b/shrink.h"
 #include "papers/b/solid.h"
 
@@ -71,6 +71,7 @@ const lab_case b_figure_11 = {
     .name = "b-figure11",
     .doc = "four materials in frame 50",
     .group = "paper B",
+    .place = "section 6, figure 11",
     .run = run_figure_11,
 };
 
@@ -208,6 +209,7 @@ const lab_case b_figure_12 = {
     .name = "b-figure12",
     .doc = "energy of a shell in frame 50 compared with a solid (Bender and others 2014)",
     .group = "paper B",
+    .place = "section 6, figure 12",
     .run = run_figure_12,
 };
 
@@ -370,6 +372,7 @@ const lab_case b_figure_13 = {
     .name = "b-figure13",
     .doc = "volumes of three materials and of a solid (Bender and others 2014) at three sizes",
     .group = "paper B",
+    .place = "section 6, figure 13",
     .run = run_figure_13,
 };
 
@@ -446,102 +449,6 @@ const lab_case b_figure_14 = {
     .name = "b-figure14",
     .doc = "energy constraints and distance constraints",
     .group = "paper B",
+    .place = "section 6, figure 14",
     .run = run_figure_14,
-};
-
-/* ---- figure 15 and table 1 ---- */
-
-enum { METHODS = 3 };
-
-/* the quickest step of a run: least affected by other load on the machine [ms] */
-static pel_status least_step(const lab_experiment *experiment, const char *run, double *milliseconds)
-{
-    lab_series series;
-    pel_status status = lab_read_series(experiment, run, "frame", "step_ms", &series);
-    *milliseconds = (double)HUGE_VAL;
-    for (int i = 1; status == PEL_OK && i < series.count; i++)
-        *milliseconds = fmin(*milliseconds, series.y[i]);
-    lab_free_series(&series);
-    return status;
-}
-
-static pel_status run_method(lab_experiment *experiment, int body, int method, char name[64], double *milliseconds)
-{
-    static const char *const methods[METHODS] = {"pbd", "pbd-distance", "gradient"};
-    static const char *const solvers[METHODS] = {"solver.method=pbd", "solver.method=pbd-distance",
-                                                 "solver.method=descent"};
-    pel_run_summary summary = {0};
-    const char *settings[] = {
-        solvers[method],
-        "solver.descent=gradient",
-        method < 2 ? "solver.iterations=5" : "solver.iterations=50",
-        /* one shape for all: beyond the buckling pressure there is no equilibrium to minimise to */
-        "bodies.0.pressure={ volume: { target: { keys: [[0, 1], [0.5, 0.8]] }, bulk: 500 } }",
-        "stop.frames=30",
-        "bodies.0.bending=", /* "by the elastic energy": E_S alone */
-        "contact=",
-        "solver.threads=1",
-        NULL,
-    };
-    pel_status status = b_shrink(experiment, body, methods[method], settings, &summary);
-    b_run_name(experiment, body, methods[method], name);
-    return status == PEL_OK ? least_step(experiment, name, milliseconds) : status;
-}
-
-static pel_status run_figure_15(lab_experiment *experiment)
-{
-    /* two bodies: gradient descent takes long */
-    int count = b_shown(experiment) < 2 ? b_shown(experiment) : 2;
-    static char names[B_SHOWN][METHODS][64];
-    double times[B_SHOWN][METHODS] = {{0}};
-    b_shrunk shapes[B_SHOWN][METHODS] = {{{0}}};
-    pel_status status = PEL_OK;
-    for (int body = 0; body < count; body++)
-        for (int i = 0; status == PEL_OK && i < METHODS; i++) {
-            status = run_method(experiment, body, i, names[body][i], &times[body][i]);
-            if (status == PEL_OK)
-                status = b_measure(experiment, body, names[body][i], 30, &shapes[body][i]);
-        }
-    if (status != PEL_OK)
-        return status;
-    lab_begin_claim(experiment, LAB_PAPER, "minimisation by gradient descent takes far longer (table 1)", NULL);
-    for (int body = 0; body < count; body++) {
-        static const char *const columns[METHODS] = {"pbd", "distances", "gradient descent"};
-        b_at_least(experiment, body, "time, gradient descent / pbd", times[body][2] / times[body][0], 5,
-                   B_PAPER ", table 1; 5 is ours");
-        for (int i = 0; i < METHODS; i++) {
-            char text[64];
-            snprintf(text, sizeof text, "least ms a frame, %s", columns[i]);
-            b_tell(experiment, body, text, times[body][i], (double)NAN, "");
-        }
-    }
-    lab_begin_claim(experiment, LAB_PAPER, "distances take less time than energies (table 1)",
-                    "steps of about a millisecond on a machine that does other work");
-    for (int body = 0; body < count; body++)
-        b_at_most(experiment, body, "time, distances / pbd", times[body][1] / times[body][0], 1, B_PAPER ", table 1");
-    lab_begin_claim(experiment, LAB_PAPER, "the two shapes are similar, and that of gradient descent is rougher",
-                    "50 steps of gradient descent per frame leave less edge-to-edge noise than five sweeps of pbd");
-    for (int body = 0; body < count; body++)
-        b_at_most(experiment, body, "roughness, pbd / gradient descent",
-                  shapes[body][0].roughness / shapes[body][2].roughness, 1, B_PAPER ", figure 15");
-    lab_picture picture = {.caption = "frame 30 by position-based dynamics and by gradient descent",
-                           .frames = {30},
-                           .frame_count = 1,
-                           .columns = 2 * count,
-                           .field = "none",
-                           .azimuth = 35,
-                           .elevation = 20};
-    for (int body = 0; body < count; body++)
-        for (int i = 0; i < 2; i++) {
-            picture.labels[picture.run_count] = i == 0 ? "pbd" : "gradient descent";
-            picture.runs[picture.run_count++] = names[body][2 * i];
-        }
-    return lab_add_picture(experiment, &picture);
-}
-
-const lab_case b_figure_15 = {
-    .name = "b-figure15",
-    .doc = "position-based dynamics and minimisation of the energy; times of table 1",
-    .group = "paper B",
-    .run = run_figure_15,
 };

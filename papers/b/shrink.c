@@ -164,10 +164,15 @@ pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const c
                                                      .run_count = count});
 }
 
+double b_fibre_gradient(const b_body *body)
+{
+    return GRADIENT_PER_PRESSURE * body->pressure;
+}
+
 const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text)
 {
     snprintf(text, B_FIBRES_SIZE, "bodies.0.anisotropy={ mode: normal, energy: %s, gradient: %.6g }", energy,
-             GRADIENT_PER_PRESSURE * experiment->bodies[body].pressure);
+             b_fibre_gradient(&experiment->bodies[body]));
     return text;
 }
 

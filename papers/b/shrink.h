@@ -44,6 +44,7 @@ pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const c
 
 /* A setting for fibres (E_A) of a body, before that of their region (its cap); returns text (B_FIBRES_SIZE bytes). */
 enum { B_FIBRES_SIZE = 96 };
+double b_fibre_gradient(const b_body *body); /* k_A [N] */
 const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text);
 
 /* a frame of a run, or its last one */

@@ -114,5 +114,6 @@ const lab_case b_figure_4 = {
     .name = "b-figure4",
     .doc = "one stencil, folded and let go: the states between no and too much bending energy",
     .group = "paper B",
+    .place = "section 3, figure 4",
     .run = run_figure_4,
 };

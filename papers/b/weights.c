@@ -150,6 +150,7 @@ const lab_case b_figure_16_18 = {
     .name = "b-figure16-18",
     .doc = "the bending weight k_B, fixed and automatic",
     .group = "paper B",
+    .place = "section 6.3, figures 16 to 18",
     .run = run_figure_16_18,
 };
 
@@ -283,6 +284,7 @@ const lab_case b_figure_19_20 = {
     .name = "b-figure19-20",
     .doc = "regions of fibres that cave in, three energies",
     .group = "paper B",
+    .place = "section 6, figures 19 and 20",
     .run = run_figure_19_20,
 };
 
@@ -423,5 +425,6 @@ const lab_case b_table_2 = {
     .name = "b-table2",
     .doc = "cubics and time of collision detection, without culling, by boxes and filter, by axes",
     .group = "paper B",
+    .place = "section 6, table 2",
     .run = run_table_2,
 };

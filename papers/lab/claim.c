@@ -10,7 +10,13 @@ void lab_begin_claim(lab_experiment *experiment, lab_origin origin, const char *
     lab_claim *claim = lab_add_item(experiment, &claims, &experiment->claim_count, sizeof *claim);
     experiment->claims = claims;
     if (claim != NULL)
-        *claim = (lab_claim){origin, says, reason};
+        *claim = (lab_claim){.origin = origin, .says = says, .reason = reason};
+}
+
+void lab_by_construction(lab_experiment *experiment)
+{
+    if (experiment->claim_count > 0)
+        experiment->claims[experiment->claim_count - 1].by_construction = true;
 }
 
 static void add(lab_experiment *experiment, const char *name, lab_finding finding)
@@ -133,6 +139,7 @@ const char *lab_claim_text(const lab_experiment *experiment, int claim, char *te
         snprintf(text, size, "differs (%d of %d hold): %s", held, judged,
                  said->reason != NULL ? said->reason : "not on the mesh that was given");
     else
-        snprintf(text, size, "%s (%d of %d)", lab_verdict_name(verdict), held, judged);
+        snprintf(text, size, "%s (%d of %d)%s", lab_verdict_name(verdict), held, judged,
+                 said->by_construction ? ", by construction" : "");
     return text;
 }

@@ -35,6 +35,7 @@ typedef struct lab_claim {
     lab_origin origin;
     const char *says;   /* one sentence without a full stop; a literal */
     const char *reason; /* why a paper's claim does not hold here, when that is known; nullable, a literal */
+    bool by_construction; /* it holds by the layout of the program or of the experiment, so that it measures little */
 } lab_claim;
 
 typedef enum lab_verdict {
@@ -46,6 +47,8 @@ typedef enum lab_verdict {
 
 /* Begins a claim. reason is nullable. */
 void lab_begin_claim(lab_experiment *experiment, lab_origin origin, const char *says, const char *reason);
+/* Marks the claim that was begun last: it holds by construction. */
+void lab_by_construction(lab_experiment *experiment);
 /* A number that has to be `expected` up to the tolerance. */
 void lab_expect(lab_experiment *experiment, const char *name, double value, double expected, double tolerance,
                 const char *source);
@@ -60,7 +63,7 @@ bool lab_finding_holds(const lab_finding *finding);
 lab_verdict lab_claim_verdict(const lab_experiment *experiment, int claim);
 /* the worst of its claims */
 lab_verdict lab_experiment_verdict(const lab_experiment *experiment);
-/* "holds (3 of 3)", "differs (1 of 3): why"; returns text */
+/* "holds (3 of 3)", "holds (3 of 3), by construction", "differs (1 of 3 hold): why"; returns text */
 const char *lab_claim_text(const lab_experiment *experiment, int claim, char *text, size_t size);
 const char *lab_verdict_name(lab_verdict verdict);
 const char *lab_origin_name(lab_origin origin);

@@ -22,21 +22,47 @@ void *lab_add_item(lab_experiment *experiment, void **items, int *count, size_t 
     return memset(grown + (size_t)(*count)++ * size, 0, size);
 }
 
+/* ---- tables ---- */
+
+static lab_row *add_row(lab_experiment *experiment, const char *cells)
+{
+    void *rows = experiment->rows;
+    lab_row *row = lab_add_item(experiment, &rows, &experiment->row_count, sizeof *row);
+    experiment->rows = rows;
+    if (row != NULL)
+        snprintf(row->cells, sizeof row->cells, "%s", cells);
+    return row;
+}
+
+void lab_begin_table(lab_experiment *experiment, const char *caption, const char *columns)
+{
+    lab_row *row = add_row(experiment, columns);
+    if (row == NULL)
+        return;
+    row->is_head = true;
+    snprintf(row->caption, sizeof row->caption, "%s", caption);
+}
+
+void lab_add_row(lab_experiment *experiment, const char *cells)
+{
+    add_row(experiment, cells);
+}
+
 /* ---- numbers.csv ---- */
 
 static void write_findings(FILE *file, const void *context)
 {
     const lab_experiment *experiment = context;
-    fputs("name,value,relation,expected,tolerance,judged,holds,origin,source,claim,verdict\n", file);
+    fputs("name,value,relation,expected,tolerance,judged,holds,origin,source,claim,verdict,construction\n", file);
     for (int i = 0; i < experiment->finding_count; i++) {
         const lab_finding *f = &experiment->findings[i];
         const lab_claim *claim = &experiment->claims[f->claim];
         fprintf(file, "\"%s\",%.17g,%s,", f->name, f->value, lab_relation_sign(f->relation));
         if (!isnan(f->expected))
             fprintf(file, "%.17g", f->expected);
-        fprintf(file, ",%.17g,%d,%d,%s,\"%s\",\"%s\",%s\n", f->tolerance, f->relation != LAB_TOLD, lab_finding_holds(f),
+        fprintf(file, ",%.17g,%d,%d,%s,\"%s\",\"%s\",%s,%d\n", f->tolerance, f->relation != LAB_TOLD, lab_finding_holds(f),
                 lab_origin_name(claim->origin), f->source, claim->says,
-                lab_verdict_name(lab_claim_verdict(experiment, f->claim)));
+                lab_verdict_name(lab_claim_verdict(experiment, f->claim)), claim->by_construction);
     }
 }
 
@@ -46,6 +72,8 @@ pel_status lab_run_case(const lab_case *which, lab_experiment *experiment)
     double begin = pel_seconds();
     experiment->name = which->name;
     experiment->doc = which->doc;
+    experiment->group = which->group;
+    experiment->place = which->place;
     /* a case without its own claims is judged by its subject */
     if (strcmp(which->group, "own") == 0)
         lab_begin_claim(experiment, which->origin, which->doc, NULL);
@@ -69,6 +97,7 @@ void lab_clear(lab_experiment *experiment)
     free(experiment->claims);
     free(experiment->findings);
     free(experiment->images);
+    free(experiment->rows);
     *experiment = (lab_experiment){0};
 }
 

@@ -17,9 +17,16 @@ typedef struct lab_image {
     char caption[160];
 } lab_image;
 
+/* A table of an experiment: its cells are parted by '|'. */
+typedef struct lab_row {
+    char cells[240];
+    bool is_head; /* begins a table: the names of its columns */
+    char caption[200]; /* of a head */
+} lab_row;
+
 /* A running experiment and its results. */
 struct lab_experiment {
-    const char *name, *doc;
+    const char *name, *doc, *group, *place;
     const char *folder; /* exists */
     pel_error *error;
     const struct b_body *bodies; /* (body_count) of paper B (papers/b/body.h) */
@@ -30,7 +37,8 @@ struct lab_experiment {
     lab_claim *claims;  /* (claim_count) */
     lab_finding *findings;
     lab_image *images;
-    int claim_count, finding_count, image_count;
+    lab_row *rows; /* (row_count) of its tables */
+    int claim_count, finding_count, image_count, row_count;
     int plot_count, picture_count;
     double seconds; /* that it took */
     /* called before each run; null = quiet */
@@ -42,6 +50,7 @@ typedef struct lab_case {
     const char *name;
     const char *doc;   /* one line */
     const char *group; /* "paper A", "paper B" or "own" */
+    const char *place; /* in the paper: section and number of the figure or table; null in own checks */
     lab_origin origin; /* of findings that are added before any claim */
     pel_status (*run)(lab_experiment *experiment);
 } lab_case;
@@ -54,6 +63,10 @@ void lab_clear(lab_experiment *experiment);
 /* Adds a zeroed item of size bytes to items, of which there are *count. Null when memory is out: the experiment is
    incomplete then. */
 void *lab_add_item(lab_experiment *experiment, void **items, int *count, size_t size);
+
+/* Begins a table with these columns, parted by '|'; adds a row to the last one. */
+void lab_begin_table(lab_experiment *experiment, const char *caption, const char *columns);
+void lab_add_row(lab_experiment *experiment, const char *cells);
 
 /* folder/name in path (LAB_PATH_SIZE bytes); returns path */
 const char *lab_path(const lab_experiment *experiment, const char *name, char *path);

@@ -1,5 +1,6 @@
-/* The page about experiments that ran: a table of verdicts, then each with its claims, numbers and pictures. Once as
-   HTML and once as Markdown; both use relative paths, so that the folder can be moved. */
+/* The page about experiments that ran, in the order of the papers: counts, then for each the statements with their
+   numbers and verdicts, its tables and its pictures. Once as HTML and once as Markdown; both use relative paths, so
+   that the folder can be moved. */
 #include "papers/lab/page.h"
 
 #include "papers/lab/file.h"
@@ -33,8 +34,6 @@ static void measured(const lab_experiment *experiment, int claim, char *text, si
         snprintf(text + length, size - length, "; and %d more", count - MOST);
 }
 
-/* ---- HTML ---- */
-
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
     "content=\"width=device-width, initial-scale=1\">\n<title>Pellicle: both papers</title>\n<style>\nbody { font: "
@@ -63,27 +62,105 @@ typedef struct page {
     int count;
 } page;
 
-static void put_table(FILE *file, const lab_experiment *const *experiments, int count)
+/* ---- counts ---- */
+
+/* Judged numbers and their claims, apart from comparisons with the version before. */
+typedef struct tally {
+    int claims[LAB_FAILS + 1]; /* by verdict */
+    int numbers, held, by_construction;
+} tally;
+
+static tally count_all(const page *all)
+{
+    tally sums = {0};
+    for (int i = 0; i < all->count; i++) {
+        const lab_experiment *experiment = all->experiments[i];
+        for (int claim = 0; claim < experiment->claim_count; claim++)
+            if (experiment->claims[claim].origin != LAB_REGRESSION)
+                sums.claims[lab_claim_verdict(experiment, claim)]++;
+        for (int k = 0; k < experiment->finding_count; k++) {
+            const lab_finding *finding = &experiment->findings[k];
+            const lab_claim *claim = &experiment->claims[finding->claim];
+            if (finding->relation == LAB_TOLD || claim->origin == LAB_REGRESSION)
+                continue;
+            sums.numbers++;
+            sums.held += lab_finding_holds(finding);
+            sums.by_construction += claim->by_construction;
+        }
+    }
+    return sums;
+}
+
+static void put_counts(FILE *file, const page *all)
+{
+    tally sums = count_all(all);
+    fprintf(file,
+            "%d claims hold, %d differ, %d fail. %d of %d judged numbers are within their limits; %d of them hold by "
+            "construction. Comparisons with the version before are not counted.",
+            sums.claims[LAB_HOLDS], sums.claims[LAB_DIFFERS], sums.claims[LAB_FAILS], sums.held, sums.numbers,
+            sums.by_construction);
+}
+
+/* "paper B, section 6, figure 14", or the group alone */
+static const char *place_of(const lab_experiment *experiment, char text[160])
+{
+    if (experiment->place != NULL)
+        snprintf(text, 160, "%s, %s", experiment->group, experiment->place);
+    else
+        snprintf(text, 160, "%s", strcmp(experiment->group, "own") == 0 ? "own check" : experiment->group);
+    return text;
+}
+
+/* writes the cells of a row, each between `before` and `after` */
+static void put_cells(FILE *file, const char *cells, const char *before, const char *after)
+{
+    char cell[240];
+    while (cells != NULL) {
+        const char *bar = strchr(cells, '|');
+        snprintf(cell, sizeof cell, "%.*s", bar != NULL ? (int)(bar - cells) : (int)strlen(cells), cells);
+        fputs(before, file);
+        lab_put_escaped(file, cell);
+        fputs(after, file);
+        cells = bar != NULL ? bar + 1 : NULL;
+    }
+}
+
+/* ---- HTML ---- */
+
+static void put_claims(FILE *file, const lab_experiment *experiment)
 {
     char text[2048];
-    fputs("<table>\n<tr><th>experiment</th><th>from</th><th>what it says</th><th>measured (wanted)</th>"
-          "<th>verdict</th></tr>\n",
-          file);
-    for (int i = 0; i < count; i++)
-        for (int claim = 0; claim < experiments[i]->claim_count; claim++) {
-            if (!is_said(experiments[i], claim))
-                continue;
-            fprintf(file, "<tr><td><a href=\"#%s\">%s</a></td><td>%s</td><td>", experiments[i]->name,
-                    experiments[i]->name, lab_origin_name(experiments[i]->claims[claim].origin));
-            lab_put_escaped(file, experiments[i]->claims[claim].says);
-            fputs("</td><td>", file);
-            measured(experiments[i], claim, text, sizeof text);
-            lab_put_escaped(file, text);
-            fputs("</td><td>", file);
-            put_verdict(file, experiments[i], claim);
-            fputs("</td></tr>\n", file);
-        }
+    fputs("<table>\n<tr><th>from</th><th>statement</th><th>measured (wanted)</th><th>verdict</th></tr>\n", file);
+    for (int claim = 0; claim < experiment->claim_count; claim++) {
+        if (!is_said(experiment, claim))
+            continue;
+        fprintf(file, "<tr><td>%s</td><td>", lab_origin_name(experiment->claims[claim].origin));
+        lab_put_escaped(file, experiment->claims[claim].says);
+        fputs("</td><td>", file);
+        measured(experiment, claim, text, sizeof text);
+        lab_put_escaped(file, text);
+        fputs("</td><td>", file);
+        put_verdict(file, experiment, claim);
+        fputs("</td></tr>\n", file);
+    }
     fputs("</table>\n", file);
+}
+
+static void put_tables(FILE *file, const lab_experiment *experiment)
+{
+    for (int i = 0; i < experiment->row_count; i++) {
+        const lab_row *row = &experiment->rows[i];
+        if (row->is_head) {
+            fputs("<p>", file);
+            lab_put_escaped(file, row->caption);
+            fputs("</p>\n<table>\n", file);
+        }
+        fputs("<tr>", file);
+        put_cells(file, row->cells, row->is_head ? "<th>" : "<td>", row->is_head ? "</th>" : "</td>");
+        fputs("</tr>\n", file);
+        if (i + 1 == experiment->row_count || experiment->rows[i + 1].is_head)
+            fputs("</table>\n", file);
+    }
 }
 
 static void put_numbers(FILE *file, const lab_experiment *experiment)
@@ -112,19 +189,14 @@ static void put_numbers(FILE *file, const lab_experiment *experiment)
 
 static void put_experiment(FILE *file, const lab_experiment *experiment)
 {
-    fprintf(file, "<h2 id=\"%s\">%s</h2>\n<p>", experiment->name, experiment->name);
+    char place[160];
+    fprintf(file, "<h2 id=\"%s\">", experiment->name);
+    lab_put_escaped(file, place_of(experiment, place));
+    fputs(": ", file);
     lab_put_escaped(file, experiment->doc);
-    fprintf(file, " (%.0f s)</p>\n<ul>\n", experiment->seconds);
-    for (int claim = 0; claim < experiment->claim_count; claim++) {
-        if (!is_said(experiment, claim))
-            continue;
-        fprintf(file, "<li>%s: ", lab_origin_name(experiment->claims[claim].origin));
-        lab_put_escaped(file, experiment->claims[claim].says);
-        fputs(": ", file);
-        put_verdict(file, experiment, claim);
-        fputs("</li>\n", file);
-    }
-    fputs("</ul>\n", file);
+    fprintf(file, "</h2>\n<p><code>pellicle reproduce %s</code> (%.0f s)</p>\n", experiment->name, experiment->seconds);
+    put_claims(file, experiment);
+    put_tables(file, experiment);
     for (int i = 0; i < experiment->image_count; i++) {
         fprintf(file, "<figure><img loading=\"lazy\" src=\"%s/%s\" alt=\"\"><figcaption>", experiment->name,
                 experiment->images[i].file);
@@ -137,8 +209,20 @@ static void put_experiment(FILE *file, const lab_experiment *experiment)
 static void write_html(FILE *file, const void *context)
 {
     const page *all = context;
-    fputs(head, file);
-    put_table(file, all->experiments, all->count);
+    fprintf(file, "%s<p>", head);
+    put_counts(file, all);
+    fputs("</p>\n<ul>\n", file);
+    for (int i = 0; i < all->count; i++) {
+        char place[160];
+        const lab_experiment *experiment = all->experiments[i];
+        const char *verdict = lab_verdict_name(lab_experiment_verdict(experiment));
+        fprintf(file, "<li><a href=\"#%s\">", experiment->name);
+        lab_put_escaped(file, place_of(experiment, place));
+        fputs("</a>: ", file);
+        lab_put_escaped(file, experiment->doc);
+        fprintf(file, ": <span class=\"%s\">%s</span></li>\n", verdict, verdict);
+    }
+    fputs("</ul>\n", file);
     for (int i = 0; i < all->count; i++)
         put_experiment(file, all->experiments[i]);
     fputs("</body>\n</html>\n", file);
@@ -146,29 +230,46 @@ static void write_html(FILE *file, const void *context)
 
 /* ---- Markdown ---- */
 
+static void put_markdown(FILE *file, const lab_experiment *experiment)
+{
+    char text[2048], place[160];
+    fprintf(file, "\n## %s: %s\n\n    pellicle reproduce %s\n\n| from | statement | measured (wanted) | verdict |\n"
+                  "|---|---|---|---|\n",
+            place_of(experiment, place), experiment->doc, experiment->name);
+    for (int claim = 0; claim < experiment->claim_count; claim++) {
+        if (!is_said(experiment, claim))
+            continue;
+        measured(experiment, claim, text, sizeof text);
+        fprintf(file, "| %s | %s | %s | ", lab_origin_name(experiment->claims[claim].origin),
+                experiment->claims[claim].says, text);
+        fprintf(file, "%s |\n", lab_claim_text(experiment, claim, text, sizeof text));
+    }
+    for (int i = 0; i < experiment->row_count; i++) {
+        const lab_row *row = &experiment->rows[i];
+        if (row->is_head)
+            fprintf(file, "\n%s:\n\n", row->caption);
+        fputs("|", file);
+        put_cells(file, row->cells, " ", " |");
+        fputs("\n", file);
+        if (row->is_head) {
+            fputs("|", file);
+            for (const char *at = row->cells; at != NULL; at = strchr(at + 1, '|'))
+                fputs("---|", file);
+            fputs("\n", file);
+        }
+    }
+    for (int k = 0; k < experiment->image_count; k++)
+        fprintf(file, "\n![%s](%s/%s)\n", experiment->images[k].caption, experiment->name, experiment->images[k].file);
+}
+
 static void write_markdown(FILE *file, const void *context)
 {
     const page *all = context;
-    const lab_experiment *const *experiments = all->experiments;
-    char text[2048];
-    fputs("# Reproduction of both papers\n\n| experiment | from | what it says | measured (wanted) | verdict "
-          "|\n|---|---|---|---|---|\n",
-          file);
+    fputs("# Reproduction of both papers\n\n", file);
+    put_counts(file, all);
+    fputs("\n", file);
     for (int i = 0; i < all->count; i++)
-        for (int claim = 0; claim < experiments[i]->claim_count; claim++) {
-            if (!is_said(experiments[i], claim))
-                continue;
-            measured(experiments[i], claim, text, sizeof text);
-            fprintf(file, "| [%s](#%s) | %s | %s | %s | ", experiments[i]->name, experiments[i]->name,
-                    lab_origin_name(experiments[i]->claims[claim].origin), experiments[i]->claims[claim].says, text);
-            fprintf(file, "%s |\n", lab_claim_text(experiments[i], claim, text, sizeof text));
-        }
-    for (int i = 0; i < all->count; i++) {
-        fprintf(file, "\n## %s\n\n%s (%.0f s)\n", experiments[i]->name, experiments[i]->doc, experiments[i]->seconds);
-        for (int k = 0; k < experiments[i]->image_count; k++)
-            fprintf(file, "\n![%s](%s/%s)\n", experiments[i]->images[k].caption, experiments[i]->name,
-                    experiments[i]->images[k].file);
-    }
+        put_markdown(file, all->experiments[i]);
 }
 
 /* ---- both ---- */
