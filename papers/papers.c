@@ -1,7 +1,7 @@
 #include "papers/papers.h"
 
 #include "papers/a/cases.h"
-#include "papers/b/body.h"
+#include "papers/lab/body.h"
 #include "papers/b/cases.h"
 #include "papers/lab/page.h"
 #include "papers/own/cases.h"
@@ -23,7 +23,7 @@ enum { CASE_COUNT = sizeof cases / sizeof *cases };
 
 struct papers {
     papers_def def;
-    b_body bodies[B_BODIES];
+    lab_body bodies[LAB_BODIES];
     int body_count;
     lab_experiment *done[CASE_COUNT]; /* (done_count) */
     char folders[CASE_COUNT][LAB_PATH_SIZE];
@@ -41,7 +41,7 @@ pel_status papers_create(const papers_def *def, papers **made, pel_error *error)
     if (all == NULL)
         return pel_fail_memory(error);
     all->def = *def;
-    return b_find_bodies(def->mesh, def->up, def->data, all->bodies, &all->body_count, error);
+    return lab_find_bodies(def->mesh, def->up, def->data, all->bodies, &all->body_count, error);
 }
 
 void papers_destroy(papers *all)
@@ -52,7 +52,7 @@ void papers_destroy(papers *all)
         lab_clear(all->done[i]);
         free(all->done[i]);
     }
-    b_free_bodies(all->bodies);
+    lab_free_bodies(all->bodies);
     free(all);
 }
 

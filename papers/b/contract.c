@@ -328,7 +328,7 @@ enum { DRAWN = 4, MOVED = 6, CAVED = 40 };
 
 /* E_A over k_A of a triangle with a fibre towards the pole, area k / 2 (|F a| - 1)^2 where it is shorter than at rest,
    and the unit normal of the triangle; 0 outside of the cap. k is 1000 N/m, as in the scene. */
-static double fibre_energy(const b_body *ball, const pel_mesh *rest, const pel_mesh *mesh, int32_t t, double normal[3])
+static double fibre_energy(const lab_body *ball, const pel_mesh *rest, const pel_mesh *mesh, int32_t t, double normal[3])
 {
     double a[2][3], b[2][3], to[3], area = 0, size = 0, g[3] = {0}, f[2] = {0}, cross[3], square = 0;
     const int32_t *corners = rest->triangles[t];
@@ -369,7 +369,7 @@ static double fibre_energy(const b_body *ball, const pel_mesh *rest, const pel_m
 
 /* The way of the vertices of a frame by one correction of E_A, E_A / (3 k_A) of each triangle along its inward normal:
    ways (vertex_count x 3) [m]. */
-static void fibre_ways(const b_body *ball, const pel_mesh *rest, const pel_mesh *mesh, double (*ways)[3])
+static void fibre_ways(const lab_body *ball, const pel_mesh *rest, const pel_mesh *mesh, double (*ways)[3])
 {
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
         double normal[3], way = fibre_energy(ball, rest, mesh, t, normal) / (3 * b_fibre_gradient(ball));
@@ -394,7 +394,7 @@ static double alignment(const pel_mesh *from, const pel_mesh *to, double (*ways)
 }
 
 /* writes the ball with its gradients, gradients.ply, and compares them with the motion that the fibres add */
-static pel_status draw_gradients(lab_experiment *experiment, const b_body *ball, double *cosine)
+static pel_status draw_gradients(lab_experiment *experiment, const lab_body *ball, double *cosine)
 {
     enum { REST, AT, PLAIN, WITH, MESHES };
     static const char *const runs[MESHES] = {"ball-plain", "ball-fibres", "ball-plain", "ball-fibres"};
@@ -450,13 +450,13 @@ static pel_status draw_figure_6(lab_experiment *experiment)
 static pel_status run_figure_6(lab_experiment *experiment)
 {
     static char cap[] = "bodies.0.anisotropy.region={ sphere: { center: [0, 0, 1], radius: 0.5 } }";
-    static const b_body ball = {.name = "ball",
+    static const lab_body ball = {.name = "ball",
                                 .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
                                 .pressure = 10,
                                 .cap = cap,
                                 .cap_center = {0, 0, 1},
                                 .cap_radius = 0.5};
-    const b_body *bodies = experiment->bodies;
+    const lab_body *bodies = experiment->bodies;
     experiment->bodies = &ball;
     char energy[B_FIBRES_SIZE];
     b_shrunk plain, caved;
@@ -604,7 +604,7 @@ const lab_case b_figure_8 = {
 
 /* ---- figure 10 ---- */
 
-static pel_status draw_figure_10(lab_experiment *experiment, char names[B_BODIES][64])
+static pel_status draw_figure_10(lab_experiment *experiment, char names[LAB_BODIES][64])
 {
     static const struct {
         const char *field, *caption;
@@ -650,7 +650,7 @@ static pel_status curvature_error(const lab_experiment *experiment, const char *
     return PEL_OK;
 }
 
-static pel_status judge_curvature(lab_experiment *experiment, char names[B_BODIES][64])
+static pel_status judge_curvature(lab_experiment *experiment, char names[LAB_BODIES][64])
 {
     pel_status status = PEL_OK;
     lab_begin_claim(experiment, LAB_THEORY, "the Gaussian curvature of a closed body adds up to 4 pi, less for handles",
@@ -666,9 +666,9 @@ static pel_status judge_curvature(lab_experiment *experiment, char names[B_BODIE
 
 static pel_status run_figure_10(lab_experiment *experiment)
 {
-    static char names[B_BODIES][64];
-    b_shrunk rest[B_BODIES], shapes[B_BODIES];
-    pel_run_summary summaries[B_BODIES];
+    static char names[LAB_BODIES][64];
+    b_shrunk rest[LAB_BODIES], shapes[LAB_BODIES];
+    pel_run_summary summaries[LAB_BODIES];
     pel_status status = PEL_OK;
     for (int body = 0; status == PEL_OK && body < experiment->body_count; body++) {
         char energy[B_FIBRES_SIZE];

@@ -230,8 +230,8 @@ static const char *const size_names[SIZES] = {"V0", "V0-4", "V0-16"};
 static pel_status run_size(lab_experiment *experiment, int size, int material, pressing load, double volumes[FRAMES + 1])
 {
     char name[64], what[64], setting[64], mesh[sizeof experiment->bodies[0].mesh];
-    b_body body = experiment->bodies[0];
-    const b_body *bodies = experiment->bodies;
+    lab_body body = experiment->bodies[0];
+    const lab_body *bodies = experiment->bodies;
     double factor = cbrt(parts[size]);
     pel_run_summary summary;
     lab_series series;
@@ -358,6 +358,7 @@ static void judge_sizes(lab_experiment *experiment, double scaled[SIZES][FRAMES 
 {
     lab_begin_claim(experiment, LAB_THEORY,
                     "pbd is scale covariant: a pressure proportional to the size gives one curve", NULL);
+    lab_by_construction(experiment);
     double off = 0, off_solid = 0;
     for (int size = 0; size < SIZES; size++)
         for (int frame = 0; frame <= 40; frame++) {

@@ -164,7 +164,7 @@ pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const c
                                                      .run_count = count});
 }
 
-double b_fibre_gradient(const b_body *body)
+double b_fibre_gradient(const lab_body *body)
 {
     return GRADIENT_PER_PRESSURE * body->pressure;
 }
@@ -298,7 +298,7 @@ static void measure_stretch(const pel_mesh *rest, const pel_mesh *mesh, b_shrunk
     shape->energy_spread = sqrt(fmax(squares / areas - mean * mean, 0)) / mean;
 }
 
-pel_status b_compare(const b_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error)
+pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error)
 {
     pel_topology *topology;
     *shape = (b_shrunk){0};
@@ -310,7 +310,7 @@ pel_status b_compare(const b_body *body, const pel_mesh *rest, const pel_mesh *m
     bool *in_cap = calloc(count, sizeof *in_cap);
     status = normals == NULL || in_cap == NULL
                  ? pel_fail_memory(error)
-                 : b_mark_cap(body, topology, (const double(*)[3])rest->positions, in_cap, error);
+                 : lab_mark_cap(body, topology, (const double(*)[3])rest->positions, in_cap, error);
     if (status != PEL_OK) {
         free(normals);
         free(in_cap);

@@ -2,7 +2,7 @@
 #ifndef PAPERS_B_SHRINK_H
 #define PAPERS_B_SHRINK_H
 
-#include "papers/b/body.h"
+#include "papers/lab/body.h"
 #include "papers/b/cases.h"
 
 #define B_PAPER "paper B"
@@ -44,7 +44,7 @@ pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const c
 
 /* A setting for fibres (E_A) of a body, before that of their region (its cap); returns text (B_FIBRES_SIZE bytes). */
 enum { B_FIBRES_SIZE = 96 };
-double b_fibre_gradient(const b_body *body); /* k_A [N] */
+double b_fibre_gradient(const lab_body *body); /* k_A [N] */
 const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text);
 
 /* a frame of a run, or its last one */
@@ -65,6 +65,6 @@ pel_status b_measure(const lab_experiment *experiment, int body, const char *run
 /* membrane energy per area at rest over mu at the vertices (vertex_count): St. Venant and Kirchhoff, nu = 0.3 */
 void b_energy_density(const pel_mesh *rest, const pel_mesh *mesh, double *density);
 /* the same of two meshes with equal triangles */
-pel_status b_compare(const b_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error);
+pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error);
 
 #endif

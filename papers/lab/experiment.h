@@ -29,7 +29,7 @@ struct lab_experiment {
     const char *name, *doc, *group, *place;
     const char *folder; /* exists */
     pel_error *error;
-    const struct b_body *bodies; /* (body_count) of paper B (papers/b/body.h) */
+    const struct lab_body *bodies; /* (body_count) papers/lab/body.h */
     int body_count;
     bool given_mesh;    /* the body is the user's: a paper's claims need not hold on it */
     bool has_numbers;   /* its bodies are those of the stored numbers (stored.h) */

@@ -1,7 +1,7 @@
-/* The closed surfaces that the experiments of paper B shrink: scans in a folder that the user has, blends that the
+/* The closed surfaces that the experiments deform: scans in a folder that the user has, blends that the
    program makes itself, or a mesh of the user. All are turned upright, centred and scaled to 2 m; each gets a pressure
    that suits the length of its edges, and a cap, the part of its surface that is most like a part of a sphere. */
-#include "papers/b/body.h"
+#include "papers/lab/body.h"
 
 #include <pellicle/error.h>
 #include <pellicle/mesh_check.h>
@@ -221,7 +221,7 @@ static int32_t find_roundest(const pel_mesh *mesh, const pel_topology *topology,
 }
 
 /* all vertices of the ball as a ball, else their numbers */
-static pel_status write_cap(const pel_mesh *mesh, const patch *part, b_body *body, pel_error *error)
+static pel_status write_cap(const pel_mesh *mesh, const patch *part, lab_body *body, pel_error *error)
 {
     static const char key[] = "bodies.0.anisotropy.region=";
     const double *at = body->cap_center;
@@ -245,7 +245,7 @@ static pel_status write_cap(const pel_mesh *mesh, const patch *part, b_body *bod
     return PEL_OK;
 }
 
-static pel_status find_cap(const pel_mesh *mesh, b_body *body, pel_error *error)
+static pel_status find_cap(const pel_mesh *mesh, lab_body *body, pel_error *error)
 {
     pel_topology *topology;
     patch part = {0};
@@ -260,6 +260,9 @@ static pel_status find_cap(const pel_mesh *mesh, b_body *body, pel_error *error)
         gather(topology, (const double(*)[3])mesh->positions, chosen, CAP, &part);
         memcpy(body->cap_center, mesh->positions[chosen], sizeof body->cap_center);
         body->cap_radius = CAP;
+        double length = sqrt(square_distance(normals[chosen], (const double[3]){0}));
+        for (int i = 0; i < 3; i++)
+            body->cap_normal[i] = normals[chosen][i] / length;
         status = write_cap(mesh, &part, body, error);
     }
     destroy_patch(&part);
@@ -268,7 +271,7 @@ static pel_status find_cap(const pel_mesh *mesh, b_body *body, pel_error *error)
     return status;
 }
 
-pel_status b_mark_cap(const b_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
+pel_status lab_mark_cap(const lab_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
                       pel_error *error)
 {
     patch part;
@@ -288,7 +291,7 @@ pel_status b_mark_cap(const b_body *body, const pel_topology *topology, const do
 /* ---- the mesh ---- */
 
 /* source is "file: ..." or "shape: ..." */
-static pel_status fit(pel_mesh *mesh, const char *source, int turn, b_body *body, pel_error *error)
+static pel_status fit(pel_mesh *mesh, const char *source, int turn, lab_body *body, pel_error *error)
 {
     pel_transform upright = pel_transform_default(), fitted = pel_transform_default();
     double low[3], high[3], size = 0;
@@ -324,7 +327,7 @@ static void quote(const char *path, char *text, size_t size)
     snprintf(text + length, size - length, "\"");
 }
 
-static pel_status choose_pressure(const pel_mesh *mesh, b_body *body, pel_error *error)
+static pel_status choose_pressure(const pel_mesh *mesh, lab_body *body, pel_error *error)
 {
     pel_mesh_report *report;
     pel_status status = pel_mesh_check(mesh, &report, error);
@@ -334,9 +337,9 @@ static pel_status choose_pressure(const pel_mesh *mesh, b_body *body, pel_error 
     return status;
 }
 
-static pel_status read_body(const char *path, int turn, b_body *body, pel_error *error)
+static pel_status read_body(const char *path, int turn, lab_body *body, pel_error *error)
 {
-    char source[B_SOURCE_SIZE];
+    char source[LAB_SOURCE_SIZE];
     pel_mesh *mesh;
     pel_status status = pel_mesh_read(path, PEL_FORMAT_AUTO, NULL, &mesh, error);
     quote(path, source, sizeof source);
@@ -348,7 +351,7 @@ static pel_status read_body(const char *path, int turn, b_body *body, pel_error 
     return status;
 }
 
-static pel_status make_blend(int index, b_body *body, pel_error *error)
+static pel_status make_blend(int index, lab_body *body, pel_error *error)
 {
     char source[128];
     pel_mesh *mesh = NULL;
@@ -381,15 +384,15 @@ static bool can_read(const char *path)
     return file != NULL;
 }
 
-static pel_status find_scans(const char *data, b_body *bodies, int *count, pel_error *error)
+static pel_status find_scans(const char *data, lab_body *bodies, int *count, pel_error *error)
 {
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < SCANS; i++) {
-        char path[B_SOURCE_SIZE];
+        char path[LAB_SOURCE_SIZE];
         snprintf(path, sizeof path, "%s/%s.obj", data, scans[i].name);
         if (!can_read(path))
             continue;
-        b_body *body = &bodies[(*count)++];
+        lab_body *body = &bodies[(*count)++];
         snprintf(body->name, sizeof body->name, "%s", scans[i].name);
         status = read_body(path, scans[i].turn, body, error);
     }
@@ -403,7 +406,7 @@ static pel_status find_scans(const char *data, b_body *bodies, int *count, pel_e
     return status;
 }
 
-pel_status b_find_bodies(const char *mesh, char up, const char *data, b_body *bodies, int *count, pel_error *error)
+pel_status lab_find_bodies(const char *mesh, char up, const char *data, lab_body *bodies, int *count, pel_error *error)
 {
     *count = 0;
     if (mesh != NULL) {
@@ -419,9 +422,9 @@ pel_status b_find_bodies(const char *mesh, char up, const char *data, b_body *bo
     return status;
 }
 
-void b_free_bodies(b_body *bodies)
+void lab_free_bodies(lab_body *bodies)
 {
-    for (int i = 0; i < B_BODIES; i++) {
+    for (int i = 0; i < LAB_BODIES; i++) {
         free(bodies[i].cap);
         bodies[i].cap = NULL;
     }
