@@ -79,7 +79,7 @@ site: need-site program wasm ## build the documentation as web pages in build/si
 machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine, and compare the bits
 	@tools/machines
 
-reproduction: program ## run all experiments of both papers and write docs/reproduction.md (about 6 minutes)
+reproduction: program ## run all experiments of both papers and write docs/reproduction.md (7 minutes of processor time)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/lab/numbers.inc
 
 mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (some minutes)

@@ -73,7 +73,8 @@ static pel_status run_algorithm(lab_experiment *experiment)
                     NULL);
     for (int body = 0; body < count; body++) {
         b_at_most(experiment, body, "volume in frame 70, as written", made[body].volumes[WRITTEN], 0.95, source);
-        b_no_intersections(experiment, body, "intersections in frame 70, as written", made[body].intersections[WRITTEN]);
+        b_no_intersections(experiment, body, "intersections in frame 70, as written",
+                           made[body].intersections[WRITTEN]);
         b_tell(experiment, body, "depth of the cap [m], as written", made[body].shapes[WRITTEN].cap_depth,
                made[body].shapes[OURS].cap_depth, "the form of the other experiments");
     }

@@ -323,12 +323,14 @@ const lab_case b_figure_9 = {
 
 /* ---- figure 6 ---- */
 
-/* frame whose gradients are drawn, and frame after it in which the motion that the fibres added is compared with them */
+/* frame whose gradients are drawn, and frame after it in which the motion that the fibres added is compared with them
+ */
 enum { DRAWN = 4, MOVED = 6, CAVED = 40 };
 
 /* E_A over k_A of a triangle with a fibre towards the pole, area k / 2 (|F a| - 1)^2 where it is shorter than at rest,
    and the unit normal of the triangle; 0 outside of the cap. k is 1000 N/m, as in the scene. */
-static double fibre_energy(const lab_body *ball, const pel_mesh *rest, const pel_mesh *mesh, int32_t t, double normal[3])
+static double fibre_energy(const lab_body *ball, const pel_mesh *rest, const pel_mesh *mesh, int32_t t,
+                           double normal[3])
 {
     double a[2][3], b[2][3], to[3], area = 0, size = 0, g[3] = {0}, f[2] = {0}, cross[3], square = 0;
     const int32_t *corners = rest->triangles[t];
@@ -357,7 +359,8 @@ static double fibre_energy(const lab_body *ball, const pel_mesh *rest, const pel
     if (square > ball->cap_radius * ball->cap_radius)
         return 0;
     /* the direction to the pole in the triangle, as u a + v b */
-    double det = g[0] * g[2] - g[1] * g[1], u = (f[0] * g[2] - f[1] * g[1]) / det, v = (f[1] * g[0] - f[0] * g[1]) / det;
+    double det = g[0] * g[2] - g[1] * g[1], u = (f[0] * g[2] - f[1] * g[1]) / det,
+           v = (f[1] * g[0] - f[0] * g[1]) / det;
     double before = 0, now = 0;
     area = sqrt(det) / 2;
     for (int i = 0; i < 3; i++) {
@@ -451,11 +454,11 @@ static pel_status run_figure_6(lab_experiment *experiment)
 {
     static char cap[] = "bodies.0.anisotropy.region={ sphere: { center: [0, 0, 1], radius: 0.5 } }";
     static const lab_body ball = {.name = "ball",
-                                .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
-                                .pressure = 10,
-                                .cap = cap,
-                                .cap_center = {0, 0, 1},
-                                .cap_radius = 0.5};
+                                  .mesh = "bodies.0.mesh={ shape: geodesic-sphere, frequency: 12 }",
+                                  .pressure = 10,
+                                  .cap = cap,
+                                  .cap_center = {0, 0, 1},
+                                  .cap_radius = 0.5};
     const lab_body *bodies = experiment->bodies;
     experiment->bodies = &ball;
     char energy[B_FIBRES_SIZE];

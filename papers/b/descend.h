@@ -13,8 +13,8 @@ typedef struct b_descent {
     int most;
 } b_descent;
 
-/* positions (vertex_count x 3): those of the last frame. iterations: of all frames. Errors: PEL_OUT_OF_MEMORY, and those
-   of pel_topology_create. */
+/* positions (vertex_count x 3): those of the last frame. iterations: of all frames. Errors: PEL_OUT_OF_MEMORY, and
+   those of pel_topology_create. */
 pel_status b_descend(const pel_mesh *rest, const b_descent *def, double (*positions)[3], int *iterations,
                      pel_error *error);
 

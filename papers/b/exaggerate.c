@@ -150,7 +150,8 @@ static void judge(lab_experiment *experiment, const pulled *made)
 {
     static const char source[] = B_PAPER ", section 7 (future work); the limit is ours";
     int count = b_shown(experiment);
-    lab_begin_claim(experiment, LAB_PAPER, "an animator pulls a part as far as wanted, up to the size of the body", NULL);
+    lab_begin_claim(experiment, LAB_PAPER, "an animator pulls a part as far as wanted, up to the size of the body",
+                    NULL);
     for (int body = 0; body < count; body++)
         for (int i = 0; i < WAYS; i++) {
             char text[64];
@@ -159,7 +160,8 @@ static void judge(lab_experiment *experiment, const pulled *made)
         }
     lab_begin_claim(experiment, LAB_PAPER, "the deformation is exaggerated: far beyond a plausible stretch", NULL);
     for (int body = 0; body < count; body++)
-        b_at_least(experiment, body, "longest edge / at rest, pulled by 1 size", made[body].stretch[WAYS - 1], 3, source);
+        b_at_least(experiment, body, "longest edge / at rest, pulled by 1 size", made[body].stretch[WAYS - 1], 3,
+                   source);
     lab_begin_claim(experiment, LAB_PAPER, "brought back and let go, it takes its shape again", NULL);
     for (int body = 0; body < count; body++)
         for (int i = 0; i < WAYS; i++) {
@@ -185,13 +187,14 @@ static pel_status run_exaggeration(lab_experiment *experiment)
     if (status != PEL_OK)
         return status;
     judge(experiment, made);
-    lab_picture picture = {.caption = "pulled by the size of the body: at rest, half way, held, and after it is brought back and let go",
-                           .frames = {0, 30, HELD, LAST},
-                           .frame_count = 4,
-                           .columns = 4,
-                           .field = "none",
-                           .azimuth = 35,
-                           .elevation = 20};
+    lab_picture picture = {
+        .caption = "pulled by the size of the body: at rest, half way, held, and after it is brought back and let go",
+        .frames = {0, 30, HELD, LAST},
+        .frame_count = 4,
+        .columns = 4,
+        .field = "none",
+        .azimuth = 35,
+        .elevation = 20};
     for (int body = 0; body < b_shown(experiment); body++) {
         picture.labels[picture.run_count] = experiment->bodies[body].name;
         picture.runs[picture.run_count++] = made[body].names[WAYS - 1];

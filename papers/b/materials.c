@@ -1,5 +1,5 @@
-/* Figures 11 to 14 of paper B: materials, sizes and distances compared with the paper's method, and the method of Bender
-   and others 2014 (solid.h), with which the paper compares itself. */
+/* Figures 11 to 14 of paper B: materials, sizes and distances compared with the paper's method, and the method of
+   Bender and others 2014 (solid.h), with which the paper compares itself. */
 #include "papers/b/shrink.h"
 #include "papers/b/solid.h"
 
@@ -227,7 +227,8 @@ static const double parts[SIZES] = {1, 0.25, 0.0625};
 static const char *const size_names[SIZES] = {"V0", "V0-4", "V0-16"};
 
 /* the first body at a part of its volume */
-static pel_status run_size(lab_experiment *experiment, int size, int material, pressing load, double volumes[FRAMES + 1])
+static pel_status run_size(lab_experiment *experiment, int size, int material, pressing load,
+                           double volumes[FRAMES + 1])
 {
     char name[64], what[64], setting[64], mesh[sizeof experiment->bodies[0].mesh];
     lab_body body = experiment->bodies[0];
@@ -248,7 +249,7 @@ static pel_status run_size(lab_experiment *experiment, int size, int material, p
     snprintf(setting, sizeof setting, "bodies.0.membrane.material=%s", materials[material]);
     body.pressure *= load == WHOLE ? 1 : PART * (load == SCALED ? factor : 1);
     snprintf(what, sizeof what, "%s%s%s%s", materials[material], size > 0 ? "-" : "", size > 0 ? size_names[size] : "",
-             load == SCALED ? "-scaled"
+             load == SCALED  ? "-scaled"
              : load == WHOLE ? "-whole"
                              : "");
     const char *settings[] = {setting, NULL};
@@ -335,8 +336,7 @@ static void judge_solids(lab_experiment *experiment, double volumes[SIZES][BARS]
                     "under this small load the tetrahedra resist; under twice the load, which the shell bears, the "
                     "solid turns inside out at V0 / 4");
     lab_at_least(experiment, "one pressure: largest difference over sizes, solid / shell",
-                 largest_difference(volumes, BARS - 1) / largest_difference(volumes, 1), 1,
-                 B_PAPER ", figure 13");
+                 largest_difference(volumes, BARS - 1) / largest_difference(volumes, 1), 1, B_PAPER ", figure 13");
     lab_begin_claim(experiment, LAB_PAPER,
                     "the difference from the method of Bender and others in frame 100 grows as the size falls", NULL);
     for (int size = 1; size < SIZES; size++) {

@@ -52,8 +52,8 @@ static pel_status descend(lab_experiment *experiment, int body, const pel_mesh *
     if (status == PEL_OK)
         status = b_compare(&experiment->bodies[body], rest, mesh, &made->made[1], experiment->error);
     if (status == PEL_OK)
-        status = pel_mesh_write(lab_path(experiment, made->names[1], path), PEL_FORMAT_AUTO, mesh, NULL,
-                                experiment->error);
+        status =
+            pel_mesh_write(lab_path(experiment, made->names[1], path), PEL_FORMAT_AUTO, mesh, NULL, experiment->error);
     pel_mesh_destroy(mesh);
     return status;
 }
@@ -95,7 +95,8 @@ static pel_status run_figure_15(lab_experiment *experiment)
     lab_begin_claim(experiment, LAB_PAPER, "the two shapes are similar in frame 30", NULL);
     for (int body = 0; body < count; body++) {
         b_expect(experiment, body, "displacement of the body, gradient descent / pbd",
-                 made[body].made[1].body_way / made[body].made[0].body_way, 1, 0.25, B_PAPER ", figure 15; 0.25 is ours");
+                 made[body].made[1].body_way / made[body].made[0].body_way, 1, 0.25,
+                 B_PAPER ", figure 15; 0.25 is ours");
         b_tell(experiment, body, "iterations of gradient descent a frame", made[body].iterations, 5, "sweeps of pbd");
     }
     lab_begin_claim(experiment, LAB_PAPER, "that of gradient descent is rougher",
@@ -175,10 +176,11 @@ static void tabulate(lab_experiment *experiment, double times[B_SHOWN][METHODS],
         double seconds[METHODS];
     } paper[] = {{"kitten", {13.18, 78.55, 0.08}}, {"hand", {10.52, 68.92, 0.05}}, {"eight", {1.95, 10.28, 0.03}}};
     char cells[240];
-    lab_begin_table(experiment,
-                    "Table 1: here the least ms a frame on one thread, five sweeps or 50 iterations of gradient "
-                    "descent; in the paper seconds",
-                    "body|triangles|the paper's method|minimisation|distances|minimisation / method|distances / method");
+    lab_begin_table(
+        experiment,
+        "Table 1: here the least ms a frame on one thread, five sweeps or 50 iterations of gradient "
+        "descent; in the paper seconds",
+        "body|triangles|the paper's method|minimisation|distances|minimisation / method|distances / method");
     for (int body = 0; body < b_shown(experiment); body++) {
         const double *time = times[body];
         snprintf(cells, sizeof cells, "%.40s|%.0f|%.3g ms|%.3g ms|%.3g ms|%.3g|%.3g", experiment->bodies[body].name,

@@ -298,7 +298,8 @@ static void measure_stretch(const pel_mesh *rest, const pel_mesh *mesh, b_shrunk
     shape->energy_spread = sqrt(fmax(squares / areas - mean * mean, 0)) / mean;
 }
 
-pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error)
+pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape,
+                     pel_error *error)
 {
     pel_topology *topology;
     *shape = (b_shrunk){0};

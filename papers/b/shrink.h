@@ -2,8 +2,8 @@
 #ifndef PAPERS_B_SHRINK_H
 #define PAPERS_B_SHRINK_H
 
-#include "papers/lab/body.h"
 #include "papers/b/cases.h"
+#include "papers/lab/body.h"
 
 #define B_PAPER "paper B"
 
@@ -65,6 +65,7 @@ pel_status b_measure(const lab_experiment *experiment, int body, const char *run
 /* membrane energy per area at rest over mu at the vertices (vertex_count): St. Venant and Kirchhoff, nu = 0.3 */
 void b_energy_density(const pel_mesh *rest, const pel_mesh *mesh, double *density);
 /* the same of two meshes with equal triangles */
-pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape, pel_error *error);
+pel_status b_compare(const lab_body *body, const pel_mesh *rest, const pel_mesh *mesh, b_shrunk *shape,
+                     pel_error *error);
 
 #endif

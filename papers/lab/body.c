@@ -272,7 +272,7 @@ static pel_status find_cap(const pel_mesh *mesh, lab_body *body, pel_error *erro
 }
 
 pel_status lab_mark_cap(const lab_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
-                      pel_error *error)
+                        pel_error *error)
 {
     patch part;
     int32_t nearest = 0;

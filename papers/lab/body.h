@@ -9,7 +9,7 @@ enum { LAB_BODIES = 8, LAB_SOURCE_SIZE = PEL_RUN_PATH_SIZE };
 
 typedef struct lab_body {
     char name[40];
-    char mesh[LAB_SOURCE_SIZE + 160];   /* the setting of bodies.0.mesh: about 2 m long, z up */
+    char mesh[LAB_SOURCE_SIZE + 160]; /* the setting of bodies.0.mesh: about 2 m long, z up */
     double pressure;                  /* outside, in proportion to the length of the edges [Pa] */
     char *cap;                        /* the setting of the region of fibres: the part of the surface about its roundest
                                          vertex */
@@ -26,6 +26,6 @@ void lab_free_bodies(lab_body *bodies);
 /* Marks the cap of a body at rest: vertices that edges within the ball connect with the vertex nearest to its centre.
    marked: (vertex_count). */
 pel_status lab_mark_cap(const lab_body *body, const pel_topology *topology, const double (*rest)[3], bool *marked,
-                      pel_error *error);
+                        pel_error *error);
 
 #endif

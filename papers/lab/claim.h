@@ -33,8 +33,8 @@ typedef struct lab_finding {
 /* Findings that are added after a claim are judged for it. */
 typedef struct lab_claim {
     lab_origin origin;
-    const char *says;   /* one sentence without a full stop; a literal */
-    const char *reason; /* why a paper's claim does not hold here, when that is known; nullable, a literal */
+    const char *says;     /* one sentence without a full stop; a literal */
+    const char *reason;   /* why a paper's claim does not hold here, when that is known; nullable, a literal */
     bool by_construction; /* it holds by the layout of the program or of the experiment, so that it measures little */
 } lab_claim;
 

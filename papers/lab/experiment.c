@@ -60,8 +60,8 @@ static void write_findings(FILE *file, const void *context)
         fprintf(file, "\"%s\",%.17g,%s,", f->name, f->value, lab_relation_sign(f->relation));
         if (!isnan(f->expected))
             fprintf(file, "%.17g", f->expected);
-        fprintf(file, ",%.17g,%d,%d,%s,\"%s\",\"%s\",%s,%d\n", f->tolerance, f->relation != LAB_TOLD, lab_finding_holds(f),
-                lab_origin_name(claim->origin), f->source, claim->says,
+        fprintf(file, ",%.17g,%d,%d,%s,\"%s\",\"%s\",%s,%d\n", f->tolerance, f->relation != LAB_TOLD,
+                lab_finding_holds(f), lab_origin_name(claim->origin), f->source, claim->says,
                 lab_verdict_name(lab_claim_verdict(experiment, f->claim)), claim->by_construction);
     }
 }

@@ -20,7 +20,7 @@ typedef struct lab_image {
 /* A table of an experiment: its cells are parted by '|'. */
 typedef struct lab_row {
     char cells[240];
-    bool is_head; /* begins a table: the names of its columns */
+    bool is_head;      /* begins a table: the names of its columns */
     char caption[200]; /* of a head */
 } lab_row;
 

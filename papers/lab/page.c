@@ -233,8 +233,9 @@ static void write_html(FILE *file, const void *context)
 static void put_markdown(FILE *file, const lab_experiment *experiment)
 {
     char text[2048], place[160];
-    fprintf(file, "\n## %s: %s\n\n    pellicle reproduce %s\n\n| from | statement | measured (wanted) | verdict |\n"
-                  "|---|---|---|---|\n",
+    fprintf(file,
+            "\n## %s: %s\n\n    pellicle reproduce %s\n\n| from | statement | measured (wanted) | verdict |\n"
+            "|---|---|---|---|\n",
             place_of(experiment, place), experiment->doc, experiment->name);
     for (int claim = 0; claim < experiment->claim_count; claim++) {
         if (!is_said(experiment, claim))

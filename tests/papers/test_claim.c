@@ -68,10 +68,72 @@ static void test_no_limit(void **unused)
     assert_int_equal(count_lines(lab_path(&experiment, "numbers.csv", path)), 1 + CLAIMS * NUMBERS);
     const lab_experiment *const all[] = {&experiment};
     assert_int_equal(lab_write_page(folder, all, 1, &error), PEL_OK);
-    assert_int_equal(count_text(lab_path(&experiment, "index.md", path), "| [many](#many) | theory"), CLAIMS);
-    assert_int_equal(count_text(lab_path(&experiment, "index.html", path), "<li>theory: "), CLAIMS);
+    assert_int_equal(count_text(lab_path(&experiment, "index.md", path), "| theory | one more |"), CLAIMS);
+    assert_int_equal(count_text(path, "pellicle reproduce many"), 1);
+    assert_int_equal(count_text(path, "39 claims hold, 0 differ, 1 fail. 999 of 1000 judged numbers"), 1);
+    assert_int_equal(count_text(lab_path(&experiment, "index.html", path), "<tr><td>theory</td><td>one more"), CLAIMS);
     lab_clear(&experiment);
     assert_null(experiment.findings);
+}
+
+/* two tables, and a claim that holds by construction */
+static pel_status run_tabled(lab_experiment *experiment)
+{
+    lab_begin_claim(experiment, LAB_PAPER, "four are four", NULL);
+    lab_by_construction(experiment);
+    lab_expect(experiment, "four", 4, 4, 0, "");
+    lab_begin_claim(experiment, LAB_PAPER, "five are five", NULL);
+    lab_expect(experiment, "five", 5, 5, 0, "");
+    lab_begin_table(experiment, "Times", "body|s");
+    lab_add_row(experiment, "kitten|2 < 3");
+    lab_add_row(experiment, "hand|");
+    lab_begin_table(experiment, "Others", "one");
+    lab_add_row(experiment, "last");
+    return PEL_OK;
+}
+
+static const lab_case tabled = {
+    .name = "tabled", .doc = "tables", .group = "paper B", .place = "section 6, table 1", .run = run_tabled};
+
+static void test_tables(void **unused)
+{
+    (void)unused;
+    pel_error error;
+    char path[LAB_PATH_SIZE], text[64];
+    lab_experiment experiment = {.folder = folder, .error = &error};
+    assert_int_equal(lab_run_case(&tabled, &experiment), PEL_OK);
+    assert_string_equal(lab_claim_text(&experiment, 0, text, sizeof text), "holds (1 of 1), by construction");
+    assert_string_equal(lab_claim_text(&experiment, 1, text, sizeof text), "holds (1 of 1)");
+    assert_int_equal(count_text(lab_path(&experiment, "numbers.csv", path), ",holds,1"), 1);
+    const lab_experiment *const all[] = {&experiment};
+    assert_int_equal(lab_write_page(folder, all, 1, &error), PEL_OK);
+    static const char *const markdown[] = {
+        "2 claims hold, 0 differ, 0 fail. 2 of 2 judged numbers are within their limits; 1 of them hold by "
+        "construction.",
+        "## paper B, section 6, table 1: tables",
+        "| body | s |",
+        "|---|---|",
+        "| kitten | 2 &lt; 3 |",
+        "| hand |  |",
+        "Others:",
+        "| last |",
+    };
+    lab_path(&experiment, "index.md", path);
+    for (size_t i = 0; i < sizeof markdown / sizeof *markdown; i++)
+        assert_true(count_text(path, markdown[i]) >= 1);
+    lab_path(&experiment, "index.html", path);
+    assert_int_equal(count_text(path, "<tr><td>kitten</td><td>2 &lt; 3</td></tr>"), 1);
+    assert_int_equal(count_text(path, "</table>"), 4);
+    lab_clear(&experiment);
+}
+
+static pel_status run_tabled_with_failures(const void *unused, pel_error *error)
+{
+    (void)unused;
+    lab_experiment experiment = {.folder = folder, .error = error};
+    pel_status status = lab_run_case(&tabled, &experiment);
+    lab_clear(&experiment);
+    return status;
 }
 
 /* out of memory is an error, not a claim fewer */
@@ -88,6 +150,7 @@ static void test_out_of_memory(void **unused)
 {
     (void)unused;
     assert_true(for_allocation_failures(run_with_failures, NULL, 37) >= CLAIMS + CLAIMS * NUMBERS);
+    assert_true(for_allocation_failures(run_tabled_with_failures, NULL, 1) >= 9);
 }
 
 static lab_experiment judged(lab_origin origin, const char *reason, double value)
@@ -164,10 +227,8 @@ static int remove_folder(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_limit),
-        cmocka_unit_test(test_out_of_memory),
-        cmocka_unit_test(test_verdicts),
-        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_no_limit), cmocka_unit_test(test_tables), cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_verdicts), cmocka_unit_test(test_limits),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
