@@ -162,7 +162,8 @@ static void judge(lab_experiment *experiment, const pulled *made)
     for (int body = 0; body < count; body++)
         b_at_least(experiment, body, "longest edge / at rest, pulled by 1 size", made[body].stretch[WAYS - 1], 3,
                    source);
-    lab_begin_claim(experiment, LAB_PAPER, "brought back and let go, it takes its shape again", NULL);
+    lab_begin_claim(experiment, LAB_PAPER, "brought back and let go, it takes its shape again",
+                    "pulled as far as its own size, a body folds on the way back, and contact holds some of the folds");
     for (int body = 0; body < count; body++)
         for (int i = 0; i < WAYS; i++) {
             char text[64];
