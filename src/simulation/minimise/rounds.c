@@ -20,6 +20,7 @@
 #include "minimise/constraint.h"
 #include "minimise/constraint_tool.h"
 #include "minimise/free_body.h"
+#include "minimise/prepared.h"
 #include "minimise/step_newton.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"
@@ -747,6 +748,8 @@ void pel_minimise_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
     pel_sim_newton_choose(sim);
+    if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)
+        sim->minimise->newton->base->is_due |= !pel_newton_is_prepared(sim->newton);
     keep_loads(sim);
     sim->minimise->tool_way += sim->minimise->step_way;
     sim->minimise->acted = sim->minimise->step_acted;
@@ -781,7 +784,8 @@ static void check_loaded(pel_minimise *minimise, int32_t vertex_count)
 {
     if (minimise->kept_count < 0 || minimise->kept_count > vertex_count)
         minimise->kept_count = 0;
-    if (minimise->newton != NULL && PEL_IS_NO_CHOICE(minimise->newton->choice.way, PEL_WAY_COUNT))
+    if (minimise->newton != NULL && (PEL_IS_NO_CHOICE(minimise->newton->choice.way, PEL_WAY_COUNT) ||
+                                     PEL_IS_NO_CHOICE(minimise->newton->choice.tried, PEL_WAY_COUNT)))
         minimise->newton->choice = (pel_newton_choice){.way = PEL_QUASI};
 }
 
@@ -791,6 +795,8 @@ void pel_minimise_forget_contacts(pel_sim *sim)
         return;
     sim->minimise->kept_count = 0;
     sim->minimise->prefers_kept = false;
+    if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)
+        sim->minimise->newton->base->is_due = true;
 }
 
 void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
@@ -807,6 +813,8 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->penalty, sizeof sim->minimise->penalty);
     if (sim->minimise->newton != NULL)
         pel_transfer(at, &sim->minimise->newton->choice, sizeof sim->minimise->newton->choice);
+    if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)
+        pel_sim_prepared_transfer(at, sim);
     if (at->load && at->bytes != NULL)
         check_loaded(sim->minimise, sim->model->vertex_count);
 }
@@ -816,6 +824,9 @@ void pel_minimise_forget(pel_sim *sim)
     if (sim->minimise == NULL)
         return;
     sim->minimise->stray_body = -1;
-    if (sim->minimise->newton != NULL)
-        sim->minimise->newton->has_stepped = false;
+    if (sim->minimise->newton == NULL)
+        return;
+    sim->minimise->newton->has_stepped = false;
+    if (sim->minimise->newton->base != NULL)
+        sim->minimise->newton->base->is_made = false;
 }

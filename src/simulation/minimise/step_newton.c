@@ -15,6 +15,7 @@
 #include "math/functions.h"
 #include "minimise/constraint.h"
 #include "pellicle/sim.h"
+#include "minimise/prepared.h"
 
 #include <string.h>
 
@@ -26,8 +27,9 @@
 #define NEAR_TOLERANCES 10
 /* of the forces on a body that may be left where it stays as it is: a tenth of the tolerance */
 #define REST_SHARE 1e-4
-/* steps between tries of the way that has cost more; the first try */
-enum { TRY_STEPS = 24, FIRST_TRY = 4 };
+/* steps between tries of a way that costs as much, by the square of the ratio more where it costs more; the first try;
+   evaluations, below which no other way costs much less */
+enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30 };
 /* of the cost of a step in its mean */
 #define MEAN_SHARE 0.5
 /* of a run of a step in time, without constraints and with them */
@@ -71,7 +73,9 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
         newton->viscous = pel_allocate(numbers, sizeof *newton->viscous);
         room &= newton->viscous != NULL;
     }
-    return room ? PEL_OK : pel_fail_memory(error);
+    if (!room)
+        return pel_fail_memory(error);
+    return is_dynamic ? pel_sim_prepared_create(sim, error) : PEL_OK;
 }
 
 void pel_sim_newton_destroy(pel_sim *sim)
@@ -79,6 +83,7 @@ void pel_sim_newton_destroy(pel_sim *sim)
     pel_sim_newton *newton = sim->minimise->newton;
     if (newton == NULL)
         return;
+    pel_sim_prepared_destroy(sim);
     pel_newton_destroy(sim->newton);
     PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
                  newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
@@ -91,10 +96,19 @@ void pel_sim_newton_destroy(pel_sim *sim)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->minimise->newton->goes_on = false;
+    sim->minimise->newton->way = sim->minimise->newton->choice.way;
     pel_newton_forget(sim->newton);
     if (sim->solver.budget > 0)
         sim->deadline = sim->clock() + sim->solver.budget;
     sim->loads->edge_load_work = 0;
+}
+
+/* Constraints change the matrix too much for one factor, damping of the material refers to another state. */
+static bool may_prepare(const pel_sim *sim)
+{
+    const pel_sim_newton *newton = sim->minimise->newton;
+    return sim->minimise->count == 0 && newton->point_stiffness != NULL && !newton->is_exact && newton->lead == NULL &&
+           newton->viscous == NULL;
 }
 
 void pel_sim_newton_choose(pel_sim *sim)
@@ -105,11 +119,22 @@ void pel_sim_newton_choose(pel_sim *sim)
     pel_newton_choice *choice = &newton->choice;
     double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
     newton->work += (int64_t)work;
-    cost[choice->way] += (cost[choice->way] > 0 ? MEAN_SHARE : 1) * (work - cost[choice->way]);
-    bool knows = cost[PEL_QUASI] > 0 && cost[PEL_SYSTEMS] > 0;
-    int32_t cheaper = knows ? cost[PEL_SYSTEMS] < cost[PEL_QUASI] : choice->way;
-    bool tries = ++choice->age >= (knows ? TRY_STEPS : FIRST_TRY);
-    choice->way = tries ? 1 - cheaper : cheaper;
+    cost[newton->way] += (cost[newton->way] > 0 ? MEAN_SHARE : 1) * (work - cost[newton->way]);
+    int32_t first = may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
+    for (int32_t way = first; way < PEL_WAY_COUNT; way++)
+        cheapest = cost[way] > 0 && cost[way] < cost[cheapest] ? way : cheapest;
+    /* in turn, first the ways that have not been gone */
+    for (int32_t i = 1; i <= PEL_WAY_COUNT; i++) {
+        int32_t way = (choice->tried + i) % PEL_WAY_COUNT;
+        bool is_other = way != cheapest && way >= first;
+        next = is_other && (next < 0 || (!(cost[way] > 0) && cost[next] > 0)) ? way : next;
+    }
+    int32_t first_try = newton->way == PEL_PREPARED ? FIRST_PREPARED_TRY : FIRST_TRY;
+    double ratio = cost[next] / cost[cheapest];
+    double wait = cost[next] > 0 ? TRY_STEPS * pel_max(1, ratio * ratio) : first_try;
+    bool tries = ++choice->age >= wait && cost[cheapest] > LEAST_COST;
+    choice->way = tries ? next : cheapest;
+    choice->tried = tries ? next : choice->tried;
     choice->age = tries ? 0 : choice->age;
 }
 
@@ -117,6 +142,8 @@ void pel_sim_newton_follow_surface(pel_sim *sim)
 {
     pel_minimise_follow_surface(sim);
     sim->minimise->newton->goes_on = false;
+    if (sim->minimise->newton->base != NULL)
+        sim->minimise->newton->base->is_due = true;
     pel_newton_rebuild(sim->newton);
 }
 
@@ -603,7 +630,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
-        .is_quasi = is_dynamic && !is_exact && newton->lead == NULL && newton->choice.way == PEL_QUASI,
+        .is_quasi = is_dynamic && !is_exact && newton->lead == NULL && newton->way != PEL_SYSTEMS,
         .is_in_motion = is_dynamic && !is_exact,
         .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
         .rounding = is_exact ? 0 : problem->rounding,
@@ -639,12 +666,24 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, count, sizeof *newton->couplings) ||
         !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, count, sizeof *newton->kinks))
         return pel_fail_memory(error);
+    bool is_first = !newton->goes_on;
     pel_sim_newton_gather(sim, context->span, !is_dynamic && !context->is_constrained);
-    const pel_newton_problem own = problem_of(context, problem, &terms);
+    pel_newton_problem own = problem_of(context, problem, &terms);
     pel_newton_result run;
-    pel_status status = newton->lead != NULL ? pel_newton_run_beside(sim->newton, &own, newton->lead, newton->unknowns,
-                                                                     NULL, &run, error)
-                                             : pel_newton_run(sim->newton, &own, newton->unknowns, &run, error);
+    pel_status status = PEL_OK;
+    if (newton->way == PEL_PREPARED && !may_prepare(sim))
+        newton->way = PEL_QUASI;
+    if (is_first && newton->way == PEL_PREPARED) {
+        status = pel_sim_prepared_begin(sim, &own, error);
+        if (status != PEL_OK)
+            return status;
+        own.is_prepared = true;
+    }
+    status = newton->lead != NULL
+                 ? pel_newton_run_beside(sim->newton, &own, newton->lead, newton->unknowns, NULL, &run, error)
+                 : pel_newton_run(sim->newton, &own, newton->unknowns, &run, error);
+    if (own.is_prepared)
+        pel_sim_prepared_take(sim, &own);
     if (status == PEL_OK && is_dynamic && newton->lead == NULL)
         balance_groups(sim, context->is_constrained);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)

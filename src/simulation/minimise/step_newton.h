@@ -9,14 +9,17 @@
 /* of a state of rest, at most */
 enum { PEL_STATIC_ITERATIONS = 200 };
 
-/* Whether steps in time go by L-BFGS between systems (newton/quasi.c), or by systems alone. Which is cheaper is not
-   known beforehand: by up to 4 times one or the other, the first for shells with a volume, the second for stiff sheets.
- */
-typedef enum pel_newton_way { PEL_QUASI, PEL_SYSTEMS, PEL_WAY_COUNT } pel_newton_way;
+/* Whether steps in time go by L-BFGS with a factor that many steps share (prepared.h), by L-BFGS between systems
+   (newton/quasi.c), or by systems alone. Which is cheapest is not known beforehand: the first is in smooth motion
+   without contact, by up to 10 times; of the others by up to 4 times one or the other, L-BFGS for shells with a volume,
+   systems for stiff sheets. Constraints rule out the first. */
+typedef enum pel_newton_way { PEL_PREPARED, PEL_QUASI, PEL_SYSTEMS, PEL_WAY_COUNT } pel_newton_way;
+typedef struct pel_newton_base pel_newton_base;
 typedef struct pel_newton_choice {
     double cost[PEL_WAY_COUNT]; /* mean of late steps, in evaluations; 0 = not known */
     int32_t way;                /* of the next step */
-    int32_t age;                /* steps since the other way was tried */
+    int32_t tried;              /* another way than the cheapest, that was tried last */
+    int32_t age;                /* steps since then */
 } pel_newton_choice;
 
 struct pel_sim_newton {
@@ -44,6 +47,8 @@ struct pel_sim_newton {
     struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
     pel_newton_choice choice;                 /* in snapshots */
+    pel_newton_base *base;                    /* of the prepared factor; null in statics */
+    int32_t way;                              /* that the step in progress goes */
     int64_t work;                             /* of the solver when the step began */
     pel_record *stage[2]; /* (vertex_count) positions and velocities of the first stage of the step in progress; null in
                              statics */

@@ -124,7 +124,7 @@ static void destroy_system(pel_newton *newton)
     newton->pcg = NULL;
     newton->plan = NULL;
     newton->matrix = NULL;
-    newton->has_factor = false;
+    newton->has_factor = newton->is_prepared = false;
     newton->has_plain = false;
     newton->precision = PEL_FACTOR_FLOAT;
 }
@@ -190,15 +190,15 @@ static bool make_room(pel_newton *newton)
     newton->stresses = pel_allocate((size_t)pattern->stress_limit + 1, sizeof *newton->stresses);
     newton->fixed = pel_allocate(count, 1);
     newton->frame = pel_allocate(nodes, sizeof *newton->frame);
-    double **vectors[] = {&newton->gradient,    &newton->right,          &newton->step,
-                          &newton->start,       &newton->start_gradient, &newton->masses,
-                          &newton->walked,      &newton->move,           &newton->path,
-                          &newton->load,        &newton->answer,         &newton->balance,
-                          &newton->way,         &newton->begin,          &newton->part_start,
-                          &newton->part_walked, &newton->best,           &newton->best_walked,
-                          &newton->first,       &newton->left,           &newton->product,
-                          &newton->sum,         &newton->before_walked,  &newton->before_gradient,
-                          &newton->before_terms};
+    double **vectors[] = {&newton->gradient,     &newton->right,          &newton->step,
+                          &newton->start,        &newton->start_gradient, &newton->masses,
+                          &newton->walked,       &newton->move,           &newton->path,
+                          &newton->load,         &newton->answer,         &newton->balance,
+                          &newton->way,          &newton->begin,          &newton->part_start,
+                          &newton->part_walked,  &newton->best,           &newton->best_walked,
+                          &newton->first,        &newton->left,           &newton->product,
+                          &newton->sum,          &newton->before_walked,  &newton->before_gradient,
+                          &newton->before_terms, &newton->prepared_at};
     bool room = newton->stresses != NULL && newton->fixed != NULL && newton->frame != NULL;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         room &= (*vectors[i] = pel_allocate(count, sizeof **vectors[i])) != NULL;
@@ -247,7 +247,7 @@ void pel_newton_destroy(pel_newton *newton)
                  newton->load, newton->answer, newton->balance, newton->way, newton->begin, newton->part_start,
                  newton->part_walked, newton->best, newton->best_walked, newton->first, newton->left, newton->product,
                  newton->sum, newton->plain, newton->coupled, newton->before_walked, newton->before_gradient,
-                 newton->before_terms, newton->volumes);
+                 newton->before_terms, newton->volumes, newton->prepared_at);
     pel_pairs_release(&newton->pairs);
     pel_free(newton);
 }
@@ -479,7 +479,7 @@ static bool go_by_energy(newton_run *run, double share)
 
 /* ---- time ---- */
 
-static bool is_late(newton_run *run)
+bool pel_newton_is_late(newton_run *run)
 {
     const pel_newton_problem *problem = run->problem;
     run->result->is_late =
@@ -546,18 +546,35 @@ static bool take_step(newton_run *run)
     return false;
 }
 
-/* A step with the factor that there is, as far as the energy falls. False where the next one needs another factor. */
-static bool go_quasi_step(newton_run *run)
+/* Goes along a step of L-BFGS as far as the energy falls. False where the next one needs another factor. */
+bool pel_newton_go_down_quasi_step(newton_run *run)
 {
-    if (!run->problem->is_quasi || !pel_newton_is_at_targets(run) || !pel_newton_quasi_pays(run))
-        return false;
-    pel_newton_find_quasi_step(run);
     int32_t systems = run->result->iterations;
     bool falls = slope_of(run->newton, run->newton->gradient) < 0;
     bool goes = falls && go_by_energy(run, pel_newton_find_share(run->newton));
     run->result->iterations = systems;
     run->quasi_steps = goes ? run->quasi_steps : INT32_MAX;
     return goes;
+}
+
+/* A step with the factor that there is. False where the next one needs another factor. */
+static bool go_quasi_step(newton_run *run)
+{
+    if (!run->problem->is_quasi || !pel_newton_is_at_targets(run) || !pel_newton_quasi_pays(run))
+        return false;
+    pel_newton_find_quasi_step(run);
+    return pel_newton_go_down_quasi_step(run);
+}
+
+/* fixed unknowns are at their targets from here on */
+void pel_newton_go_to_targets(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
+        newton->step[u] = newton->fixed[u] ? pel_newton_way_to_target(run, u) : 0;
+        newton->walked[u] += newton->step[u];
+    }
+    pel_tangent_advance(newton->tangent, run->unknowns, pel_newton_find_move(run, 1), 1, newton->pool);
 }
 
 /* Full steps of mixed integration points, or as far as the energy falls under constraints. False where they lead
@@ -579,7 +596,7 @@ static bool go_full_steps(newton_run *run)
         is_first = false;
         if (pel_newton_has_converged(run) || result->iterations >= run->limit)
             return true;
-        if (is_late(run)) {
+        if (pel_newton_is_late(run)) {
             take_best(run, best);
             return true;
         }
@@ -666,23 +683,12 @@ static bool go_downhill(newton_run *run, double most)
     return false;
 }
 
-/* fixed unknowns are at their targets from here on */
-static void go_to_targets(newton_run *run)
-{
-    pel_newton *newton = run->newton;
-    for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {
-        newton->step[u] = newton->fixed[u] ? pel_newton_way_to_target(run, u) : 0;
-        newton->walked[u] += newton->step[u];
-    }
-    pel_tangent_advance(newton->tangent, run->unknowns, pel_newton_find_move(run, 1), 1, newton->pool);
-}
-
 static void go_down(newton_run *run)
 {
     pel_newton *newton = run->newton;
     run->kind = PEL_TANGENT_EXACT;
     run->has_stresses = false;
-    go_to_targets(run);
+    pel_newton_go_to_targets(run);
     pel_newton_evaluate(run);
     pel_newton_assemble(run);
     if (run->status != PEL_OK)
@@ -690,7 +696,7 @@ static void go_down(newton_run *run)
     double most = MOST_SHIFT * pel_newton_stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
     while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit &&
-           !is_late(run))
+           !pel_newton_is_late(run))
         if (!go_downhill(run, most)) {
             run->result->stuck = run->status == PEL_OK;
             break;
@@ -820,7 +826,7 @@ static void leave_balance(newton_run *run)
 
 /* ---- a run ---- */
 
-static void return_to_begin(newton_run *run)
+void pel_newton_return_to_begin(newton_run *run)
 {
     size_t bytes = (size_t)run->newton->pattern->unknown_count * sizeof(double);
     memcpy(run->unknowns, run->newton->begin, bytes);
@@ -829,33 +835,27 @@ static void return_to_begin(newton_run *run)
     run->limit += run->problem->iterations;
 }
 
-pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem, double *unknowns,
-                          pel_newton_result *result, pel_error *error)
+void pel_newton_run_systems(newton_run *run)
 {
-    newton_run run = pel_newton_run_of(newton, problem, unknowns, result, error);
-    size_t bytes = (size_t)newton->pattern->unknown_count * sizeof(double);
-    *result = (pel_newton_result){0};
-    pel_newton_fix_unknowns(&run);
-    memcpy(newton->start, unknowns, bytes);
-    memcpy(newton->begin, unknowns, bytes);
-    run.limit = problem->iterations;
-    if (!go_full_steps(&run) && run.status == PEL_OK) {
-        return_to_begin(&run);
-        go_down(&run);
+    const pel_newton_problem *problem = run->problem;
+    pel_newton_result *result = run->result;
+    run->limit = problem->iterations;
+    if (!go_full_steps(run) && run->status == PEL_OK) {
+        pel_newton_return_to_begin(run);
+        go_down(run);
     }
-    if (run.status == PEL_OK && !result->converged && !problem->is_dynamic) {
-        return_to_begin(&run);
+    if (run->status == PEL_OK && !result->converged && !problem->is_dynamic) {
+        pel_newton_return_to_begin(run);
         /* the residual of a part is not that of all loads */
-        if (!go_in_parts(&run) && run.status == PEL_OK) {
-            run.kind = PEL_TANGENT_EXACT;
-            run.has_stresses = false;
-            pel_newton_evaluate(&run);
+        if (!go_in_parts(run) && run->status == PEL_OK) {
+            run->kind = PEL_TANGENT_EXACT;
+            run->has_stresses = false;
+            pel_newton_evaluate(run);
         }
     }
-    if (run.status == PEL_OK && result->converged && !problem->is_dynamic && !is_stable(&run) && run.status == PEL_OK)
-        leave_balance(&run);
-    pel_newton_frames_turn_back(&problem->frames, newton->gradient);
-    return run.status;
+    bool is_balance = run->status == PEL_OK && result->converged && !problem->is_dynamic;
+    if (is_balance && !is_stable(run) && run->status == PEL_OK)
+        leave_balance(run);
 }
 
 int64_t pel_newton_work(const pel_newton *newton)
@@ -868,28 +868,4 @@ void pel_newton_forget(pel_newton *newton)
     newton->has_factor = false;
     newton->is_stale = true;
     newton->precision = PEL_FACTOR_FLOAT;
-}
-
-/* ---- a preconditioner ---- */
-
-bool pel_newton_approximate(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns, double shift)
-{
-    pel_newton_result result = {0};
-    memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
-    newton_run run = pel_newton_run_of(newton, problem, newton->start, &result, NULL);
-    run.kind = PEL_TANGENT_POSITIVE;
-    double pivot;
-    pel_newton_fix_unknowns(&run);
-    pel_newton_evaluate(&run);
-    pel_newton_assemble(&run);
-    return run.status == PEL_OK && pel_newton_compute_factor(&run, shift, &pivot);
-}
-
-void pel_newton_precondition(pel_newton *newton, double *vector)
-{
-    size_t vertices = 3 * (size_t)newton->pattern->vertex_count;
-    memcpy(newton->right, vector, vertices * sizeof *vector);
-    memset(newton->right + vertices, 0, (size_t)newton->pattern->edge_count * sizeof *vector);
-    pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
-    memcpy(vector, newton->step, vertices * sizeof *vector);
 }

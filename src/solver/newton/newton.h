@@ -86,6 +86,7 @@ typedef struct pel_newton_problem {
     bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */
     bool is_in_motion;     /* the positive part of a tangent serves as well as one that float does not carry */
     bool is_quasi;         /* steps of L-BFGS between those of Newton's method, with the last factor (quasi.c) */
+    bool is_prepared;      /* the run begins with steps of L-BFGS with the prepared factor */
     double rest_share; /* Has converged before one step only where each body rests: forces below the tolerance move what
                           is light. This share of the forces that act on a body, or `rounding` [N]; 0 = off */
     double rounding;
@@ -194,9 +195,18 @@ pel_status pel_newton_adjoint(pel_newton *newton, const pel_newton_problem *prob
 /* What the runs so far have cost, in evaluations: the same for any number of threads. */
 int64_t pel_newton_work(const pel_newton *newton);
 
-/* Forgets the factor that is kept, and takes the pattern of the couplings of the next run, so that what follows does
-   not depend on the runs before. */
+/* Forgets the factor that is kept, unless it is the prepared one, and takes the pattern of the couplings of the next
+   run, so that what follows does not depend on the runs before. */
 void pel_newton_forget(pel_newton *newton);
+
+/* Prepares a factor for many runs, of a positive approximation of the second derivatives at unknowns: time, state,
+   inertia, terms, fixed as in the problem. It serves until another one is made or the fixed unknowns change.
+   PEL_OUT_OF_MEMORY. */
+pel_status pel_newton_prepare(pel_newton *newton, const pel_newton_problem *problem, const double *unknowns,
+                              pel_error *error);
+bool pel_newton_is_prepared(const pel_newton *newton);
+/* Runs prepare another factor where that one does not serve: true once after each, and its unknowns (unknown_count). */
+bool pel_newton_take_prepared(pel_newton *newton, double *unknowns);
 
 /* A positive definite approximation of the second derivatives at unknowns, factored, as a preconditioner: time, state,
    terms, fixed as in the problem, shift on the diagonal as in pel_factor_compute: for what no energy holds. False where

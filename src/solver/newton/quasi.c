@@ -14,6 +14,10 @@
    is cheaper. */
 enum { MOST_STEPS = 12, FIRST_STEPS = 3 };
 #define RATE 0.7
+/* The same of a factor that was prepared: another one costs a matrix as well, and several of them where the exact
+   tangent is indefinite. */
+enum { MOST_PREPARED_STEPS = 30, FIRST_PREPARED_STEPS = 6 };
+#define PREPARED_RATE 0.85
 
 void pel_newton_forget_pairs(pel_newton *newton)
 {
@@ -67,9 +71,11 @@ static void precondition(pel_newton *newton, double *d)
 bool pel_newton_quasi_pays(const newton_run *run)
 {
     const pel_newton *newton = run->newton;
-    if (!newton->has_factor || run->quasi_steps >= MOST_STEPS)
+    int32_t most = run->is_prepared ? MOST_PREPARED_STEPS : MOST_STEPS;
+    int32_t first = run->is_prepared ? FIRST_PREPARED_STEPS : FIRST_STEPS;
+    if (!newton->has_factor || run->quasi_steps >= most)
         return false;
-    return run->quasi_steps < FIRST_STEPS || run->result->residual <= run->quasi_goal;
+    return run->quasi_steps < first || run->result->residual <= run->quasi_goal;
 }
 
 /* newton->step, from the gradient of the last evaluation */
@@ -92,5 +98,6 @@ void pel_newton_find_quasi_step(newton_run *run)
     pel_pairs_end(&newton->pairs, size, d);
     for (size_t u = 0; u < size; u++)
         d[u] = newton->fixed[u] ? 0 : -d[u];
-    run->quasi_goal = RATE * (run->quasi_steps++ == 0 ? run->result->residual : run->quasi_goal);
+    double rate = run->is_prepared ? PREPARED_RATE : RATE;
+    run->quasi_goal = rate * (run->quasi_steps++ == 0 ? run->result->residual : run->quasi_goal);
 }

@@ -38,6 +38,9 @@ struct pel_newton {
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
     bool has_factor;
+    bool is_prepared;      /* the factor in float is the one that was prepared */
+    bool is_new;           /* and was made in a run */
+    double *prepared_at;   /* (unknown_count) */
     bool is_kept;          /* the last system was solved with an older factor */
     uint64_t couplings;    /* hash of those in the pattern */
     int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
@@ -104,6 +107,7 @@ typedef struct newton_run {
     bool rests;          /* at the last evaluation, where it was asked */
     int32_t quasi_steps; /* with the present factor (quasi.c) */
     double quasi_goal;   /* N, residual at which they have been worth their price */
+    bool is_prepared;    /* the factor is one that was prepared for many runs */
     bool reuses;         /* the matrix of the elements is newton->plain */
 } newton_run;
 
@@ -123,6 +127,16 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
 /* ---- newton.c ---- */
 /* Blocks of the matrix for the couplings of the terms of the problem. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_couple(newton_run *run);
+/* whether the deadline is over, after a system */
+bool pel_newton_is_late(newton_run *run);
+/* fixed unknowns are at their targets from here on */
+void pel_newton_go_to_targets(newton_run *run);
+/* Goes along a step of L-BFGS as far as the energy falls. False where the next one needs another factor. */
+bool pel_newton_go_down_quasi_step(newton_run *run);
+/* back to where the run began */
+void pel_newton_return_to_begin(newton_run *run);
+/* from where the run stands to its end */
+void pel_newton_run_systems(newton_run *run);
 
 /* ---- step.c: energy, forces, matrix, linear systems ---- */
 /* energy at the unknowns, and gradient along the axes of the vertices */

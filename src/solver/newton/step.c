@@ -351,6 +351,7 @@ bool pel_newton_compute_factor(newton_run *run, double shift, double *pivot)
         pel_factor_compute(newton->factors[newton->precision], newton->matrix, shift, newton->pool);
     run->status = pel_pool_check(newton->pool, run->error);
     newton->has_factor = made.positive_definite;
+    newton->is_prepared = false;
     newton->work += FACTOR_WORK;
     run->quasi_steps = 0;
     pel_newton_forget_pairs(newton);
@@ -551,7 +552,7 @@ void pel_newton_fix_unknowns(newton_run *run)
         newton->walked[u] = 0;
     }
     if (changed)
-        newton->has_factor = false;
+        newton->has_factor = newton->is_prepared = false;
     for (int32_t n = 0; n < newton->pattern->vertex_count + newton->pattern->edge_count; n++)
         newton->frame[n] = -1;
     for (int32_t f = 0; f < run->problem->frames.count; f++)
