@@ -14,8 +14,8 @@
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/constraint.h"
-#include "pellicle/sim.h"
 #include "minimise/prepared.h"
+#include "pellicle/sim.h"
 
 #include <string.h>
 
