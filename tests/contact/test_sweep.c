@@ -75,8 +75,33 @@ static void test_layer(void **unused)
     }
 }
 
-/* Loads that acted in two substeps act first in the next one, and are taken back where they are not needed; what acted
-   in one alone was an impact. */
+/* Half of a load acts first in the next substep, or more where the rest would move the gap by more than it may; it is
+   taken back where it is not needed. */
+static void test_left_load(void **unused)
+{
+    (void)unused;
+    const double load = 0.04, most[] = {1, 0.5 * load * FREE, 0.1 * load * FREE, 0}, kept[] = {0.5, 0.5, 0.9, 1};
+    for (int i = 0; i < 4; i++) {
+        pel_record start[4], x[4];
+        place(start, 0.1);
+        place(x, 0.1);
+        pel_contact contact = vertex_on_face(0.5);
+        contact.multiplier = (pel_real)load;
+        contact.drag[0] = (pel_real)(0.2 * load);
+        pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 0.1};
+        pel_contacts_load(&list, x, most[i]);
+        assert_false(list.is_rubbed);
+        assert_near((double)contact.multiplier, kept[i] * load, 1e-6);
+        assert_near((double)contact.drag[0], 0.2 * kept[i] * load, 1e-6);
+        assert_near(gap_of(x), 0.1 + kept[i] * load * FREE, 1e-6);
+        pel_contacts_project(&list, x, start);
+        assert_near(gap_of(x), 0.1, 1e-6);
+        assert_near((double)contact.multiplier, 0, 1e-6);
+    }
+}
+
+/* Where friction uses much of what it can hold, loads that acted in two substeps act first in the next one, and are
+   taken back where they are not needed; what acted in one alone was an impact. */
 static void test_kept_load(void **unused)
 {
     (void)unused;
@@ -91,7 +116,8 @@ static void test_kept_load(void **unused)
         contact.drag[0] = (pel_real)(0.5 * loads[i][0]);
         pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 0.1};
         double kept = fmin(loads[i][0], loads[i][1]);
-        pel_contacts_load(&list, x);
+        pel_contacts_load(&list, x, 1);
+        assert_true(list.is_rubbed);
         assert_near((double)contact.multiplier, kept, 1e-6);
         assert_near((double)contact.earlier, loads[i][0], 1e-6);
         assert_near((double)contact.drag[0], 0.5 * kept, 1e-6);
@@ -171,9 +197,9 @@ static void test_nothing_moves(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_moves_apart),   cmocka_unit_test(test_layer),    cmocka_unit_test(test_kept_load),
-        cmocka_unit_test(test_active),        cmocka_unit_test(test_friction), cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_layer),         cmocka_unit_test(test_left_load),
+        cmocka_unit_test(test_kept_load),   cmocka_unit_test(test_active),        cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_drift),       cmocka_unit_test(test_nothing_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

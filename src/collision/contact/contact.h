@@ -12,6 +12,7 @@
 
 #include "math/record.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct pel_contact {
@@ -37,6 +38,7 @@ typedef struct pel_contact_list {
     int32_t active_count;
     double substep; /* s, whose square is in the multipliers */
     double carried; /* m: the largest way that a load moved its gap by, in the last sweep */
+    bool is_rubbed; /* friction uses much of what it can hold somewhere, since the substep began */
 } pel_contact_list;
 
 /* how many a sweep looks at, and the i-th of them */

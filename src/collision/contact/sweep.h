@@ -8,9 +8,9 @@
 
 /* At the start of a step or substep of this length [s]: no contact carries a load. */
 void pel_contacts_begin(pel_contact_list *list, double substep);
-/* The loads in the multipliers act, before the first sweep: positions (vertex_count) position and inverse mass, what
-   has inverse mass 0 stays. */
-void pel_contacts_load(pel_contact_list *list, pel_record *positions);
+/* The loads in the multipliers act, before the first sweep, but for a part of at most half that moves the gap by at
+   most `most` [m]: positions (vertex_count) position and inverse mass, what has inverse mass 0 stays. */
+void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most);
 /* One sweep over the contacts in their order; start: positions at the start of the substep, from which friction counts
    the way. Returns the largest correction of a gap [m], 0 = nothing changed. */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start);

@@ -16,8 +16,8 @@
 
 #include <string.h>
 
-/* sweeps over contacts after one over elements, and the corrections at which they may end, of what loads have moved and
-   of the thickness: large loads are no excuse for gaps that the guard minds */
+/* sweeps over contacts after one over elements, and the corrections at which they may end: of the thickness, and of
+   what loads have moved where friction holds much */
 enum { SWEEP_LIMIT = 8 };
 #define SWEEP_TOLERANCE 0.1
 #define DEPTH_TOLERANCE 0.01
@@ -53,24 +53,6 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
     return pel_sim_has_loop_contacts(sim) ? &sim->contacts->list : NULL;
 }
 
-/* update the contacts at the predicted positions and apply the kept loads */
-static void begin_contacts(pel_sim *sim, const pel_record *start)
-{
-    pel_record *positions = sim->state->position_next;
-    pel_contact_list *pairs = loop_contacts(sim);
-    if (pairs != NULL) {
-        pel_contacts_begin_substep(sim, sim->projector->tau);
-        pel_contacts_refresh(sim, start, true);
-        pel_contacts_begin(&sim->contacts->heights.list, sim->projector->tau);
-        pel_contacts_load(pairs, positions);
-    }
-    if (sim->tools->solids != NULL) {
-        pel_solids_begin_substep(sim, sim->projector->tau);
-        pel_solids_refresh(sim, start, true);
-        pel_contacts_load(&sim->tools->solids->list, positions);
-    }
-}
-
 /* m, of the layers in the loop */
 static double least_thickness(const pel_sim *sim)
 {
@@ -78,11 +60,30 @@ static double least_thickness(const pel_sim *sim)
     return sim->tools->solids != NULL ? pel_min(least, pel_solids_thickness(sim)) : least;
 }
 
-/* whether a sweep has hardly changed the loads and the gaps */
+/* update the contacts at the predicted positions and apply the kept loads */
+static void begin_contacts(pel_sim *sim, const pel_record *start)
+{
+    pel_record *positions = sim->state->position_next;
+    pel_contact_list *pairs = loop_contacts(sim);
+    double most = DEPTH_TOLERANCE * least_thickness(sim);
+    if (pairs != NULL) {
+        pel_contacts_begin_substep(sim, sim->projector->tau);
+        pel_contacts_refresh(sim, start, true);
+        pel_contacts_begin(&sim->contacts->heights.list, sim->projector->tau);
+        pel_contacts_load(pairs, positions, most);
+    }
+    if (sim->tools->solids != NULL) {
+        pel_solids_begin_substep(sim, sim->projector->tau);
+        pel_solids_refresh(sim, start, true);
+        pel_contacts_load(&sim->tools->solids->list, positions, most);
+    }
+}
+
+/* whether a sweep has hardly changed the gaps, or the loads on which much friction counts */
 static bool has_settled(const pel_sim *sim, const pel_contact_list *list, double moved)
 {
-    double depth = sim->contacts != NULL ? DEPTH_TOLERANCE * sim->contacts->def.thickness : HUGE_VAL;
-    return !(moved > pel_min(SWEEP_TOLERANCE * list->carried, depth));
+    double depth = DEPTH_TOLERANCE * least_thickness(sim);
+    return !(moved > (list->is_rubbed ? pel_min(SWEEP_TOLERANCE * list->carried, depth) : depth));
 }
 
 /* update the contacts between two sweeps */
