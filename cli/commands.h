@@ -13,6 +13,8 @@ int cli_shape(const cli_call *call);
 int cli_subdivide(const cli_call *call);
 int cli_convert(const cli_call *call);
 int cli_render(const cli_call *call);
+int cli_plot(const cli_call *call);
+int cli_fields(const cli_call *call);
 int cli_report_page(const cli_call *call);
 int cli_reproduce(const cli_call *call);
 int cli_sweep(const cli_call *call);

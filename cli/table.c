@@ -396,6 +396,43 @@ static const cli_command commands[] = {
         .run = cli_render,
     },
     {
+        .name = "plot",
+        .summary = "plot columns of a run's series.csv",
+        .text = "Draws columns of series.csv against the first of them, or over time if there is one; without a column "
+                "it lists them. Cells that are empty or no number are left out.",
+        .slots = {{.name = "DIR", .kind = CLI_FOLDER},
+                  {.name = "COLUMN", .kind = CLI_TEXT, .optional = true, .repeated = true}},
+        .options = {{.name = "output",
+                     .letter = 'o',
+                     .kind = CLI_FILE,
+                     .value = "FILE",
+                     .doc = "the file to write: .svg (a picture) or .csv (a table); default: plot.svg in the folder"},
+                    {.name = "log-x", .kind = CLI_FLAG, .doc = "logarithmic x axis"},
+                    {.name = "log-y", .kind = CLI_FLAG, .doc = "logarithmic y axis"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle plot results/organ-press\n"
+                    "pellicle plot results/organ-press ball_force_z -o force.svg\n"
+                    "pellicle plot results/organ-press ball_z ball_force_z -o force-depth.csv",
+        .run = cli_plot,
+    },
+    {
+        .name = "fields",
+        .summary = "add fields to the frames of a run, such as stresses",
+        .text = "Computes fields from the positions in the frames and the scene of the run, and writes them into the "
+                "frames: displacement, elastic energies, curvatures, strains and stresses of shells. Fields that "
+                "depend on velocities, contacts, loads or the past have to be in output.fields before the run; so do "
+                "all fields of bodies that refine, are cut or have fibres. Positions of frames are rounded to seven "
+                "digits (output.precision: double keeps all), so strains have an error of about 1e-6.",
+        .slots = {{.name = "DIR", .kind = CLI_FOLDER}},
+        .options = {{.name = "add",
+                     .kind = CLI_TEXT,
+                     .value = "NAMES",
+                     .doc = "the fields to add, with commas between them; 'pellicle reference' lists all fields"},
+                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .examples = "pellicle fields results/balloon --add von_mises_top,principal_stress",
+        .run = cli_fields,
+    },
+    {
         .name = "report",
         .summary = "make one HTML page of one or several runs",
         .text =

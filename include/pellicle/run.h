@@ -147,6 +147,16 @@ PEL_API pel_status pel_run_take_folder(const char *folder, bool overwrite, const
    during the run the remedy names the checkpoint to resume. Always fills summary. */
 PEL_API pel_status pel_run(const pel_scene *scene, const pel_run_def *def, pel_run_summary *summary, pel_error *error);
 
+/* Adds fields (name_count names of pellicle/observe.h) to all frames of a run, computed from the positions of the
+   frames and the run's scene.yaml: displacements, elastic energies, curvatures, and the strains and stresses of shells.
+   Positions of frames are rounded to float unless the scene has `output.precision: double`, so strains are exact to
+   about 1e-6. Values that a frame has are kept; those on triangles are computed again. Each frame is replaced as a
+   whole. PEL_BAD_ARGUMENT: a field that does not exist or depends on velocities, contacts, loads or the past; bodies
+   that refine, are cut or have fibres, a session, material that changes over time. PEL_BAD_FORMAT: frames of another
+   mesh. Errors of pel_frames_open, pel_scene_load and pel_vtp_write. */
+PEL_API pel_status pel_run_add_fields(const char *folder, const char *const *names, int32_t name_count,
+                                      pel_error *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -767,6 +767,10 @@ static void test_scenes(void **unused)
     REFUSED("def", pel_run(scene, NULL, &summary, &error));
     REFUSED("summary", pel_run(scene, &def, NULL, &error));
     REFUSED("folder", pel_run_take_folder(NULL, false, NULL, &error));
+    const char *const field = "area";
+    REFUSED("folder", pel_run_add_fields(NULL, &field, 1, &error));
+    REFUSED("names", pel_run_add_fields("misuse", NULL, 1, &error));
+    FAILS(pel_run_add_fields("misuse", &field, 0, &error));
     def.folder = "";
     REFUSED("folder", pel_run(scene, &def, &summary, &error));
     def.folder = NULL, def.resume = "checkpoint";

@@ -106,7 +106,7 @@ static pel_status fail_form(pel_scene_reader *reader, const pel_def_row *row, co
                    value->parent != NULL ? pel_scene_value_path(value, path, sizeof path) : "the scene",
                    /* a file that is no scene, and may hold secrets, is one text */
                    value->parent == NULL && value->kind == PEL_SCENE_SCALAR ? "a text"
-                                                                           : describe(value, found, sizeof found),
+                                                                            : describe(value, found, sizeof found),
                    pel_scene_form_text(row, form, sizeof form));
     if (value->kind == PEL_SCENE_SCALAR && is_one_of(value->text, not_finite))
         pel_fail_remedy(reader->error, "infinite numbers and NaN are refused");
