@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines compilers endurance reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -78,6 +78,12 @@ site: need-site program wasm ## build the documentation as web pages in build/si
 
 machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine, and compare the bits
 	@tools/machines
+
+compilers: need-demo need-dev ## compile with GCC and Clang at -O0 to -O3, also for 32-bit floats, run scenes, and compare the bits
+	@tools/compilers
+
+endurance: program ## live use, a study that is killed, and many steps: memory, bits and books in build/endurance.html (LIVE, STUDY: seconds; STEPS)
+	@tools/endurance $(PROGRAM) build/endurance.html --live $(or $(LIVE),60) --study $(or $(STUDY),60) --steps $(or $(STEPS),20000)
 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (7 minutes of processor time)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/lab/numbers.inc

@@ -22,7 +22,7 @@ NOT_RUN = {
     r"make test( PRESET=asan)?": "this test is part of it",
     r"make (nightly|mutate COUNT=60|format)": "changes or compiles the sources, partly for hours",
     r"make check NAME=\S+": "one of the tests",
-    r"make (web|wasm|python|live|install|machines)( .*)?": "stages of .ci/run and make nightly",
+    r"make (web|wasm|python|live|install|machines|compilers|endurance)( .*)?": "stages of .ci/run and make nightly",
     r"make bench-peers( MESH=scan.obj)?": "needs the compared libraries",
     r"pellicle live( [\w.]+)?( --shell)?": "serves until interrupted; the test web/live",
     r"pellicle live balloon --html \w+\.html": "needs `make wasm`; the test web/play",
