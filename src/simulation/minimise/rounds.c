@@ -324,10 +324,11 @@ static double deepest_gap(const pel_sim *sim)
     return deepest;
 }
 
-/* N, loads, contacts and grasps */
+/* N, loads, contacts and holding forces: those are sums of forces of the bodies, whose rounding holds nothing */
 static double acting_force(const pel_sim *sim, double loads)
 {
     double contact = pel_minimise_contacts_force(sim), held = sim->minimise->result.held_force;
+    held = held > rounding_force(sim) ? held : 0;
     return sqrt(loads * loads + contact * contact + held * held);
 }
 
@@ -593,6 +594,7 @@ static pel_status minimise_alone(pel_minimise_context *context, double loads, pe
         bool is_dynamic = pel_sim_has_velocity(sim);
         if (!is_dynamic && pel_sim_all_inside(sim))
             loads = measure_external(sim, context->span, sim->state->position_next);
+        sim->minimise->step_acted = pel_max(sim->minimise->step_acted, acting_force(sim, loads));
         bool is_near = round.is_near || (is_dynamic && round.converged);
         sum->converged = is_near || round.residual <= tolerance_of(sim, loads);
         is_done = sum->converged || !round.converged || round.stuck;
