@@ -64,6 +64,42 @@ static void test_sleeps(void **unused)
     scene_end(&scene, sim);
 }
 
+/* pins carry on, and what refines sleeps between its events */
+static void test_pinned_and_refined(void **unused)
+{
+    (void)unused;
+    static const int32_t pinned[] = {0, 1, 2, 3};
+    const double weight = 8 * 0.01 * 2 * 16;
+    for (int refines = 0; refines < 2; refines++) {
+        contact_scene scene;
+        resting(&scene, true, 0.3, 0);
+        scene.bodies[1].pinned = pinned;
+        scene.bodies[1].pinned_count = 4;
+        scene.bodies[0].refine.levels = refines;
+        pel_sim *sim = scene_create(&scene);
+        if (refines)
+            assert_int_equal(pel_sim_refine(sim, 0, 5, 1, NULL), PEL_OK);
+        run_free(sim, 300);
+        assert_int_equal(sim->contacts->asleep_count, 2);
+        pel_support_reading pins, later;
+        pel_tool_reading table;
+        pel_sim_get_support(sim, 1, &pins);
+        pel_sim_get_tool(sim, 0, &table);
+        assert_true(fabs(pins.force[2]) > 0.02 * weight);
+        assert_near(pins.force[2] + table.force[2], -weight, 0.01 * weight);
+        run_free(sim, 20);
+        assert_int_equal(sim->contacts->asleep_count, 2);
+        pel_sim_get_support(sim, 1, &later);
+        assert_true(memcmp(pins.force, later.force, sizeof pins.force) == 0);
+        double forces[3 * 16] = {0};
+        forces[3 * 15 + 2] = 0.2;
+        assert_int_equal(pel_sim_set_forces(sim, 1, forces, NULL), PEL_OK);
+        run_free(sim, 1);
+        assert_int_equal(sim->contacts->asleep_count, 0);
+        scene_end(&scene, sim);
+    }
+}
+
 /* ---- what wakes ---- */
 
 static pel_sim *asleep(contact_scene *scene)
@@ -205,9 +241,10 @@ static void test_bits(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sleeps),     cmocka_unit_test(test_setters_wake), cmocka_unit_test(test_forces_wake),
-        cmocka_unit_test(test_tools_wake), cmocka_unit_test(test_slope),        cmocka_unit_test(test_slow_motion),
-        cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_sleeps),      cmocka_unit_test(test_setters_wake),
+        cmocka_unit_test(test_forces_wake), cmocka_unit_test(test_tools_wake),
+        cmocka_unit_test(test_slope),       cmocka_unit_test(test_slow_motion),
+        cmocka_unit_test(test_bits),        cmocka_unit_test(test_pinned_and_refined),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

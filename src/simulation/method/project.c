@@ -155,7 +155,7 @@ static void run_substep(pel_sim *sim, int32_t number)
         pel_sleep_follow_held(sim);
     }
     pel_tools_place(sim, (double)(number + 1) / count);
-    projector->is_asleep = pel_sleep_bodies(sim);
+    projector->is_asleep = sim->asleep;
     find_forces(sim, span, number == 0 ? state->position : state->position_next);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
@@ -208,7 +208,7 @@ static void rest(pel_sim *sim)
     pel_substep_place place = (pel_substep_place)(PEL_SUBSTEP_FIRST | PEL_SUBSTEP_LAST);
     pel_tools_place(sim, 1);
     pel_loads_begin_tally(sim, sim->projector->substep);
-    sim->projector->is_asleep = pel_sleep_bodies(sim);
+    sim->projector->is_asleep = sim->asleep;
     pel_project_predict(sim->projector, sim->state, sim->force, &sim->tools->boundary, place);
     pel_project_finish(sim->projector, sim->state, NULL, 0, &sim->tools->boundary, place);
     pel_contacts_tally_asleep(sim);
@@ -233,8 +233,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_tools_begin(sim, pel_sim_next_time(sim));
     pel_projector_begin(sim->projector, sim->state, pel_sim_time(sim));
     pel_sleep_begin_step(sim);
-    /* forces of pins are means over substeps */
-    bool rests = pel_sleep_is_everywhere(sim) && sim->projector->reaction == NULL;
+    bool rests = pel_sleep_is_everywhere(sim);
     pel_status status = find_contacts(sim, pel_sim_has_loop_contacts(sim) && !rests, error);
     if (status == PEL_OK && rests)
         rest(sim);

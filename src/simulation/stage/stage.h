@@ -112,6 +112,7 @@ struct pel_sim {
     pel_contact_set *contacts; /* (contact/set.h) null = none */
     bool contact_in_loop;      /* the solver sweeps over them too */
     bool self_contact;         /* no body can cut itself */
+    const uint8_t *asleep;     /* (body_count) 1 = left out of the step (touch/sleep.h); null = all are awake */
     pel_contact_forces contact_forces;
     pel_present present;
 

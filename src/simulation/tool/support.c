@@ -58,18 +58,25 @@ void pel_supports_destroy(pel_sim *sim)
 
 /* ---- after a part of a step ---- */
 
+/* pins of bodies that sleep keep their loads */
+static bool sleeps(const pel_sim *sim, int32_t v)
+{
+    return sim->asleep != NULL && sim->asleep[sim->model->body_of_slice[v / PEL_WIDTH]];
+}
+
 /* reactions of a step in parts are means */
 void pel_supports_read(pel_sim *sim, double time)
 {
     double share = -pel_part_share(sim);
     if (sim->reactions == NULL)
         return;
-    if (sim->part.at == 0)
-        memset(sim->reactions, 0, (size_t)sim->model->vertex_count * sizeof *sim->reactions);
+    for (int32_t v = 0; sim->part.at == 0 && v < sim->model->vertex_count; v++)
+        if (!sleeps(sim, v))
+            pel_vec3_set(sim->reactions[v], 0, 0, 0);
     pel_holds_read(sim, time);
     for (int32_t v = 0; sim->stepper->get_held_force != NULL && v < sim->model->vertex_count; v++) {
         double force[3];
-        if (!is_pinned(sim, v))
+        if (!is_pinned(sim, v) || sleeps(sim, v))
             continue;
         sim->stepper->get_held_force(sim, v, force);
         pel_vec3_along(sim->reactions[v], share, force, sim->reactions[v]);

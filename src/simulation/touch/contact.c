@@ -382,7 +382,7 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
     /* numbers of features are of their surface */
     if (!is_same) {
         sim->contacts->list.count = 0;
-        pel_sleep_wake_all(sim);
+        pel_sleep_follow_surface(sim);
     }
     sim->touch->is_loaded = sim->touch->is_carried = false;
     if (is_known)

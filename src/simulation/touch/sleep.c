@@ -47,7 +47,6 @@ struct pel_sleep {
     pel_record *mean, *sum; /* (vertex_count) m: mean place in the last window, sum of the ways from it in this one */
     uint8_t *is_asleep;     /* (body_count) for the method */
     uint8_t *can_move;      /* (body_count) has vertices that are not pinned */
-    uint8_t *is_free;       /* (body_count) has no pinned ones */
     int32_t *parents;       /* (body_count) scratch: forest of islands */
     uint8_t *is_awake;      /* (body_count) scratch: by the root of an island, it stays awake */
     uint8_t *fell_asleep;   /* (body_count) scratch: in this step */
@@ -62,28 +61,24 @@ static void find_pins(const pel_sim *sim, pel_sleep *sleep)
     sleep->mobile_count = 0;
     for (int32_t b = 0; b < model->body_count; b++) {
         sleep->can_move[b] = false;
-        sleep->is_free[b] = true;
-        for (int32_t v = model->bodies[b].slice_begin * PEL_WIDTH; v < pel_body_place_end(model, b); v++) {
+        for (int32_t v = model->bodies[b].slice_begin * PEL_WIDTH; v < pel_body_place_end(model, b); v++)
             sleep->can_move[b] |= model->inverse_mass[v] > 0;
-            sleep->is_free[b] &= model->inverse_mass[v] > 0 || model->mesh_vertex[v] < 0;
-        }
         sleep->mobile_count += sleep->can_move[b];
     }
 }
 
 pel_status pel_sleep_create(pel_sim *sim, pel_error *error)
 {
-    if (sim->contacts == NULL || !sim->touch->def.sleep || !sim->contacts->def.has_layers || sim->active != NULL)
+    if (sim->contacts == NULL || !sim->touch->def.sleep || !sim->contacts->def.has_layers || sim->holds != NULL)
         return PEL_OK;
     pel_sleep *sleep = sim->touch->sleep = pel_allocate(1, sizeof *sleep);
     if (sleep == NULL)
         return pel_fail_memory(error);
     int32_t count = sim->model->body_count, vertices = sim->model->vertex_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(sleep->bodies, count), PEL_ROOM(sleep->is_asleep, count),
-                          PEL_ROOM(sleep->can_move, count), PEL_ROOM(sleep->is_free, count),
-                          PEL_ROOM(sleep->parents, count), PEL_ROOM(sleep->is_awake, count),
-                          PEL_ROOM(sleep->fell_asleep, count), PEL_ROOM_ALIGNED(sleep->mean, vertices),
-                          PEL_ROOM_ALIGNED(sleep->sum, vertices)))
+                          PEL_ROOM(sleep->can_move, count), PEL_ROOM(sleep->parents, count),
+                          PEL_ROOM(sleep->is_awake, count), PEL_ROOM(sleep->fell_asleep, count),
+                          PEL_ROOM_ALIGNED(sleep->mean, vertices), PEL_ROOM_ALIGNED(sleep->sum, vertices)))
         return pel_fail_memory(error);
     find_pins(sim, sleep);
     return PEL_OK;
@@ -94,8 +89,8 @@ void pel_sleep_destroy(pel_sim *sim)
     pel_sleep *sleep = sim->touch->sleep;
     if (sleep == NULL)
         return;
-    PEL_FREE_ALL(sleep->bodies, sleep->is_asleep, sleep->can_move, sleep->is_free, sleep->parents, sleep->is_awake,
-                 sleep->fell_asleep, sleep->mean, sleep->sum);
+    PEL_FREE_ALL(sleep->bodies, sleep->is_asleep, sleep->can_move, sleep->parents, sleep->is_awake, sleep->fell_asleep,
+                 sleep->mean, sleep->sum);
     pel_free(sleep);
 }
 
@@ -108,7 +103,7 @@ static bool is_still(const pel_tool *tool)
            memcmp(tool->pose_before.rotation, tool->pose_wanted.rotation, sizeof tool->pose.rotation) == 0;
 }
 
-/* for the set and the method */
+/* for the set, the method and supports */
 static void tell(pel_sim *sim)
 {
     pel_sleep *sleep = sim->touch->sleep;
@@ -122,6 +117,7 @@ static void tell(pel_sim *sim)
     }
     for (int32_t i = 0; i < sim->tools->count; i++)
         contacts->is_asleep[body_count + i] = is_still(&sim->tools->items[i]);
+    sim->asleep = contacts->asleep_count > 0 ? sleep->is_asleep : NULL;
 }
 
 static void wake(pel_sleep *sleep, int32_t body, int32_t body_count)
@@ -134,13 +130,7 @@ static void wake(pel_sleep *sleep, int32_t body, int32_t body_count)
         }
 }
 
-const uint8_t *pel_sleep_bodies(const pel_sim *sim)
-{
-    const pel_sleep *sleep = sim->touch->sleep;
-    return sleep != NULL && sim->contacts->asleep_count > 0 ? sleep->is_asleep : NULL;
-}
-
-void pel_sleep_wake_all(pel_sim *sim)
+static void wake_all(pel_sim *sim)
 {
     pel_sleep *sleep = sim->touch->sleep;
     for (int32_t b = 0; sleep != NULL && b < sim->model->body_count; b++)
@@ -148,6 +138,14 @@ void pel_sleep_wake_all(pel_sim *sim)
             wake(sleep, b, sim->model->body_count);
     if (sleep != NULL)
         tell(sim);
+}
+
+void pel_sleep_follow_surface(pel_sim *sim)
+{
+    if (sim->touch->sleep == NULL)
+        return;
+    find_pins(sim, sim->touch->sleep);
+    wake_all(sim);
 }
 
 /* ---- causes ---- */
@@ -229,7 +227,7 @@ void pel_sleep_begin_step(pel_sim *sim)
     if (sim->contacts->asleep_count == 0)
         return;
     if (sim->contacts->tangles.count > 0) {
-        pel_sleep_wake_all(sim);
+        wake_all(sim);
         return;
     }
     find_loads(sim, pel_sim_next_time(sim));
@@ -426,8 +424,7 @@ static void settle_islands(pel_sim *sim)
     connect_islands(sim);
     memset(sleep->is_awake, 0, (size_t)body_count);
     for (int32_t b = 0; b < body_count; b++) {
-        bool rests = sleep->bodies[b].is_asleep ||
-                     (sleep->bodies[b].is_still && sleep->is_free[b] && !is_held(sim, b) && !is_busy(sim, b));
+        bool rests = sleep->bodies[b].is_asleep || (sleep->bodies[b].is_still && !is_held(sim, b) && !is_busy(sim, b));
         sleep->is_awake[root_of(sleep, b)] |= !rests;
     }
     for (int32_t b = 0; b < body_count; b++)
@@ -511,7 +508,7 @@ bool pel_sleep_restore(pel_sim *sim)
     for (int32_t b = 0; sleep != NULL && b < sim->model->body_count; b++) {
         const sleep_body *own = &sleep->bodies[b];
         is_whole &= own->is_asleep <= 1 && own->is_still <= 1 && own->count >= 0 && own->island >= 0 &&
-                    own->island < sim->model->body_count && (!own->is_asleep || sleep->is_free[b]);
+                    own->island < sim->model->body_count && (!own->is_asleep || sleep->can_move[b]);
     }
     if (!is_whole)
         memset(sleep->bodies, 0, (size_t)sim->model->body_count * sizeof *sleep->bodies);
