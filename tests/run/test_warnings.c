@@ -491,6 +491,31 @@ static void test_idle_tool(void **unused)
     assert_null(find_warning(&summary, "tool-touches-nothing"));
 }
 
+/* a tool that its keys lead into pinned vertices only is told these, with contact as what holds it back */
+static void test_pinned_under_tool(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {
+        "tools=[{ name: probe, shape: sphere, radius: 0.02, motion: [{ position: [0, 0, 0.08] }, { time: 0.004, "
+        "position: [0, 0, 0.06] }] }]",
+        "stop.frames=6", "bodies.0.pinned={ box: { min: [-1, -1, 0.03], max: [1, 1, 1] } }", "contact={}"};
+    static const char *const codes[] = {"tool-touches-nothing", "tool-held-back"};
+    pel_run_summary summary;
+    for (int c = 0; c < 2; c++) {
+        run_scene(SHELL, overrides, 3 + c, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, codes[c]);
+        assert_non_null(warning);
+        assert_non_null(strstr(warning->text, "vertices of body 'ball' that are"));
+        assert_non_null(strstr(warning->text, "pin fewer, or press elsewhere"));
+        assert_null(find_warning(&summary, codes[1 - c]));
+        assert_null(find_warning(&summary, "nothing-acts"));
+    }
+    /* a vertex that is free is pressed */
+    overrides[2] = "bodies.0.pinned={ box: { min: [-1, -1, -1], max: [1, 1, 0.03] } }";
+    run_scene(SHELL, overrides, 3, NULL, 0, &summary);
+    assert_null(find_warning(&summary, codes[0]));
+}
+
 /* volumetric springs: under gravity, or with a velocity, the body does not move freely, unless it is held in any case
  */
 static void test_held_in_place(void **unused)
@@ -764,6 +789,7 @@ int main(void)
         cmocka_unit_test(test_close_start),
         cmocka_unit_test(test_open_seam),
         cmocka_unit_test(test_idle_tool),
+        cmocka_unit_test(test_pinned_under_tool),
         cmocka_unit_test(test_held_in_place),
         cmocka_unit_test(test_coarse_contact),
         cmocka_unit_test(test_unsettled),

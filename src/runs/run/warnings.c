@@ -299,8 +299,10 @@ static void check_motion(pel_run_state *run, int64_t frame)
 static bool is_idle(const pel_run_state *run, int32_t t)
 {
     const pel_tool_def *tool = &run->scene->sim.tools[t];
+    pel_tool_reading reading;
+    pel_sim_get_tool(run->sim, t, &reading);
     return tool->press && !tool->grasp && tool->shape != PEL_TOOL_SUPPORT && tool->key_count > 1 &&
-           !(run->tool_force[run->tool_count + t] > 0);
+           reading.held_back_count == 0 && !(run->tool_force[run->tool_count + t] > 0);
 }
 
 void pel_warnings_check_end(pel_run_state *run)
@@ -532,7 +534,15 @@ static void tell_idle_tool(const pel_warning_text *at)
     if (tool != NULL)
         pel_tool_def_pose(tool, HUGE_VAL, last, rotation);
     const pel_body_def *body = &scene->model.bodies[tool != NULL && tool->body > 0 ? tool->body : 0];
+    const char *pinned = tool != NULL ? pel_pinned_body_in(at->run, t) : NULL;
     double low[3], high[3];
+    if (pinned != NULL) {
+        snprintf(at->text, at->size,
+                 "tool '%s' meets only vertices of body '%s' that are pinned, so its force is 0. pin fewer, or press "
+                 "elsewhere",
+                 tool->name, pinned);
+        return;
+    }
     pel_mesh_box(body->mesh, low, high);
     snprintf(
         at->text, at->size,

@@ -152,12 +152,13 @@ static double least_size(const pel_scene *scene)
     return least;
 }
 
-/* A tool that touches nothing has a warning of its own. */
+/* A tool that touches nothing has a warning of its own, and so has one that is held back. */
 static void check_action(pel_run_state *run, int64_t frame)
 {
     double most = pel_max(run->totals.max_displacement, run->measures.max_displacement);
     bool is_still = run->ledger.supplied <= run->ledger.tolerance && most <= STILL_SHARE * least_size(run->scene);
-    bool is_idle = run->totals.warnings.of[PEL_WARN_TOOL_IDLE].count > 0;
+    bool is_idle =
+        run->totals.warnings.of[PEL_WARN_TOOL_IDLE].count > 0 || run->totals.warnings.of[PEL_WARN_TOOL_HELD].count > 0;
     if (is_still && !is_idle && run->session == NULL && pel_sim_analysis(run->sim) == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_NOTHING, frame, 0);
 }

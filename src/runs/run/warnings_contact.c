@@ -1,8 +1,10 @@
 /* Warnings about contact: jams, tools that were held back, grasps that lost vertices. */
 #include "run/warnings_contact.h"
 
+#include "geom/solid.h"
 #include "math/extremes.h"
 #include "math/functions.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
 #include "pellicle/sim_contact.h"
@@ -76,12 +78,59 @@ static double lag_of(const pel_run_state *run, const char *tool)
     return 0;
 }
 
+/* how many of these vertices, all if null, are inside a tool where its keys lead it by now */
+static int32_t count_in(const pel_tool_def *tool, double time, const pel_mesh *mesh, const int32_t *vertices,
+                        int32_t count)
+{
+    const pel_solid solid = pel_solid_of(tool);
+    double position[3], rotation[4], normal[3], p[3];
+    int32_t inside = 0;
+    pel_tool_def_pose(tool, time, position, rotation);
+    for (int32_t i = 0; i < count; i++) {
+        pel_vec3_subtract(mesh->positions[vertices != NULL ? vertices[i] : i], position, p);
+        pel_rotate_back(rotation, p, p);
+        inside += pel_solid_distance(&solid, p, normal) < 0;
+    }
+    return inside;
+}
+
+const char *pel_pinned_body_in(const pel_run_state *run, int32_t t)
+{
+    const pel_model_def *model = &run->scene->model;
+    const pel_tool_def *tool = &run->scene->sim.tools[t];
+    double time = pel_sim_time(run->sim);
+    const char *name = NULL;
+    for (int32_t b = 0; b < model->body_count && tool->shape != PEL_TOOL_MESH; b++) {
+        const pel_body_def *body = &model->bodies[b];
+        int32_t pinned = count_in(tool, time, body->mesh, body->pinned, body->pinned_count);
+        if (tool->body >= 0 && tool->body != b)
+            continue;
+        if (pinned < count_in(tool, time, body->mesh, NULL, body->mesh->vertex_count))
+            return NULL;
+        name = name == NULL && pinned > 0 ? body->name : name;
+    }
+    return name;
+}
+
+static const char *pinned_body_of(const pel_run_state *run, const char *tool)
+{
+    for (int32_t t = 0; tool != NULL && t < run->scene->sim.tool_count; t++)
+        if (strcmp(run->scene->sim.tools[t].name, tool) == 0)
+            return pel_pinned_body_in(run, t);
+    return NULL;
+}
+
 void pel_tell_held_tool(const pel_warning_text *at)
 {
-    char others[40], remedy[160];
+    char others[40], remedy[200];
     first_tool first = find_first_tool(at->run->sim, false);
     double lag = lag_of(at->run, first.name);
-    if (lag > LAG_SHARE * pel_mesh_diagonal(at->run->scene->model.bodies[0].mesh))
+    const char *pinned = pinned_body_of(at->run, first.name);
+    if (pinned != NULL)
+        snprintf(remedy, sizeof remedy,
+                 "its keys lead it into vertices of body '%.60s' that are all pinned: pin fewer, or press elsewhere",
+                 pinned);
+    else if (lag > LAG_SHARE * pel_mesh_diagonal(at->run->scene->model.bodies[0].mesh))
         snprintf(remedy, sizeof remedy, "it ends %.3g m away from its keys: let them lead less far, or around the body",
                  lag);
     else
