@@ -598,6 +598,36 @@ static void test_unsettled(void **unused)
     assert_null(find_warning(&summary, "unsettled"));
 }
 
+/* a ball that a tool presses faster than it relaxes is not at rest in the frames before it stands still */
+static void test_restless(void **unused)
+{
+    (void)unused;
+    skip_if_slow();
+    static const char pressed[] =
+        "version: 1\nbodies: [{ name: ball, mesh: { shape: geodesic-sphere, frequency: 5 }, preset: paper-a, "
+        "volumetric: {} }]\n"
+        "tools: [{ name: probe, shape: sphere, radius: 0.5, motion: [ { position: [0, 0, 1.5] }, { time: 0.5, "
+        "position: "
+        "[0, 0, 1.2] } ] }]\n"
+        "solver: { method: quasi-static, alpha: 50, dt: 0.01, velocity: ignore }\nduration: 6\noutput: { every: 0.25 "
+        "}\n";
+    const char *slow[] = {"tools.probe.motion=[ { position: [0, 0, 1.5] }, { time: 60, position: [0, 0, 1.3] } ]",
+                          "duration=61"},
+               *balance[] = {"solver.method=static", "solver.dt=0.25"};
+    pel_run_summary summary;
+    run_scene(pressed, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unsettled");
+    assert_non_null(warning);
+    assert_true(warning->first_frame == 1 && warning->count == 2);
+    assert_non_null(strstr(warning->text, "not at rest under the tools"));
+    assert_null(strstr(warning->text, "the run ended"));
+    run_scene(pressed, slow, 2, NULL, 0, &summary);
+    warning = find_warning(&summary, "unsettled");
+    assert_true(warning == NULL || warning->count < 3);
+    run_scene(pressed, balance, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unsettled"));
+}
+
 /* ---- without a run ---- */
 
 static void test_tallies(void **unused)
@@ -793,6 +823,7 @@ int main(void)
         cmocka_unit_test(test_held_in_place),
         cmocka_unit_test(test_coarse_contact),
         cmocka_unit_test(test_unsettled),
+        cmocka_unit_test(test_restless),
         cmocka_unit_test(test_tallies),
         cmocka_unit_test(test_frames),
         cmocka_unit_test(test_jam),

@@ -4,9 +4,11 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/extremes.h"
+#include "math/vec3.h"
 #include "observe/observe.h"
 #include "pellicle/parallel.h"
 #include "results/files.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -68,6 +70,13 @@ static pel_status take_frame(pel_run_frames *frames, pel_sim *sim, const pel_run
     int64_t steps = pel_sim_step_count(sim) - totals->frame_step;
     pel_run_row *row = &frame->row;
     frame->time = pel_sim_time(sim);
+    frame->pressing = 0;
+    for (int32_t t = 0; t < frames->tool_count; t++) {
+        pel_tool_reading reading;
+        pel_sim_get_tool(sim, t, &reading);
+        if (pel_vec3_length(reading.force) > 0)
+            frame->pressing = pel_max(frame->pressing, tool_force[frames->tool_count + t]);
+    }
     *row = (pel_run_row){
         .frame = totals->frame_count,
         .step_ms = steps > 0 ? 1e3 * totals->frame_seconds / (double)steps : 0,
@@ -112,6 +121,14 @@ static pel_status write_files(pel_run_frames *frames, pel_error *error)
     return status;
 }
 
+/* quasi-static frames are equilibria only where the body had the time to come to rest */
+static void check_rest(pel_run_frames *frames)
+{
+    const pel_run_row *row = &frames->frame.row;
+    if (pel_stepper_of(frames->scene->sim.solver.method)->relaxes)
+        pel_warnings_check_frame_rest(&frames->warnings, row->frame, &row->measures, frames->frame.pressing);
+}
+
 static pel_status write_frame(pel_run_frames *frames, pel_error *error)
 {
     const pel_run_row *row = &frames->frame.row;
@@ -123,8 +140,10 @@ static pel_status write_frame(pel_run_frames *frames, pel_error *error)
     frames->last_time = frames->frame.time;
     frames->max_displacement = pel_max(frames->max_displacement, row->measures.max_displacement);
     frames->unbalanced_force = pel_max(frames->unbalanced_force, row->measures.unbalanced_force);
-    if ((frames->skips & PEL_RUN_WARNINGS) == 0)
+    if ((frames->skips & PEL_RUN_WARNINGS) == 0) {
         pel_warnings_check_frame(&frames->warnings, row->frame, &row->measures, &row->ledger);
+        check_rest(frames);
+    }
     atomic_store(&frames->max_force, row->measures.max_force);
     return list_is_due(frames) ? pel_run_frames_list(frames, error) : PEL_OK;
 }

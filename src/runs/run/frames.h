@@ -38,6 +38,7 @@ typedef struct pel_run_totals {
 typedef struct pel_run_frame {
     pel_run_row row;
     double time;           /* s */
+    double pressing;       /* N, largest force of a tool until then, of those that press at it; 0 = none does */
     pel_run_totals totals; /* before it; frame_count is its number */
     /* null when one thread does everything */
     double *tool_force;      /* (PEL_TOOL_NUMBERS x tool count) as in pel_run_state */

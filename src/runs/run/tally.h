@@ -63,5 +63,8 @@ void pel_warnings_merge(pel_warning_tallies *tallies, pel_warning_tallies *from)
 /* At each frame, by the thread that writes it. */
 void pel_warnings_check_frame(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
                               const pel_sim_ledger *ledger);
+/* The same of methods that relax, with the largest force until then of tools that press; 0 = none does. */
+void pel_warnings_check_frame_rest(pel_warning_tallies *tallies, int64_t frame, const pel_sim_measures *measures,
+                                   double tool_force);
 
 #endif

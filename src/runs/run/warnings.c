@@ -274,8 +274,10 @@ static void check_rest(pel_run_state *run, int64_t frame)
     double share = run->measures.unbalanced_force / pel_max(largest, DBL_MIN);
     /* where nothing acts there is only rounding */
     bool acts = run->ledger.supplied > run->ledger.tolerance;
-    if (pel_stepper_of(sim->solver.method)->relaxes && acts && share > SETTLED_SHARE)
+    if (pel_stepper_of(sim->solver.method)->relaxes && acts && share > SETTLED_SHARE) {
+        run->flagged[PEL_WARN_UNSETTLED] = (pel_flagged_body){0, run->measures.unbalanced_force, share};
         pel_warn(&run->totals.warnings, PEL_WARN_UNSETTLED, frame, share);
+    }
 }
 
 /* Of methods that follow a motion and the material. A volume that is driven is followed, not resolved. */
@@ -569,10 +571,22 @@ static void tell_close_start(const pel_warning_text *at)
 
 static void tell_unsettled(const pel_warning_text *at)
 {
-    snprintf(at->text, at->size,
-             "the run ended before it settled: a net force of %.3g N remains, %.0f %% of the largest force. use a "
-             "longer duration, or method static",
-             at->run->measures.unbalanced_force, 100 * at->tally->worst);
+    const pel_flagged_body *end = &at->run->flagged[PEL_WARN_UNSETTLED];
+    int64_t before = at->tally->count - (end->limit > 0);
+    size_t length = 0;
+    if (before > 0)
+        length =
+            (size_t)snprintf(at->text, at->size,
+                             "in %" PRId64 " of %" PRId64
+                             " frames the body is not at rest under the tools: net forces are up to %.0f %% of "
+                             "theirs, which are off by about as much. move tools more slowly, or use method "
+                             "static%s",
+                             before, at->run->totals.frame_count, 100 * at->tally->worst, end->limit > 0 ? ". " : "");
+    if (end->limit > 0 && length < at->size)
+        snprintf(at->text + length, at->size - length,
+                 "the run ended before it settled: a net force of %.3g N remains, %.0f %% of the largest force. use a "
+                 "longer duration, or method static",
+                 end->value, 100 * end->limit);
 }
 
 /* a step that would do, or one a quarter as long where nothing is known that is so fast: large motion has higher
