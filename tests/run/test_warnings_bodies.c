@@ -144,6 +144,34 @@ static void test_nothing_acts(void **unused)
     assert_non_null(strstr(warning->text, "load 'push' begins at t = 3 s, and the run ends at 0.1 s"));
     run_scene(ball, &gravity, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "nothing-acts"));
+    /* a liquid needs gravity */
+    static const char tub[] = "version: 1\nbodies: [{ name: tub, mesh: { shape: grid }, membrane: { preset: rubber }, "
+                              "pinned: boundary, fluid: { level: 0.5 } }]\nduration: 0.02\n";
+    run_scene(tub, NULL, 0, NULL, 0, &summary);
+    warning = find_warning(&summary, "nothing-acts");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "fluid of body 'tub' presses by its weight"));
+    run_scene(tub, &gravity, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "nothing-acts"));
+}
+
+/* sheets through each other, which nothing keeps apart */
+static void test_surfaces_cross(void **unused)
+{
+    (void)unused;
+    static const char sheets[] =
+        "version: 1\nbodies:\n  - { name: a, mesh: { shape: grid, nx: 4, ny: 4 }, membrane: { preset: rubber } }\n"
+        "  - { name: b, mesh: { shape: grid, nx: 3, ny: 3, rotate: { axis: [1, 0, 0], angle: 90 } }, membrane: { "
+        "preset: rubber } }\nsolver: { method: implicit, dt: 0.01 }\nduration: 0.02\n";
+    const char *apart = "bodies.b.mesh.translate=[0, 0, 2]", *modes = "solver={ analysis: modal, modes: 1 }";
+    pel_run_summary summary;
+    run_scene(sheets, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "surfaces-cross");
+    assert_true(warning != NULL && strstr(warning->text, "contact: { self: true }") != NULL);
+    run_scene(sheets, &apart, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "surfaces-cross"));
+    run_scene(sheets, &modes, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "surfaces-cross"));
 }
 
 static int two_threads(void **unused)
@@ -159,6 +187,7 @@ int main(void)
         cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_nothing_acts),
+        cmocka_unit_test(test_surfaces_cross),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

@@ -64,6 +64,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
     [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
+    [PEL_WARN_CROSSING] = "surfaces-cross",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",
     [PEL_WARN_UNSETTLED] = "unsettled",
     [PEL_WARN_UNRESOLVED] = "unresolved-motion",
@@ -319,6 +320,9 @@ void pel_warnings_check_end(pel_run_state *run)
     for (int32_t t = 0; t < run->tool_count; t++)
         if (is_idle(run, t))
             pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
+    if (run->intersection_count > 0 && !run->scene->sim.contact.enabled &&
+        run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
+        pel_warn(&run->totals.warnings, PEL_WARN_CROSSING, frame, (double)run->intersection_count);
     pel_warnings_check_loads(run);
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
@@ -524,6 +528,14 @@ static void tell_uncounted(const pel_warning_text *at)
              "thousands of triangles. divide the triangles around it in a mesh editor");
 }
 
+static void tell_crossing(const pel_warning_text *at)
+{
+    snprintf(at->text, at->size,
+             "nothing keeps the surfaces apart, and %.0f pairs of triangles intersect at the end. use contact: { self: "
+             "true }, or pellicle check if the mesh intersects itself at rest",
+             at->tally->worst);
+}
+
 /* of the tool that is told, and of the bodies that it may touch */
 static void tell_idle_tool(const pel_warning_text *at)
 {
@@ -648,6 +660,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_GRASP_LOST] = pel_tell_lost_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
+    [PEL_WARN_CROSSING] = tell_crossing,
     [PEL_WARN_COARSE_CONTACT] = pel_tell_coarse_contact,
     [PEL_WARN_TOOL_IDLE] = tell_idle_tool,
     [PEL_WARN_UNSETTLED] = tell_unsettled,

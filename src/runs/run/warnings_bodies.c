@@ -243,14 +243,31 @@ static const pel_load_def *late_load(const pel_run_state *run)
     return NULL;
 }
 
+/* the body with a liquid, where there is no gravity; null if there is none */
+static const char *weightless_fluid(const pel_run_state *run)
+{
+    const pel_model_def *model = &run->scene->model;
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].fluid_density > 0 && !(pel_vec3_length(model->gravity) > 0))
+            return model->bodies[b].name;
+    return NULL;
+}
+
 void pel_tell_nothing(const pel_warning_text *at)
 {
     const pel_load_def *late = late_load(at->run);
+    const char *fluid = weightless_fluid(at->run);
     if (late != NULL)
         snprintf(at->text, at->size,
                  "nothing acts: no vertex moved. load '%s' begins at t = %.6g s, and the run ends at %.6g s. use a "
                  "longer duration",
                  late->name, late->from, pel_sim_time(at->run->sim));
+    else if (fluid != NULL)
+        snprintf(
+            at->text, at->size,
+            "nothing acts: no vertex moved. the fluid of body '%s' presses by its weight, and there is no gravity: "
+            "add gravity: [0, 0, -9.81]",
+            fluid);
     else
         snprintf(at->text, at->size,
                  "nothing acts: no vertex moved, and no work was done. add gravity, a load, a pressure, a velocity, or "

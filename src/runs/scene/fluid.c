@@ -16,6 +16,11 @@ void pel_scene_keep_fillings(pel_scene_reader *reader, const pel_scene *scene)
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         /* the scene's own array, which it was built into */
         pel_body_def *body = (pel_body_def *)(uintptr_t)&scene->model.bodies[b];
+        if (body->fluid_density > 0 && isfinite(body->fluid_level) && !(gravity > 0))
+            pel_log_line(reader->log,
+                         "fluid of '%s' presses by its weight below its level, and there is no gravity: it has no "
+                         "effect. add gravity: [0, 0, -9.81]",
+                         body->name);
         if (!(body->fluid_density > 0) || isfinite(body->fluid_level) || body->shell.pressure.kind != PEL_PRESSURE_NONE)
             continue;
         body->shell.pressure.kind = PEL_PRESSURE_VOLUME;
