@@ -1,7 +1,7 @@
 /* Fuzzes the commands of a session: each line of the input on a ball, with a step after some. For any input the state
    stays finite, and accepted commands can be read again. */
 #include "pellicle/session.h"
-#include "run/command.h"
+#include "session/command.h"
 
 #include <math.h>
 #include <stdlib.h>

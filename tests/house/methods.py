@@ -28,7 +28,7 @@ NAMING = {
     "physics/batch/batches.c": "the layout of constraints",
     "physics/def/rows.c": "which keys a method reads",
     "solver/solve/project.c": "multipliers of constraints",
-    "runs/scene/method.c": "the choice of a method",
+    "runs/choice/method.c": "the choice of a method",
 }
 
 
@@ -51,7 +51,7 @@ def names(name, text):
 
 
 def self_test():
-    assert list(names("runs/run/warnings.c", "if (method == PEL_METHOD_PBD)")) and not list(names("runs/scene/method.c", "PEL_METHOD_PBD"))
+    assert list(names("runs/run/warnings.c", "if (method == PEL_METHOD_PBD)")) and not list(names("runs/choice/method.c", "PEL_METHOD_PBD"))
     assert not list(names("runs/run/warnings.c", "PEL_METHOD_COUNT, pel_method_words; /* PEL_METHOD_PBD */"))
     assert list(questions("tool/grip.c", "    if (sim->projector != NULL)\n"))
     assert list(questions("boundary/loads.c", "if (sim->solver.method == PEL_METHOD_PBD)"))

@@ -3,6 +3,7 @@
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "choice/time_step.h"
 #include "field/radius.h"
 #include "math/extremes.h"
 #include "math/functions.h"
@@ -21,7 +22,6 @@
 #include "run/warnings_bodies.h"
 #include "run/warnings_contact.h"
 #include "run/warnings_shell.h"
-#include "scene/time_step.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
 

@@ -1,4 +1,4 @@
-#include "run/command.h"
+#include "session/command.h"
 
 #include "base/number.h"
 #include "base/status.h"

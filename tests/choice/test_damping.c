@@ -1,6 +1,6 @@
 /* Damping of materials: decay against exp(-z w t) with z = retardation w / 2, rigid motion, the ledger, loss factors.
  */
-#include "scene_run.h"
+#include "scene/scene_run.h"
 
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-#include "run/blade.h"
+#include "session/blade.h"
 
 #include "base/memory.h"
 #include "base/status.h"

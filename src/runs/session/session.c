@@ -13,9 +13,9 @@
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
-#include "run/blade.h"
-#include "run/command.h"
 #include "scene/word_mesh.h"
+#include "session/blade.h"
+#include "session/command.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -2,7 +2,7 @@
    one core per triangle, measured on balls and sheets of 320 to 20,480 triangles, with contact on things that press
    against each other (docs/solvers.md, cost of a step). A step of implicit grows faster than the triangles, with the
    fill of its factor. */
-#include "scene/method.h"
+#include "choice/method.h"
 
 #include "base/number.h"
 #include "base/status.h"

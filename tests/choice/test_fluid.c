@@ -1,5 +1,5 @@
 /* Liquids in bodies: thrusts on walls and floors, weights on supports, the potential of a filling, free fall. */
-#include "scene_run.h"
+#include "scene/scene_run.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* The step of scenes that leave it to the program. */
-#include "scene_run.h"
+#include "scene/scene_run.h"
 
 #include <stdlib.h>
 

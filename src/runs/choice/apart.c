@@ -1,6 +1,6 @@
 /* Contact that a scene does not ask for. Several bodies have it between them, unless they intersect at the start: such
    a scene compares bodies at one place, and contact would refuse it. */
-#include "scene/apart.h"
+#include "choice/apart.h"
 
 #include "mesh/figures.h"
 #include "pellicle/intersect.h"

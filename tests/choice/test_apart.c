@@ -1,5 +1,5 @@
 /* Contact that a scene with several bodies has without asking for it. */
-#include "scene_run.h"
+#include "scene/scene_run.h"
 
 #include "pellicle/sim_contact.h"
 

@@ -1,6 +1,6 @@
 /* Sessions: words that are refused, undo and reset to the bit, a record that a run repeats to the bit. */
 #define _XOPEN_SOURCE 700
-#include "run_fixture.h"
+#include "run/run_fixture.h"
 
 #include "math/vec3.h"
 #include "pellicle/mesh_io.h"
@@ -8,7 +8,7 @@
 #include "pellicle/shape.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
-#include "run/command.h"
+#include "session/command.h"
 
 /* a sheet that hangs on two pins, and a ball of springs, with a tool of the scene */
 static const char text[] =

@@ -1,10 +1,10 @@
 /* A Kelvin-Voigt material with the retardation T has the loss factor T w at the angular frequency w, which is twice the
    ratio to critical damping of a vibration that strains it. */
-#include "scene/damping.h"
+#include "choice/damping.h"
 
 #include "base/status.h"
+#include "choice/time_step.h"
 #include "keys/validate.h"
-#include "scene/time_step.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -3,16 +3,16 @@
    give its frequency within 0.2 % and keep its amplitude, 8 in a load the motion that it starts (docs/solvers.md);
    supports are where they are at the end of the run. Where that would cost too much the default stays, which damps what
    it does not resolve. */
-#include "scene/time_step.h"
+#include "choice/time_step.h"
 
 #include "base/memory.h"
 #include "base/number.h"
 #include "base/status.h"
+#include "choice/method.h"
 #include "keys/arena.h"
 #include "math/extremes.h"
 #include "minimise/step_modes.h"
 #include "pellicle/sim_step.h"
-#include "scene/method.h"
 #include "stage/stepper.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "scene/fluid.h"
+#include "choice/fluid.h"
 
 #include "math/vec3.h"
 #include "mesh/figures.h"
