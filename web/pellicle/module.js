@@ -21,11 +21,31 @@ function checkName(name) {
 
 /* ---- memory ---- */
 
+// bytes; the memory of a module grows and never shrinks
+const LARGE = 128 << 20;
+
 class Memory {
-    constructor(core) {
+    // make: async, a new module
+    constructor(core, make) {
         this.core = core;
+        this.make = make;
         this.decoder = new TextDecoder();
         this.folders = 0;
+        this.open = 0; // handles
+        this.renewal = null;
+    }
+
+    // replaces a module that has grown large by a new one, once nothing of it is open
+    shrink() {
+        if (this.open > 0 || this.renewal || this.core.HEAPU8.length <= LARGE) return;
+        this.renewal = this.make()
+            .then((core) => {
+                if (this.open === 0) this.core = core;
+            })
+            .catch(() => {}) // no memory for a second one: the old one goes on
+            .finally(() => {
+                this.renewal = null;
+            });
     }
 
     // calls use(address) with a copy of the text
@@ -109,11 +129,18 @@ class Handle {
     constructor(memory, kind, text, { files = {}, path = "scene.yaml", set = {} } = {}) {
         this.memory = memory;
         this.kind = kind;
+        this.handle = 0;
         this.folder = memory.makeFolder(files);
+        memory.open++;
         const overrides = Object.entries(set).map(([key, value]) => `${key}=${format(value)}`);
         const create = memory.core[`_pel_wasm_${kind}_create`];
-        this.handle = memory.withText(`${this.folder}/${checkName(path)}`, (name) =>
-            memory.withText(text, (at, size) => memory.withTexts(overrides, (list) => create(name, at, size, list, overrides.length))));
+        try {
+            this.handle = memory.withText(`${this.folder}/${checkName(path)}`, (name) =>
+                memory.withText(text, (at, size) => memory.withTexts(overrides, (list) => create(name, at, size, list, overrides.length))));
+        } catch (error) {
+            this.dispose();
+            throw error;
+        }
         if (this.handle !== 0 && this.call("status") === 0) return;
         const error = this.handle !== 0 ? this.error() : outOfMemory();
         this.dispose();
@@ -149,9 +176,12 @@ class Handle {
 
     dispose() {
         if (this.handle) this.call("destroy");
-        if (this.folder) this.memory.removeFolder(this.folder);
         this.handle = 0;
+        if (!this.folder) return;
+        this.memory.removeFolder(this.folder);
         this.folder = "";
+        this.memory.open--;
+        this.memory.shrink();
     }
 }
 
@@ -366,8 +396,12 @@ export class Live {
 export class Pellicle {
     #memory;
 
-    constructor(core) {
-        this.#memory = new Memory(core);
+    constructor(core, make) {
+        this.#memory = new Memory(core, make);
+    }
+
+    get memoryBytes() {
+        return this.#memory.core.HEAPU8.length;
     }
 
     simulation(text, options) {
@@ -381,6 +415,6 @@ export class Pellicle {
 
 // bytes: the contents of core.wasm
 export async function instantiate(bytes) {
-    const core = await makeCore({ wasmBinary: bytes, printErr: () => {}, print: () => {} });
-    return new Pellicle(core);
+    const make = () => makeCore({ wasmBinary: bytes, printErr: () => {}, print: () => {} });
+    return new Pellicle(await make(), make);
 }

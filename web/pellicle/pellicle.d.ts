@@ -198,6 +198,8 @@ export interface Pellicle {
     /** Reads a scene (YAML or JSON). Throws a PellicleError with file, line and column if it is refused. */
     simulation(scene: string, options?: SceneOptions): Simulation;
     live(scene: string, options: SceneOptions, receive: (message: string | ArrayBuffer) => void): Live;
+    /** Size of the module's memory. It grows with simulations, and is small again soon after the last one of a large module was disposed or refused. */
+    readonly memoryBytes: number;
 }
 
 /** Loads the module. source: bytes of core.wasm or its URL; default: the file of the package. */

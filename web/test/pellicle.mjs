@@ -202,6 +202,23 @@ function memory() {
     for (let i = 0; i < 60; i++) assert.equal(once(), size);
 }
 
+// a scene that is too large leaves no gigabytes behind, and the next one has the same bits
+async function tooLarge() {
+    const hash = () => {
+        const simulation = pellicle.simulation(still);
+        simulation.step(2);
+        const result = simulation.hash;
+        simulation.dispose();
+        return result;
+    };
+    const [before, size] = [hash(), pellicle.memoryBytes];
+    refusal(() => pellicle.simulation(sphere.replace("frequency: 8", "frequency: 900") + "duration: 1\n"), { what: "out of memory" });
+    assert.throws(() => pellicle.simulation(still, { files: { "../a": "" } }));
+    for (let i = 0; i < 100 && pellicle.memoryBytes > size; i++) await new Promise((done) => setTimeout(done, 100));
+    assert.ok(pellicle.memoryBytes <= size, `${pellicle.memoryBytes} bytes stay`);
+    assert.equal(hash(), before);
+}
+
 try {
     const { version } = JSON.parse(readFileSync(new URL("../../build/wasm/pellicle/package.json", import.meta.url), "utf8"));
     assert.ok(execFileSync(program, ["--version"]).toString().includes(version), `the package is of version ${version}`);
@@ -211,6 +228,7 @@ try {
     views();
     errors(mesh);
     memory();
+    await tooLarge();
     console.log("the package gives the bits of the program, and its errors");
 } finally {
     rmSync(folder, { recursive: true, force: true });
