@@ -1,6 +1,7 @@
 # Tests of the Python package: tests/python/test_NAME.py is the test python/NAME. Registered where the package is built and
 # numpy is there.
-if(NOT TARGET pellicle_python OR PELLICLE_SANITIZE MATCHES "thread")
+# Clang has its thread sanitizer as an archive only, which Python cannot load
+if(NOT TARGET pellicle_python OR (PELLICLE_SANITIZE MATCHES "thread" AND NOT CMAKE_C_COMPILER_ID STREQUAL "GNU"))
     return()
 endif()
 execute_process(COMMAND ${PELLICLE_PYTHON_PROGRAM} -c "import numpy" RESULT_VARIABLE NO_NUMPY ERROR_QUIET)
@@ -19,6 +20,10 @@ if(PELLICLE_SANITIZE MATCHES "address")
     execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libstdc++.so OUTPUT_VARIABLE STDCXX OUTPUT_STRIP_TRAILING_WHITESPACE)
     list(APPEND PYTHON_ENVIRONMENT "LD_PRELOAD=${ASAN}:${STDCXX}" "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1"
          "PYTHONMALLOC=malloc")
+endif()
+if(PELLICLE_SANITIZE MATCHES "thread")
+    execute_process(COMMAND ${CMAKE_C_COMPILER} -print-file-name=libtsan.so OUTPUT_VARIABLE TSAN OUTPUT_STRIP_TRAILING_WHITESPACE)
+    list(APPEND PYTHON_ENVIRONMENT "LD_PRELOAD=${TSAN}" "TSAN_OPTIONS=allocator_may_return_null=1" "PYTHONMALLOC=malloc")
 endif()
 file(GLOB PYTHON_TESTS CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/test_*.py)
 foreach(source ${PYTHON_TESTS})
