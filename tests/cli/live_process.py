@@ -90,7 +90,7 @@ def crashes(program, folder):
     page = Page(server)
     page.answer("mark", "grab 0 -5 0 0 1 0 20 0.3", "move 0 -1.5 0", *["step"] * 10, "release", "set bodies.ball.springs.stiffness 4", *["step"] * 5)
     before = page.answer("pause")[0]
-    time.sleep(1)
+    time.sleep(1.5)
     server.end(signal.SIGKILL)
     page.close()
     kept = list((folder / "state/pellicle").glob("live-*.yaml"))
