@@ -1,4 +1,5 @@
 #include "check.h"
+#include "failing_malloc.h"
 
 #include "base/memory.h"
 #include "io/file.h"
@@ -33,8 +34,24 @@ static void test_refuses(void **unused)
     assert_string_equal(error.file, "no-such-folder/a.pvd");
 }
 
+static pel_status write_case(const void *path, pel_error *error)
+{
+    const char *const names[2] = {"a.vtp", "b.vtp"};
+    const double times[2] = {0, 1};
+    return pel_pvd_write(path, names, times, 2, error);
+}
+
+/* nothing stays, whether there is memory or not */
+static void test_allocation_failures(void **unused)
+{
+    (void)unused;
+    assert_true(for_every_allocation_failure(write_case, "pvd-test.pvd") >= 1);
+    unlink("pvd-test.pvd");
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_content), cmocka_unit_test(test_refuses)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_content), cmocka_unit_test(test_refuses),
+                                       cmocka_unit_test(test_allocation_failures)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,6 +91,7 @@ static void refuse(const char *content, pel_status expected, const char *words)
     fclose(stream);
     assert_int_equal(pel_keep_read(KEPT, "ball.yaml", &kept, &error), expected);
     assert_null(kept.scene);
+    assert_true(error.remedy[0] != '\0');
     pel_error_text(&error, said, sizeof said);
     if (strstr(said, words) == NULL)
         fail_msg("%s", said);

@@ -3,10 +3,68 @@
 #include "live/message.h"
 
 #include "base/memory.h"
+#include "pellicle/observe.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* the end of the JSON value at `at`, null if it is none; a text, a number or a word is as long as it goes */
+static const char *skip_value(const char *at)
+{
+    const char *first = at;
+    if (*at == '"') {
+        for (at++; *at != '"'; at++)
+            if (*at == '\0' || (*at == '\\' && *++at == '\0'))
+                return NULL;
+        return at + 1;
+    }
+    if (*at != '{' && *at != '[') {
+        at += strcspn(at, ",]}");
+        return at > first ? at : NULL;
+    }
+    const char end = *at == '{' ? '}' : ']';
+    at++;
+    if (*at == end)
+        return at + 1;
+    for (;; at++) {
+        if (end == '}') {
+            at = *at == '"' ? skip_value(at) : NULL;
+            if (at == NULL || *at++ != ':')
+                return NULL;
+        }
+        at = skip_value(at);
+        if (at == NULL || (*at != ',' && *at != end))
+            return NULL;
+        if (*at == end)
+            return at + 1;
+    }
+}
+
+static int32_t count_words(const char *text, const char *words)
+{
+    int32_t count = 0;
+    for (const char *at = text; (at = strstr(at, words)) != NULL; at++)
+        count++;
+    return count;
+}
+
+/* a whole JSON object, whose fields have all that the page shows of them */
+static void check_hello(const char *text)
+{
+    const char *end = skip_value(text);
+    assert_true(text[0] == '{' && end != NULL && *end == '\0');
+    const char *fields = strstr(text, "\"fields\":[");
+    assert_non_null(fields);
+    end = skip_value(strchr(fields, '['));
+    char *list = malloc((size_t)(end - fields) + 1);
+    assert_non_null(list);
+    snprintf(list, (size_t)(end - fields) + 1, "%s", fields);
+    static const char *const keys[] = {"\"name\":\"", "\"unit\":\"", "\"doc\":\""};
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(count_words(list, keys[k]), pel_field_count());
+    free(list);
+}
 
 /* the spring of the hand in a scene with one body [N/m] */
 static double proposed(const char *body)
@@ -26,6 +84,7 @@ static double proposed(const char *body)
     char *head = malloc(size + 1);
     memcpy(head, message, size);
     head[size] = 0;
+    check_hello(head);
     const char *found = strstr(head, "\"stiffness\":");
     assert_non_null(found);
     double stiffness = strtod(found + strlen("\"stiffness\":"), NULL);
