@@ -11,7 +11,7 @@ static const char outside[] =
     "loads: [{name: pull, force: [0, 0, 0.5], from: 0.1, until: 0.6, at: {nearest: [1, 0, 0]}},\n"
     "        {name: push, force: [0, 0, 0.5], keys: [[0, 0], [1, 1]], at: {nearest: [1, 0, 0]}}]\n"
     "tools: [{name: rod, shape: capsule, radius: 0.2, length: 1, motion: [{position: [2, 0, 0]}]},\n"
-    "        {name: block, shape: box, size: [0.4, 0.4, 0.4], motion: [{position: [-3, 0, 0]}]},\n"
+    "        {name: block, shape: box, size: [0.4, 0.4, 0.4], motion: [{position: {above: highest, by: 1}}]},\n"
     "        {name: hand, shape: sphere, radius: 0.1, press: false, grasp: {reach: 0.3, from: 0.1, until: 0.4},\n"
     "         motion: [{position: [0, 1.1, 0]}]}]\n"
     "contact: {friction: 0.3}\n";
