@@ -30,7 +30,7 @@ live: program web ## touch an organ in a browser (needs Node.js and the npm regi
 test: build ## run the tests, without the parts that take long; PELLICLE_ALL=1 make test runs these too
 	@ctest --test-dir build/$(PRESET) --output-on-failure -j 2; status=$$?; tools/test-summary build/$(PRESET) || status=1; exit $$status
 
-check: build/$(PRESET)/tests/CTestTestfile.cmake $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
+check: build/$(PRESET)/tests/CTestTestfile.cmake $(if $(filter web/%,$(NAME)),web) $(if $(filter web/pellicle web/play web/examples,$(NAME)),wasm) ## build and run one test: NAME=tool/grip
 	@tools/check build/$(PRESET) "$(NAME)"
 
 nightly: ## run checks that take hours: all tests whole, WebAssembly, pages, 2,000 random scenes, sanitizers, fuzzing, mutations

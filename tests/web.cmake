@@ -1,7 +1,7 @@
 # The pages of reports and of `pellicle live` in a browser, and what npm can check. Reported as skipped where Node.js, Chromium or the libraries
 # of web/ are missing (`make web` brings them). A sanitized program is as slow as it is of no use here.
 if(TARGET pellicle_program AND NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
-    set(PAGES report exports pellicle)
+    set(PAGES report exports pellicle examples)
     if(TARGET pellicle_live)
         list(APPEND PAGES live play)
     endif()

@@ -14,6 +14,7 @@ from .mesh import Mesh
 from .results import Frame, Frames, Run, read_run, run
 from .simulation import Drag, Scene, Simulation, load_scene
 from .study import Sweep, sweep
+from .tables import Runs, read_runs
 from .calibration import Fit, calibrate
 
 __version__: str = _core.version()
@@ -38,6 +39,7 @@ __all__ = [
     "Frames",
     "Mesh",
     "Run",
+    "Runs",
     "Scene",
     "Simulation",
     "Sweep",
@@ -46,6 +48,7 @@ __all__ = [
     "kernels",
     "load_scene",
     "read_run",
+    "read_runs",
     "run",
     "sweep",
 ]

@@ -6,6 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { load, PellicleError } from "../../build/wasm/pellicle/pellicle.js";
+import { remote } from "../../build/wasm/pellicle/remote.js";
 
 const program = resolve(process.argv[2]);
 const scenes = new URL("../../scenes/", import.meta.url);
@@ -219,6 +220,30 @@ async function tooLarge() {
     assert.equal(hash(), before);
 }
 
+// a simulation in a worker has the same bits, copies that stay, and the errors of the library
+async function inWorker() {
+    const worker = await remote();
+    try {
+        const simulation = await worker.simulation(still);
+        const { time, positions, fields } = await simulation.advance({ count: 3, positions: ["ball"], fields: [["displacement", 0]] });
+        const own = pellicle.simulation(still);
+        own.step(3);
+        assert.equal(time, own.time);
+        assert.deepEqual(positions[0], own.positions("ball").slice());
+        assert.equal(fields[0].length, positions[0].length);
+        assert.equal(await simulation.get("hash"), own.hash);
+        const [before] = [positions[0].slice(), await simulation.step(5)];
+        assert.deepEqual(positions[0], before, "a copy changed");
+        await assert.rejects(simulation.set("solver.dt", -1), (error) => error.what.length > 0 && error.remedy.length > 0);
+        await assert.rejects(worker.simulation("version: 1\nsolvr: {}\n"), (error) => error.line === 2 && /solvr/.test(error.message));
+        await simulation.dispose();
+        await assert.rejects(simulation.step());
+        own.dispose();
+    } finally {
+        worker.close();
+    }
+}
+
 try {
     const { version } = JSON.parse(readFileSync(new URL("../../build/wasm/pellicle/package.json", import.meta.url), "utf8"));
     assert.ok(execFileSync(program, ["--version"]).toString().includes(version), `the package is of version ${version}`);
@@ -229,6 +254,7 @@ try {
     errors(mesh);
     memory();
     await tooLarge();
+    await inWorker();
     console.log("the package gives the bits of the program, and its errors");
 } finally {
     rmSync(folder, { recursive: true, force: true });
