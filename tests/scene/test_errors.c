@@ -32,6 +32,23 @@ static const bad_scene bad_scenes[] = {
     {BALL "tools: [{shape: box, radius: 1}]\n", NULL,
      "a.yaml:5:22: error: unknown key of shape box: 'radius'. known are: name, shape, mesh, size, "},
 
+    /* a key that belongs elsewhere is told with its place, the near ones first */
+    {BALL "    gas: {}\n", NULL, "a.yaml:5:5: error: unknown key 'gas'. it is a key of bodies[].pressure"},
+    {BALL "    young: 5\n", NULL,
+     "a.yaml:5:5: error: unknown key 'young'. it is a key of bodies[].springs, bodies[].volumetric, bodies[].membrane"},
+    {BALL "dt: 5\n", NULL, "a.yaml:5:1: error: unknown key 'dt'. it is a key of solver"},
+    {BALL "solver: {friction: 1}\n", NULL,
+     "a.yaml:5:10: error: unknown key 'friction'. it is a key of bodies[].contact, tools[], contact"},
+    {BALL "solver: {gravity: 1}\n", NULL, "a.yaml:5:10: error: unknown key 'gravity'. it is a key of the scene"},
+    {BALL "    radius: 5\n", NULL,
+     "a.yaml:5:5: error: unknown key 'radius'. it is a key of tools[], mesh, region.sphere"},
+    {BALL, "solver.density=3",
+     "--set solver.density=3: error: unknown key 'density'. it is a key of bodies[].mass, bod"},
+    {BALL, "bodies.0.mesh.shape=sphere",
+     "--set bodies.0.mesh.shape=sphere: error: unknown shape 'sphere'. did you mean 'geodesic-sphere'?"},
+    {BALL "    membrane: {preset: steel}\n", NULL,
+     "a.yaml:5:24: error: unknown preset 'steel'. did you mean 'steel-sheet'?"},
+
     /* wrong types */
     {BALL "    springs: {stiffness: soft}\n", NULL,
      "a.yaml:5:26: error: bodies.0.springs.stiffness is 'soft', it must be: number or map. it means: stiffness k"},

@@ -116,7 +116,7 @@ static pel_status fail_key(override_walk *walk, const char *prefix, const char *
     while ((row = pel_scene_row_next(walk->reader->table, prefix, row)) != NULL)
         if (count < MOST_NAMES && pel_scene_row_applies(row, walk->value))
             names[count++] = pel_scene_row_name(row, prefix);
-    return pel_scene_fail_name(walk->reader, &walk->place, "key", segment, names, count);
+    return pel_scene_fail_key(walk->reader, &walk->place, prefix, segment, names, count);
 }
 
 /* moves to an entry of the map, which is added if missing */

@@ -165,13 +165,28 @@ static const pel_def_row *row_of_word(const pel_scene_table *table, const char *
     return NULL;
 }
 
+/* the first known word that has this one as a part between hyphens: geodesic-sphere for sphere; null if there is none
+ */
+static const char *word_with_part(const char *text, const char *const *known, size_t known_count)
+{
+    const size_t length = strlen(text);
+    for (size_t i = 0; length > 0 && i < known_count; i++)
+        for (const char *at = strstr(known[i], text); at != NULL; at = strstr(at + 1, text))
+            if ((at == known[i] || at[-1] == '-') && (at[length] == '\0' || at[length] == '-'))
+                return known[i];
+    return NULL;
+}
+
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count)
 {
     const char *key = value->key != NULL ? value->key : "word";
     const pel_def_row *row = row_of_word(reader->table, key, value->text);
+    const char *longer = word_with_part(value->text, known, known_count);
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
-    if (row != NULL)
+    if (longer != NULL)
+        pel_fail_remedy(reader->error, "did you mean '%s'?", longer);
+    else if (row != NULL)
         pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
     return PEL_BAD_SCENE;
 }
@@ -188,6 +203,68 @@ static size_t applying_names(pel_scene_reader *reader, const char *prefix, const
     return count;
 }
 
+/* whether a name stands in a list that add_name made */
+static bool has_name(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    for (const char *at = strstr(list, name); at != NULL; at = strstr(at + 1, name))
+        if ((at == list || at[-1] == ' ') && (at[length] == '\0' || at[length] == ','))
+            return true;
+    return false;
+}
+
+/* Adds the maps that have a key to `places`: those below a prefix that begins with the first `length` letters of
+   `near`, or the others. */
+static void add_places(const pel_scene_reader *reader, const char *key, const char *near, size_t length, bool others,
+                       char *places, size_t size)
+{
+    const pel_scene_table *table = reader->table;
+    for (size_t i = 0; i < table->row_count; i++) {
+        const char *path = table->rows[i].path;
+        const bool is_near = strncmp(path, near, length) == 0;
+        if (table->names[i] == NULL || strcmp(table->names[i], key) != 0 || is_near == others)
+            continue;
+        char place[PATH_SIZE];
+        const size_t parent = table->parent_lengths[i];
+        const char *end = path[0] == '<' ? strchr(path, '>') : NULL;
+        if (end != NULL)
+            snprintf(place, sizeof place, "%.*s%.*s", (int)(end - path) - 1, path + 1, (int)(path + parent - end) - 1,
+                     end + 1);
+        else
+            snprintf(place, sizeof place, "%.*s", parent > 0 ? (int)parent : PATH_SIZE,
+                     parent > 0 ? path : "the scene");
+        /* several rows are one key with several shapes */
+        if (!has_name(places, place))
+            add_name(places, size, place);
+    }
+}
+
+/* the maps elsewhere that have a key, the near ones first; "" if there are none */
+static const char *find_places(const pel_scene_reader *reader, const char *prefix, const char *key, char *places,
+                               size_t size)
+{
+    const size_t whole = strlen(prefix), top = strcspn(prefix, ".");
+    places[0] = '\0';
+    if (whole > 0) {
+        add_places(reader, key, prefix, whole, false, places, size);
+        if (places[0] == '\0')
+            add_places(reader, key, prefix, top, false, places, size);
+    }
+    if (places[0] == '\0')
+        add_places(reader, key, "\n", 1, true, places, size);
+    return places;
+}
+
+pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *place, const char *prefix,
+                              const char *key, const char *const *known, size_t known_count)
+{
+    char places[120];
+    pel_scene_fail_name(reader, place, "key", key, known, known_count);
+    if (find_places(reader, prefix, key, places, sizeof places)[0] != '\0')
+        pel_fail_remedy(reader->error, "it is a key of %s", places);
+    return PEL_BAD_SCENE;
+}
+
 static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
 {
     const pel_def_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
@@ -202,6 +279,8 @@ static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const p
     char what[80] = "key";
     if (selector != NULL)
         snprintf(what, sizeof what, "key of %s %.40s:", selector->key, selector->text);
+    if (row == NULL)
+        return pel_scene_fail_key(reader, &entry->key_place, prefix, entry->key, names, count);
     return pel_scene_fail_name(reader, &entry->key_place, what, entry->key, names, count);
 }
 

@@ -19,6 +19,9 @@ bool pel_scene_row_applies(const pel_def_row *row, const pel_scene_value *map);
 /* "unknown WHAT 'name'" at a place; the remedy tells the nearest of the known names, or all of them. */
 pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *place, const char *what,
                                const char *name, const char *const *known, size_t known_count);
+/* The same for a key of the map with that prefix of the table; the remedy tells the maps that have it. */
+pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *place, const char *prefix,
+                              const char *key, const char *const *known, size_t known_count);
 /* The same of the word of a key; a word of another key of this name is told with that key. */
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count);
