@@ -1,22 +1,31 @@
 // Surfaces of three.js: a mesh file from a geometry, and a geometry that follows a body. three.js itself is passed in, so that
 // this module needs no package.
 
+// vertices that are nearer than this share of the size of the geometry are one: sines of full turns are not exactly 0
+const SAME = 1e-6;
+
 // Text of an OBJ file with the triangles of a BufferGeometry, and the vertex of the file that each vertex of the geometry is:
 // vertices at the same place are one, so that seams of texture coordinates and normals do not cut the surface.
 export function fromThree(geometry) {
     const position = geometry.getAttribute("position");
     if (!position) throw new TypeError("the geometry has no attribute position");
+    const points = Array.from({ length: position.count }, (_, i) => [position.getX(i), position.getY(i), position.getZ(i)]);
+    const low = [0, 1, 2].map((k) => points.reduce((least, point) => Math.min(least, point[k]), Infinity));
+    const size = points.reduce((most, point) => Math.max(most, ...point.map((x, k) => x - low[k])), 0) || 1;
+    // a cell of a grid has one vertex; a point looks for it in the cells that it is near
+    const cell = (point, shift) => point.map((x, k) => Math.floor((x - low[k]) / (4 * SAME * size) + 0.5 + 0.25 * shift[k])).join(" ");
+    const shifts = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) => [0, 1, 2].map((k) => ((bits >> k) & 1 ? 1 : -1)));
     const vertices = new Uint32Array(position.count);
     const known = new Map();
     const lines = [];
-    for (let i = 0; i < position.count; i++) {
-        const place = `${position.getX(i)} ${position.getY(i)} ${position.getZ(i)}`;
-        if (!known.has(place)) {
-            known.set(place, known.size);
-            lines.push(`v ${place}`);
-        }
-        vertices[i] = known.get(place);
-    }
+    points.forEach((point, i) => {
+        const near = shifts.map((shift) => cell(point, shift));
+        const found = near.find((key) => known.has(key));
+        vertices[i] = found === undefined ? lines.length : known.get(found);
+        if (found !== undefined) return;
+        near.forEach((key) => known.set(key, lines.length));
+        lines.push(`v ${point.join(" ")}`);
+    });
     const corners = geometry.index ? Array.from(geometry.index.array, (i) => vertices[i]) : Array.from(vertices);
     for (let i = 0; i + 2 < corners.length; i += 3) {
         const [a, b, c] = corners.slice(i, i + 3);

@@ -173,7 +173,7 @@ function errors(mesh) {
     refusal(() => pellicle.simulation("a: ["), { file: "scene.yaml", what: /not YAML/ });
     refusal(() => pellicle.simulation(file, { path: "press.yaml" }), { status: "bad file", file: "press.yaml", line: 3, message: /meshes\/body\.ply/ });
     refusal(() => pellicle.simulation(file, { files: { "meshes/body.ply": mesh.subarray(0, 2000) } }), { file: "meshes/body.ply" });
-    refusal(() => pellicle.simulation(file.replace("body.ply", "body.glb"), { files: { "meshes/body.glb": "glTF" } }), { file: "meshes/body.glb", remedy: /\.ply/ });
+    refusal(() => pellicle.simulation(file.replace("body.ply", "body.fbx"), { files: { "meshes/body.fbx": "Kaydara FBX Binary" } }), { file: "meshes/body.fbx", remedy: /\.ply/ });
     refusal(() => pellicle.simulation(file, { files: { "meshes/body.ply": mesh }, set: { "solver.dt": -1 } }), { message: /solver\.dt/ });
     assert.throws(() => pellicle.simulation(file, { files: { "../body.ply": mesh } }), /relative path/);
 
