@@ -32,5 +32,6 @@
 #include "support.h"     /* supports of vertices and edges */
 #include "tear.h"        /* cuts */
 #include "tool.h"        /* rigid instruments */
+#include "wind.h"        /* air */
 
 #endif

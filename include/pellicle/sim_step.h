@@ -8,6 +8,7 @@
 #include "solver.h"
 #include "support.h"
 #include "tool.h"
+#include "wind.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -46,6 +47,7 @@ typedef struct pel_sim_def {
     const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
     int32_t cut_count;
     pel_tear_def tear;
+    pel_wind_def wind; /* keys copied */
     pel_contact_def contact;
     bool record_contacts; /* stores contacts for pel_sim_get_contact_records; default: false */
     int32_t thread_count; /* 0 = the processors of this machine; results do not depend on it */

@@ -21,6 +21,7 @@
 #define CUT(member) OF(CUT, pel_cut_def, member, CUTS)
 #define CUT_LIST(member, count) LIST_OF(CUT, pel_cut_def, member, count, CUTS)
 #define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
+#define WIND(member) OF(SIM, pel_sim_def, wind.member, LOADS)
 #define SOLVER(member) OF(SOLVER, pel_solver_def, member, SOLVER)
 
 /* regions of fibres are a group of scenes */
@@ -402,6 +403,30 @@ static const pel_def_row rows[] = {
     {"loads[].keys", LOAD_LIST(keys, key_count), LIST, COUNT_FROM(1),
      .doc = "factor on the force over time, linear between the keys"},
     {"loads[].keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
+
+    {"wind", MAP,
+     .doc = "air around all bodies, still or moving: drag and lift on every triangle; methods with velocities; "
+            "optional"},
+    {"wind.velocity", WIND(velocity), FIXED, VECTOR, .unit = "m/s", .preset = "[0, 0, 0]",
+     .doc = "velocity of the air; [0, 0, 0] is still air, which brakes bodies"},
+    {"wind.keys", LIST_OF(SIM, pel_sim_def, wind.keys, wind.key_count, LOADS), FIXED, LIST, COUNT_FROM(1),
+     .doc = "factor on the velocity and the gusts over time, linear between the keys"},
+    {"wind.keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and factor"},
+    {"wind.density", WIND(density), FIXED, NUMBER, .unit = "kg/m3", POSITIVE, .preset = "1.2",
+     .doc = "density of the air"},
+    {"wind.drag", WIND(drag), FIXED, NUMBER, AT_LEAST(0), DEFAULT(1.2),
+     .doc = "coefficient of the force along the wind, of a triangle across it; it falls with the square of the sine of "
+            "the angle between wind and triangle"},
+    {"wind.lift", WIND(lift), FIXED, NUMBER, AT_LEAST(0), DEFAULT(1.2),
+     .doc = "coefficient of the force across the wind, times sine and cosine of that angle. With the same number as "
+            "`drag` the force is along the normal of the triangle"},
+    {"wind.gusts", MAP, .doc = "eddies that the wind carries along; optional"},
+    {"wind.gusts.speed", WIND(gusts.speed), FIXED, NUMBER, .unit = "m/s", POSITIVE, REQUIRED,
+     .doc = "root mean square of each component of their velocity"},
+    {"wind.gusts.length", WIND(gusts.length), FIXED, NUMBER, .unit = "m", POSITIVE, REQUIRED,
+     .doc = "length of the eddies"},
+    {"wind.gusts.seed", WIND(gusts.seed), FIXED, INTEGER, BETWEEN(0, INT32_MAX), DEFAULT(0),
+     .doc = "number that the field follows from: the same number, the same gusts"},
 
     {"tools", DEFS_OF(SIM, pel_sim_def, tools, tool_count, TOOL, TOOLS), LIST, .preset = "[]",
      .doc = "rigid instruments that press and grasp; the force on each is reported"},

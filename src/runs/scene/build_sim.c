@@ -363,7 +363,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     scene->title = "";
     scene->sim = pel_sim_def_default();
     pel_scene_read_members(&whole, PEL_DEF_SCENE, scene);
-    pel_scene_read_members(&whole, PEL_DEF_SIM, &scene->sim);
+    if (pel_scene_read_members(&whole, PEL_DEF_SIM, &scene->sim) != PEL_OK)
+        return PEL_BAD_ARGUMENT;
     pel_scene_read_members(&solver, PEL_DEF_SOLVER, numbers);
     if (numbers->analysis == PEL_ANALYSIS_NONE)
         numbers->mode_count = 0;

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "stage/shells.h"
 
 pel_status pel_sim_make_forces(pel_sim *sim, bool has_forces, pel_error *error)
@@ -41,6 +42,7 @@ void pel_sim_compute_forces(pel_sim *sim)
     sim->present.has_energies = false;
     pel_body_forces(sim->model, state, state->velocity, sim->pool, sim->force);
     pel_loads_add(sim, pel_instant(pel_sim_time(sim)), state->position, sim->force);
+    pel_wind_add_present(sim, sim->force);
     pel_shell_forces_follow(sim->shells, state->position);
     sim->present.shell_energy = pel_shell_forces_add(sim->shells, state->position, pel_instant(pel_sim_time(sim)),
                                                      PEL_SHELL_ALL, sim->pool, sim->force);

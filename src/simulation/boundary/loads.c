@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
+#include "boundary/wind.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
@@ -301,6 +302,7 @@ void pel_loads_destroy(pel_sim *sim)
                      sim->loads->items[i].weight_of_place);
     }
     pel_free(sim->loads->items);
+    pel_wind_destroy(sim);
 }
 
 double pel_load_factor(const pel_sim *sim, const pel_load *load, pel_span span)
@@ -355,7 +357,7 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, real_gains gain)
 bool pel_loads_exist(const pel_sim *sim)
 {
     return sim->loads->count > 0 || sim->loads->follower_count > 0 || sim->loads->fluid_count > 0 ||
-           sim->loads->external != NULL || has_gravity(sim->model);
+           sim->loads->wind != NULL || sim->loads->external != NULL || has_gravity(sim->model);
 }
 
 bool pel_loads_act(const pel_sim *sim)
@@ -615,7 +617,7 @@ double pel_loads_work(const pel_sim *sim, double from, double to, double h)
     const pel_state *state = sim->state;
     pel_span spans[2];
     pel_loads_find_spans(sim, from, to, spans);
-    double work = followers_work(sim, spans) + pel_fluids_work(sim) + sim->loads->tallied_work;
+    double work = followers_work(sim, spans) + pel_fluids_work(sim) + pel_wind_work(sim, h) + sim->loads->tallied_work;
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
         double factor = load->is_tallied ? 0 : mean_factor(sim, load, spans), way[3], before[3], after[3];

@@ -50,7 +50,8 @@ struct pel_loads {
     double external_work;    /* J, of the latter with the velocities at the end of the last substep times its length */
     pel_follower *followers; /* (follower_count) null = none */
     int32_t follower_count;
-    int32_t fluid_count; /* bodies that hold a liquid (fluid.c) */
+    int32_t fluid_count;   /* bodies that hold a liquid (fluid.c) */
+    struct pel_wind *wind; /* (wind.c) null = no air */
 };
 
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error);

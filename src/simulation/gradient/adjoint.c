@@ -12,6 +12,7 @@
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "force/pressure.h"
 #include "minimise/minimise.h"
 #include "minimise/step_newton.h"
@@ -67,6 +68,8 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
                               "normal, have no potential");
     if (sim->loads->fluid_count > 0)
         return pel_fluids_refuse(sim, "a derivative", error);
+    if (sim->loads->wind != NULL)
+        return pel_wind_refuse(sim, "a derivative", error);
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;

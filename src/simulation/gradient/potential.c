@@ -5,6 +5,7 @@
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "force/tangent.h"
 #include "force/tangent_body.h"
 #include "linear/matrix.h"
@@ -67,6 +68,8 @@ pel_status pel_potential_create(pel_sim *sim, pel_potential **potential, pel_err
                           "a body refines: its potential has other positions after each event");
     if (sim->loads->fluid_count > 0)
         return pel_fluids_refuse(sim, "a potential", error);
+    if (sim->loads->wind != NULL)
+        return pel_wind_refuse(sim, "a potential", error);
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "this needs", error);
     pel_potential *made = pel_allocate(1, sizeof *made);

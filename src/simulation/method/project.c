@@ -3,6 +3,7 @@
 #include "base/assert.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "contact/sweep.h"
 #include "math/extremes.h"
 #include "method/softness.h"
@@ -44,6 +45,7 @@ static pel_status create(pel_sim *sim, pel_error *error)
 static void find_forces(pel_sim *sim, pel_span span, const pel_record *positions)
 {
     pel_loads_add(sim, span, positions, sim->force);
+    pel_wind_add(sim, sim->force);
     pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
 }
 
@@ -170,6 +172,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     const pel_contact_list *lists[] = {pairs, sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
     pel_loads_tally(sim, span, start);
+    pel_wind_tally(sim, start, h);
 }
 
 static pel_status run_substeps(pel_sim *sim, pel_error *error)
@@ -231,6 +234,8 @@ static pel_status find_contacts(pel_sim *sim, bool has_pairs, pel_error *error)
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_tools_begin(sim, pel_sim_next_time(sim));
+    pel_wind_begin(sim);
+    sim->projector->air = pel_wind_forces(sim);
     pel_projector_begin(sim->projector, sim->state, pel_sim_time(sim));
     pel_sleep_begin_step(sim);
     bool rests = pel_sleep_is_everywhere(sim);

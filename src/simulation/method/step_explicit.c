@@ -4,6 +4,7 @@
 #include "adapt/refine.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "math/functions.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"
@@ -104,11 +105,13 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     (void)error;
     double dt = sim->step.dt;
+    pel_wind_begin(sim);
     const pel_gains gains = {sim->step.symplectic ? dt * dt : 0, dt};
     pel_step_explicit(sim->model, sim->state, &sim->step, result);
     const pel_span span = pel_loads_kick_span(sim, pel_sim_time(sim));
     result->diverged |= !pel_loads_apply(sim, span, gains);
     pel_shells_apply(sim, span, gains);
+    pel_wind_apply(sim, gains.position / gains.velocity);
     if (sim->shells != NULL || sim->solver.drag > 0)
         correct_velocities(sim);
     result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && !(sim->solver.drag > 0);

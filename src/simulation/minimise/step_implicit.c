@@ -38,6 +38,7 @@
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "boundary/wind.h"
 #include "force/pressure.h"
 #include "math/extremes.h"
 #include "minimise/constraint.h"
@@ -190,7 +191,7 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
         return sim->minimise->newton->scheme;
     const pel_sim_newton *newton = sim->minimise->newton;
     bool is_alone = sim->tools->count == 0 && sim->contacts == NULL && sim->solver.budget <= 0 && !newton->is_damped &&
-                    !volume_moves(sim);
+                    sim->loads->wind == NULL && !volume_moves(sim);
     if (is_alone && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
     if (is_alone && !newton->leads)
@@ -268,18 +269,22 @@ static double viscous_loss(pel_sim *sim, const pel_implicit_scheme *s)
     return share * s->rate * pel_tangent_viscous_loss(pel_newton_tangent(sim->newton), &input, sim->pool);
 }
 
-/* springs of inertia and drag */
+/* springs of inertia and drag, and the force of the air: its drag has the velocity at the start of the step */
 static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
 {
     pel_sim_newton *newton = sim->minimise->newton;
+    const pel_record *air = pel_wind_forces(sim);
     double rate = s->rate / sim->step.dt;
     for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        double inertia = (double)sim->model->mass[v] * rate, drag = drag_of(sim, v), sum = inertia + drag;
+        double inertia = (double)sim->model->mass[v] * rate, drag = drag_of(sim, v);
+        double sum = inertia + drag + (air != NULL ? (double)air[v][3] : 0);
         newton->point_stiffness[v] = sim->model->inverse_mass[v] > 0 ? sum * rate : 0;
-        double anchor[3], carried[3];
+        double anchor[3], carried[3], push[3] = {0, 0, 0};
         pel_sim_turn_refer(sim, s, v, anchor, carried);
+        if (air != NULL)
+            pel_vertex_position(air, v, push);
         for (int k = 0; k < 3; k++)
-            newton->points[v][k] = sum > 0 ? anchor[k] + inertia * carried[k] / (sum * rate) : anchor[k];
+            newton->points[v][k] = sum > 0 ? anchor[k] + (inertia * carried[k] + push[k]) / (sum * rate) : anchor[k];
     }
 }
 
@@ -461,6 +466,7 @@ static pel_status solve_by(pel_sim *sim, const pel_implicit_scheme *s, pel_step_
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_minimise_begin_at_state(sim);
+    pel_wind_begin(sim);
     sim->viscous_loss = 0;
     const pel_implicit_scheme *s = choose_scheme(sim);
     double elastic, before = s == &midpoint ? potential_at(sim, sim->minimise->position, &elastic) : 0;

@@ -7,6 +7,7 @@
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
 #include "boundary/hold.h"
+#include "boundary/wind.h"
 #include "math/extremes.h"
 #include "method/bending_weight.h"
 #include "minimise/rounds.h"
@@ -262,6 +263,8 @@ static pel_status build_boundary(pel_sim *sim, const pel_sim_def *def, pel_error
         status = pel_followers_create(sim, def, error);
     if (status == PEL_OK)
         status = pel_fluids_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_wind_create(sim, &def->wind, error);
     if (status == PEL_OK)
         status = pel_tools_create(sim, def->tools, def->tool_count, error);
     if (status == PEL_OK)

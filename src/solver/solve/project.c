@@ -192,6 +192,8 @@ static pel_restraint restraint_of(const pel_projector *projector, int32_t v, con
     const pel_real w = model->inverse_mass[v];
     const double tau = projector->tau;
     double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w);
+    if (projector->air != NULL)
+        rate += (double)(projector->air[v][3] * w);
     double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
     radial = radial > 0 ? tau * (double)w * radial : 0;
     pel_real drag = (pel_real)((rate + massive_drag(projector)) * tau);
@@ -351,7 +353,7 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
     pel_solver_def whole = projector->solver;
     whole.dt = projector->whole_dt;
     whole.substeps = (int32_t)(whole.dt / projector->solver.dt * projector->solver.substeps + 0.5);
-    projector->is_held = false;
+    projector->is_held = projector->air != NULL;
     projector->held_tau = 0;
     for (int32_t v = 0; !projector->is_held && v < projector->model->vertex_count; v++)
         projector->is_held = is_held(projector->model, v);

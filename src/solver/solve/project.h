@@ -50,6 +50,7 @@ typedef struct pel_projector {
     uint8_t *touches;                            /* (body_count) second order: scratch */
     pel_record *reaction;                        /* (vertex_count) see pel_projector_record_reactions; null = none */
     uint8_t *is_fixed;                           /* (vertex_count) pinned or held; null without reactions */
+    const pel_record *air;                       /* (vertex_count) set by the owner: drag [N s/m] as fourth number */
     const uint8_t *is_asleep;                    /* (body_count) set by the owner: bodies that stay; null = none */
     pel_pool *pool;                              /* set by the owner; null = one thread */
 } pel_projector;
