@@ -88,6 +88,8 @@ static all_defs *make_defs(void)
     all->sim.support_count = 2;
     all->sim.cuts = all->cuts;
     all->sim.cut_count = 2;
+    all->sim.wind.keys = all->keys;
+    all->sim.wind.key_count = 2;
     return all;
 }
 
