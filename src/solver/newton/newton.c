@@ -18,6 +18,8 @@ enum { PATIENCE = 12, DYNAMIC_PATIENCE = 6, PART_ITERATIONS = 30 };
 enum { SHORT_STEPS = 4 };
 /* evaluations along a step: for its slope to be zero, for its energy to fall */
 enum { SEARCHES = 12, CUTS = 12 };
+/* systems of the positive tangent after an exact one without a factor, before the exact one is asked again */
+enum { POSITIVE_SYSTEMS = 2 };
 /* of steps, that L-BFGS goes by */
 enum { PAIRS = 6 };
 /* Line search: a slope below STEEP of the initial one counts as zero; a slope steeper than FLAT of it extends the step,
@@ -518,11 +520,14 @@ static bool has_kinks(const newton_run *run)
     return run->problem->terms != NULL && run->problem->terms->has_kinks;
 }
 
-/* the step of the matrix; of a positive one where the exact one is not; false where that has no factor either */
+/* The step of the matrix; of a positive one where the exact one is not, and in motion under constraints for some
+   systems after it; false where that has no factor either. */
 static bool find_full_step(newton_run *run)
 {
-    if (pel_newton_find_step(run))
+    bool asks = run->positive_left == 0, goes_on = run->problem->is_in_motion && has_kinks(run);
+    if (asks && pel_newton_find_step(run))
         return true;
+    run->positive_left = !asks ? run->positive_left - 1 : goes_on ? POSITIVE_SYSTEMS : 0;
     run->kind = PEL_TANGENT_POSITIVE;
     run->has_stresses = false;
     pel_newton_evaluate(run);

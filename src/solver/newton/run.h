@@ -104,11 +104,12 @@ typedef struct newton_run {
     double path_stiffness; /* N/m along newton->path; 0 = none */
     bool is_shifted;       /* the last matrix of a path was not positive definite */
     bool has_best;
-    bool rests;          /* at the last evaluation, where it was asked */
-    int32_t quasi_steps; /* with the present factor (quasi.c) */
-    double quasi_goal;   /* N, residual at which they have been worth their price */
-    bool is_prepared;    /* the factor is one that was prepared for many runs */
-    bool reuses;         /* the matrix of the elements is newton->plain */
+    bool rests;            /* at the last evaluation, where it was asked */
+    int32_t quasi_steps;   /* with the present factor (quasi.c) */
+    double quasi_goal;     /* N, residual at which they have been worth their price */
+    int32_t positive_left; /* systems until the exact tangent is asked again */
+    bool is_prepared;      /* the factor is one that was prepared for many runs */
+    bool reuses;           /* the matrix of the elements is newton->plain */
 } newton_run;
 
 /* a run with all loads at once */
