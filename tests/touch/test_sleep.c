@@ -100,6 +100,26 @@ static void test_pinned_and_refined(void **unused)
     }
 }
 
+/* a body whose vertices are all pinned carries its own weight too while everything else sleeps */
+static void test_fixed_body(void **unused)
+{
+    (void)unused;
+    int32_t pinned[16];
+    contact_scene scene;
+    resting(&scene, true, 0.3, 0);
+    for (int32_t v = 0; v < 16; v++)
+        pinned[v] = v;
+    scene.bodies[0].pinned = pinned;
+    scene.bodies[0].pinned_count = 16;
+    pel_sim *sim = scene_create(&scene);
+    run_free(sim, 250);
+    assert_int_equal(sim->contacts->asleep_count, 1);
+    pel_support_reading pins;
+    pel_sim_get_support(sim, 0, &pins);
+    assert_near(pins.force[2], -8 * 0.01 * 2 * 16, 0.01 * 8 * 0.01 * 2 * 16);
+    scene_end(&scene, sim);
+}
+
 /* ---- what wakes ---- */
 
 static pel_sim *asleep(contact_scene *scene)
@@ -245,6 +265,7 @@ int main(void)
         cmocka_unit_test(test_forces_wake), cmocka_unit_test(test_tools_wake),
         cmocka_unit_test(test_slope),       cmocka_unit_test(test_slow_motion),
         cmocka_unit_test(test_bits),        cmocka_unit_test(test_pinned_and_refined),
+        cmocka_unit_test(test_fixed_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

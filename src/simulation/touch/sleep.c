@@ -93,6 +93,7 @@ void pel_sleep_destroy(pel_sim *sim)
     PEL_FREE_ALL(sleep->bodies, sleep->is_asleep, sleep->can_move, sleep->parents, sleep->is_awake, sleep->fell_asleep,
                  sleep->mean, sleep->sum);
     pel_free(sleep);
+    sim->asleep = NULL;
 }
 
 /* ---- what is asleep ---- */
@@ -286,6 +287,9 @@ bool pel_sleep_is_everywhere(const pel_sim *sim)
 {
     const pel_sleep *sleep = sim->touch->sleep;
     if (sleep == NULL || sim->contacts->asleep_count == 0 || sim->contacts->asleep_count < sleep->mobile_count)
+        return false;
+    /* pins of bodies that cannot move have loads in each step */
+    if (sim->reactions != NULL && sleep->mobile_count < sim->model->body_count)
         return false;
     for (int32_t i = 0; i < sim->tools->count; i++) {
         const pel_tool *tool = &sim->tools->items[i];
