@@ -94,6 +94,7 @@ static void write_json(const cli_call *call, const pel_study_summary *s, const c
     pel_json_integer(&json, "failed", s->failed);
     pel_json_integer(&json, "missing", s->missing);
     pel_json_text(&json, "zeros", s->zeros);
+    pel_json_text(&json, "warnings", s->warnings);
     pel_json_close(&json, '}');
 }
 
@@ -106,6 +107,9 @@ static void print_summary(const pel_study_summary *s, const char *folder)
                (long long)s->failed);
     if (s->zeros[0] != '\0')
         printf("0 in all runs: %s. check that the tool touches the body and that the load acts\n", s->zeros);
+    if (s->warnings[0] != '\0')
+        printf("warnings: %s. docs/results.md explains them, and pellicle run gives the text for the values of a run\n",
+               s->warnings);
     if (s->missing == 0) {
         printf("results in %s:\n", folder);
         printf("  runs.csv      one row for each run\n");

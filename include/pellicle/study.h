@@ -112,7 +112,7 @@ typedef struct pel_study_def {
 /* No folder, all processors, one chunk, no limits, no callbacks. */
 PEL_API pel_study_def pel_study_def_default(void);
 
-enum { PEL_STUDY_ZEROS_SIZE = 200 };
+enum { PEL_STUDY_ZEROS_SIZE = 200, PEL_STUDY_WARNINGS_SIZE = 600 };
 
 typedef struct pel_study_summary {
     int64_t runs;    /* of the study */
@@ -123,6 +123,9 @@ typedef struct pel_study_summary {
     /* names, separated by commas as far as they fit, of the study's measures that are 0 in every run, such as the force
        on a tool that never touches a body; "" while runs are missing */
     char zeros[PEL_STUDY_ZEROS_SIZE];
+    /* "CODE in N runs", separated by commas as far as they fit, of the warnings of runs that are done, where the
+       measure warning_codes (one of the default) has them; "" while runs are missing */
+    char warnings[PEL_STUDY_WARNINGS_SIZE];
 } pel_study_summary;
 
 /* Executes all missing runs of the chunk, each in a process forked from this one. A run that crashes or is killed is

@@ -383,6 +383,32 @@ static void test_zeros(void **unused)
     assert_string_equal(summary.zeros, "");
 }
 
+/* the codes of warnings are a column, and the runs of each are counted */
+static void test_warnings(void **unused)
+{
+    (void)unused;
+    static const char disc[] = "version: 1\nbodies:\n  - name: disc\n    mesh: { shape: disk, radius: 1, rings: 4 }\n"
+                               "    membrane: { young: 1.0e9, poisson: 0.55, thickness: 0.01 }\n"
+                               "    supports: [ { at: boundary, rotation: fixed } ]\n"
+                               "loads: [ { name: finger, force: [0, 0, -1.0e-3], at: { nearest: [0, 0, 0] } } ]\n"
+                               "solver: { method: static }\n";
+    static const char common[] =
+        "scene: disc.yaml\nvary: { bodies.disc.mesh.rings: [4, 6, 18], loads.finger.force: [[0, "
+        "0, 0], [0, 0, -1.0e-3]] }\n";
+    char text[600];
+    write_file("disc.yaml", disc);
+    pel_study_summary summary = execute(common, "codes", 1, 1, 1);
+    assert_string_equal(summary.warnings,
+                        "poisson-above-half in 6 runs, nothing-acts in 3 runs, coarse-load in 2 runs");
+    snprintf(text, sizeof text, "%smeasure: [warning_codes, max_displacement]\n", common);
+    summary = execute(text, "codes-first", 1, 1, 1);
+    assert_string_equal(summary.warnings,
+                        "poisson-above-half in 6 runs, nothing-acts in 3 runs, coarse-load in 2 runs");
+    snprintf(text, sizeof text, "%smeasure: [max_displacement]\n", common);
+    summary = execute(text, "no-codes", 1, 1, 1);
+    assert_string_equal(summary.warnings, "");
+}
+
 static void kill_at_four(void *user, const pel_study_progress *progress)
 {
     (void)user;
@@ -752,6 +778,7 @@ int main(void)
         cmocka_unit_test(test_same_table),
         cmocka_unit_test(test_stop_and_continue),
         cmocka_unit_test(test_zeros),
+        cmocka_unit_test(test_warnings),
         cmocka_unit_test(test_kill),
         cmocka_unit_test(test_a_crash_is_a_row),
         cmocka_unit_test(test_a_late_run_is_a_row),

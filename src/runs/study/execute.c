@@ -291,6 +291,7 @@ static pel_status execute(execution *e, pel_study_summary *summary, pel_error *e
     pel_status later =
         pel_study_store_collect(e->store, &summary->missing, &summary->failed, status == PEL_OK ? error : NULL);
     snprintf(summary->zeros, sizeof summary->zeros, "%s", pel_study_store_zeros(e->store));
+    snprintf(summary->warnings, sizeof summary->warnings, "%s", pel_study_store_warnings(e->store));
     if (status != PEL_OK || later != PEL_OK)
         return status != PEL_OK ? status : later;
     if (summary->done < e->run_count)

@@ -18,7 +18,7 @@ enum { ERROR_SIZE = 1200, FOLDER_DIGITS = 5 };
 
 enum { EVERYTHING = PEL_RUN_SURFACES | PEL_RUN_ENERGIES | PEL_RUN_HASH | PEL_RUN_WARNINGS };
 
-typedef enum key_kind { KEY_DOUBLE, KEY_INT32, KEY_INT64, KEY_HASH } key_kind;
+typedef enum key_kind { KEY_DOUBLE, KEY_INT32, KEY_INT64, KEY_HASH, KEY_CODES } key_kind;
 
 /* names are those of summary.json; what depends on the machine is not there */
 static const struct summary_key {
@@ -55,6 +55,7 @@ static const struct summary_key {
     KEY_OF(volume_rise_sum, KEY_DOUBLE, PEL_RUN_SURFACES),
     KEY_OF(volume_rise_max, KEY_DOUBLE, PEL_RUN_SURFACES),
     {"warnings", KEY_INT32, offsetof(pel_run_summary, warning_count), EVERYTHING},
+    {"warning_codes", KEY_CODES, 0, EVERYTHING},
     {"solver_iterations", KEY_INT32, offsetof(pel_run_summary, solver.iterations), 0},
     {"solver_residual", KEY_DOUBLE, offsetof(pel_run_summary, solver.residual), 0},
     /* they are counted as warnings */
@@ -79,7 +80,7 @@ enum { SUMMARY_KEY_COUNT = sizeof summary_keys / sizeof summary_keys[0] };
 
 /* kept when a study does not say */
 static const char *const usual_keys[] = {"max_displacement", "residual_displacement", "volume_ratio_final",
-                                         "max_tool_force"};
+                                         "max_tool_force", "warning_codes"};
 enum { USUAL_COUNT = sizeof usual_keys / sizeof usual_keys[0] };
 
 static void put_key(pel_json *row, const struct summary_key *key, const pel_run_summary *summary)
@@ -95,6 +96,10 @@ static void put_key(pel_json *row, const struct summary_key *key, const pel_run_
         break;
     case KEY_INT64:
         snprintf(text, sizeof text, "%" PRId64, *(const int64_t *)(const void *)at);
+        break;
+    case KEY_CODES:
+        for (int32_t i = 0; i < summary->warning_count; i++)
+            pel_json_print(row, "%s%s", i > 0 ? " " : "", summary->warnings[i].code);
         break;
     case KEY_HASH:
         snprintf(text, sizeof text, "%016" PRIx64, *(const uint64_t *)(const void *)at);
@@ -350,6 +355,11 @@ static unsigned find_skips(const pel_study *study)
     return EVERYTHING & ~needs;
 }
 
+bool pel_study_measure_is_codes(const pel_study_measure *measure)
+{
+    return measure->column == NULL && summary_keys[measure->key].kind == KEY_CODES;
+}
+
 bool pel_study_measure_expects(const pel_study_measure *measure)
 {
     if (measure->column != NULL)
@@ -447,8 +457,9 @@ static pel_status run_scene(const pel_study *study, const pel_scene *scene, cons
     def.overwrite = true;
     def.thread_count = 1;
     def.keep_seconds = 0;
-    /* a third of a small run; `warnings` counts one that it gives */
-    def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") && !has_key(study, "warnings");
+    /* a third of a small run; warnings count one that it gives */
+    def.skip_intersections = !study->keep && !has_key(study, "self_intersections_final") &&
+                             !has_key(study, "warnings") && !has_key(study, "warning_codes");
     def.wanted = watch->wanted != NULL ? is_wanted : NULL;
     def.row = has_columns(study) ? watch_row : NULL;
     def.user = watch;

@@ -9,6 +9,7 @@
 #include "base/room.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "pellicle/run.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -34,7 +35,7 @@ struct pel_study_store {
     pel_json lines;     /* that were gathered, and are not written yet */
     row_state *present; /* (run_count) rows that were there when the folder was opened */
     char **rows;        /* (run_count) while rows are collected; null = missing */
-    char zeros[PEL_STUDY_ZEROS_SIZE];
+    char zeros[PEL_STUDY_ZEROS_SIZE], warnings[PEL_STUDY_WARNINGS_SIZE];
 };
 
 static pel_status fail_file(const char *path, const char *what, int number, pel_error *error)
@@ -404,6 +405,60 @@ static void note_zeros(pel_study_store *store)
     }
 }
 
+/* the number of runs that have each code */
+typedef struct code_counts {
+    char codes[PEL_RUN_WARNING_LIMIT][32];
+    int64_t runs[PEL_RUN_WARNING_LIMIT];
+    int32_t count;
+} code_counts;
+
+/* the codes in a cell, with spaces */
+static void count_codes(code_counts *counts, const char *cell, const char *end)
+{
+    for (const char *next; cell < end; cell = next + 1) {
+        size_t length = strcspn(cell, " ,");
+        int32_t i = 0;
+        next = cell + length;
+        while (i < counts->count && (strncmp(counts->codes[i], cell, length) != 0 || counts->codes[i][length] != '\0'))
+            i++;
+        if (length == 0 || length >= sizeof counts->codes[0] || i == PEL_RUN_WARNING_LIMIT)
+            continue;
+        if (i == counts->count)
+            memcpy(counts->codes[counts->count++], cell, length);
+        counts->runs[i]++;
+    }
+}
+
+/* sums up the warnings of the rows that are done, in the order in which they first come */
+static void note_warnings(pel_study_store *store)
+{
+    const pel_study *study = store->study;
+    code_counts counts = {.count = 0};
+    for (int64_t run = 0; run < study->run_count; run++) {
+        const char *row = store->rows[run];
+        if (row == NULL || !pel_study_row_is_done(row))
+            continue;
+        const char *end = row + strlen(row) - strlen(",done,");
+        for (int32_t m = study->measure_count - 1; m >= 0; m--) {
+            const char *cell = end;
+            while (cell[-1] != ',')
+                cell--;
+            if (pel_study_measure_is_codes(&study->measures[m]))
+                count_codes(&counts, cell, end);
+            end = cell - 1;
+        }
+    }
+    size_t length = 0, room = sizeof store->warnings;
+    for (int32_t i = 0; i < counts.count && length < room; i++)
+        length += (size_t)snprintf(store->warnings + length, room - length, "%s%s in %" PRId64 " run%s",
+                                   i > 0 ? ", " : "", counts.codes[i], counts.runs[i], counts.runs[i] > 1 ? "s" : "");
+}
+
+const char *pel_study_store_warnings(const pel_study_store *store)
+{
+    return store->warnings;
+}
+
 const char *pel_study_store_zeros(const pel_study_store *store)
 {
     return store->zeros;
@@ -422,6 +477,8 @@ pel_status pel_study_store_collect(pel_study_store *store, int64_t *missing, int
         status = write_table(store, error);
     if (status == PEL_OK && lacking == 0)
         note_zeros(store);
+    if (status == PEL_OK && lacking == 0)
+        note_warnings(store);
     drop_rows(store);
     if (missing != NULL)
         *missing = lacking;

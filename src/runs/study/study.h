@@ -81,6 +81,9 @@ pel_status pel_study_scene(const pel_study *study, int64_t run, pel_scene **scen
 /* Whether the study asks for the measure by name and it is a quantity, not a count, after the start. */
 bool pel_study_measure_expects(const pel_study_measure *measure);
 
+/* The measure is the codes of the warnings of a run, with spaces. */
+bool pel_study_measure_is_codes(const pel_study_measure *measure);
+
 /* Starts the first run and refuses columns that its series lacks; a run that cannot start has its error in its row. */
 pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *study);
 
@@ -89,6 +92,8 @@ pel_status pel_study_check_columns(pel_scene_reader *reader, const pel_study *st
 /* Names of measures that the study asks for and that are 0 in all runs, with commas, as far as they fit; "" before
    pel_study_store_collect finds all rows. Lives as long as the store. */
 const char *pel_study_store_zeros(const pel_study_store *store);
+/* The same of warnings: "CODE in N runs" with commas, of the runs that are done. */
+const char *pel_study_store_warnings(const pel_study_store *store);
 
 /* whether the status of a row is "done" */
 bool pel_study_row_is_done(const char *row);
