@@ -388,7 +388,7 @@ static void test_warnings(void **unused)
 {
     (void)unused;
     static const char disc[] = "version: 1\nbodies:\n  - name: disc\n    mesh: { shape: disk, radius: 1, rings: 4 }\n"
-                               "    membrane: { young: 1.0e9, poisson: 0.55, thickness: 0.01 }\n"
+                               "    membrane: { material: stvk, young: 1.0e9, poisson: 0.55, thickness: 0.01 }\n"
                                "    supports: [ { at: boundary, rotation: fixed } ]\n"
                                "loads: [ { name: finger, force: [0, 0, -1.0e-3], at: { nearest: [0, 0, 0] } } ]\n"
                                "solver: { method: static }\n";

@@ -8,10 +8,10 @@
 #include "results/folder.h"
 #include "results/series.h"
 #include "results/surface.h"
+#include "results/tally.h"
 #include "results/tool_surface.h"
 #include "run/kept.h"
 #include "run/plan.h"
-#include "run/tally.h"
 
 /* numbers that are kept of each tool */
 enum { PEL_TOOL_NUMBERS = 3 };

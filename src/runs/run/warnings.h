@@ -2,7 +2,7 @@
 #ifndef PEL_RUN_WARNINGS_H
 #define PEL_RUN_WARNINGS_H
 
-#include "run/tally.h"
+#include "results/tally.h"
 
 struct pel_run_state;
 

@@ -1,4 +1,4 @@
-#include "run/tally.h"
+#include "results/tally.h"
 
 #include "math/extremes.h"
 

@@ -1,6 +1,6 @@
 /* Counts of the warnings of a run, and those that a frame alone decides. */
-#ifndef PEL_RUN_TALLY_H
-#define PEL_RUN_TALLY_H
+#ifndef PEL_RESULTS_TALLY_H
+#define PEL_RESULTS_TALLY_H
 
 #include "pellicle/run.h"
 #include "pellicle/sim_ledger.h"
