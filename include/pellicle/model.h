@@ -88,7 +88,11 @@ typedef struct pel_body_def {
     double volumetric_depth; /* m; above 0: volumetric_stiffness is the Young's modulus [Pa] of a filling of this depth.
                                 A vertex has the stiffness young x area / depth (an elastic foundation), and
                                 volumetric_damping is a drag [1/s] on its mass. volumetric_by_area is not used */
-    const int32_t *pinned;   /* (pinned_count) vertices that never move; nullable */
+    double adhesion;         /* Pa; above 0: a volumetric spring leaves its vertex for ever once it pulls it inward or
+                                along the surface by more than this times the area around the vertex. Does not refine */
+    const int32_t *released; /* (released_count) vertices that have no volumetric spring any more; nullable */
+    int32_t released_count;
+    const int32_t *pinned; /* (pinned_count) vertices that never move; nullable */
     int32_t pinned_count;
     double velocity[3];         /* m/s, of all vertices at the start; 0 for methods without velocities */
     double angular_velocity[3]; /* rad/s, about the centre of mass, added to it */

@@ -38,9 +38,10 @@ PEL_API bool pel_sim_cut_is_held(const pel_sim *sim);
 
 /* State of the cuts of one body. */
 typedef struct pel_cut_reading {
-    double length;        /* m at rest, of edges that are open: half the length of their lips */
-    int32_t copy_count;   /* vertices that are copies */
-    int32_t island_count; /* pieces that the cuts have parted from the others */
+    double length;          /* m at rest, of edges that are open: half the length of their lips */
+    int32_t copy_count;     /* vertices that are copies */
+    int32_t island_count;   /* pieces that the cuts have parted from the others */
+    int32_t released_count; /* vertices that have left their volumetric springs (adhesion) */
 } pel_cut_reading;
 /* Of a body; -1 = the sums over all bodies. PEL_BAD_ARGUMENT for a body that does not exist, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_get_cuts(const pel_sim *sim, int32_t body, pel_cut_reading *reading, pel_error *error);

@@ -54,6 +54,21 @@ typedef struct pel_tool_def {
                                is within it. 0 (default), but for pbd: ten times the force that
                                doubles the length of the sheet of the held vertices, beside their inertia; and a grasp
                                that contact holds for some steps, however little it moves, releases all of them */
+    bool grasp_one_patch;   /* of the vertices in reach only those that edges join, over vertices in reach, to the one
+                               nearest to the tool's centre */
+    bool leads;            /* with grasp, in bodies that tear: leads the nearest tip that is not farther from the circle
+                                          at rest than half its radius, around lead_axis through lead_center.
+                              Once the grasp has closed the keys are not used any more. The tool pulls the flap so that
+                              the tear follows the circle, at lead_speed, and keeps the height along the axis of its
+                              first key. Where it holds nothing, and farther from the tip than lead_regrasp, it grasps
+                              one patch of the inner lip, five edges behind the tip. Without a tip it moves along the
+                              axis. A pose that the caller sets ends this */
+    double lead_center[3]; /* m */
+    double lead_axis[3];   /* of any length but 0 */
+    double lead_radius;    /* m, of the circle at rest */
+    double lead_speed;     /* m/s */
+    double lead_outward;   /* rad, of the pull away from the axis, -pi / 2 to pi / 2; not 0: the tear is not led back */
+    double lead_regrasp;   /* m, from the tip; at least four times how far from its centre it grasps */
     /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the rest position X and the pose (R, position) of the keys.
        The support starts at rest: position = center without rotation. If the body refines, a new vertex between two of
        them is held as well */

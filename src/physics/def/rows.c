@@ -75,6 +75,7 @@ CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
 CONDITION(has_size, pel_tool_def, pel_solid_rows[def->shape].has_size)
 CONDITION(is_instrument, pel_tool_def, def->shape != PEL_TOOL_SUPPORT)
 CONDITION(grasps, pel_tool_def, def->grasp)
+CONDITION(leads, pel_tool_def, def->grasp && def->leads)
 CONDITION(is_enabled, pel_contact_def, def->enabled)
 CONDITION(is_quasi_static, pel_solver_def, def->method == PEL_METHOD_QUASI_STATIC)
 CONDITION(is_explicit, pel_solver_def, def->method == PEL_METHOD_EXPLICIT)
@@ -169,6 +170,9 @@ static const pel_def_row rows[] = {
      ALTERNATIVE, .initial = 1.5, WHEN(has_filling_stiffness), .doc = "stiffness k' of each vertex (paper A: 1.5)"},
     {"bodies[].volumetric.damping", BODY(volumetric_damping, VOLUMETRIC), QUANTITY, .unit = "N s/m", AT_LEAST(0),
      .needs = "stiffness", DEFAULT(0.5), WHEN(has_filling_stiffness), .doc = "damping d' of each vertex"},
+    {"bodies[].volumetric.adhesion", BODY(adhesion, VOLUMETRIC), FIXED, NUMBER, .unit = "Pa", POSITIVE, AUTO(0),
+     .doc = "pull per area, away from the filling or along the surface, beyond which a vertex leaves its spring for "
+            "ever; default: it never does"},
     {"bodies[].scale_with_area", BODY(volumetric_by_area, VOLUMETRIC), BOOLEAN, .preset = "false",
      .doc = "true: the volumetric stiffness k' and the dampings d and d' are proportional to the area of a vertex"},
     {"bodies[].reference_count", BODY(reference_count, VOLUMETRIC), INTEGER, COUNT_FROM(1), DEFAULT(252),
@@ -472,6 +476,29 @@ static const pel_def_row rows[] = {
      .doc = "grasps vertices inside the tool (a mesh must be closed) and within this distance of its surface"},
     {"tools[].grasp.max_force", TOOL(grasp_max_force), NUMBER, .unit = "N", POSITIVE, AUTO(0), WHEN(grasps), DIRECT,
      .doc = "older place of `max_force` of the tool"},
+    {"tools[].grasp.one_patch", TOOL(grasp_one_patch), BOOLEAN, DEFAULT(false), WHEN(grasps), DIRECT,
+     .doc = "true: of the vertices in reach only those that edges join, over vertices in reach, to the one nearest to "
+            "the tool's center, so that a flap is grasped without what lies under it"},
+    {"tools[].grasp.lead", TOOL(leads), FIXED, MAP,
+     .doc =
+         "forceps that lead a tear around an axis: once closed the tool leaves `motion`, moves along the circle "
+         "through the nearest tip, grasps the flap anew where it is far from the tip, and lifts it when the tear has "
+         "ended. It grasps one patch"},
+    {"tools[].grasp.lead.center", TOOL(lead_center), FIXED, VECTOR, .unit = "m", .preset = "[0, 0, 0]", WHEN(leads),
+     .doc = "a point of the axis"},
+    {"tools[].grasp.lead.axis", TOOL(lead_axis), FIXED, VECTOR, .preset = "[0, 0, 1]", WHEN(leads),
+     .doc = "direction of the axis, away from the surface, of any length but 0"},
+    {"tools[].grasp.lead.radius", TOOL(lead_radius), NUMBER, .unit = "m", POSITIVE, REQUIRED, WHEN(leads), DIRECT,
+     .doc = "radius of the circle at rest, about the axis"},
+    {"tools[].grasp.lead.speed", TOOL(lead_speed), NUMBER, .unit = "m/s", POSITIVE, REQUIRED, WHEN(leads), DIRECT,
+     .doc = "speed of the tool; a flap that is folded over tears at half of it"},
+    {"tools[].grasp.lead.outward", TOOL(lead_outward), NUMBER, .unit = "degrees", BETWEEN(-90, 90), DEFAULT(0),
+     FACTOR(57.29577951308232), WHEN(leads), DIRECT,
+     .doc = "turns the pull away from the axis; other than 0, the tear is not led back to the circle"},
+    {"tools[].grasp.lead.regrasp", TOOL(lead_regrasp), NUMBER, .unit = "m", POSITIVE, REQUIRED, WHEN(leads), DIRECT,
+     .doc =
+         "distance from the tip beyond which the flap is grasped anew, five edges behind it; at least four times the "
+         "radius of the tool and its reach"},
     {"tools[].motion", TOOL_LIST(keys, key_count), LIST, COUNT_FROM(1), REQUIRED,
      .doc = "poses over time, linear between the keys in position and angle; one key for a fixed tool"},
     {"tools[].motion[]", MAP, .doc = "one pose"},
@@ -662,6 +689,7 @@ static const pel_def_row rows[] = {
 
     /* members without a key of their own */
     {NULL, BODY_LIST(origins, origin_count, MESH)},
+    {NULL, BODY_LIST(released, released_count, NONE)},
     {NULL, FIBRES(axis)},
     {NULL, FIBRES(center)},
     {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},

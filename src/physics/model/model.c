@@ -79,6 +79,26 @@ static pel_status check_spring_toughness(const pel_body_def *b, int32_t body, pe
     return status;
 }
 
+static pel_status check_adhesion(const pel_body_def *b, int32_t body, pel_error *error)
+{
+    bool has_springs = b->volumetric_stiffness.value > 0 || b->volumetric_stiffness.field != NULL;
+    if (!(b->adhesion >= 0 && isfinite(b->adhesion)))
+        return pel_body_refuse(error, body, "adhesion", b->adhesion, "give a number of pascals above 0, or 0 for ever");
+    if (b->adhesion > 0 && !has_springs)
+        return pel_body_refuse(error, body, "adhesion", b->adhesion,
+                               "give volumetric springs a stiffness above 0, or leave the adhesion out");
+    if (b->adhesion > 0 && b->refine.levels > 0)
+        return pel_body_refuse(error, body, "adhesion", b->adhesion,
+                               "leave the adhesion out, or subdivide the mesh instead of `refine`");
+    if (b->released_count < 0 || (b->released_count > 0 && b->released == NULL))
+        return pel_body_refuse(error, body, "released_count", b->released_count, "give the released vertices with it");
+    for (int32_t r = 0; r < b->released_count; r++)
+        if (b->released[r] < 0 || b->released[r] >= b->mesh->vertex_count)
+            return pel_body_refuse(error, body, "released vertex", b->released[r],
+                                   "give vertex numbers of the body's mesh");
+    return PEL_OK;
+}
+
 static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *error)
 {
     const pel_body_def *b = &def->bodies[body];
@@ -132,6 +152,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
                 pel_body_refuse(error, body, "pinned vertex", b->pinned[p], "give vertex numbers of the body's mesh");
     if (status == PEL_OK)
         status = pel_origins_check(b, body, error);
+    if (status == PEL_OK)
+        status = check_adhesion(b, body, error);
     if (status == PEL_OK)
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
@@ -279,6 +301,10 @@ static void fill_vertices(pel_model *model, const pel_body_def *def, const pel_b
     }
     for (int32_t p = 0; p < def->pinned_count; p++)
         model->inverse_mass[body->model_index[def->pinned[p]]] = 0;
+    for (int32_t r = 0; r < def->released_count; r++) {
+        int32_t place = body->model_index[def->released[r]];
+        model->rest[place][3] = model->volumetric_damping[place] = 0;
+    }
 }
 
 /* slots of each slice = largest valence in it */

@@ -172,6 +172,7 @@ static void write_cuts(pel_json *json, const pel_sim *sim, const pel_sim_ledger 
     pel_json_number(json, "length", cuts.length);
     pel_json_number(json, "fracture_energy", ledger->dissipated_fracture);
     pel_json_integer(json, "islands", cuts.island_count);
+    pel_json_integer(json, "released", cuts.released_count);
     pel_json_integer(json, "cuts", pel_sim_cuts_done(sim));
     close_inline(json, '}');
 }

@@ -63,6 +63,10 @@ pel_status pel_change_surfaces(pel_change *change, const pel_surfaces *surfaces,
         def->mesh = surfaces->meshes[b];
         def->origins = has_copies ? surfaces->origins[b] : NULL;
         def->origin_count = has_copies ? count : 0;
+        if (surfaces->released[b] == NULL)
+            continue;
+        def->released = surfaces->released[b];
+        def->released_count = surfaces->released_counts[b];
     }
     change->changes_model = true;
     change->surfaces = surfaces;
@@ -115,8 +119,9 @@ static pel_status open_lips(pel_sim *old, pel_sim *sim, pel_error *error)
 }
 
 /* the state of the old one, and the change of energy */
-static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces, pel_error *error)
+static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_change *change, pel_error *error)
 {
+    const pel_surfaces *surfaces = change->surfaces;
     double energy_before = pel_ledger_energy(old);
     pel_status status = pel_sim_make_forces(sim, old->loads->external != NULL, error);
     if (status == PEL_OK)
@@ -130,7 +135,7 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_surfaces *surfaces
     pel_ledger_follow(sim);
     if (surfaces != NULL && surfaces->is_tear)
         pel_ledger_book_remesh(sim, energy_before);
-    else if (surfaces != NULL)
+    else if (surfaces != NULL || change->is_release)
         pel_ledger_book_cut(sim, energy_before);
     else
         pel_ledger_book_change(sim, energy_before);
@@ -158,7 +163,7 @@ static pel_status remake(pel_house *house, pel_house *old, const pel_change *cha
     sim->cut_revision = old->sim.cut_revision + (change->surfaces != NULL);
     if (status == PEL_OK)
         status = change->state != NULL ? pel_snapshot_load(sim, change->state, change->state_size, error)
-                                       : go_on(&old->sim, sim, change->surfaces, error);
+                                       : go_on(&old->sim, sim, change, error);
     if (status != PEL_OK) {
         pel_sim_release(house);
         move(old, house);

@@ -12,6 +12,7 @@ typedef struct pel_change {
     pel_sim_def sim;
     pel_copies copies;
     bool changes_model;
+    bool is_release;              /* vertices leave their volumetric springs: their energy is lost */
     const pel_surfaces *surfaces; /* of bodies whose triangles change; null = they stay */
     const void *state;            /* a snapshot of the changed simulation to load; null = keep the present state */
     size_t state_size;

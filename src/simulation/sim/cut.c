@@ -325,6 +325,7 @@ static pel_status add_body(const pel_sim *sim, int32_t body, pel_cut_reading *re
     const pel_body *own = &sim->given->bodies[body];
     const pel_body_def *def = &sim->given->def.bodies[body];
     const pel_mesh *mesh = own->mesh;
+    reading->released_count += def->released_count;
     if (def->origins == NULL)
         return PEL_OK;
     int32_t *parents = pel_allocate((size_t)mesh->vertex_count, sizeof *parents);

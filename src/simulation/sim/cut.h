@@ -12,6 +12,8 @@ pel_status pel_cut_check_path(const pel_sim *sim, int32_t body, const int32_t *v
                               pel_error *error);
 /* Makes those whose time has come; errors of pel_cut, with the number of the cut. */
 pel_status pel_cuts_make(pel_sim *sim, pel_error *error);
+/* Takes the volumetric springs from vertices that they pull harder than the adhesion. PEL_OUT_OF_MEMORY. */
+pel_status pel_adhesions_release(pel_sim *sim, bool *has_released, pel_error *error);
 /* Opens one edge at each tip that releases as much energy as the material takes. PEL_OUT_OF_MEMORY. */
 pel_status pel_tears_grow(pel_sim *sim, bool *has_grown, pel_error *error);
 

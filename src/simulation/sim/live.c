@@ -152,7 +152,7 @@ pel_status pel_sim_set_tool_keys(pel_sim *sim, int32_t tool, const pel_pose_key 
     if (status != PEL_OK)
         return status;
     /* from where it is it catches up with its keys */
-    sim->tools->items[tool].driven = false;
+    sim->tools->items[tool].driven = sim->tools->items[tool].is_leading = false;
     sim->tools->items[tool].blocked = pel_sim_step_count(sim) > 0;
     return PEL_OK;
 }

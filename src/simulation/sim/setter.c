@@ -126,6 +126,7 @@ pel_status pel_sim_set_tool_pose(pel_sim *sim, int32_t tool, const double positi
     pel_rotation_between(last->rotation, rotation, none, turn);
     pel_vec3_add(last->spin, turn, t->driven_pose.spin);
     t->driven = true;
+    t->is_leading = false;
     memcpy(t->driven_pose.position, position, sizeof t->driven_pose.position);
     memcpy(t->driven_pose.rotation, rotation, sizeof t->driven_pose.rotation);
     return PEL_OK;

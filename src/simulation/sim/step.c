@@ -10,6 +10,7 @@
 #include "sim/cut.h"
 #include "stage/accessors.h"
 #include "stage/shells.h"
+#include "tear/forceps.h"
 #include "tool/grip.h"
 #include "tool/reading.h"
 #include "tool/support.h"
@@ -189,10 +190,13 @@ static pel_status step_once(pel_sim *sim, pel_error *error)
 /* a balance in which a tip still releases enough is none: the same step again, from there */
 static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 {
-    bool has_grown = true;
+    bool has_grown = true, has_released = false;
     pel_status status = PEL_OK;
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_STATIC_ADVANCES; advance++) {
-        status = pel_tears_grow(sim, &has_grown, error);
+        status = pel_adhesions_release(sim, &has_released, error);
+        if (status == PEL_OK)
+            status = pel_tears_grow(sim, &has_grown, error);
+        has_grown |= has_released;
         if (status != PEL_OK || !has_grown)
             return status;
         sim->state->step--;
@@ -204,11 +208,15 @@ static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
-    bool has_grown = !sim->stepper->is_static;
+    bool has_grown = !sim->stepper->is_static, has_released;
     pel_status status = pel_cuts_make(sim, error);
+    if (status == PEL_OK && !sim->stepper->is_static)
+        status = pel_adhesions_release(sim, &has_released, error);
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_ADVANCES; advance++)
         status = pel_tears_grow(sim, &has_grown, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        pel_forceps_lead(sim);
         status = step_once(sim, error);
+    }
     return status == PEL_OK && sim->stepper->is_static ? grow_to_rest(sim, error) : status;
 }

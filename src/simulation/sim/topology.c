@@ -51,10 +51,20 @@ static void put_rest(pen *p, const pel_mesh *mesh, int32_t base_count)
     }
 }
 
+static void put_released(pen *p, const pel_body_def *def)
+{
+    if (!(def->adhesion > 0))
+        return;
+    put(p, def->released_count);
+    for (int32_t i = 0; i < def->released_count; i++)
+        put(p, def->released[i]);
+}
+
 static void put_body(pen *p, const pel_body_def *def, bool has_rest)
 {
     const pel_mesh *mesh = def->mesh;
     int32_t base_count = pel_origins_base_count(def);
+    put_released(p, def);
     if (has_rest)
         put_rest(p, mesh, base_count);
     put(p, mesh->vertex_count - base_count);
@@ -106,7 +116,8 @@ pel_status pel_surfaces_begin(const pel_sim *sim, pel_surfaces *surfaces, pel_er
     *surfaces = (pel_surfaces){.body_count = count, .cuts_done = sim->cuts_done};
     return PEL_ALLOCATE_ALL(PEL_ROOM(surfaces->meshes, count), PEL_ROOM(surfaces->origins, count),
                             PEL_ROOM(surfaces->sources, count), PEL_ROOM(surfaces->kept_counts, count),
-                            PEL_ROOM(surfaces->moves, count), PEL_ROOM(surfaces->move_counts, count))
+                            PEL_ROOM(surfaces->moves, count), PEL_ROOM(surfaces->move_counts, count),
+                            PEL_ROOM(surfaces->released, count), PEL_ROOM(surfaces->released_counts, count))
                ? PEL_OK
                : pel_fail_memory(error);
 }
@@ -115,10 +126,10 @@ void pel_surfaces_end(pel_surfaces *surfaces)
 {
     for (int32_t b = 0; surfaces->meshes != NULL && b < surfaces->body_count; b++) {
         pel_mesh_destroy(surfaces->meshes[b]);
-        PEL_FREE_ALL(surfaces->origins[b], surfaces->sources[b], surfaces->moves[b]);
+        PEL_FREE_ALL(surfaces->origins[b], surfaces->sources[b], surfaces->moves[b], surfaces->released[b]);
     }
     PEL_FREE_ALL(surfaces->meshes, surfaces->origins, surfaces->sources, surfaces->kept_counts, surfaces->moves,
-                 surfaces->move_counts);
+                 surfaces->move_counts, surfaces->released, surfaces->released_counts);
     *surfaces = (pel_surfaces){0};
 }
 
@@ -248,7 +259,35 @@ static pel_status read_triangles(pel_surfaces *surfaces, const pel_sim *sim, int
     return status;
 }
 
-static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at, pel_error *error)
+/* vertices of the surface that is read next */
+static pel_status read_released(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at,
+                                pel_error *error)
+{
+    const pel_body_def *def = def_of(sim, body);
+    if (!(def->adhesion > 0))
+        return PEL_OK;
+    int32_t count = take(at);
+    if (at->is_short || count < 0 || count > 3 * def->mesh->triangle_count)
+        return fail_damage(error);
+    surfaces->released[body] = pel_allocate((size_t)count + 1, sizeof **surfaces->released);
+    if (surfaces->released[body] == NULL)
+        return pel_fail_memory(error);
+    surfaces->released_counts[body] = count;
+    for (int32_t i = 0; i < count; i++)
+        surfaces->released[body][i] = take(at);
+    return at->is_short ? fail_damage(error) : PEL_OK;
+}
+
+static pel_status check_released(const pel_surfaces *surfaces, int32_t body, pel_error *error)
+{
+    for (int32_t i = 0; i < surfaces->released_counts[body]; i++)
+        if (surfaces->released[body][i] < 0 || surfaces->released[body][i] >= surfaces->meshes[body]->vertex_count)
+            return fail_damage(error);
+    return PEL_OK;
+}
+
+static pel_status read_surface(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at,
+                               pel_error *error)
 {
     int32_t base_count = pel_origins_base_count(def_of(sim, body));
     surfaces->kept_counts[body] = base_count;
@@ -262,6 +301,14 @@ static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t 
                             : fail_damage(error);
     pel_free(rest);
     return status;
+}
+
+static pel_status read_body(pel_surfaces *surfaces, const pel_sim *sim, int32_t body, pel_cursor *at, pel_error *error)
+{
+    pel_status status = read_released(surfaces, sim, body, at, error);
+    if (status == PEL_OK)
+        status = read_surface(surfaces, sim, body, at, error);
+    return status == PEL_OK ? check_released(surfaces, body, error) : status;
 }
 
 pel_status pel_surfaces_read(pel_surfaces *surfaces, const pel_sim *sim, pel_cursor *at, pel_error *error)

@@ -1,6 +1,7 @@
 /* The triangles of bodies that were cut, in snapshots: for each body the origins of its copies of vertices, and the
    corners that have one. With the mesh before all cuts, which these numbers lead back to, they say the whole surface.
-   Of bodies that can tear, the rest positions too, which tears move. */
+   Of bodies that can tear, the rest positions too, which tears move; of bodies that adhere to their filling, the
+   vertices that have left it. */
 #ifndef PEL_SIM_TOPOLOGY_H
 #define PEL_SIM_TOPOLOGY_H
 
@@ -22,13 +23,15 @@ typedef struct pel_vertex_move {
 /* Surfaces of bodies for a change. */
 typedef struct pel_surfaces {
     int32_t body_count, cuts_done;
-    bool is_tear;            /* edges open by themselves, and no cut is made */
-    pel_mesh **meshes;       /* (body_count) null = as it is */
-    int32_t **origins;       /* (body_count) of the vertices of these meshes */
-    int32_t **sources;       /* (body_count) the vertex of the present mesh that each one is like */
-    int32_t *kept_counts;    /* (body_count) vertices of the present mesh that keep their number */
-    pel_vertex_move **moves; /* (body_count) of vertices that are elsewhere in the rest shape; null = none */
-    int32_t *move_counts;    /* (body_count) */
+    bool is_tear;             /* edges open by themselves, and no cut is made */
+    pel_mesh **meshes;        /* (body_count) null = as it is */
+    int32_t **origins;        /* (body_count) of the vertices of these meshes */
+    int32_t **sources;        /* (body_count) the vertex of the present mesh that each one is like */
+    int32_t *kept_counts;     /* (body_count) vertices of the present mesh that keep their number */
+    pel_vertex_move **moves;  /* (body_count) of vertices that are elsewhere in the rest shape; null = none */
+    int32_t *move_counts;     /* (body_count) */
+    int32_t **released;       /* (body_count) vertices that have left their volumetric springs; null = as they are */
+    int32_t *released_counts; /* (body_count) */
 } pel_surfaces;
 
 pel_status pel_surfaces_begin(const pel_sim *sim, pel_surfaces *surfaces, pel_error *error);

@@ -281,26 +281,53 @@ void pel_growth_clear(pel_growth *growth)
 
 /* ---- creation ---- */
 
+/* whether tools that lead a tear have a body that tears */
+static pel_status check_leads(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t t = 0; t < sim->def.tool_count; t++) {
+        const pel_tool_def *def = &sim->def.tools[t];
+        bool can_tear = !def->leads;
+        for (int32_t b = 0; b < sim->given->body_count; b++)
+            can_tear |= pel_body_can_tear(sim, b) && (def->body < 0 || def->body == b);
+        if (!can_tear)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", t, "give the body a toughness",
+                                      "tool '%s' leads a tear, but no body that it acts on can tear", def->name);
+    }
+    return PEL_OK;
+}
+
+static pel_status begin_body(pel_sim *sim, int32_t body, pel_error *error)
+{
+    pel_tear *tear = sim->tear;
+    pel_status status = PEL_OK;
+    if (pel_body_can_tear(sim, body)) {
+        pel_survey *survey = &tear->surveys[tear->survey_count++];
+        status = pel_survey_begin(survey, sim, body, error);
+        survey->has_notches = pel_tear_may_start(sim, body);
+    }
+    if (status == PEL_OK && pel_body_adheres(sim, body))
+        status = pel_adhesion_begin(&tear->adhesions[tear->adhesion_count++], sim, body, error);
+    return status;
+}
+
 pel_status pel_tear_create(pel_sim *sim, pel_error *error)
 {
-    int32_t body_count = sim->given->body_count, most = sim->def.tear.max_tips, count = 0;
+    int32_t body_count = sim->given->body_count, most = sim->def.tear.max_tips;
+    bool any = false;
+    pel_status status = check_leads(sim, error);
     for (int32_t b = 0; b < body_count; b++)
-        count += pel_body_can_tear(sim, b);
-    if (count == 0)
-        return PEL_OK;
+        any |= pel_body_can_tear(sim, b) || pel_body_adheres(sim, b);
+    if (status != PEL_OK || !any)
+        return status;
     sim->tear = pel_allocate(1, sizeof *sim->tear);
     if (sim->tear == NULL)
         return pel_fail_memory(error);
     sim->tear->tip_room = most;
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tear->surveys, count), PEL_ROOM(sim->tear->tips, most)))
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tear->surveys, body_count), PEL_ROOM(sim->tear->adhesions, body_count),
+                          PEL_ROOM(sim->tear->tips, most)))
         return pel_fail_memory(error);
-    pel_status status = PEL_OK;
     for (int32_t b = 0; status == PEL_OK && b < body_count; b++)
-        if (pel_body_can_tear(sim, b)) {
-            pel_survey *survey = &sim->tear->surveys[sim->tear->survey_count++];
-            status = pel_survey_begin(survey, sim, b, error);
-            survey->has_notches = pel_tear_may_start(sim, b);
-        }
+        status = begin_body(sim, b, error);
     return status;
 }
 
@@ -310,6 +337,8 @@ void pel_tear_destroy(pel_sim *sim)
         return;
     for (int32_t i = 0; i < sim->tear->survey_count; i++)
         pel_survey_end(&sim->tear->surveys[i]);
-    PEL_FREE_ALL(sim->tear->surveys, sim->tear->tips);
+    for (int32_t i = 0; i < sim->tear->adhesion_count; i++)
+        pel_adhesion_end(&sim->tear->adhesions[i]);
+    PEL_FREE_ALL(sim->tear->surveys, sim->tear->adhesions, sim->tear->tips);
     pel_free(sim->tear);
 }

@@ -2,6 +2,7 @@
 #ifndef PEL_TEAR_GROWTH_H
 #define PEL_TEAR_GROWTH_H
 
+#include "tear/adhesion.h"
 #include "tear/survey.h"
 
 /* whether tips of a body grow, and whether notches count as tips */
@@ -17,9 +18,11 @@ typedef struct pel_tear {
     pel_survey *surveys;
     pel_tip *tips; /* (tip_room) of the body at work, the readiest first */
     int32_t tip_room;
+    int32_t adhesion_count;
+    pel_adhesion *adhesions; /* of the bodies that adhere to their filling */
 } pel_tear;
 
-/* sim->tear stays null if no body can tear. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+/* sim->tear stays null if no body can tear or adheres. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 pel_status pel_tear_create(pel_sim *sim, pel_error *error);
 void pel_tear_destroy(pel_sim *sim);
 

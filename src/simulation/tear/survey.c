@@ -82,10 +82,7 @@ static int32_t border_from(const pel_survey *s, int32_t v)
 
 static int32_t border_to(const pel_survey *s, int32_t v)
 {
-    int32_t last = s->topology->corner_of_vertex[v];
-    for (int32_t h = last; h >= 0; h = pel_survey_turn(s, v, h))
-        last = h;
-    return pel_half_edge_previous(last);
+    return pel_survey_last(s, v);
 }
 
 static void direction_of(const pel_survey *s, int32_t half_edge, double direction[3])

@@ -45,4 +45,13 @@ static inline int32_t pel_survey_turn(const pel_survey *survey, int32_t v, int32
     return next == survey->topology->corner_of_vertex[v] ? -1 : next;
 }
 
+/* the half-edge of the border that comes to a vertex of it */
+static inline int32_t pel_survey_last(const pel_survey *survey, int32_t v)
+{
+    int32_t last = survey->topology->corner_of_vertex[v];
+    for (int32_t h = last; h >= 0; h = pel_survey_turn(survey, v, h))
+        last = h;
+    return pel_half_edge_previous(last);
+}
+
 #endif

@@ -69,6 +69,28 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
     return PEL_OK;
 }
 
+static pel_status check_lead(const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    const pel_solid solid = pel_solid_of(def);
+    double least = 4 * pel_grasp_extent(&solid, def->reach), axis = pel_vec3_length(def->lead_axis);
+    if (!def->grasp || def->shape == PEL_TOOL_MESH || def->shape == PEL_TOOL_SUPPORT)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use a sphere, capsule or box that grasps",
+                                  "a tool that leads a tear does not grasp, or is a mesh");
+    if (!isfinite(pel_vec3_length(def->lead_center)) || !(axis > 0 && isfinite(axis)) ||
+        !is_positive(def->lead_speed) || !is_positive(def->lead_radius) ||
+        !(fabs(def->lead_outward) <= 1.5707963267948968))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give a center, an axis, a radius and a speed above 0, and -90 to 90 degrees outward",
+                                  "a tool that leads a tear has a number out of range");
+    if (!(def->lead_regrasp >= least && isfinite(def->lead_regrasp)))
+        return pel_refuse_element(
+            error, PEL_BAD_ARGUMENT, "tool", tool, "raise grasp.lead.regrasp, or use a smaller tool",
+            "a tool that leads a tear grasps the flap anew %.3g m from the tip; its size and reach "
+            "ask for %.3g m",
+            def->lead_regrasp, least);
+    return PEL_OK;
+}
+
 static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32_t tool, pel_error *error)
 {
     PEL_ASSERT_INDEX(tool, sim->tools->count);
@@ -117,6 +139,9 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
                                   "give grasp_max_force > 0 in newtons, infinity for no limit, or 0 for the material's",
                                   "the largest force of a grasp is below 0 or not a number");
+    pel_status status = def->leads ? check_lead(def, tool, error) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
 }
 
@@ -186,6 +211,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->thickness = def->thickness;
     tool->stride = 1;
     tool->grasp_max_force = def->grasp_max_force;
+    tool->one_patch = def->grasp_one_patch || def->leads;
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
@@ -287,6 +313,7 @@ pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def
     tool->reach = def->reach;
     tool->stride = 1;
     tool->grasp_max_force = def->grasp_max_force;
+    tool->one_patch = def->grasp_one_patch || def->leads;
     return PEL_OK;
 }
 

@@ -49,6 +49,77 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body, const pel_rec
     }
 }
 
+void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i)
+{
+    sim->held[tool->held[i]] = 0;
+    tool->held[i] = tool->held[--tool->held_count];
+    pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
+    sim->tools->held_is_listed = false;
+}
+
+static void release_one(pel_sim *sim, pel_tool *tool, int32_t i)
+{
+    int32_t v = tool->held[i];
+    pel_tool_let_go(sim, tool, i);
+    sim->state->position[v][3] = sim->model->inverse_mass[v];
+}
+
+/* held ones beside `IN_PATCH` ones in the triangles of the body become such too, until none is left */
+enum { HELD = 1, IN_PATCH = 2 };
+
+static void spread_patch(const pel_sim *sim, int32_t body)
+{
+    bool any = true;
+    while (any) {
+        any = false;
+        for (int32_t i = 0; i < pel_surface_count(sim->model, body); i++) {
+            const int32_t *v = sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
+            bool has_patch = sim->held[v[0]] == IN_PATCH || sim->held[v[1]] == IN_PATCH || sim->held[v[2]] == IN_PATCH;
+            for (int c = 0; has_patch && c < 3; c++)
+                if (sim->held[v[c]] == HELD) {
+                    sim->held[v[c]] = IN_PATCH;
+                    any = true;
+                }
+        }
+    }
+}
+
+/* keeps those of the held vertices that edges join to one of them */
+static void keep_patch(pel_sim *sim, pel_tool *tool, int32_t seed)
+{
+    int32_t kept = 0;
+    sim->held[seed] = IN_PATCH;
+    spread_patch(sim, sim->model->body_of_slice[seed / PEL_WIDTH]);
+    while (kept < tool->held_count)
+        if (sim->held[tool->held[kept]] == IN_PATCH)
+            kept++;
+        else
+            release_one(sim, tool, kept);
+    /* of other tools too, through which the patch has spread */
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        if (sim->held[v] == IN_PATCH)
+            sim->held[v] = HELD;
+}
+
+static void keep_nearest_patch(pel_sim *sim, pel_tool *tool)
+{
+    int32_t nearest = 0;
+    for (int32_t i = 1; i < tool->held_count; i++)
+        if (pel_vec3_length(tool->anchors[i]) < pel_vec3_length(tool->anchors[nearest]))
+            nearest = i;
+    if (tool->held_count > 0)
+        keep_patch(sim, tool, tool->held[nearest]);
+}
+
+static void grasp_bodies(pel_sim *sim, pel_tool *tool, const pel_record *positions)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        if (pel_tool_acts_on(tool, b))
+            grasp_body(sim, tool, b, positions);
+    if (tool->one_patch)
+        keep_nearest_patch(sim, tool);
+}
+
 void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
 {
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
@@ -94,10 +165,9 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_
         return false;
     if (tool->phase == PEL_GRASP_WAITING && time >= tool->grasp_from) {
         tool->phase = PEL_GRASP_HOLDING;
-        for (int32_t b = 0; tool->support == NULL && b < sim->model->body_count; b++)
-            if (pel_tool_acts_on(tool, b))
-                grasp_body(sim, tool, b, positions);
-        if (tool->support != NULL)
+        if (tool->support == NULL)
+            grasp_bodies(sim, tool, positions);
+        else
             hold_support(sim, tool);
         changed = true;
     }
@@ -107,6 +177,18 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_
         changed = true;
     }
     return changed;
+}
+
+void pel_tool_take_patch(pel_sim *sim, pel_tool *tool, int32_t v)
+{
+    release(sim, tool);
+    pel_vertex_position(sim->state->position, v, tool->pose.position);
+    tool->pose_before = tool->driven_pose = tool->pose;
+    grasp_body(sim, tool, sim->model->body_of_slice[v / PEL_WIDTH], sim->state->position);
+    if (sim->held[v])
+        keep_patch(sim, tool, v);
+    sim->tools->held_is_listed = false;
+    sim->state->older_is_known = false;
 }
 
 /* lists holders and held vertices, for methods that need them in every substep */
@@ -158,14 +240,6 @@ void pel_tools_carry(pel_sim *sim)
 }
 
 /* ---- the end of a step ---- */
-
-void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i)
-{
-    sim->held[tool->held[i]] = 0;
-    tool->held[i] = tool->held[--tool->held_count];
-    pel_vec3_copy(tool->anchors[tool->held_count], tool->anchors[i]);
-    sim->tools->held_is_listed = false;
-}
 
 static double grip_force(const pel_sim *sim, const pel_tool *tool, int32_t i)
 {
@@ -220,10 +294,9 @@ static int32_t lose_vertices(pel_sim *sim, pel_tool *tool, double limit)
     for (int32_t i = 0; i < tool->held_count; i++)
         sum += grip_force(sim, tool, i);
     while (sum > limit && tool->held_count > 0) {
-        int32_t i = find_largest(sim, tool), v = tool->held[i];
+        int32_t i = find_largest(sim, tool);
         sum -= grip_force(sim, tool, i);
-        pel_tool_let_go(sim, tool, i);
-        sim->state->position[v][3] = sim->model->inverse_mass[v];
+        release_one(sim, tool, i);
         lost_count++;
     }
     return lost_count;
@@ -245,10 +318,8 @@ static void lose_above_limit(pel_sim *sim, pel_tool *tool, double time)
     if (is_stuck)
         tool->stride = 1;
     int32_t count = isfinite(limit) && !is_stuck ? lose_vertices(sim, tool, limit) : 0;
-    for (; is_stuck && tool->held_count > 0; count++) {
-        sim->state->position[tool->held[0]][3] = sim->model->inverse_mass[tool->held[0]];
-        pel_tool_let_go(sim, tool, 0);
-    }
+    for (; is_stuck && tool->held_count > 0; count++)
+        release_one(sim, tool, 0);
     if (count > 0)
         count_loss(&tool->tally, count, time, limit);
 }

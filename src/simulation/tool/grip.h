@@ -16,6 +16,8 @@ void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v);
 bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_record *positions);
 /* lists holders and held vertices, for methods that need them in every substep */
 void pel_tools_list_held(pel_sim *sim);
+/* Lets go of all, goes to a vertex, and takes the patch around it. */
+void pel_tool_take_patch(pel_sim *sim, pel_tool *tool, int32_t v);
 /* Takes the i-th held vertex from the list of a tool; the place stays without mobility. */
 void pel_tool_let_go(pel_sim *sim, pel_tool *tool, int32_t i);
 

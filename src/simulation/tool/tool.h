@@ -76,6 +76,8 @@ typedef struct pel_tool {
     bool press, grasp;
     double grasp_from, grasp_until, reach;
     double grasp_max_force; /* N, 0 = by the material, infinite = no limit */
+    bool one_patch;         /* its grasp takes one */
+    bool is_leading;        /* a tear (tear/forceps.h), from the closing of the grasp on until the caller drives it */
 
     pel_pose pose, pose_before; /* at present; at the start of the step */
     pel_pose pose_wanted;       /* at the end of the step, if nothing holds the tool back */
@@ -152,6 +154,14 @@ static inline void pel_tool_velocity(const pel_tool *tool, const double point[3]
 static inline double pel_tool_size(const pel_tool *tool)
 {
     return pel_solid_size(&tool->solid);
+}
+
+/* m, how far from its centre a tool grasps at most */
+static inline double pel_grasp_extent(const pel_solid *solid, double reach)
+{
+    double half[3];
+    pel_solid_half_box(solid, half);
+    return pel_vec3_length(half) / (pel_solid_is_ball(solid) ? 1.7320508075688772 : 1) + reach;
 }
 
 /* displacement between two poses: of the position, and of the tool's rim by the rotation */

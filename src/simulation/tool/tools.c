@@ -149,6 +149,7 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, &tool->pose, sizeof tool->pose);
     pel_transfer(at, &tool->driven_pose, sizeof tool->driven_pose);
     pel_transfer(at, &tool->driven, sizeof tool->driven);
+    pel_transfer(at, &tool->is_leading, sizeof tool->is_leading);
     pel_transfer(at, &tool->blocked, sizeof tool->blocked);
     pel_transfer(at, &tool->is_held_back, sizeof tool->is_held_back);
     pel_transfer(at, &tool->is_stopped, sizeof tool->is_stopped);
@@ -178,8 +179,8 @@ static bool is_flag(const bool *flag)
 static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
     const pel_model *model = sim->model;
-    if (!is_flag(&tool->driven) || !is_flag(&tool->blocked) || !is_flag(&tool->is_held_back) ||
-        !is_flag(&tool->is_stopped) || !(tool->stride > 0 && tool->stride <= 1) ||
+    if (!is_flag(&tool->driven) || !is_flag(&tool->is_leading) || !is_flag(&tool->blocked) ||
+        !is_flag(&tool->is_held_back) || !is_flag(&tool->is_stopped) || !(tool->stride > 0 && tool->stride <= 1) ||
         (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
         return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
@@ -197,7 +198,7 @@ bool pel_tools_restore(pel_sim *sim)
         pel_tool *tool = &sim->tools->items[t];
         tool->held_count = tool->plane_count = 0;
         tool->stride = 1;
-        tool->driven = tool->blocked = tool->is_held_back = tool->is_stopped = false;
+        tool->driven = tool->is_leading = tool->blocked = tool->is_held_back = tool->is_stopped = false;
         tool->phase = PEL_GRASP_DONE;
     }
     return whole;

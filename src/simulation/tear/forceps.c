@@ -1,0 +1,225 @@
+/* Forceps that lead a tear around an axis, as a surgeon's do in a capsulorhexis. The flap is folded over at the tip,
+   and the tool pulls what it holds of it beyond the tip. If the flap does not stretch, an advance a of the tip lets the
+   tool go by a . (p + e), with the direction p of the pull and the direction e from what is held to the tip at rest. So
+   the configurational force is F (p + e), and lies along the circle if p is the mirror image of e about it. The tool
+   aims at a point ahead of itself on the line from the tip along p, and goes there by its speed, so no step of it is
+   longer than another. Far from the tip it lets go, and takes the inner lip behind the tip, but not so near to the tip
+   that its forces would be within the rings of the survey.
+
+   The tool keeps its height along the axis, to which it also comes back after a new grasp. Nothing but its pose is
+   remembered from step to step. */
+#include "tear/forceps.h"
+
+#include "math/extremes.h"
+#include "math/functions.h"
+#include "math/vec3.h"
+#include "tear/growth.h"
+#include "tool/grip.h"
+
+#include <math.h>
+
+/* where it aims, from itself, over the distance of a new grasp */
+#define AIM_AHEAD 0.2
+/* where a new grasp takes the flap behind the tip, over how far the tool grasps, and in edges */
+#define GRASP_BEHIND 2.0
+#define EDGES_BEHIND 5.0
+/* rad, that the tear is led back to the circle by at most; the distance from it that asks for one radian, over its
+ * radius
+ */
+#define MOST_OFF 0.2
+#define RETURN 0.1
+
+typedef struct forceps {
+    pel_sim *sim;
+    pel_tool *tool;
+    const pel_tool_def *def;
+    const pel_survey *survey; /* of the body of the tip */
+    int32_t tip;              /* -1 = none */
+    double axis[3];           /* unit */
+    double at[3], rest[3];    /* m, of the tip, at present and at rest */
+    double along[3], out[3];  /* unit: along the circle, and away from the axis */
+    double radius;            /* m, of the tip from the axis at rest */
+} forceps;
+
+static void place_of(const pel_survey *s, int32_t v, double x[3])
+{
+    pel_vertex_position(s->sim->state->position, s->sim->model->bodies[s->body].model_index[v], x);
+}
+
+/* ---- the tip ---- */
+
+/* part of a vector across the axis */
+static void flatten(const forceps *f, double x[3])
+{
+    pel_vec3_along(x, -pel_vec3_dot(x, f->axis), f->axis, x);
+}
+
+/* a cut may have another end within the flap */
+static bool is_near_circle(const forceps *f, const pel_survey *s, int32_t v)
+{
+    double x[3], radius = f->def->lead_radius;
+    pel_vec3_subtract(s->sim->model->bodies[s->body].mesh->positions[v], f->def->lead_center, x);
+    flatten(f, x);
+    return fabs(pel_vec3_length(x) - radius) < 0.5 * radius;
+}
+
+/* the nearest one, and the pull there */
+static void find_tip(forceps *f)
+{
+    double least = HUGE_VAL, ahead[3] = {0}, x[3], found[3];
+    for (int32_t i = 0; i < f->sim->tear->survey_count; i++) {
+        const pel_survey *s = &f->sim->tear->surveys[i];
+        for (int32_t v = 0; pel_tool_acts_on(f->tool, s->body) && v < s->topology->vertex_count; v++) {
+            if (!pel_survey_is_tip(s, v, found) || !is_near_circle(f, s, v))
+                continue;
+            place_of(s, v, x);
+            double distance = pel_vec3_distance(x, f->tool->pose.position);
+            if (distance >= least)
+                continue;
+            least = distance;
+            f->survey = s;
+            f->tip = v;
+            pel_vec3_copy(x, f->at);
+            pel_vec3_copy(found, ahead);
+        }
+    }
+    if (f->tip < 0)
+        return;
+    pel_vec3_copy(f->survey->sim->model->bodies[f->survey->body].mesh->positions[f->tip], f->rest);
+    pel_vec3_subtract(f->rest, f->def->lead_center, f->out);
+    flatten(f, f->out);
+    f->radius = pel_vec3_normalize(f->out);
+    pel_vec3_cross(f->axis, f->out, f->along);
+    if (pel_vec3_dot(f->along, ahead) < 0)
+        pel_vec3_scale(f->along, -1, f->along);
+}
+
+/* ---- the flap ---- */
+
+/* m, of the triangle of a half-edge at rest from the axis */
+static double distance_from_axis(const forceps *f, int32_t half_edge)
+{
+    const pel_mesh *mesh = f->sim->model->bodies[f->survey->body].mesh;
+    const int32_t *v = mesh->triangles[half_edge / 3];
+    double x[3];
+    for (int c = 0; c < 3; c++)
+        x[c] = (mesh->positions[v[0]][c] + mesh->positions[v[1]][c] + mesh->positions[v[2]][c]) / 3 -
+               f->def->lead_center[c];
+    flatten(f, x);
+    return pel_vec3_length(x);
+}
+
+/* m, of a half-edge at rest */
+static double edge_at(const forceps *f, int32_t half_edge)
+{
+    const pel_mesh *mesh = f->sim->model->bodies[f->survey->body].mesh;
+    return pel_vec3_distance(mesh->positions[pel_half_edge_origin(f->survey->topology, half_edge)],
+                             mesh->positions[pel_half_edge_target(f->survey->topology, half_edge)]);
+}
+
+/* the vertex of the inner lip far enough behind the tip for a tool; -1 where the lip ends before */
+static int32_t find_grip(const forceps *f)
+{
+    const pel_survey *s = f->survey;
+    const pel_body *body = &f->sim->model->bodies[s->body];
+    int32_t from = s->topology->corner_of_vertex[f->tip], to = pel_survey_last(s, f->tip), v = f->tip;
+    bool is_from_inner = distance_from_axis(f, from) < distance_from_axis(f, to);
+    double far =
+        pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), EDGES_BEHIND * edge_at(f, from));
+    for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h);) {
+        v = is_from_inner ? pel_half_edge_target(s->topology, h) : pel_half_edge_origin(s->topology, h);
+        if (pel_vec3_distance(body->mesh->positions[v], f->rest) >= far)
+            return v;
+        h = is_from_inner ? s->topology->corner_of_vertex[v] : pel_survey_last(s, v);
+    }
+    return -1;
+}
+
+static void regrasp(forceps *f)
+{
+    int32_t v = find_grip(f);
+    if (v >= 0)
+        pel_tool_take_patch(f->sim, f->tool, f->sim->model->bodies[f->survey->body].model_index[v]);
+}
+
+/* ---- the step ---- */
+
+/* unit, across the axis, from what is held to the tip at rest */
+static void find_lip(const forceps *f, double lip[3])
+{
+    double x[3];
+    pel_vec3_scale(f->rest, f->tool->held_count, lip);
+    for (int32_t i = 0; i < f->tool->held_count; i++) {
+        pel_vertex_position(f->sim->model->rest, f->tool->held[i], x);
+        pel_vec3_subtract(lip, x, lip);
+    }
+    flatten(f, lip);
+    if (!(pel_vec3_normalize(lip) > 0))
+        pel_vec3_copy(f->along, lip);
+}
+
+/* the mirror image of the lip about where the tear shall go: along the circle through the tip, and back to its radius
+ */
+static void find_pull(const forceps *f, double pull[3])
+{
+    const pel_tool_def *def = f->def;
+    double lip[3], course[3], off = (def->lead_radius - f->radius) / (RETURN * def->lead_radius);
+    find_lip(f, lip);
+    off = def->lead_outward != 0 ? 0 : pel_max(-MOST_OFF, pel_min(MOST_OFF, off));
+    pel_vec3_copy(f->along, course);
+    pel_vec3_along(course, off, f->out, course);
+    pel_vec3_normalize(course);
+    pel_vec3_scale(course, 2 * pel_vec3_dot(lip, course), pull);
+    pel_vec3_subtract(pull, lip, pull);
+    double cosine = pel_cos(def->lead_outward), sine = pel_sin(def->lead_outward);
+    double along = pel_vec3_dot(pull, f->along), out = pel_vec3_dot(pull, f->out);
+    pel_vec3_scale(f->along, cosine * along - sine * out, pull);
+    pel_vec3_along(pull, cosine * out + sine * along, f->out, pull);
+}
+
+/* a point ahead of the tool: on the line of the pull, or off the surface where there is no tip any more */
+static void find_aim(const forceps *f, double aim[3])
+{
+    double pull[3], way[3], ahead = AIM_AHEAD * f->def->lead_regrasp;
+    const double *x = f->tool->pose.position;
+    if (f->tip < 0) {
+        pel_vec3_along(x, ahead, f->axis, aim);
+        return;
+    }
+    find_pull(f, pull);
+    pel_vec3_subtract(x, f->at, way);
+    pel_vec3_along(f->at, pel_vec3_dot(way, pull) + ahead, pull, aim);
+    pel_vec3_subtract(f->tool->keys[0].position, aim, way);
+    pel_vec3_along(aim, pel_vec3_dot(way, f->axis), f->axis, aim);
+}
+
+static void lead(forceps *f)
+{
+    pel_tool *tool = f->tool;
+    double way[3], aim[3], distance;
+    find_tip(f);
+    pel_vec3_subtract(tool->pose.position, f->at, way);
+    flatten(f, way);
+    if (f->tip >= 0 && (tool->held_count == 0 || pel_vec3_length(way) > f->def->lead_regrasp))
+        regrasp(f);
+    tool->driven_pose = tool->pose;
+    tool->driven = tool->is_leading = true;
+    find_aim(f, aim);
+    pel_vec3_subtract(aim, tool->pose.position, way);
+    distance = pel_vec3_normalize(way);
+    pel_vec3_along(tool->pose.position, pel_min(distance, f->def->lead_speed * f->sim->solver.dt), way,
+                   tool->driven_pose.position);
+}
+
+void pel_forceps_lead(pel_sim *sim)
+{
+    for (int32_t i = 0; sim->tear != NULL && i < sim->tools->count; i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        forceps f = {.sim = sim, .tool = tool, .def = &sim->def.tools[i], .tip = -1};
+        if (!f.def->leads || tool->phase != PEL_GRASP_HOLDING || (tool->driven && !tool->is_leading))
+            continue;
+        pel_vec3_copy(f.def->lead_axis, f.axis);
+        pel_vec3_normalize(f.axis);
+        lead(&f);
+    }
+}
