@@ -204,7 +204,9 @@ static void check_grasps(pel_run_state *run, int64_t frame)
     double time = pel_sim_time(run->sim), closed = time - 0.75 * def->solver.dt;
     for (int32_t t = 0; t < def->tool_count; t++) {
         pel_tool_reading reading;
-        if (!def->tools[t].grasp || closed < def->tools[t].grasp_from || time >= def->tools[t].grasp_until)
+        /* one that leads a tear goes to the flap by itself */
+        if (!def->tools[t].grasp || def->tools[t].leads || closed < def->tools[t].grasp_from ||
+            time >= def->tools[t].grasp_until)
             continue;
         pel_sim_get_tool(run->sim, t, &reading);
         if (reading.contact_count == 0 && reading.lost_count == 0)
