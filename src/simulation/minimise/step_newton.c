@@ -28,7 +28,7 @@
 /* of the forces on a body that may be left where it stays as it is: a tenth of the tolerance */
 #define REST_SHARE 1e-4
 /* steps between tries of a way that costs as much, by the square of the ratio more where it costs more; the first try;
-   evaluations, below which no other way costs much less */
+   evaluations, below which the prepared factor does not cost much less */
 enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30 };
 /* of the cost of a step in its mean */
 #define MEAN_SHARE 0.5
@@ -120,7 +120,8 @@ void pel_sim_newton_choose(pel_sim *sim)
     double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
     newton->work += (int64_t)work;
     cost[newton->way] += (cost[newton->way] > 0 ? MEAN_SHARE : 1) * (work - cost[newton->way]);
-    int32_t first = may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
+    bool is_worth = newton->way == PEL_PREPARED || cost[newton->way] > LEAST_COST;
+    int32_t first = is_worth && may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
     for (int32_t way = first; way < PEL_WAY_COUNT; way++)
         cheapest = cost[way] > 0 && cost[way] < cost[cheapest] ? way : cheapest;
     /* in turn, first the ways that have not been gone */
@@ -132,7 +133,7 @@ void pel_sim_newton_choose(pel_sim *sim)
     int32_t first_try = newton->way == PEL_PREPARED ? FIRST_PREPARED_TRY : FIRST_TRY;
     double ratio = cost[next] / cost[cheapest];
     double wait = cost[next] > 0 ? TRY_STEPS * pel_max(1, ratio * ratio) : first_try;
-    bool tries = ++choice->age >= wait && cost[cheapest] > LEAST_COST;
+    bool tries = ++choice->age >= wait;
     choice->way = tries ? next : cheapest;
     choice->tried = tries ? next : choice->tried;
     choice->age = tries ? 0 : choice->age;
