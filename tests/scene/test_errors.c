@@ -41,7 +41,7 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:10: error: unknown key 'friction'. it is a key of bodies[].contact, tools[], contact"},
     {BALL "solver: {gravity: 1}\n", NULL, "a.yaml:5:10: error: unknown key 'gravity'. it is a key of the scene"},
     {BALL "    radius: 5\n", NULL,
-     "a.yaml:5:5: error: unknown key 'radius'. it is a key of tools[], mesh, region.sphere"},
+     "a.yaml:5:5: error: unknown key 'radius'. it is a key of tools[], tools[].grasp.lead, mesh, region.sphere"},
     {BALL, "solver.density=3",
      "--set solver.density=3: error: unknown key 'density'. it is a key of bodies[].mass, bod"},
     {BALL, "bodies.0.mesh.shape=sphere",

@@ -195,13 +195,13 @@ static void test_refined(void **unused)
 static void test_notes(void **unused)
 {
     (void)unused;
-    static const char path[] = "wasm-notes.obj", two[] =
-                                                     "version: 1\nbodies:\n"
-                                                     "  - { name: a, mesh: { file: wasm-notes.obj }, mass: { total: "
-                                                     "1 }, springs: { stiffness: 3 } }\n"
-                                                     "  - { name: b, mesh: { file: wasm-notes.obj }, mass: { total: "
-                                                     "1 }, springs: { stiffness: 3 } }\n"
-                                                     "solver: { method: explicit, dt: 0.001 }\nduration: 1\n";
+    static const char path[] = "wasm-notes.obj",
+                      two[] = "version: 1\nbodies:\n"
+                              "  - { name: a, mesh: { file: wasm-notes.obj }, mass: { total: "
+                              "1 }, springs: { stiffness: 3 } }\n"
+                              "  - { name: b, mesh: { file: wasm-notes.obj }, mass: { total: "
+                              "1 }, springs: { stiffness: 3 } }\n"
+                              "contact: none\nsolver: { method: explicit, dt: 0.001 }\nduration: 1\n";
     pel_wasm_sim *sim = create(ball);
     const pel_wasm_text *notes = pel_wasm_sim_notes(sim);
     assert_int_equal(notes->size, 2);

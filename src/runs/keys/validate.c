@@ -183,11 +183,13 @@ pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *
     const char *key = value->key != NULL ? value->key : "word";
     const pel_def_row *row = row_of_word(reader->table, key, value->text);
     const char *longer = word_with_part(value->text, known, known_count);
+    /* a geodesic-sphere is a sphere, but a paper-a is no paper */
+    bool is_kind = longer != NULL && strcmp(longer + strlen(longer) - strlen(value->text), value->text) == 0;
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
-    if (longer != NULL)
-        pel_fail_remedy(reader->error, "did you mean '%s'?", longer);
-    else if (row != NULL)
+    if (row != NULL && !is_kind)
         pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
+    else if (longer != NULL)
+        pel_fail_remedy(reader->error, "did you mean '%s'?", longer);
     return PEL_BAD_SCENE;
 }
 
