@@ -49,8 +49,9 @@ static pel_status find_intersection(pel_scene_reader *reader, const pel_mesh *a,
 {
     pel_mesh both;
     int64_t count[3];
-    *found = false;
-    if (!boxes_overlap(a, b))
+    *found = a->vertex_count == b->vertex_count &&
+             memcmp(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions) == 0;
+    if (*found || !boxes_overlap(a, b))
         return PEL_OK;
     if (!join(reader->arena, a, b, &both))
         return pel_fail_memory(reader->error);
