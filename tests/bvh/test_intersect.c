@@ -2,8 +2,8 @@
 #include "check.h"
 #include "failing_malloc.h"
 
+#include "bvh/intersect.h"
 #include "pellicle/geometry.h"
-#include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
 #include "sample.h"
 #include "source_dir.h"
@@ -40,6 +40,18 @@ static bool intersect(const pel_mesh *mesh, int32_t s, int32_t t)
     return pel_triangles_intersect_beyond((const double(*)[3])a, (const double(*)[3])b, shared);
 }
 
+/* of the pairs of a mesh, those that cross a split */
+static void check_parts(const pel_mesh *mesh, const pair_set *all)
+{
+    for (int32_t split = 1; split < mesh->triangle_count; split += 1 + mesh->triangle_count / 7) {
+        bool expected = false, found;
+        for (size_t i = 0; i < all->count; i++)
+            expected |= all->pairs[i].first < split && all->pairs[i].second >= split;
+        assert_int_equal(pel_mesh_parts_intersect(mesh, split, &found), PEL_OK);
+        assert_int_equal(found, expected);
+    }
+}
+
 static void check_mesh(const pel_mesh *mesh, bool expect_some)
 {
     pair_set expected = {0}, found = {0};
@@ -57,6 +69,7 @@ static void check_mesh(const pel_mesh *mesh, bool expect_some)
         assert_true(compare_pairs(&found.pairs[i - 1], &found.pairs[i]) < 0);
     found.count = found.capacity = (size_t)count;
     assert_true(pairs_equal(&found, &expected));
+    check_parts(mesh, &expected);
     /* the list may be short, the count is exact */
     assert_int_equal(pel_mesh_self_intersections(mesh, found.pairs, count < 3 ? (int32_t)count : 3, &count, NULL),
                      PEL_OK);

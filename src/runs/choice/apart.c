@@ -2,8 +2,8 @@
    a scene compares bodies at one place, and contact would refuse it. */
 #include "choice/apart.h"
 
+#include "bvh/intersect.h"
 #include "mesh/figures.h"
-#include "pellicle/intersect.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -48,20 +48,15 @@ static bool join(pel_arena *arena, const pel_mesh *a, const pel_mesh *b, pel_mes
 static pel_status find_intersection(pel_scene_reader *reader, const pel_mesh *a, const pel_mesh *b, bool *found)
 {
     pel_mesh both;
-    int64_t count[3];
-    *found = a->vertex_count == b->vertex_count &&
-             memcmp(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions) == 0;
-    if (*found || !boxes_overlap(a, b))
+    *found = false;
+    if (!boxes_overlap(a, b))
         return PEL_OK;
     if (!join(reader->arena, a, b, &both))
         return pel_fail_memory(reader->error);
-    const pel_mesh *meshes[] = {a, b, &both};
-    pel_status status = PEL_OK;
-    for (int i = 0; i < 3 && status == PEL_OK; i++)
-        status = pel_mesh_self_intersections(meshes[i], NULL, 0, &count[i], NULL);
+    pel_status status = pel_mesh_parts_intersect(&both, a->triangle_count, found);
     if (status == PEL_OUT_OF_MEMORY)
         return pel_fail_memory(reader->error);
-    *found = status != PEL_OK || count[2] > count[0] + count[1];
+    *found |= status != PEL_OK;
     return PEL_OK;
 }
 

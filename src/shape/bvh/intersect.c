@@ -1,4 +1,4 @@
-#include "pellicle/intersect.h"
+#include "bvh/intersect.h"
 
 #include "base/memory.h"
 #include "base/room.h"
@@ -21,6 +21,7 @@ typedef struct certificate {
     pel_tree *tree;
     pel_pair_search search;
     int32_t pair_limit;
+    int32_t split; /* above 0: only pairs of a triangle before it and one from it on, and no more than one a chunk */
     int64_t counts[PEL_SEARCH_CHUNKS]; /* pairs that intersect, of each chunk */
 } certificate;
 
@@ -94,6 +95,9 @@ static bool keep_pair(void *context, int32_t chunk, pel_pair_kind kind, pel_pair
 {
     (void)kind;
     certificate *it = context;
+    bool is_within = (it->numbers[pair.first] < it->split) == (it->numbers[pair.second] < it->split);
+    if (it->split > 0 && (is_within || it->counts[chunk] > 0))
+        return false;
     return triangles_intersect(it, pair) && ++it->counts[chunk] <= it->pair_limit;
 }
 
@@ -173,6 +177,20 @@ static void clear(certificate *it)
     pel_pair_search_clear(&it->search);
 }
 
+static pel_status search(certificate *it, pel_pair *pairs, int64_t *count, pel_error *error)
+{
+    pel_status status = collect_triangles(it);
+    if (status != PEL_OK)
+        pel_fail_memory(error);
+    pel_pair_search_begin(&it->search, test_limit(it));
+    if (status == PEL_OK && it->usable_count > 1)
+        status = find_pairs(it, error);
+    if (status == PEL_OK)
+        list_pairs(it, pairs, count);
+    clear(it);
+    return status;
+}
+
 pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, int32_t pair_limit, int64_t *count,
                                        pel_error *error)
 {
@@ -184,14 +202,14 @@ pel_status pel_mesh_self_intersections(const pel_mesh *mesh, pel_pair *pairs, in
     if (mesh->vertex_count < 0 || mesh->triangle_count < 0 || pair_limit < 0)
         return pel_fail(error, PEL_BAD_ARGUMENT, "a count is below 0");
     certificate it = {.mesh = mesh, .pair_limit = pair_limit};
-    pel_status status = collect_triangles(&it);
-    if (status != PEL_OK)
-        pel_fail_memory(error);
-    pel_pair_search_begin(&it.search, test_limit(&it));
-    if (status == PEL_OK && it.usable_count > 1)
-        status = find_pairs(&it, error);
-    if (status == PEL_OK)
-        list_pairs(&it, pairs, count);
-    clear(&it);
+    return search(&it, pairs, count, error);
+}
+
+pel_status pel_mesh_parts_intersect(const pel_mesh *mesh, int32_t split, bool *found)
+{
+    certificate it = {.mesh = mesh, .split = split};
+    int64_t count = 0;
+    pel_status status = search(&it, NULL, &count, NULL);
+    *found = count > 0;
     return status;
 }
