@@ -269,7 +269,7 @@ static void test_defs(void **unused)
     check_begin(&r, SHEET("method: xpbd", AIR));
     const pel_wind_def good = r.scene->sim.wind;
     pel_wind_def bad[] = {good, good, good, good, good, good, good};
-    bad[0].density = NAN;
+    bad[0].density = (double)NAN;
     bad[1].velocity[1] = (double)INFINITY;
     bad[2].lift = -0.1;
     bad[3].gusts = (pel_gust_def){.speed = 1, .length = 0};
