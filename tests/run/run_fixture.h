@@ -140,6 +140,7 @@ typedef struct run_case {
     rlim_t file_size;
     const char *block;   /* name in the folder that another folder takes at step 30; nullable */
     double keep_seconds; /* 0 = as by default */
+    int32_t nap;         /* ms that the run sleeps where it stops */
     int64_t max_frames;
     bool overwrite;
     int32_t threads;
@@ -175,7 +176,10 @@ static inline bool watch(void *user, const pel_run_progress *progress)
     char path[256];
     if (test->block != NULL && progress->step == 30)
         assert_int_equal(mkdir(in_folder(path, test->run, test->block), 0777), 0);
-    return test->stop_at == 0 || progress->step < test->stop_at;
+    bool goes_on = test->stop_at == 0 || progress->step < test->stop_at;
+    if (!goes_on && test->nap > 0)
+        nanosleep(&(struct timespec){.tv_nsec = 1000000L * test->nap}, NULL);
+    return goes_on;
 }
 
 static inline pel_status do_run(const pel_scene *scene, run_case *test)

@@ -30,6 +30,23 @@ static void test_resume_after_stop(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* the wall time of a run goes on after a resume: that of both parts, and none beside */
+static void test_wall_time(void **unused)
+{
+    (void)unused;
+    enum { NAP = 300 };
+    pel_scene *scene = load_scene(busy, NULL, 0);
+    run_case test = {.run = "wall", .stop_at = 50, .nap = NAP};
+    double start = pel_seconds();
+    check_run(scene, &test, PEL_STOPPED);
+    test.stop_at = 0;
+    test.resume = "checkpoint";
+    check_run(scene, &test, PEL_OK);
+    assert_true(test.summary.wall_s >= 1e-3 * NAP);
+    assert_true(test.summary.wall_s <= pel_seconds() - start);
+    pel_scene_destroy(scene);
+}
+
 /* stopped before its first step, resumed and stopped there again, with no frame that is due: measured all the same */
 static void test_stops_at_start(void **unused)
 {
@@ -291,11 +308,17 @@ static void test_refuses_checkpoints(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_resume_after_stop),    cmocka_unit_test(test_resume_from_older),
-        cmocka_unit_test(test_resume_at_end),        cmocka_unit_test(test_kill),
-        cmocka_unit_test(test_resume_leaks_nothing), cmocka_unit_test(test_changed_mesh),
-        cmocka_unit_test(test_kept_state),           cmocka_unit_test(test_state_not_kept),
-        cmocka_unit_test(test_refuses_checkpoints),  cmocka_unit_test(test_stops_at_start),
+        cmocka_unit_test(test_resume_after_stop),
+        cmocka_unit_test(test_resume_from_older),
+        cmocka_unit_test(test_resume_at_end),
+        cmocka_unit_test(test_kill),
+        cmocka_unit_test(test_resume_leaks_nothing),
+        cmocka_unit_test(test_changed_mesh),
+        cmocka_unit_test(test_kept_state),
+        cmocka_unit_test(test_state_not_kept),
+        cmocka_unit_test(test_refuses_checkpoints),
+        cmocka_unit_test(test_stops_at_start),
+        cmocka_unit_test(test_wall_time),
     };
     int failed = 0;
     /* two threads give the results of one */
