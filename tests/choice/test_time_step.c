@@ -32,6 +32,9 @@ static void test_choice(void **unused)
         {RULER "duration: 1\ntools: [ { shape: sphere, radius: 0.01, motion: [ { position: [0, 0, 1] } ] } ]\n", 0.01,
          NULL},
         {RULER "duration: 1000\n", 0.01, NULL},
+        {RULER "  - name: far\n    mesh: { shape: grid, nx: 2, ny: 2, translate: [0, 0, 9] }\n    membrane: { preset: "
+               "steel-sheet }\n    pinned: all\nduration: 1\n",
+         0.002, "vibration of body 'ruler', 10."},
         {RULER "duration: 150\n", 0.01, "it is damped"},
         {RULER "duration: 1\nloads: [ { name: flick, force: [0, 0, 1], from: 0.1, until: 0.104 } ]\n", 0.0004,
          "load 'flick' does in 0.004 s"},

@@ -37,11 +37,11 @@ typedef struct step_cost {
     double substep, implicit; /* a substep of xpbd, a step of implicit */
 } step_cost;
 
-static step_cost cost_of(const pel_scene *scene)
+static step_cost cost_of(const pel_scene *scene, bool touches)
 {
     enum { FREE, TOOLS, CONTACT };
     static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 250e-3}; /* of a triangle */
-    int kind = scene->sim.contact.enabled ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
+    int kind = touches ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
     double triangles = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
         triangles += scene->model.bodies[b].mesh->triangle_count;
@@ -50,7 +50,8 @@ static step_cost cost_of(const pel_scene *scene)
 
 double pel_scene_step_cost(const pel_scene *scene)
 {
-    return cost_of(scene).implicit;
+    /* bodies that have contact by default may never meet */
+    return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).implicit;
 }
 
 /* with more substeps than this, implicit is as exact in less time */
@@ -147,7 +148,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
-    const step_cost cost = cost_of(scene);
+    const step_cost cost = cost_of(scene, scene->sim.contact.enabled);
     /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);
     int32_t most = is_open ? most_substeps(&cost) : solver->max_substeps;
