@@ -132,14 +132,7 @@ static void test_refusals(void **unused)
          "regrasp: 1}}, motion: [{position: [0, 0, 0]}]}]\nduration: 1\n",
          "no body that it acts on can tear"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        run r;
-        pel_error error = {0};
-        assert_int_not_equal(begin(&r, cases[i].text, &error), PEL_OK);
-        if (strstr(error.what, cases[i].says) == NULL || error.remedy[0] == '\0')
-            fail_msg("%s (%s)", error.what, error.remedy);
-        end(&r);
-    }
+    check_refusals(cases, sizeof cases / sizeof *cases);
 }
 
 int main(void)

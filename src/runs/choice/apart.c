@@ -5,18 +5,14 @@
 #include "bvh/intersect.h"
 #include "mesh/figures.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
 static bool boxes_overlap(const pel_mesh *a, const pel_mesh *b)
 {
-    double low_a[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high_a[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, low_b[3],
-           high_b[3];
-    memcpy(low_b, low_a, sizeof low_b);
-    memcpy(high_b, high_a, sizeof high_b);
-    pel_mesh_add_box(a, low_a, high_a);
-    pel_mesh_add_box(b, low_b, high_b);
+    double low_a[3], high_a[3], low_b[3], high_b[3];
+    pel_mesh_box(a, low_a, high_a);
+    pel_mesh_box(b, low_b, high_b);
     bool overlap = true;
     for (int c = 0; c < 3; c++)
         overlap &= low_a[c] <= high_b[c] && low_b[c] <= high_a[c];

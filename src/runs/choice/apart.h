@@ -1,5 +1,5 @@
-#ifndef PEL_SCENE_APART_H
-#define PEL_SCENE_APART_H
+#ifndef PEL_CHOICE_APART_H
+#define PEL_CHOICE_APART_H
 
 #include "keys/value.h"
 #include "pellicle/scene.h"

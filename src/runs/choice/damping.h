@@ -1,6 +1,6 @@
 /* Loss factors of materials. */
-#ifndef PEL_SCENE_DAMPING_H
-#define PEL_SCENE_DAMPING_H
+#ifndef PEL_CHOICE_DAMPING_H
+#define PEL_CHOICE_DAMPING_H
 
 #include "keys/value.h"
 #include "pellicle/scene.h"

@@ -1,6 +1,6 @@
 /* Liquids that fill bodies. */
-#ifndef PEL_SCENE_FLUID_H
-#define PEL_SCENE_FLUID_H
+#ifndef PEL_CHOICE_FLUID_H
+#define PEL_CHOICE_FLUID_H
 
 #include "keys/value.h"
 #include "pellicle/scene.h"

@@ -1,6 +1,6 @@
 /* The method of a scene that leaves it to the program. */
-#ifndef PEL_SCENE_METHOD_H
-#define PEL_SCENE_METHOD_H
+#ifndef PEL_CHOICE_METHOD_H
+#define PEL_CHOICE_METHOD_H
 
 #include "keys/value.h"
 #include "pellicle/scene.h"

@@ -1,6 +1,6 @@
 /* The step of a scene that leaves it to the program. */
-#ifndef PEL_SCENE_TIME_STEP_H
-#define PEL_SCENE_TIME_STEP_H
+#ifndef PEL_CHOICE_TIME_STEP_H
+#define PEL_CHOICE_TIME_STEP_H
 
 #include "keys/value.h"
 #include "pellicle/scene.h"

@@ -1,6 +1,6 @@
 /* The blade of a session: it cuts along the edges that lead from hit to hit. */
-#ifndef PEL_RUN_BLADE_H
-#define PEL_RUN_BLADE_H
+#ifndef PEL_SESSION_BLADE_H
+#define PEL_SESSION_BLADE_H
 
 #include "pellicle/live.h"
 

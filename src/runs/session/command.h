@@ -1,6 +1,6 @@
 /* A command of a session as words. */
-#ifndef PEL_RUN_COMMAND_H
-#define PEL_RUN_COMMAND_H
+#ifndef PEL_SESSION_COMMAND_H
+#define PEL_SESSION_COMMAND_H
 
 #include "pellicle/session.h"
 
