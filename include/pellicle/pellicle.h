@@ -27,6 +27,7 @@
 #include "preset.h"
 #include "region.h"
 #include "results.h"
+#include "sequence.h"
 #include "shape.h"
 #include "shell.h"
 #include "sim.h"

@@ -75,6 +75,7 @@ typedef struct pel_pose {
     double position[3];
     double rotation[4]; /* x, y, z, w */
     double spin[3];     /* sum of the rotation vectors [rad] up to this pose: distinguishes whole turns from none */
+    double along;       /* m, of what changes its shape: the way of its fastest point up to this pose */
 } pel_pose;
 
 static inline void pel_pose_to_local(const pel_pose *pose, const double world[3], double local[3])
@@ -111,14 +112,15 @@ static inline void pel_pose_between(const pel_pose *a, const pel_pose *b, double
         pose->spin[i] = a->spin[i] + share * turn[i];
         pose->position[i] = a->position[i] + share * (b->position[i] - a->position[i]);
     }
+    pose->along = a->along + share * (b->along - a->along);
 }
 
-/* m: displacement of the position, plus the displacement by rotation of a point at a distance `radius` from it */
+/* m: displacement of the position, plus those by rotation of a point at a distance `radius` from it and by the shape */
 static inline double pel_pose_way(const pel_pose *a, const pel_pose *b, double radius)
 {
     double turn[3];
     pel_pose_turn(a, b, turn);
-    return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * radius;
+    return pel_vec3_distance(a->position, b->position) + pel_vec3_length(turn) * radius + fabs(b->along - a->along);
 }
 
 #endif

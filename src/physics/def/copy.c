@@ -97,7 +97,7 @@ static bool copy_members(pel_copies *copies, pel_def_kind kind, char *def, const
             is_copied = copy_members(copies, row->element, def + row->offset, mesh);
         else if (row->store == PEL_STORE_QUANTITY)
             is_copied = copy_quantity(copies, (pel_quantity *)(void *)(def + row->offset), mesh);
-        else if (row->store > PEL_STORE_QUANTITY && row->store != PEL_STORE_MESH)
+        else if (row->store > PEL_STORE_QUANTITY && row->store != PEL_STORE_MESH && row->store != PEL_STORE_SEQUENCE)
             is_copied = copy_behind(copies, row, def, mesh);
     }
     return is_copied;

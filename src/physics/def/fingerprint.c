@@ -1,6 +1,7 @@
 #include "def/fingerprint.h"
 
 #include "base/hash.h"
+#include "sequence/sequence.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -56,6 +57,12 @@ static void add_quantity(pel_fingerprint *fingerprint, pel_part part, const pel_
     add_list(fingerprint, part, quantity->keys, quantity->key_count, sizeof *quantity->keys);
 }
 
+static void add_sequence(pel_fingerprint *fingerprint, pel_part part, const pel_sequence *sequence)
+{
+    if (add_pointer(fingerprint, part, sequence))
+        pel_fingerprint_add_bytes(fingerprint, part, &sequence->fingerprint, sizeof sequence->fingerprint);
+}
+
 static void add_members(pel_fingerprint *fingerprint, pel_def_kind kind, const char *def, place outer);
 
 static void add_defs(pel_fingerprint *fingerprint, const pel_def_row *row, const char *defs, int32_t count, place outer)
@@ -79,6 +86,8 @@ static void add_behind(pel_fingerprint *fingerprint, const pel_def_row *row, con
         add_defs(fingerprint, row, pointer, count, at);
     else if (row->store == PEL_STORE_FIELD)
         add_field(fingerprint, row->part, pointer, at.mesh);
+    else if (row->store == PEL_STORE_SEQUENCE)
+        add_sequence(fingerprint, row->part, pointer);
     else if (row->store != PEL_STORE_MESH)
         add_list(fingerprint, row->part, pointer, count, row->size);
     else if (add_pointer(fingerprint, row->part, pointer) && !at.skips_meshes)

@@ -66,6 +66,7 @@ typedef enum pel_store {
     PEL_STORE_LIST,     /* nullable pointer with a count of elements of `size` bytes */
     PEL_STORE_FIELD,    /* nullable pointer to a double for each vertex of the body's mesh */
     PEL_STORE_MESH,     /* nullable const pel_mesh * */
+    PEL_STORE_SEQUENCE, /* nullable const pel_sequence * */
     PEL_STORE_TEXT,     /* nullable const char * */
     PEL_STORE_DEF,      /* a def of kind `element` */
     PEL_STORE_DEFS      /* nullable pointer with a count of defs of kind `element` */

@@ -59,6 +59,7 @@
         const pel_pose_key *: PEL_STORE_LIST,                                                                          \
         const int32_t *: PEL_STORE_LIST,                                                                               \
         const double *: PEL_STORE_FIELD,                                                                               \
+        const pel_sequence *: PEL_STORE_SEQUENCE,                                                                      \
         const pel_mesh *: PEL_STORE_MESH,                                                                              \
         const char *: PEL_STORE_TEXT)
 #define MEMBER(type, member) (((type *)NULL)->member)

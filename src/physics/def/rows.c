@@ -199,6 +199,22 @@ static const pel_def_row rows[] = {
     {"bodies[].support.motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
      .doc = "angle, counter-clockwise; from 0 to 720 is two turns"},
 
+    {"bodies[].follow", MAP,
+     .doc = "vertices that follow an animation, linear in time between its frames; a body that follows as a whole and "
+            "has no material is an obstacle that moves. Optional"},
+    {"bodies[].follow.file", TEXT, REQUIRED,
+     .doc = "point cache (.pc2); folder of meshes, in the order of their names; or a pattern with one *, such as "
+            "walk/step_*.obj. The frames have the vertices of `mesh.file`, and are moved like the mesh"},
+    {"bodies[].follow.fps", NUMBER, .unit = "1/s", POSITIVE, .preset = "24", .doc = "frames per second"},
+    {"bodies[].follow.start", NUMBER, .unit = "s", .preset = "0",
+     .doc = "time of the first frame; before it and after the last the positions are constant"},
+    {"bodies[].follow.at", REGION, .preset = "all", .doc = "vertices that follow"},
+    {"bodies[].follow.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
+     .doc = "time from which they follow; above 0 they keep their distance from the animation at that time"},
+    {"bodies[].follow.until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "time of their release"},
+    {"bodies[].follow.strength", NUMBER, .unit = "N", POSITIVE,
+     .doc = "force on a vertex above which it is released for good; default: no limit"},
+
     {"bodies[].supports", DEFS_OF(SIM, pel_sim_def, supports, support_count, SUPPORT, SUPPORTS), LIST, .preset = "[]",
      .doc = "supports of single displacement components, for the methods static and implicit; each reports its "
             "reaction force"},
@@ -695,6 +711,8 @@ static const pel_def_row rows[] = {
     {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},
     {NULL, TOOL_LIST(vertices, vertex_count)},
     {NULL, TOOL(center)},
+    {NULL, TOOL(sequence)},
+    {NULL, TOOL(strength)},
     {NULL, CONTACT(enabled)},
     {NULL, CONTACT(shell_thickness)},
     {NULL, CONTACT(relative_thickness), .initial = 1e-4},

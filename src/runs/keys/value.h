@@ -29,6 +29,8 @@ typedef struct pel_scene_value {
 
 /* what all parts of reading one scene share */
 /* the vertices of a mesh whose seams were welded */
+struct pel_sequence;
+
 typedef struct pel_scene_welding {
     const struct pel_mesh *mesh;
     const int32_t *index_of; /* (file_count) the vertex of each vertex of the file */
@@ -44,6 +46,7 @@ typedef struct pel_scene_reader {
     pel_scene_welding *weldings; /* of the meshes that have some */
     /* meshes of the bodies and tools in the order of the scene, which were made before; null = none */
     struct pel_mesh *const *made;
+    struct pel_sequence **sequences; /* (bodies) that they follow; null = none */
 } pel_scene_reader;
 
 /* a new value at a place, null when out of memory (the error is filled) */

@@ -11,6 +11,15 @@
    mesh_count of them also when this fails. `cuts` has room for those of the scene. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts);
+/* The sequence that a body follows (build_follow.c), among reader->sequences. Moves the mesh of a body that follows as a
+   whole to its start. */
+pel_status pel_scene_build_follow(pel_scene_reader *reader, const pel_scene_value *value, const char *folder,
+                                  int32_t body, pel_mesh *mesh);
+/* the support that holds the vertices that follow */
+pel_status pel_scene_read_follow(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
+                                 int32_t number, pel_tool_def *tool);
+/* `until` is after `from` */
+pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until);
 /* The cuts of one body (build_cuts.c): moves vertices of its mesh onto their paths, before anything else reads it. Then
    whether each cut has found its body. */
 pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const char *name, int32_t body,

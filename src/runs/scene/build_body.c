@@ -140,6 +140,9 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
             break;
         pel_scene_part source = {reader, value, meshes[count]};
         *mesh_count = count + 1;
+        status = pel_scene_build_follow(reader, value, folder, count, meshes[count]);
+        if (status != PEL_OK)
+            break;
         status = pel_scene_build_cuts(reader, root, pel_scene_value_entry(value, "name")->text, count,
                                       pel_scene_value_count(list), meshes[count], cuts);
         if (status == PEL_OK)

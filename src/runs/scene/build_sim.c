@@ -51,8 +51,8 @@ static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, con
     return PEL_OK;
 }
 
-/* from and until of a load or a grasp */
-static pel_status check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until)
+/* of a load or a grasp */
+pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until)
 {
     if (until > from)
         return PEL_OK;
@@ -73,7 +73,7 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
     if (status == PEL_OK)
         status = pel_scene_read_members(&part, PEL_DEF_LOAD, load);
     if (status == PEL_OK)
-        status = check_times(reader, value, load->from, load->until);
+        status = pel_scene_check_times(reader, value, load->from, load->until);
     if (status != PEL_OK)
         return status;
     pel_scene_region region;
@@ -167,7 +167,7 @@ static pel_status read_tool(pel_scene_reader *reader, pel_scene_value *value, co
     if (status == PEL_OK && body != NULL)
         status = find_body(reader, body, &scene->model, &tool->body);
     if (status == PEL_OK && grasp != NULL)
-        status = check_times(reader, grasp, tool->grasp_from, tool->grasp_until);
+        status = pel_scene_check_times(reader, grasp, tool->grasp_from, tool->grasp_until);
     static const double origin[3] = {0};
     return status == PEL_OK ? read_motion(reader, pel_scene_value_entry(value, "motion"), scene, origin, tool) : status;
 }
@@ -203,9 +203,12 @@ static pel_status read_supports(pel_scene_reader *reader, const pel_scene_value 
 {
     pel_status status = PEL_OK;
     int32_t b = 0;
-    for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++)
+    for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++) {
         if (pel_scene_value_entry(value, "support") != NULL)
             status = read_support(reader, value, scene, b, &tools[(*count)++]);
+        if (status == PEL_OK && reader->sequences[b] != NULL)
+            status = pel_scene_read_follow(reader, value, &scene->model.bodies[b], b, &tools[(*count)++]);
+    }
     return status;
 }
 
@@ -213,7 +216,7 @@ static pel_status read_tools(pel_scene_reader *reader, const pel_scene_value *ro
                              pel_scene *scene)
 {
     const pel_scene_value *list = pel_scene_value_entry(root, "tools"), *bodies = pel_scene_value_entry(root, "bodies");
-    size_t most = (size_t)pel_scene_value_count(list) + (size_t)pel_scene_value_count(bodies);
+    size_t most = (size_t)pel_scene_value_count(list) + 2 * (size_t)pel_scene_value_count(bodies);
     pel_tool_def *tools = pel_arena_take(reader->arena, most, sizeof *tools);
     if (tools == NULL)
         return pel_fail_memory(reader->error);

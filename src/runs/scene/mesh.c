@@ -38,7 +38,8 @@ static pel_status create_shape(pel_scene_reader *reader, const pel_scene_value *
 }
 
 /* makes the path in the tree absolute; the file must exist */
-static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, const char *folder)
+pel_status pel_scene_resolve_path(pel_scene_reader *reader, const char *what, pel_scene_value *file,
+                                  const char *folder)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     int length = file->text[0] == '/' ? snprintf(joined, sizeof joined, "%s", file->text)
@@ -46,7 +47,7 @@ static pel_status resolve_path(pel_scene_reader *reader, pel_scene_value *file, 
     errno = ENAMETOOLONG;
     if (length >= (int)sizeof joined || realpath(joined, absolute) == NULL) {
         const char *why = strerror(errno);
-        pel_fail(reader->error, PEL_BAD_FILE, "cannot open the mesh '%.150s': %s", file->text, why);
+        pel_fail(reader->error, PEL_BAD_FILE, "cannot open the %s '%.150s': %s", what, file->text, why);
         pel_fail_remedy(reader->error, "check the path; relative paths start at the folder of the scene, %.150s",
                         folder);
         return pel_scene_fail_at(reader, &file->place);
@@ -107,7 +108,7 @@ static pel_status read_file(pel_scene_reader *reader, pel_scene_value *value, co
     static const pel_mesh_format formats[] = {PEL_FORMAT_AUTO, PEL_FORMAT_OBJ, PEL_FORMAT_PLY,
                                               PEL_FORMAT_STL,  PEL_FORMAT_OFF, PEL_FORMAT_VTP};
     pel_scene_value *file = pel_scene_value_entry(value, "file");
-    pel_status status = resolve_path(reader, file, folder);
+    pel_status status = pel_scene_resolve_path(reader, "mesh", file, folder);
     if (status != PEL_OK)
         return status;
     pel_mesh_format format = formats[pel_scene_value_integer(value, "format")];
@@ -160,18 +161,27 @@ pel_status pel_scene_rotation_vector(pel_scene_reader *reader, const pel_scene_v
     return status;
 }
 
-static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh *mesh)
+pel_status pel_scene_transform(pel_scene_reader *reader, const pel_scene_value *value, pel_transform *transform)
 {
-    pel_transform transform = pel_transform_default();
     const pel_scene_value *scale = pel_scene_value_entry(value, "scale");
-    pel_status status = pel_scene_rotation(reader, pel_scene_value_entry(value, "rotate"), transform.rotation);
+    *transform = pel_transform_default();
+    pel_status status = pel_scene_rotation(reader, pel_scene_value_entry(value, "rotate"), transform->rotation);
     if (status != PEL_OK)
         return status;
-    pel_scene_value_numbers(pel_scene_value_entry(value, "translate"), transform.translation);
+    pel_scene_value_numbers(pel_scene_value_entry(value, "translate"), transform->translation);
     if (scale->form == PEL_FORM_VECTOR)
-        pel_scene_value_numbers(scale, transform.scale);
+        pel_scene_value_numbers(scale, transform->scale);
     else
-        pel_vec3_set(transform.scale, scale->number, scale->number, scale->number);
+        pel_vec3_set(transform->scale, scale->number, scale->number, scale->number);
+    return PEL_OK;
+}
+
+static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh *mesh)
+{
+    pel_transform transform;
+    pel_status status = pel_scene_transform(reader, value, &transform);
+    if (status != PEL_OK)
+        return status;
     status = pel_mesh_transform(mesh, &transform, reader->error);
     return status != PEL_OK ? pel_scene_fail_at(reader, &value->place) : PEL_OK;
 }

@@ -11,6 +11,12 @@
    */
 pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, const char *folder, pel_mesh **mesh);
 
+/* Makes the path of an existing file in the tree absolute; `what` is the word for it in errors. */
+pel_status pel_scene_resolve_path(pel_scene_reader *reader, const char *what, pel_scene_value *file,
+                                  const char *folder);
+/* The scale, rotation and translation of the map of a mesh. */
+pel_status pel_scene_transform(pel_scene_reader *reader, const pel_scene_value *value, pel_transform *transform);
+
 /* The numbers in the file, if its mesh was welded, of the vertices of a mesh that was made finer. */
 pel_status pel_scene_keep_welding(pel_scene_reader *reader, const pel_mesh *mesh, pel_mesh *fine);
 

@@ -25,6 +25,8 @@ typedef struct scene_storage {
     pel_arena arena;
     pel_mesh **meshes; /* (mesh_count) */
     int32_t mesh_count;
+    pel_sequence **sequences; /* (sequence_count) of bodies that follow one; others are null */
+    int32_t sequence_count;
     const pel_scene_value *root;
     const char *text; /* resolved */
 } scene_storage;
@@ -44,6 +46,8 @@ void pel_scene_destroy(pel_scene *scene)
     scene_storage *storage = scene->inner;
     for (int32_t b = 0; storage != NULL && b < storage->mesh_count; b++)
         pel_mesh_destroy(storage->meshes[b]);
+    for (int32_t b = 0; storage != NULL && b < storage->sequence_count; b++)
+        pel_sequence_destroy(storage->sequences[b]);
     if (storage != NULL)
         pel_arena_free(&storage->arena);
     pel_free(storage);
@@ -162,8 +166,11 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
     int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
     storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
-    if (storage->meshes == NULL)
+    reader->sequences = storage->sequences =
+        pel_arena_take(reader->arena, (size_t)body_count, sizeof *storage->sequences);
+    if (storage->meshes == NULL || storage->sequences == NULL)
         return pel_fail_memory(reader->error);
+    storage->sequence_count = body_count;
     pel_status status = build_parts(reader, root, folder, scene);
     if (status == PEL_OK)
         status = refine_meshes(reader, root, folder, &blank, scene);

@@ -25,6 +25,7 @@
 #include "math/functions.h"
 #include "observe/observe.h"
 #include "solve/shell_stability.h"
+#include "tool/follow.h"
 #include "tool/tool.h"
 
 #include <math.h>
@@ -350,6 +351,7 @@ static void add_tools(pel_sim *sim)
         sim->ledger->sums.work_tools -= pel_vec3_dot(force, shift) + pel_vec3_dot(torque, rotation);
         *before = now;
     }
+    sim->ledger->sums.work_tools += pel_tools_follow_work(sim);
 }
 
 /* ---- the step ---- */

@@ -8,6 +8,7 @@
 #include "bvh/mesh_query.h"
 #include "math/extremes.h"
 #include "stage/layer.h"
+#include "tool/follow.h"
 #include "tool/pose.h"
 #include "tool/start.h"
 
@@ -56,6 +57,10 @@ static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int
     if (!isfinite(def->center[0]) || !isfinite(def->center[1]) || !isfinite(def->center[2]))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a point in metres",
                                   "center of the support is not finite");
+    if (!(def->strength >= 0) || !(def->grasp_until > def->grasp_from))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give grasp_from < grasp_until, and a strength above 0 in newtons or 0 for none",
+                                  "the support ends before it begins, or its strength is %g N", def->strength);
     for (int32_t i = 0; i < def->vertex_count; i++) {
         int32_t v = def->vertices[i];
         if (v < 0 || v >= sim->given->bodies[def->body].mesh->vertex_count)
@@ -179,9 +184,8 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
         pel_levels_spread_marks(forest, tool->support_marks);
     }
     tool->grasp = true;
-    tool->grasp_from = 0;
-    tool->grasp_until = (double)HUGE_VAL;
     tool->press = false;
+    tool->strength = def->strength > 0 ? def->strength : (double)HUGE_VAL;
     tool->solid.radius = body->diameter;
     pel_vec3_copy(def->center, tool->center);
     return PEL_OK;
@@ -189,6 +193,7 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
 
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
+    tool->strength = (double)HUGE_VAL;
     size_t vertex_count = (size_t)sim->model->vertex_count;
     size_t triangle_count = (size_t)sim->model->triangle_count;
     snprintf(tool->name, sizeof tool->name, "%s", def->name);
@@ -240,6 +245,10 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     if (tool->support != NULL) {
         tool->pose = (pel_pose){.rotation = {0, 0, 0, 1}};
         pel_vec3_copy(tool->center, tool->pose.position);
+        pel_status status = pel_tool_follow_create(sim, def, (int32_t)(tool - sim->tools->items), error);
+        if (status != PEL_OK)
+            return status;
+        tool->pose.along = pel_tool_along(tool, 0);
     }
     tool->pose_before = tool->pose;
     return PEL_OK;
@@ -326,6 +335,7 @@ void pel_tools_destroy(pel_sim *sim)
                      tool->near.triangles, tool->in_reach.triangles);
         pel_mesh_destroy(tool->mesh);
         pel_mesh_query_destroy(tool->query);
+        pel_tool_follow_destroy(tool);
     }
     pel_free(sim->tools->items);
     pel_tool_search_destroy(sim->tools->search);

@@ -13,6 +13,7 @@
 
 #include "base/assert.h"
 #include "bvh/mesh_query.h"
+#include "tool/follow.h"
 #include "stage/stepper.h"
 #include "tool/pose.h"
 
@@ -131,14 +132,32 @@ void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
     sim->state->position[v][3] = 0;
     pel_vertex_position(sim->model->rest, v, rest);
     pel_vec3_subtract(rest, tool->center, tool->anchors[tool->held_count]);
+    if (tool->sequence != NULL)
+        pel_vec3_set(tool->anchors[tool->held_count], 0, 0, 0);
     tool->held[tool->held_count++] = v;
 }
 
+/* A support that begins later holds its vertices where they are by then. */
+static void hold_in_place(pel_sim *sim, pel_tool *tool, int32_t v, const pel_record *positions)
+{
+    const pel_tool_path path =
+        pel_tool_path_at(tool, positions == sim->state->position ? &tool->pose_before : &tool->pose);
+    double x[3];
+    if (sim->held[v])
+        return;
+    pel_tool_hold_at_rest(sim, tool, v);
+    pel_vertex_position(positions, v, x);
+    pel_tool_path_anchor(&path, v, x, tool->anchors[tool->held_count - 1]);
+}
+
 /* the vertices that were given, and those between them where the body is refined already */
-static void hold_support(pel_sim *sim, pel_tool *tool)
+static void hold_support(pel_sim *sim, pel_tool *tool, const pel_record *positions)
 {
     for (int32_t i = 0; i < tool->support_count; i++)
-        pel_tool_hold_at_rest(sim, tool, tool->support[i]);
+        if (tool->grasp_from > 0)
+            hold_in_place(sim, tool, tool->support[i], positions);
+        else
+            pel_tool_hold_at_rest(sim, tool, tool->support[i]);
     if (tool->support_marks == NULL)
         return;
     const pel_refined_body *own = &sim->active->bodies[tool->body];
@@ -168,7 +187,7 @@ bool pel_tool_update_grasp(pel_sim *sim, pel_tool *tool, double time, const pel_
         if (tool->support == NULL)
             grasp_bodies(sim, tool, positions);
         else
-            hold_support(sim, tool);
+            hold_support(sim, tool, positions);
         changed = true;
     }
     if (tool->phase == PEL_GRASP_HOLDING && time >= tool->grasp_until) {
@@ -206,20 +225,35 @@ void pel_tools_list_held(pel_sim *sim)
 
 /* ---- carrying ---- */
 
+/* m/s, the mean of the step */
+static void carried_velocity(const pel_sim *sim, const pel_tool_path *before, int32_t i, const double target[3],
+                             double velocity[3])
+{
+    if (before->tool->sequence == NULL) {
+        pel_tool_velocity(before->tool, target, sim->step.dt, velocity);
+        return;
+    }
+    double start[3];
+    pel_tool_path_target(before, i, start);
+    pel_vec3_subtract(target, start, velocity);
+    pel_vec3_scale(velocity, 1 / sim->step.dt, velocity);
+}
+
 /* held vertices go where the tool takes them */
 static void carry(pel_sim *sim, pel_tool *tool)
 {
     pel_state *state = sim->state;
+    const pel_tool_path before = pel_tool_path_at(tool, &tool->pose_before), path = pel_tool_path_at(tool, &tool->pose);
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
         double target[3], velocity[3], change[3];
-        pel_pose_to_world(&tool->pose, tool->anchors[i], target);
+        pel_tool_path_target(&path, i, target);
         for (int c = 0; c < 3; c++)
             state->position_next[v][c] = (pel_real)target[c];
         pel_tool_touch(tool, v);
         if (state->velocity_next == NULL)
             continue;
-        pel_tool_velocity(tool, target, sim->step.dt, velocity);
+        carried_velocity(sim, &before, i, target, velocity);
         for (int c = 0; c < 3; c++) {
             change[c] = velocity[c] - (double)state->velocity_next[v][c];
             state->velocity_next[v][c] = (pel_real)velocity[c];
@@ -302,6 +336,20 @@ static int32_t lose_vertices(pel_sim *sim, pel_tool *tool, double limit)
     return lost_count;
 }
 
+/* each vertex by itself */
+static int32_t lose_weak(pel_sim *sim, pel_tool *tool)
+{
+    int32_t kept = 0, lost_count = 0;
+    while (kept < tool->held_count)
+        if (grip_force(sim, tool, kept) > tool->strength) {
+            release_one(sim, tool, kept);
+            lost_count++;
+        } else {
+            kept++;
+        }
+    return lost_count;
+}
+
 static void count_loss(pel_tool_tally *tally, int32_t count, double time, double limit)
 {
     if (tally->lost_count == 0) {
@@ -320,6 +368,10 @@ static void lose_above_limit(pel_sim *sim, pel_tool *tool, double time)
     int32_t count = isfinite(limit) && !is_stuck ? lose_vertices(sim, tool, limit) : 0;
     for (; is_stuck && tool->held_count > 0; count++)
         release_one(sim, tool, 0);
+    if (isfinite(tool->strength)) {
+        limit = tool->strength;
+        count = lose_weak(sim, tool);
+    }
     if (count > 0)
         count_loss(&tool->tally, count, time, limit);
 }

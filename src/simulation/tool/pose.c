@@ -2,6 +2,7 @@
 #include "tool/pose.h"
 
 #include "math/extremes.h"
+#include "tool/follow.h"
 
 #include <string.h>
 
@@ -108,6 +109,7 @@ pel_pose pel_tool_pose_at(const pel_tool *tool, double time)
         return tool->driven_pose;
     pel_pose pose = pose_of_keys(tool->keys, tool->key_count, time);
     pel_vec3_add(pose.spin, tool->key_spins[find_key(tool->keys, tool->key_count, time)], pose.spin);
+    pose.along = pel_tool_along(tool, time);
     return pose;
 }
 

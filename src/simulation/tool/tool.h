@@ -6,6 +6,7 @@
 #include "contact/force.h"
 #include "geom/solid.h"
 #include "math/pose.h"
+#include "sequence/sequence.h"
 #include "stage/stage.h"
 #include "tool/search.h"
 
@@ -96,8 +97,12 @@ typedef struct pel_tool {
     int32_t support_count;
     uint8_t *support_marks; /* (vertices of the finest level) 1 = of the support; null = its body does not refine */
     double center[3];       /* of a keyed support at rest */
+    const pel_sequence *sequence; /* that a support follows (follow.h); null = none */
+    int32_t *rows;                /* (vertex_count) of held vertices in the sequence */
+    double (*booked_forces)[3];   /* (vertex_count) N, on the tool after the last step; null where velocities exist */
+    double strength;              /* N, of each held vertex of a support; infinite = no limit */
     int32_t *held;          /* (held_count) vertices held */
-    double (*anchors)[3];   /* (held_count) their places in the tool's frame */
+    double (*anchors)[3];   /* (held_count) their places in the tool's frame, less those of the sequence */
     double force[3], torque[3];
     double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts done */
     bool was_held_back, was_stopped, hold_is_counted;

@@ -2,6 +2,7 @@
 #include "tool/tools.h"
 
 #include "base/assert.h"
+#include "tool/follow.h"
 #include "tool/grip.h"
 #include "tool/pose.h"
 #include "tool/press.h"
@@ -94,8 +95,9 @@ void pel_tools_place(pel_sim *sim, double share)
         pel_tool *tool = &sim->tools->items[i];
         tool->pose_substep = tool->pose;
         pel_pose_between(&tool->pose_before, &tool->pose_wanted, share, &tool->pose);
+        const pel_tool_path path = pel_tool_path_at(tool, &tool->pose);
         for (int32_t k = 0; k < tool->held_count; k++)
-            pel_pose_to_world(&tool->pose, tool->anchors[k], sim->tools->held_targets[count++]);
+            pel_tool_path_target(&path, k, sim->tools->held_targets[count++]);
     }
 }
 
@@ -162,6 +164,8 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, tool->planes, PEL_PLANE_LIMIT * sizeof *tool->planes);
     pel_transfer(at, tool->force, sizeof tool->force);
     pel_transfer(at, tool->torque, sizeof tool->torque);
+    if (tool->booked_forces != NULL)
+        pel_transfer(at, tool->booked_forces, vertex_count * sizeof *tool->booked_forces);
     if (tool->grasp) {
         pel_transfer_list(at, tool->held, vertex_count, sizeof *tool->held);
         pel_transfer_list(at, tool->anchors, vertex_count, sizeof *tool->anchors);

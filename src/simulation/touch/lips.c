@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "math/extremes.h"
 #include "model/origin.h"
+#include "tool/follow.h"
 #include "tool/tools.h"
 #include "touch/contact.h"
 
@@ -187,6 +188,7 @@ static void move_anchors(const pel_sim *sim)
 {
     for (int32_t t = 0; t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
+        const pel_tool_path path = pel_tool_path_at(tool, &tool->pose);
         for (int32_t i = 0; i < tool->held_count; i++) {
             int32_t v = tool->held[i];
             double x[3];
@@ -194,7 +196,7 @@ static void move_anchors(const pel_sim *sim)
                                    sim->model->mesh_vertex[v]) < 1))
                 continue;
             pel_vertex_position(sim->state->position, v, x);
-            pel_pose_to_local(&tool->pose, x, tool->anchors[i]);
+            pel_tool_path_anchor(&path, v, x, tool->anchors[i]);
         }
     }
 }

@@ -102,7 +102,8 @@ void pel_sleep_destroy(pel_sim *sim)
 static bool is_still(const pel_tool *tool)
 {
     return memcmp(tool->pose_before.position, tool->pose_wanted.position, sizeof tool->pose.position) == 0 &&
-           memcmp(tool->pose_before.rotation, tool->pose_wanted.rotation, sizeof tool->pose.rotation) == 0;
+           memcmp(tool->pose_before.rotation, tool->pose_wanted.rotation, sizeof tool->pose.rotation) == 0 &&
+           !(tool->pose_before.along < tool->pose_wanted.along);
 }
 
 /* for the set, the method and supports */
