@@ -34,13 +34,13 @@ PEL_API pel_status pel_mesh_import(const char *path, const pel_log *log, pel_mes
    the file and writes the mesh to standard output. Returns the exit status. */
 PEL_API int pel_mesh_import_child(const char *path);
 
-/* Reads positions over time: a point cache (.pc2); all mesh files of a folder that pel_mesh_import reads; or the files of
-   a pattern with one * in the file name, such as walk/step_*.obj. Files are sorted by name, numbers in them by value.
-   All have the vertices and triangles of the first one; a polygon may be split along another diagonal. Frame i is at
-   i / fps [s], that of a point cache at i times its sample rate / fps; its start frame is ignored. On failure *sequence
-   is null; free with pel_sequence_destroy. Errors: PEL_BAD_FILE (missing, no file that matches), PEL_BAD_FORMAT
-   (damaged, other vertices or triangles; with the file and the counts), PEL_BAD_ARGUMENT (fps not above 0),
-   PEL_OUT_OF_MEMORY. */
+/* Reads positions over time: a point cache (.pc2); all mesh files of a folder that pel_mesh_import reads; or the files
+   of a pattern with one * in the file name, such as walk/step_*.obj. Files are sorted by name, numbers in them by
+   value. All have the vertices and triangles of the first one; a polygon may be split along another diagonal. Frame i
+   is at i / fps [s], that of a point cache at i times its sample rate / fps; its start frame is ignored. On failure
+   *sequence is null; free with pel_sequence_destroy. Errors: PEL_BAD_FILE (missing, no file that matches),
+   PEL_BAD_FORMAT (damaged, other vertices or triangles; with the file and the counts), PEL_BAD_ARGUMENT (fps not above
+   0), PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sequence_read(const char *path, double fps, pel_sequence **sequence, pel_error *error);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Pellicle: positions of vertices over time, such as an animated figure that a simulation follows. Files of them are read
-   by pel_sequence_read (pellicle/import.h). */
+/* Pellicle: positions of vertices over time, such as an animated figure that a simulation follows. Files of them are
+   read by pel_sequence_read (pellicle/import.h). */
 #ifndef PELLICLE_SEQUENCE_H
 #define PELLICLE_SEQUENCE_H
 
@@ -14,8 +14,8 @@ extern "C" {
 typedef struct pel_sequence pel_sequence;
 
 /* Copies frame_count x vertex_count x 3 numbers [m] and the rising times of the frames [s]. Free with
-   pel_sequence_destroy. PEL_BAD_ARGUMENT with the frame: no frame, no vertex, a number that is not finite, times that do
-   not rise; PEL_OUT_OF_MEMORY. */
+   pel_sequence_destroy. PEL_BAD_ARGUMENT with the frame: no frame, no vertex, a number that is not finite, times that
+   do not rise; PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sequence_create(const double *positions, const double *times, int32_t frame_count,
                                        int32_t vertex_count, pel_sequence **sequence, pel_error *error);
 

@@ -76,9 +76,9 @@ typedef struct pel_tool_def {
     int32_t vertex_count;
     double center[3]; /* m, at rest */
     /* PEL_TOOL_SUPPORT, nullable: x is that of the vertex in the sequence instead of X, from grasp_from until
-       grasp_until. The sequence has a row for each vertex of the body's mesh; of copies at cuts that of their origin. The
-       simulation keeps a share of it. A support whose grasp_from is above 0 keeps the distance of its vertices from the
-       sequence at that time. The body may not refine */
+       grasp_until. The sequence has a row for each vertex of the body's mesh; of copies at cuts that of their origin.
+       The simulation keeps a share of it. A support whose grasp_from is above 0 keeps the distance of its vertices from
+       the sequence at that time. The body may not refine */
     const pel_sequence *sequence;
     double strength; /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
                         step is released for good */

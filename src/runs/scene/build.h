@@ -11,8 +11,8 @@
    mesh_count of them also when this fails. `cuts` has room for those of the scene. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts);
-/* The sequence that a body follows (build_follow.c), among reader->sequences. Moves the mesh of a body that follows as a
-   whole to its start. */
+/* The sequence that a body follows (build_follow.c), among reader->sequences. Moves the mesh of a body that follows as
+   a whole to its start. */
 pel_status pel_scene_build_follow(pel_scene_reader *reader, const pel_scene_value *value, const char *folder,
                                   int32_t body, pel_mesh *mesh);
 /* the support that holds the vertices that follow */

@@ -38,8 +38,7 @@ static pel_status create_shape(pel_scene_reader *reader, const pel_scene_value *
 }
 
 /* makes the path in the tree absolute; the file must exist */
-pel_status pel_scene_resolve_path(pel_scene_reader *reader, const char *what, pel_scene_value *file,
-                                  const char *folder)
+pel_status pel_scene_resolve_path(pel_scene_reader *reader, const char *what, pel_scene_value *file, const char *folder)
 {
     char joined[PATH_MAX], absolute[PATH_MAX];
     int length = file->text[0] == '/' ? snprintf(joined, sizeof joined, "%s", file->text)

@@ -89,8 +89,8 @@ pel_tool_path pel_tool_path_at(const pel_tool *tool, const pel_pose *pose)
 {
     pel_tool_path path = {.tool = tool, .pose = pose};
     if (tool->sequence != NULL)
-        path.moment = pel_sequence_find(tool->sequence,
-                                        tool->sequence->speed > 0 ? pose->along / tool->sequence->speed : 0);
+        path.moment =
+            pel_sequence_find(tool->sequence, tool->sequence->speed > 0 ? pose->along / tool->sequence->speed : 0);
     return path;
 }
 
@@ -129,7 +129,8 @@ void pel_tool_path_anchor(const pel_tool_path *path, int32_t v, const double x[3
 /* The pose has done its own work in the ledger: here each vertex moves in the frame of the tool. */
 static double work_of(pel_sim *sim, pel_tool *tool)
 {
-    const pel_tool_path before = pel_tool_path_at(tool, &tool->pose_before), after = pel_tool_path_at(tool, &tool->pose);
+    const pel_tool_path before = pel_tool_path_at(tool, &tool->pose_before),
+                        after = pel_tool_path_at(tool, &tool->pose);
     double work = 0;
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];

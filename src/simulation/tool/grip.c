@@ -13,8 +13,8 @@
 
 #include "base/assert.h"
 #include "bvh/mesh_query.h"
-#include "tool/follow.h"
 #include "stage/stepper.h"
+#include "tool/follow.h"
 #include "tool/pose.h"
 
 /* of the strength of the held vertices: rubber bears 2 at five times its length, laws that stiffen bear more */

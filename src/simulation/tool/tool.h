@@ -101,8 +101,8 @@ typedef struct pel_tool {
     int32_t *rows;                /* (vertex_count) of held vertices in the sequence */
     double (*booked_forces)[3];   /* (vertex_count) N, on the tool after the last step; null where velocities exist */
     double strength;              /* N, of each held vertex of a support; infinite = no limit */
-    int32_t *held;          /* (held_count) vertices held */
-    double (*anchors)[3];   /* (held_count) their places in the tool's frame, less those of the sequence */
+    int32_t *held;                /* (held_count) vertices held */
+    double (*anchors)[3];         /* (held_count) their places in the tool's frame, less those of the sequence */
     double force[3], torque[3];
     double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts done */
     bool was_held_back, was_stopped, hold_is_counted;
