@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "def/fingerprint.h"
+#include "sequence/sequence.h"
 
 #include <stdlib.h>
 
@@ -11,6 +12,7 @@ typedef struct all_defs {
     double positions[4][3];
     int32_t triangles[2][3], vertices[3];
     pel_mesh mesh;
+    pel_sequence sequence; /* of which only its own fingerprint counts */
     double field[4];
     pel_key keys[2];
     pel_pose_key poses[2];
@@ -64,6 +66,7 @@ static all_defs *make_defs(void)
         all->loads[i].key_count = 2;
         all->tools[i] = pel_tool_def_default();
         all->tools[i].mesh = &all->mesh;
+        all->tools[i].sequence = &all->sequence;
         all->tools[i].keys = all->poses;
         all->tools[i].key_count = 2;
         all->tools[i].vertices = all->vertices;
@@ -196,6 +199,10 @@ static void change_member(walk *w, const pel_def_row *row, char *def)
         change_pointer(w, row->part, at, false);
         change_bytes(w, row->part, w->all->positions, sizeof w->all->positions, true);
         change_bytes(w, row->part, w->all->triangles, sizeof w->all->triangles, true);
+        break;
+    case PEL_STORE_SEQUENCE:
+        change_pointer(w, row->part, at, false);
+        change_bytes(w, row->part, &w->all->sequence.fingerprint, sizeof w->all->sequence.fingerprint, true);
         break;
     case PEL_STORE_DEF:
         change_members(w, row->element, at);
