@@ -230,6 +230,42 @@ static void test_clear(void **unused)
     end(&p);
 }
 
+/* after slow steps that added up the known pairs are those of the present, the nearest of them included; not after
+   fast ones, and not where they would not serve the step */
+static void test_settle(void **unused)
+{
+    (void)unused;
+    pieces p;
+    begin(&p);
+    random_state random = {11};
+    const double none[3] = {0, 0, 0};
+    const double(*rest)[3] = (const double(*)[3])p.mesh->positions;
+    size_t size = (size_t)p.mesh->vertex_count * sizeof(double[3]);
+    double(*start)[3] = malloc(size), (*next)[3] = malloc(size);
+    memcpy(start, rest, size);
+    move(p.mesh, start, 0.004, none, &random);
+    memcpy(next, start, size);
+    next[3][2] += 0.02;
+    assert_true(pel_clearance_renew(&p.clearance, p.candidates, rest, rest, needed, margin, NULL));
+    const double reach = p.clearance.reach, before = p.clearance.nearest;
+    const pel_tree *tree = p.candidates->tree;
+    pel_clearance_settle(&p.clearance, tree, rest, rest, needed, NULL);
+    pel_clearance_settle(&p.clearance, tree, (const double(*)[3])start, (const double(*)[3])next, needed, NULL);
+    pel_clearance_settle(&p.clearance, tree, (const double(*)[3])start, (const double(*)[3])start, needed + margin,
+                         NULL);
+    assert_true(p.clearance.reach == reach && p.clearance.nearest == before);
+    pel_clearance_settle(&p.clearance, tree, (const double(*)[3])start, (const double(*)[3])start, needed, NULL);
+    assert_true(p.clearance.reach < reach && p.clearance.reach > needed);
+    assert_memory_equal(p.clearance.positions, start, size);
+    int64_t count = check_known(&p, (const double(*)[3])start, p.clearance.reach);
+    assert_int_equal(count, p.clearance.vertex_face.count + p.clearance.edge_edge.count);
+    double now = p.clearance.nearest;
+    assert_true(now != before && fabs(now - nearest(&p, (const double(*)[3])start)) < 1e-6);
+    free(start);
+    free(next);
+    end(&p);
+}
+
 /* fast steps are not worth a search, and slow ones after pairs that served little wait */
 static void test_worth(void **unused)
 {
@@ -284,7 +320,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_damaged_memory), cmocka_unit_test(test_known_pairs), cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_clear),          cmocka_unit_test(test_worth),
+        cmocka_unit_test(test_clear),          cmocka_unit_test(test_worth),       cmocka_unit_test(test_settle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

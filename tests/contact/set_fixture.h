@@ -19,6 +19,7 @@ typedef struct arrays {
     int32_t triangles[MOST_TRIANGLES][3];
     pel_obstacle obstacles[2];
     pel_contact_group groups[4];
+    bool has_layers;
 } arrays;
 
 /* a body of rows x rows vertices over the unit square, with noise, at a height; unused vertices fill its last slice */
@@ -86,6 +87,7 @@ static inline pel_status make_set(const arrays *a, pel_contact_set **set, pel_er
         .shortest_edge = 0.05,
         .self = true,
         .between = true,
+        .has_layers = a->has_layers,
         .method = PEL_CCD_CONSERVATIVE,
         .limit = 10000,
     };

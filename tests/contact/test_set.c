@@ -120,6 +120,96 @@ static void test_pairs(void **unused)
     assert_true(most > 50);
 }
 
+/* points anywhere within `way` of a place */
+static void shake(const double (*about)[3], int32_t count, double way, random_state *random, double (*x)[3])
+{
+    for (int32_t p = 0; p < count; p++) {
+        double step[3];
+        for (int k = 0; k < 3; k++)
+            step[k] = random_between(random, -1, 1);
+        pel_vec3_along(about[p], way / pel_vec3_length(step), step, x[p]);
+    }
+}
+
+/* every vertex nearer to a triangle than the thickness has a pair with that or one beside it; returns how many */
+static int32_t check_listed(const arrays *a, const pel_contact_set *set)
+{
+    int32_t count = 0;
+    for (int32_t t = 0; t < a->triangle_count; t++)
+        for (int32_t v = 0; v < a->vertex_count; v++) {
+            double x[4][3], weights[4];
+            const int32_t *corners = a->triangles[t];
+            bool is_listed = false;
+            if (!(a->mass[v] > 0) || share_vertex(&v, 1, corners, 3))
+                continue;
+            position(a, v, x[0]);
+            for (int i = 0; i < 3; i++)
+                position(a, corners[i], x[i + 1]);
+            if (!(pel_closest_point_triangle(x[0], x[1], x[2], x[3], weights) < THICKNESS * THICKNESS))
+                continue;
+            for (int32_t c = 0; c < set->list.count && !is_listed; c++)
+                is_listed = !set->keys[c].edge_edge && set->keys[c].first == v &&
+                            share_vertex(set->keys[c].points + 1, 3, corners, 3);
+            assert_true(is_listed);
+            count++;
+        }
+    return count;
+}
+
+/* While all is near the home of a search with layers, its list has all pairs that touch; loads and slacks stay with
+   their pairs. */
+static void test_serves(void **unused)
+{
+    (void)unused;
+    random_state random = {5};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 7, 0, 0.01, &random);
+    add_sheet(&a, 6, 0.025, 0.01, &random);
+    a.has_layers = true;
+    pel_contact_set *set = create(&a);
+    assert_false(pel_contact_set_serves(set));
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
+    assert_true(pel_contact_set_serves(set));
+    int32_t near = 0, first = set->list.count;
+    set->keys[3].load = 7;
+    const pel_contact_key loaded = set->keys[3];
+    for (int round = 0; round < ROUNDS(20, 5); round++) {
+        shake((const double(*)[3])set->home, set->vertex_count, 0.24 * set->margin, &random, set->start);
+        memcpy(set->end, set->start, (size_t)set->vertex_count * sizeof *set->end);
+        for (int32_t v = 0; v < a.vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                a.rest[v][k] = (pel_real)set->start[v][k];
+        assert_true(pel_contact_set_serves(set));
+        assert_int_equal(pel_contact_set_find_same(set, 0.01, NULL), PEL_OK);
+        assert_true(set->list.count > 0 && set->list.count <= first);
+        near += check_listed(&a, set);
+        double sum = 0;
+        for (int32_t c = 0; c < set->list.count; c++) {
+            sum += set->keys[c].load;
+            assert_true(!(set->keys[c].load > 0) || set->keys[c].first == loaded.first);
+        }
+        assert_true(sum == 7);
+    }
+    assert_true(near > 100);
+    shake((const double(*)[3])set->home, set->vertex_count, 0.26 * set->margin, &random, set->end);
+    assert_false(pel_contact_set_serves(set));
+    memcpy(set->end, set->home, (size_t)set->vertex_count * sizeof *set->end);
+    memcpy(set->start, set->home, (size_t)set->vertex_count * sizeof *set->end);
+    assert_true(pel_contact_set_serves(set));
+    /* a number that no feature has, as a snapshot may contain */
+    set->keys[0].second = set->triangle_count;
+    assert_false(pel_contact_set_serves(set));
+    set->keys[0].second = 0;
+    pel_contact_set_widen(set);
+    assert_false(pel_contact_set_serves(set));
+    /* a list for more motion than there is */
+    set->margin *= 2;
+    assert_int_equal(pel_contact_set_find(set, 0, 0.01, NULL), PEL_OK);
+    assert_false(pel_contact_set_serves(set));
+    pel_contact_set_destroy(set);
+}
+
 /* ---- closed forms ---- */
 
 /* the gap of a contact at positions, over all its points */
@@ -715,7 +805,7 @@ int main(void)
         cmocka_unit_test(test_far_flight),     cmocka_unit_test(test_limit),
         cmocka_unit_test(test_search_is_kept), cmocka_unit_test(test_far_through),
         cmocka_unit_test(test_seconds),        cmocka_unit_test(test_strangers),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_serves),         cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,7 @@
 #include "sim/contact_scene.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
+#include "touch/contact.h"
 
 /* A sheet that rests on a box: its layers carry the weight from step to step, and nothing moves. */
 static void test_rests_on_solid(void **unused)
@@ -153,13 +154,55 @@ static void test_stack_lands(void **unused)
     scene_end(&scene, sim);
 }
 
+static pel_sim *make_resting(contact_scene *scene)
+{
+    scene_begin(scene, PEL_METHOD_XPBD);
+    scene_body(scene, make_stack(4, 4, 0.1, 6e-4));
+    scene->bodies[0].mass = 0.006 / 25;
+    scene->bodies[0].spring_stiffness.value = 200;
+    scene->gravity = -9.81;
+    scene->def.contact.thickness = 5e-4;
+    scene->def.contact.friction = 0.3;
+    scene->def.contact.sleep = false;
+    scene->def.solver.substeps = 48;
+    pel_vec3_set(scene_tool(scene, PEL_TOOL_BOX)->half_extents, 5, 5, 0.5);
+    scene_move(scene, 0, 0.05, 0.05, -0.5, -0.5, 1);
+    return scene_create(scene);
+}
+
+/* In a stack that rests awake the pairs of one search serve for all steps, and no step looks for conflicts; a snapshot
+   of it goes on in the same way. */
+static void test_stack_rests(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    pel_sim *sim = make_resting(&scene);
+    run_free(sim, 30);
+    const pel_contact_statistics before = sim->contacts->statistics;
+    size_t size = pel_sim_save_size(sim);
+    unsigned char *bytes = malloc(size);
+    pel_sim_save(sim, bytes);
+    pel_sim *other = make_sim(&scene.def);
+    assert_int_equal(pel_sim_load(other, bytes, size, NULL), PEL_OK);
+    for (int n = 0; n < 20; n++) {
+        run_free(sim, 1);
+        run_steps(other, 1);
+        assert_true(sim->touch->is_same && other->touch->is_same);
+        assert_true(pel_sim_hash(other) == pel_sim_hash(sim));
+    }
+    assert_true(sim->contacts->statistics.candidates == before.candidates);
+    assert_true(other->contacts->statistics.candidates == before.candidates);
+    assert_true(sim->contacts->list.count >= 3 * 25);
+    free(bytes);
+    pel_sim_destroy(other);
+    scene_end(&scene, sim);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rests_on_solid),
-        cmocka_unit_test(test_held_back),
-        cmocka_unit_test(test_strays),
-        cmocka_unit_test(test_stack_lands),
+        cmocka_unit_test(test_rests_on_solid), cmocka_unit_test(test_held_back),   cmocka_unit_test(test_strays),
+        cmocka_unit_test(test_stack_lands),    cmocka_unit_test(test_stack_rests),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

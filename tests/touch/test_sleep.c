@@ -41,6 +41,8 @@ static void test_sleeps(void **unused)
     const double weight = 8 * 0.01 * 2 * scene.meshes[0]->vertex_count;
     run_free(sim, 250);
     assert_int_equal(sim->contacts->asleep_count, 2);
+    /* what moves next is searched for */
+    assert_false(sim->contacts->has_home);
     assert_true(statistics_of(sim).sleeping > 10);
     double before = place_of(sim, 2), forces[3 * 16];
     for (int n = 0; n < 20; n++) {

@@ -175,9 +175,9 @@ static void test_forged_lists(void **unused)
     run_steps(sim, PRESSED);
     bytes good = save(sim);
     size_t lists = good.size - pel_snapshot_lists_size(sim);
-    /* tangles: whether they are known, their count; layers: margin, horizon, whether the margin was widened, count,
-       then the first */
-    size_t margin = lists + 1 + 8, horizon = margin + 8, count = horizon + 8 + 1, first = count + 8;
+    /* tangles: whether they are known, their count; layers: margin, horizon, whether the margin was widened and the
+       pairs serve on, count, then the first */
+    size_t margin = lists + 1 + 8, horizon = margin + 8, count = horizon + 8 + 2, first = count + 8;
     const int64_t counts[] = {-1, 1 << 20, INT64_MAX, INT64_MIN};
     for (int i = 0; i < 4; i++) {
         check_forged(sim, &good, lists + 1, &counts[i], 8);

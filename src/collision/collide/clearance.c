@@ -15,6 +15,8 @@ enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
 
 /* of lengths: more than the rounding of distances */
 #define SLACK 1e-6
+/* of the distance of the nearest pair: from this approach on it may be worth to measure that anew */
+#define SETTLE_SHARE 0.05
 
 pel_status pel_clearance_create(int32_t point_count, pel_clearance *clearance, pel_error *error)
 {
@@ -206,23 +208,78 @@ void pel_clearance_go(pel_clearance *clearance, const pel_record *positions, dou
 
 /* ---- pairs ---- */
 
-/* m, distance of the nearest known pair; infinite without pairs */
-static double nearest_distance(const pel_clearance *clearance, const pel_tree *tree)
+/* m2, distance of a pair at the positions */
+static double squared_distance(const pel_clearance *clearance, const pel_tree *tree, bool edge_edge, pel_pair pair)
 {
     const double(*x)[3] = (const double(*)[3])clearance->positions;
-    double square = HUGE_VAL, weights[4];
-    for (size_t i = 0; i < clearance->vertex_face.count; i++) {
-        const pel_pair *pair = &clearance->vertex_face.pairs[i];
-        const int32_t *c = tree->triangles[pair->second];
-        square = pel_min(square, pel_closest_point_triangle(x[pair->first], x[c[0]], x[c[1]], x[c[2]], weights));
-    }
-    for (size_t i = 0; i < clearance->edge_edge.count; i++) {
+    double weights[4];
+    if (edge_edge) {
         int32_t a[2], b[2];
-        pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].first, a);
-        pel_tree_edge_ends(tree, clearance->edge_edge.pairs[i].second, b);
-        square = pel_min(square, pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights));
+        pel_tree_edge_ends(tree, pair.first, a);
+        pel_tree_edge_ends(tree, pair.second, b);
+        return pel_closest_segment_segment(x[a[0]], x[a[1]], x[b[0]], x[b[1]], weights);
     }
-    return sqrt(square);
+    const int32_t *c = tree->triangles[pair.second];
+    return pel_closest_point_triangle(x[pair.first], x[c[0]], x[c[1]], x[c[2]], weights);
+}
+
+/* pairs of one kind, measured at once: chunks of the list are kept where they stand until all are measured */
+typedef struct measure_job {
+    pel_clearance *clearance;
+    const pel_tree *tree;
+    pel_pair_list *list;
+    bool edge_edge;
+    size_t kept[PARTS];
+    double least[PARTS];
+} measure_job;
+
+static size_t part_begin(const measure_job *job, int32_t part)
+{
+    return job->list->count * (size_t)part / (size_t)PARTS;
+}
+
+static void measure_pairs(void *context, int32_t part)
+{
+    measure_job *job = context;
+    double reach = job->clearance->reach, least = HUGE_VAL;
+    pel_pair *pairs = job->list->pairs;
+    size_t kept = part_begin(job, part);
+    for (size_t i = kept; i < part_begin(job, part + 1); i++) {
+        double square = squared_distance(job->clearance, job->tree, job->edge_edge, pairs[i]);
+        least = pel_min(least, square);
+        pairs[kept] = pairs[i];
+        if (!(square > reach * reach))
+            kept++;
+    }
+    job->kept[part] = kept - part_begin(job, part);
+    job->least[part] = least;
+}
+
+/* drops the pairs of one kind that are beyond the reach; returns the least distance of the others [m] */
+static double measure_kind(pel_clearance *clearance, const pel_tree *tree, bool edge_edge, pel_pool *pool)
+{
+    pel_pair_list *list = edge_edge ? &clearance->edge_edge : &clearance->vertex_face;
+    measure_job job = {.clearance = clearance, .tree = tree, .list = list, .edge_edge = edge_edge};
+    double least = HUGE_VAL;
+    size_t count = 0;
+    if (list->count == 0)
+        return HUGE_VAL;
+    pel_pool_run(pool, PARTS, measure_pairs, &job);
+    for (int32_t part = 0; part < PARTS; part++) {
+        memmove(list->pairs + count, list->pairs + part_begin(&job, part), job.kept[part] * sizeof *list->pairs);
+        count += job.kept[part];
+        least = pel_min(least, job.least[part]);
+    }
+    list->count = count;
+    return sqrt(least);
+}
+
+/* the pairs within the reach of the positions, and the nearest of them; infinite without pairs */
+static void measure_all(pel_clearance *clearance, const pel_tree *tree, pel_pool *pool)
+{
+    double nearest = measure_kind(clearance, tree, false, pool);
+    clearance->nearest = pel_min(nearest, measure_kind(clearance, tree, true, pool));
+    clearance->approach = HUGE_VAL;
 }
 
 /* counts slow steps in which a try is put off, longer each time that the last one served few */
@@ -254,9 +311,27 @@ bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, c
         return false;
     memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
     clearance->reach = reach;
-    clearance->nearest = nearest_distance(clearance, candidates->tree);
-    clearance->approach = HUGE_VAL;
+    measure_all(clearance, candidates->tree, pool);
     return true;
+}
+
+void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const double (*start)[3],
+                          const double (*end)[3], double needed, pel_pool *pool)
+{
+    motion_job step = {.from = start, .to = {end}, .point_count = clearance->point_count, .target_count = 1};
+    motion_job gone = {.from = (const double(*)[3])clearance->positions,
+                       .to = {start},
+                       .point_count = clearance->point_count,
+                       .target_count = 1};
+    double way = longest_approach(&gone, pool);
+    if (!(way > SETTLE_SHARE * clearance->nearest))
+        return;
+    double reach = room_of(clearance->reach, way), own = longest_approach(&step, pool);
+    if (!(WORTH_STEPS * own < way) || !(own < room_of(reach, needed)))
+        return;
+    memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
+    clearance->reach = reach;
+    measure_all(clearance, tree, pool);
 }
 
 /* ---- memory ---- */
@@ -287,8 +362,7 @@ pel_status pel_clearance_recall(pel_clearance *clearance, pel_candidates *candid
                                             &clearance->vertex_face, &clearance->edge_edge, error);
     if (status == PEL_OK) {
         clearance->reach = reach;
-        clearance->nearest = nearest_distance(clearance, candidates->tree);
-        clearance->approach = HUGE_VAL;
+        measure_all(clearance, candidates->tree, pool);
     }
     return status;
 }

@@ -56,6 +56,12 @@ void pel_clearance_go(pel_clearance *clearance, const pel_record *positions, dou
 bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, const double (*start)[3],
                          const double (*end)[3], double needed, double margin, pel_pool *pool);
 
+/* After the known pairs served a step from start to end, in which they come nearer than `needed` [m]: if it was short,
+   and many before it have brought points nearer to each other, the known pairs are those at `start` from now on, with
+   less reach. The nearest pair is so found again where surfaces have come to rest. */
+void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const double (*start)[3],
+                          const double (*end)[3], double needed, pel_pool *pool);
+
 enum { PEL_CLEARANCE_PARTS = 5 };
 
 /* Its state except the pairs, which follow from it (pel_candidates_memory). */

@@ -512,8 +512,10 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
     if (status != PEL_OK)
         return status;
     double needed = needed_distance(query);
-    if (pel_clearance_serves(clearance, start, end, needed, collider->pool) ||
-        pel_clearance_renew(clearance, c, start, end, needed, c->margin, collider->pool)) {
+    bool serves = pel_clearance_serves(clearance, start, end, needed, collider->pool);
+    if (serves)
+        pel_clearance_settle(clearance, c->tree, start, end, needed, collider->pool);
+    if (serves || pel_clearance_renew(clearance, c, start, end, needed, c->margin, collider->pool)) {
         *vertex_face = clearance->vertex_face;
         *edge_edge = clearance->edge_edge;
         return PEL_OK;

@@ -22,6 +22,8 @@ enum { VELOCITY_SWEEPS = 4 };
    shortest edge */
 #define LEAST_MARGIN 0.5
 #define MOST_MARGIN 0.1
+/* of the margin: the list of a search serves in further steps while nothing is farther from where its way ended */
+#define HOME_SHARE 0.25
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -85,7 +87,7 @@ void pel_contact_set_destroy(pel_contact_set *set)
         return;
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
-                 set->start, set->end, set->substep_start, set->substep_end, set->list.contacts, set->keys,
+                 set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
                  set->other_keys, set->calm, set->active, set->owed, set->other_contacts, set->heights.list.contacts,
                  set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
                  set->impacts, set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
@@ -204,8 +206,11 @@ bool pel_contact_set_restore(pel_contact_set *set)
                    isfinite(key->drag[0] + key->drag[1] + key->drag[2]) && set->list.contacts[c].compliance >= 0 &&
                    (c == 0 || compare_keys(key - 1, key) < 0);
     }
+    for (int32_t p = 0; is_whole && set->has_home && p < set->point_count; p++)
+        is_whole = isfinite(set->home[p][0] + set->home[p][1] + set->home[p][2]);
     if (is_whole)
         return true;
+    set->has_home = false;
     set->list.count = 0;
     set->margin = least;
     set->horizon = 1;
@@ -217,6 +222,7 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
     size_t count = (size_t)from->list.count;
     if (!pel_contact_set_expect(set, from->list.count))
         return false;
+    set->has_home = false;
     set->list.count = from->list.count;
     if (count > 0) {
         memcpy(set->keys, from->keys, count * sizeof *set->keys);
@@ -569,6 +575,7 @@ bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *positio
         pel_collider_go(set->collider, &query, position);
     set->was_clear = pel_collider_stays_clear(set->collider, &query, longest, false);
     if (set->was_clear) {
+        set->has_home = false;
         set->list.count = 0;
         set->substep = 0;
     }
@@ -577,10 +584,6 @@ bool pel_contact_set_stays_clear(pel_contact_set *set, const pel_record *positio
 
 void pel_contact_set_calm(pel_contact_set *set)
 {
-    double least = LEAST_MARGIN * set->largest, half = 0.5 * set->margin;
-    if (!set->was_widened)
-        set->margin = half > least ? half : least;
-    set->was_widened = false;
     for (int32_t c = 0; c < set->list.count; c++) {
         set->keys[c].has_pushed = false;
         set->keys[c].mean_load = 0;
@@ -594,6 +597,77 @@ void pel_contact_set_widen(pel_contact_set *set)
     if (set->margin < most)
         set->margin = twice < most ? twice : most;
     set->was_widened = true;
+    set->has_home = false;
+}
+
+void pel_contact_set_narrow(pel_contact_set *set)
+{
+    double least = LEAST_MARGIN * set->largest, half = 0.5 * set->margin;
+    if (!set->was_widened)
+        set->margin = half > least ? half : least;
+    set->was_widened = false;
+}
+
+/* whether features have these numbers: those of a snapshot may not */
+static bool is_of_surface(const pel_contact_set *set, const pel_contact_key *key)
+{
+    int32_t edges = 3 * set->triangle_count;
+    return key->first >= 0 && key->first < (key->edge_edge ? edges : set->point_count) && key->second >= 0 &&
+           key->second < (key->edge_edge ? edges : set->triangle_count);
+}
+
+bool pel_contact_set_serves(const pel_contact_set *set)
+{
+    double limit = HOME_SHARE * set->margin, most = 0;
+    for (int32_t c = 0; set->has_home && c < set->list.count; c++)
+        if (!is_of_surface(set, &set->keys[c]))
+            return false;
+    for (int32_t p = 0; set->has_home && p < set->point_count && most <= limit; p++) {
+        double from_start = pel_vec3_distance(set->start[p], set->home[p]);
+        double from_end = pel_vec3_distance(set->end[p], set->home[p]);
+        most = pel_max(most, pel_max(from_start, from_end));
+    }
+    bool is_wide = set->margin > LEAST_MARGIN * set->largest && most <= 0.5 * limit;
+    return set->has_home && most <= limit && !is_wide;
+}
+
+/* a pair of the list as a search would give it */
+static pel_collision pair_of(const pel_contact_set *set, const pel_contact_key *key)
+{
+    const pel_tree *tree = pel_collider_tree(set->collider);
+    pel_collision pair = {.edge_edge = key->edge_edge, .first = key->first, .second = key->second};
+    if (key->edge_edge) {
+        pel_tree_edge_ends(tree, key->first, pair.vertices);
+        pel_tree_edge_ends(tree, key->second, pair.vertices + 2);
+    } else {
+        pair.vertices[0] = key->first;
+        memcpy(pair.vertices + 1, tree->triangles[key->second], 3 * sizeof *pair.vertices);
+    }
+    measure_start(set, &pair);
+    return pair;
+}
+
+pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_error *error)
+{
+    double began = pel_seconds();
+    set->time = time;
+    set->substep = 0;
+    set->was_clear = false;
+    pel_status status = make_room(set, 2 * (size_t)set->list.count, error);
+    if (status != PEL_OK)
+        return status;
+    merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true};
+    for (int32_t c = 0; c < set->list.count; c++) {
+        if (pel_contact_sleeps(set, &set->keys[c]))
+            continue;
+        pel_collision pair = pair_of(set, &set->keys[c]);
+        add_found(&m, &pair, c);
+    }
+    take_over(&m, NULL);
+    exchange_lists(set, m.count);
+    PEL_ASSERT_WHOLE(pel_contact_set_is_valid(set));
+    set->statistics.find_seconds += pel_seconds() - began;
+    return PEL_OK;
 }
 
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error)
@@ -608,7 +682,12 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
     merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true};
-    return status == PEL_OK ? merge(&m, &found, error) : status;
+    if (status == PEL_OK)
+        status = merge(&m, &found, error);
+    set->has_home = status == PEL_OK && set->def.has_layers;
+    if (set->has_home)
+        memcpy(set->home, set->end, (size_t)set->point_count * sizeof *set->home);
+    return status;
 }
 
 /* these are no part of the surface: their conflicts are not among its pairs */
@@ -637,8 +716,10 @@ static bool measure_way(pel_contact_set *set, const pel_collision_query *query, 
 bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest)
 {
     double began = pel_seconds();
-    const pel_collision_query query = query_of(set, set->largest);
-    bool may_be = set->list.count == 0 && set->tangles.is_known && set->tangles.count == 0 && !has_round_obstacle(set);
+    bool has_layers = set->def.has_layers;
+    const pel_collision_query query = query_of(set, has_layers ? set->guarded : set->largest);
+    bool may_be = (has_layers || set->list.count == 0) && set->tangles.is_known && set->tangles.count == 0 &&
+                  !has_round_obstacle(set);
     set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||
                                 measure_way(set, &query, position, next));
     if (set->was_clear)
@@ -666,6 +747,7 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
 pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_result *found, pel_error *error)
 {
     merger m = {.set = set, .impacts = set->impacts, .obstacle_reach = HUGE_VAL};
+    set->has_home = false;
     set->statistics.rounds++;
     return merge(&m, found, error);
 }

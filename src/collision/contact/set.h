@@ -182,6 +182,10 @@ typedef struct pel_contact_set {
     double margin;                                 /* m, ways between start and end may be wrong by half of this */
     bool was_widened;                              /* in this step */
     double horizon;                                /* share of a step that a search is for, the owner's */
+    double (*home)[3];                             /* (point_count) m, where the way of the last search ended: while all
+                                                      points are within half of the margin of it, pairs that may touch
+                                                      are in the list */
+    bool has_home;                                 /* with layers, and nothing else has changed the list */
     double aim;                                    /* m, to be brought: how far corrections part a pair at most */
     bool way_is_searched;                          /* `on_way` and the conflicts are those of the present start and end:
                                                       every writer of these but pel_contact_set_place clears it */
@@ -222,16 +226,25 @@ typedef struct pel_contact_set {
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
-/* Before a step: nothing has pushed in it, and the margin gets smaller if it was not widened in the last one. */
+/* Before a step: nothing has pushed in it. */
 void pel_contact_set_calm(pel_contact_set *set);
+/* Before a step with a search: the margin gets smaller if it was not widened in the last one. */
+void pel_contact_set_narrow(pel_contact_set *set);
 /* Doubles the margin, after positions deviated from the prediction. */
 void pel_contact_set_widen(pel_contact_set *set);
 /* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
    near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
    their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
+/* Whether the list of the last search has what may touch on the way from start to end, and on ways that are wrong by a
+   quarter of the margin: nothing has moved by more than another quarter since. Also false where a smaller margin would
+   do, and the list is longer than it has to be. */
+bool pel_contact_set_serves(const pel_contact_set *set);
+/* Instead of pel_contact_set_find, while it serves: the same pairs where they are now. PEL_OUT_OF_MEMORY. */
+pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved
-   too little for a pair. True = a search is not needed; start and end need not be those of the step. longest [m]: bound
+   too little for a pair. With layers, which keep pairs apart: whether nothing can be nearer than the guard permits.
+   True = a search is not needed; start and end need not be those of the step. longest [m]: bound
    of the displacements of all points, infinite = not known. Positions must be those at the end of the last step, unless
    pel_contact_set_place_start was called after it. */
 bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, const pel_record *next, double longest);

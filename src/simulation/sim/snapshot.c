@@ -37,7 +37,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 19 };
+enum { SNAPSHOT_VERSION = 20 };
 
 typedef struct header {
     char magic[8];

@@ -382,6 +382,7 @@ pel_status pel_contacts_update_surface(pel_sim *sim, pel_error *error)
     /* numbers of features are of their surface */
     if (!is_same) {
         sim->contacts->list.count = 0;
+        sim->contacts->has_home = false;
         pel_sleep_follow_surface(sim);
     }
     sim->touch->is_loaded = sim->touch->is_carried = false;
@@ -458,6 +459,18 @@ static double search_end(const pel_sim *sim, double share)
     return !pel_sim_is_projected(sim) || end + LEAST_REST * sim->contacts->horizon > 1 ? 1 : end;
 }
 
+/* searches what may touch up to a share of the step, unless the pairs of the last search serve for all of it */
+static pel_status find_or_keep(pel_sim *sim, double least, double until, pel_error *error)
+{
+    pel_contact_set *contacts = sim->contacts;
+    sim->touch->is_same = pel_contact_set_serves(contacts);
+    sim->touch->found_until = sim->touch->is_same ? 1 : until;
+    if (sim->touch->is_same)
+        return pel_contact_set_find_same(contacts, sim->step.dt, error);
+    pel_contact_set_narrow(contacts);
+    return pel_contact_set_find(contacts, least, until * sim->step.dt, error);
+}
+
 pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
 {
     const pel_record *position = sim->state->position;
@@ -471,13 +484,27 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     expect_tools(sim, 0, until);
     expect_vertices(sim, until);
     sim->touch->found_at = 0;
-    sim->touch->found_until = until;
     pel_contact_set_calm(sim->contacts);
     pel_status status;
     do
-        status = pel_contact_set_find(sim->contacts, least, until * sim->step.dt, error);
+        status = find_or_keep(sim, least, until, error);
     while (status == PEL_OK && pel_sleep_meet(sim));
     return status;
+}
+
+/* whether a vertex is farther than a limit [m] from where the way of the last search ended */
+static bool is_away(const pel_contact_set *contacts, const pel_record *now, double limit)
+{
+    double most = 0;
+    for (int32_t p = 0; p < contacts->vertex_count; p++) {
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            double way = (double)now[p][k] - contacts->home[p][k];
+            square += way * way;
+        }
+        most = square > most ? square : most;
+    }
+    return most > limit * limit;
 }
 
 /* whether a vertex is where it was not expected after a share of the step: pairs may be missing */
@@ -488,6 +515,8 @@ static bool strays(const pel_sim *sim, const pel_record *now, double share)
     double found = sim->touch->found_at, length = sim->touch->found_until - found;
     double part = found < 1 ? (share - found) / length : 0, time = length * sim->step.dt;
     double limit = 0.5 * contacts->margin, most = 0;
+    if (sim->touch->is_same)
+        return is_away(contacts, now, limit);
     for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {
@@ -519,6 +548,7 @@ static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_reco
     expect_held(sim, share, until);
     sim->touch->found_at = share;
     sim->touch->found_until = until;
+    sim->touch->is_same = false;
     double substep = contacts->list.substep;
     pel_status status;
     do
@@ -709,6 +739,7 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
     if (pel_contact_set_is_clear(contacts, sim->state->position, sim->state->position_next, way)) {
         release_tools(sim);
         sim->part.is_refused = false;
+        contacts->statistics.contacts += contacts->list.count;
         return PEL_OK;
     }
     pel_contacts_place(sim);

@@ -107,7 +107,7 @@ static bool is_still(const pel_tool *tool)
 }
 
 /* for the set, the method and supports */
-static void tell(pel_sim *sim)
+static void write_sleep(pel_sim *sim)
 {
     pel_sleep *sleep = sim->touch->sleep;
     pel_contact_set *contacts = sim->contacts;
@@ -121,6 +121,15 @@ static void tell(pel_sim *sim)
     for (int32_t i = 0; i < sim->tools->count; i++)
         contacts->is_asleep[body_count + i] = is_still(&sim->tools->items[i]);
     sim->asleep = contacts->asleep_count > 0 ? sleep->is_asleep : NULL;
+}
+
+/* pairs of what sleeps are not searched: the list does not serve where that has changed */
+static void tell(pel_sim *sim)
+{
+    pel_sleep *sleep = sim->touch->sleep;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        sim->contacts->has_home &= sleep->is_asleep[b] == sleep->bodies[b].is_asleep;
+    write_sleep(sim);
 }
 
 static void wake(pel_sleep *sleep, int32_t body, int32_t body_count)
@@ -519,6 +528,6 @@ bool pel_sleep_restore(pel_sim *sim)
     if (!is_whole)
         memset(sleep->bodies, 0, (size_t)sim->model->body_count * sizeof *sleep->bodies);
     if (sleep != NULL)
-        tell(sim);
+        write_sleep(sim);
     return is_whole;
 }

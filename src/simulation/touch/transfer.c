@@ -188,14 +188,16 @@ void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unuse
     pel_contact_set *set = sim->contacts;
     if (set == NULL || !set->def.has_layers)
         return;
-    uint8_t was_widened = set->was_widened;
+    uint8_t was_widened = set->was_widened, has_home = set->has_home;
     int64_t count = set->list.count;
     pel_transfer(at, &set->margin, sizeof set->margin);
     pel_transfer(at, &set->horizon, sizeof set->horizon);
     pel_transfer(at, &was_widened, sizeof was_widened);
+    pel_transfer(at, &has_home, sizeof has_home);
     pel_transfer_count(at, &count, sizeof(layer_name));
     if (at->load) {
         set->was_widened = was_widened == 1;
+        set->has_home = has_home == 1;
         int32_t expected = count > INT32_MAX ? 0 : (int32_t)count;
         at->is_short |= count > INT32_MAX;
         at->is_full |= !pel_contact_set_expect(set, expected);
@@ -207,6 +209,8 @@ void pel_touch_transfer_layers(pel_cursor *at, const pel_sim *sim, int32_t unuse
         else
             save_layer(at, set, c);
     }
+    if (has_home == 1)
+        pel_transfer(at, set->home, (size_t)set->point_count * sizeof *set->home);
 }
 
 bool pel_touch_restore(const pel_sim *sim)
