@@ -9,7 +9,7 @@ PROGRAM  = build/$(PRESET)/pellicle
 QUIET   := $(shell [ -t 2 ] || echo -- --quiet)
 
 .NOTPARALLEL:
-.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines compilers endurance reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
+.PHONY: help build program live test check nightly mutate demo bench bench-peers web wasm site machines compilers endurance blender reproduction mutants-of-the-papers mutants-of-the-limits python format docs pictures install deb release clean
 
 build: build/$(PRESET)/tests/CTestTestfile.cmake ## build the library, the program and the tests (PRESET=debug, asan, ...)
 	@cmake --build build/$(PRESET) $(QUIET)
@@ -78,6 +78,9 @@ site: need-site program wasm ## build the documentation as web pages in build/si
 
 machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine, and compare the bits
 	@tools/machines
+
+blender: program ## write the add-on for Blender to build/blender, and test it where Blender is installed
+	@tools/blender-addon $(PROGRAM) build/blender/pellicle-blender.zip
 
 compilers: need-demo need-dev ## compile with GCC and Clang at -O0 to -O3, also for 32-bit floats, run scenes, and compare the bits
 	@tools/compilers

@@ -15,8 +15,6 @@ class Bake:
 
     def __init__(self, scene, setup, folder, program):
         self.scene, self.setup, self.folder, self.first_frame = scene, setup, folder, scene.frame_start
-        scale = scene.unit_settings.scale_length
-        self.matrices = [export.world_matrix(part.object, scale) for part in setup.bodies]
         path = export.write(setup, folder)
         self.job = Job(program, path, os.path.join(folder, "run"), os.path.join(folder, "result.pc2"), os.path.join(folder, "pellicle.log"))
 
@@ -30,7 +28,7 @@ class Bake:
         messages = [self.readable(message) for message in self.job.messages]
         if state in (DONE, STOPPED):
             try:
-                paths, count = cache.split(self.setup, self.job.cache, self.folder, self.matrices)
+                paths, count = cache.split(self.setup, self.job.cache, self.folder)
                 for part, path in zip(self.setup.bodies, paths):
                     cache.attach(part.object, path, self.first_frame)
                 messages.insert(0, f"{state}: {count} frames")
@@ -83,16 +81,12 @@ class PELLICLE_OT_bake(bpy.types.Operator):
             self.report({"ERROR"}, context.scene.pellicle.messages)
             return {"CANCELLED"}
         folder, setup, program = prepared
-        now = context.scene.frame_current
-        context.scene.frame_set(context.scene.frame_start)
         try:
             current = Bake(context.scene, setup, folder, program)
         except OSError as error:
             context.scene.pellicle.messages = f"error: cannot write into {folder}: {error.strerror}"
             self.report({"ERROR"}, context.scene.pellicle.messages)
             return {"CANCELLED"}
-        finally:
-            context.scene.frame_set(now)
         if self.wait or bpy.app.background:
             return self.wait_for_end(context)
         self.timer = context.window_manager.event_timer_add(0.2, window=context.window)

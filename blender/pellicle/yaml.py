@@ -4,6 +4,9 @@ import json
 
 
 def is_short(value):
+    """Whether a value is one line: numbers, texts, lists of them, and what has no more than 90 characters."""
+    if isinstance(value, list) and not any(isinstance(item, (dict, list)) for item in value):
+        return True
     return not isinstance(value, (dict, list)) or len(json.dumps(value)) <= 90
 
 
