@@ -24,6 +24,12 @@ static void test_choice(void **unused)
     } cases[] = {
         {TWO, true, true, NULL},
         {HEAD BALL("ball", "0"), false, false, NULL},
+        {HEAD BALL("ball",
+                   "0") "tools: [{ name: post, mesh: { shape: cylinder }, motion: [{ position: [0, 0, -9] }] }]\n",
+         true, true, NULL},
+        {HEAD BALL("ball",
+                   "0") "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n",
+         false, false, NULL},
         {TWO "contact: {}\n", true, false, NULL},
         {TWO "contact: { self: false, between: false }\n", true, false, NULL},
         {TWO "contact: none\n", false, false, NULL},

@@ -155,6 +155,34 @@ static void test_nothing_acts(void **unused)
     assert_null(find_warning(&summary, "nothing-acts"));
 }
 
+/* a sheet folded through itself, beside another body: contact between bodies does not keep it apart */
+static void test_folds_cross(void **unused)
+{
+    (void)unused;
+    static const char *const texts[] = {"", "contact: { self: false }\n"};
+    for (int i = 0; i < 2; i++) {
+        char scene[1200];
+        snprintf(
+            scene, sizeof scene,
+            "version: 1\nbodies:\n  - { name: strip, mesh: { shape: grid, nx: 12, ny: 2, size_x: 1, size_y: 0.2 }, "
+            "membrane: { preset: rubber }, mass: { density: 300 }, bending: { model: none }, pinned: boundary }\n"
+            "  - { name: far, mesh: { shape: grid, nx: 2, ny: 2, translate: [0, 0, 9] }, membrane: { preset: rubber "
+            "}, pinned: boundary }\n"
+            "loads: [{ name: fold, body: strip, force: [2000, 0, 0], at: { nearest: [-0.2, 0, 0] }, from: 0, until: 1 "
+            "}]\n"
+            "%ssolver: { method: implicit, dt: 0.01 }\nduration: 0.2\n",
+            texts[i]);
+        pel_run_summary summary;
+        run_scene(scene, NULL, 0, NULL, 0, &summary);
+        assert_true(summary.self_intersections_final > 0);
+        const pel_run_warning *warning = find_warning(&summary, "surfaces-cross");
+        if (i == 0)
+            assert_true(warning != NULL && strstr(warning->text, "parts of one body") != NULL);
+        else
+            assert_null(warning);
+    }
+}
+
 /* sheets through each other, which nothing keeps apart */
 static void test_surfaces_cross(void **unused)
 {
@@ -187,7 +215,7 @@ int main(void)
         cmocka_unit_test(test_millimetres),        cmocka_unit_test(test_poisson),
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_nothing_acts),
-        cmocka_unit_test(test_surfaces_cross),
+        cmocka_unit_test(test_surfaces_cross),     cmocka_unit_test(test_folds_cross),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

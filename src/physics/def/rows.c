@@ -455,7 +455,7 @@ static const pel_def_row rows[] = {
     {"tools[].shape", TOOL(shape), FIXED, .forms = PEL_FORM_WORD, ALTERNATIVE,
      .doc = "shape of the tool; its dimensions are further keys of the tool"},
     {"tools[].mesh", TOOL(mesh), MAP, ALTERNATIVE, .like = "<mesh>",
-     .doc = "the tool's surface about its center, open or closed; needs `contact`"},
+     .doc = "the tool's surface about its center, open or closed; presses by `contact`"},
     {"tools[].radius", TOOL(radius), NUMBER_OR("auto"), .unit = "m", POSITIVE, .needs = "shape", .needs_word = "sphere",
      REQUIRED, WHEN(has_radius), IMPLYING,
      .doc = "radius of the sphere; auto: 6 % of the diagonal of the box about the bodies"},
@@ -551,8 +551,9 @@ static const pel_def_row rows[] = {
 
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), .forms = PEL_FORM_MAP | PEL_FORM_WORD,
      WORDS("none"),
-     .doc = "contact without interpenetration (paper B, section 4), or none. Default: several bodies touch each other, "
-            "but not themselves ({ self: false }), unless two intersect at the start; one body has none"},
+     .doc = "contact without interpenetration (paper B, section 4), or none. Default: several bodies, and bodies "
+            "and tools that are meshes, touch each other, but not themselves ({ self: false }), unless two bodies "
+            "intersect at the start"},
     {"contact.self", CONTACT(self), BOOLEAN, DEFAULT(true), WHEN(is_enabled),
      STRUCTURE("parts that touch or intersect by now would be pushed apart at once"),
      .doc = "contact between parts of one body"},

@@ -322,7 +322,7 @@ void pel_warnings_check_end(pel_run_state *run)
     for (int32_t t = 0; t < run->tool_count; t++)
         if (is_idle(run, t))
             pel_warn(&run->totals.warnings, PEL_WARN_TOOL_IDLE, frame, -(double)t);
-    if (run->intersection_count > 0 && !run->scene->sim.contact.enabled &&
+    if (run->intersection_count > 0 && (!run->scene->sim.contact.enabled || run->scene->contact_is_implied) &&
         run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_CROSSING, frame, (double)run->intersection_count);
     pel_warnings_check_loads(run);
@@ -533,8 +533,10 @@ static void tell_uncounted(const pel_warning_text *at)
 static void tell_crossing(const pel_warning_text *at)
 {
     snprintf(at->text, at->size,
-             "nothing keeps the surfaces apart, and %.0f pairs of triangles intersect at the end. use contact: { self: "
-             "true }, or pellicle check if the mesh intersects itself at rest",
+             "%s, and %.0f pairs of triangles intersect at the end. use contact: { self: true }, or pellicle check if "
+             "the mesh intersects itself at rest",
+             at->run->scene->contact_is_implied ? "nothing keeps parts of one body apart"
+                                                : "nothing keeps the surfaces apart",
              at->tally->worst);
 }
 

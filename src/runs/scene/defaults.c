@@ -304,10 +304,20 @@ static bool has_several(const pel_scene_value *list)
     return list->first != NULL && list->first->next != NULL;
 }
 
-/* Bodies do not pass through each other: several ones have contact between them. */
+static bool has_mesh_tool(pel_scene_value *root)
+{
+    pel_scene_value *tools = find(root, "tools");
+    bool has = false;
+    for (pel_scene_value *tool = tools != NULL ? tools->first : NULL; tool != NULL; tool = tool->next)
+        has |= find(tool, "mesh") != NULL;
+    return has;
+}
+
+/* Bodies do not pass through each other, nor through tools that are meshes, which press by contact alone. */
 static pel_status imply_contact(pel_scene_reader *reader, pel_scene_value *root, const pel_scene_value *bodies)
 {
-    if (find(root, "contact") != NULL || !has_several(bodies) || is_equilibrium_search(find_map(root, "solver")))
+    if (find(root, "contact") != NULL || !(has_several(bodies) || has_mesh_tool(root)) ||
+        is_equilibrium_search(find_map(root, "solver")))
         return PEL_OK;
     pel_scene_value *contact = add(reader, root, "contact", PEL_SCENE_MAP);
     if (contact == NULL)
