@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-enum { FORMAT_GLB = PEL_FORMAT_COUNT, FORMAT_PC2 };
+enum { FORMAT_GLB = PEL_FORMAT_COUNT, FORMAT_PC2, FORMAT_USD };
 
-/* the formats of meshes, then these two */
+/* the formats of meshes, then these three */
 const char *cli_export_names(int index)
 {
     int mesh_format_count = 0;
@@ -15,7 +15,8 @@ const char *cli_export_names(int index)
         ++mesh_format_count;
     if (index < mesh_format_count)
         return cli_format_names(index);
-    return index == mesh_format_count ? "glb" : index == mesh_format_count + 1 ? "pc2" : NULL;
+    static const char *const more[] = {"glb", "pc2", "usda", NULL};
+    return more[index - mesh_format_count];
 }
 
 static bool ends_with(const char *text, const char *ending)
@@ -24,8 +25,8 @@ static bool ends_with(const char *text, const char *ending)
     return length > size && strcmp(text + length - size, ending) == 0;
 }
 
-/* format by --format or the file's extension: FORMAT_GLB, FORMAT_PC2, a pel_mesh_format, or -1 after an error
-   message */
+/* format by --format or the file's extension: FORMAT_GLB, FORMAT_PC2, FORMAT_USD, a pel_mesh_format, or -1 after an
+   error message */
 static int output_format(const cli_call *call, const char *out)
 {
     const char *name = cli_value(call, "format");
@@ -33,11 +34,13 @@ static int output_format(const cli_call *call, const char *out)
         return FORMAT_GLB;
     if (name != NULL ? strcmp(name, "pc2") == 0 : ends_with(out, ".pc2"))
         return FORMAT_PC2;
+    if (name != NULL ? strcmp(name, "usda") == 0 : ends_with(out, ".usda"))
+        return FORMAT_USD;
     pel_mesh_format format = pel_mesh_format_of_path(out);
     if (name == NULL && format == PEL_FORMAT_AUTO) {
         cli_complain(
             "'%s' is not a format that can be written. end the name in .obj, .ply, .stl, .off, .vtp, .glb or, for a "
-            "run, .pc2",
+            "run, .pc2 or .usda",
             out);
         return -1;
     }
@@ -51,6 +54,8 @@ static pel_status export_frames(const pel_frames *frames, const char *out, int f
         return pel_export_glb(out, frames, error);
     if (format == FORMAT_PC2)
         return pel_export_pc2(out, frames, error);
+    if (format == FORMAT_USD)
+        return pel_export_usd(out, frames, error);
     return pel_export_sequence(out, (pel_mesh_format)format, frames, log, error);
 }
 
@@ -90,9 +95,9 @@ int cli_convert(const cli_call *call)
     bool quiet = cli_has(call, "quiet");
     if (cli_is_folder(in))
         return export_run(in, out, format, quiet);
-    if (format == FORMAT_PC2)
-        return cli_complain("a point cache holds the frames of a run and '%s' is not a folder. name a run's folder",
-                            in);
+    if (format == FORMAT_PC2 || format == FORMAT_USD)
+        return cli_complain("%s holds the frames of a run and '%s' is not a folder. name a run's folder",
+                            format == FORMAT_PC2 ? "a point cache" : "a .usda file", in);
     const pel_log *log = quiet ? NULL : &cli_notes;
     int status;
     pel_mesh *mesh = cli_read_mesh(in, log, NULL, &status);

@@ -20,7 +20,7 @@
     {                                                                                                                  \
         .name = "format", .kind = CLI_WORD, .value = "FORMAT", .words = cli_export_names,                              \
         .doc = "write this format: obj, ply (binary), ply-ascii, ply-big (big endian), stl (binary), stl-ascii, off, " \
-               "vtp (VTK PolyData), glb or, of a run, pc2; default: by the file's ending"                              \
+               "vtp (VTK PolyData), glb or, of a run, pc2 or usda; default: by the file's ending"                      \
     }
 
 const cli_option cli_help_option = {.name = "help", .letter = 'h', .kind = CLI_FLAG, .doc = "print this page"};
@@ -271,20 +271,23 @@ static const cli_command commands[] = {
     {
         .name = "convert",
         .summary = "convert a mesh to another format; export a run",
-        .text = "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
-                "vertices and custom fields; glTF 2.0 is read too, and FBX, 3MF, COLLADA and others through assimp. "
-                "Changes "
-                "(polygons split, vertices welded, fields dropped) are reported on standard error.\n\nIf IN is the "
-                "folder of a run, all its frames are written: as a .pc2 point cache (Blender, Maya) with its mesh "
-                "OUT-bodies.obj, and a cache and a mesh for each tool; as a .glb with a node for each body and tool, "
-                "one morph target for each frame and an animation; or as numbered mesh files with bodies and tools: "
-                "out.obj gives out_00000.obj, out_00001.obj, ... If a body refines, its frames are converted to their "
-                "finest common mesh, so that all files have the same triangles.",
+        .text =
+            "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
+            "vertices and custom fields; glTF 2.0 is read too, and FBX, 3MF, COLLADA and others through assimp. "
+            "Changes "
+            "(polygons split, vertices welded, fields dropped) are reported on standard error.\n\nIf IN is the "
+            "folder of a run, all its frames are written: as a .pc2 point cache (Blender, Maya) with its mesh "
+            "OUT-bodies.obj, and a cache and a mesh for each tool; as a .glb with a node for each body and tool, "
+            "one morph target for each frame and an animation; as a .usda (USD as text) with a mesh for each body and "
+            "tool and time samples of points and normals; or as numbered mesh files with bodies and tools: "
+            "out.obj gives out_00000.obj, out_00001.obj, ... If a body refines, its frames are converted to their "
+            "finest common mesh, so that all files have the same triangles.",
         .slots = {{.name = "IN", .kind = CLI_FILE}, {.name = "OUT", .kind = CLI_FILE}},
         .options = {EXPORT_OPTION, {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
-        .examples = "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
-                    "pellicle convert results/sphere-press press.glb\n"
-                    "pellicle convert results/sphere-press frames/press.obj",
+        .examples =
+            "pellicle convert organ.glb organ.ply\npellicle convert ball.ply ball.txt --format off\n"
+            "pellicle convert results/sphere-press press.glb\npellicle convert results/sphere-press press.usda\n"
+            "pellicle convert results/sphere-press frames/press.obj",
         .run = cli_convert,
     },
     {

@@ -1,6 +1,6 @@
-/* Pellicle: export of runs to other programs: point caches, glTF with morph targets, numbered mesh files. Each export
-   reads the frames twice: first to find damage, so that nothing is written if a frame is damaged. At any time, memory
-   contains only a few frames.
+/* Pellicle: export of runs to other programs: point caches, glTF with morph targets, USD, numbered mesh files. Each
+   export reads the frames twice: first to find damage, so that nothing is written if a frame is damaged. At any time,
+   memory contains only a few frames.
 
    The triangles of bodies that refine change between frames. The exports then convert every frame to the finest common
    mesh: a triangle that is split in any frame is split in all frames, and the surface of each frame does not change.
@@ -33,6 +33,13 @@ PEL_API pel_status pel_export_glb(const char *path, const pel_frames *frames, pe
 
 /* The same for one mesh without motion; a node for each number of its field `body`. */
 PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
+
+/* Writes a USD file as text (.usda): a mesh for each body and each tool with time samples of points, normals and
+   extent, z up, in metres. Frames at equal intervals have the time codes 0, 1, ... and the frame rate of the run;
+   others are at their times with 24 codes per second. Texture coordinates are primvars:st if the frames have a field st
+   or uv of two components, or two fields s and t, u and v, or texture_u and texture_v. The frames are read twice for
+   each body and tool. Errors: as for pel_export_glb, without the limit. */
+PEL_API pel_status pel_export_usd(const char *path, const pel_frames *frames, pel_error *error);
 
 /* Longest path of a numbered file, terminating zero included. */
 #define PEL_EXPORT_PATH_SIZE 4096

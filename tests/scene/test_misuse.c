@@ -136,6 +136,9 @@ static void test_results(void **unused)
     REFUSED("frame", pel_export_glb("misuse.glb", &none, &error));
     REFUSED("path", pel_export_glb_mesh(NULL, mesh, &error));
     REFUSED("mesh", pel_export_glb_mesh("misuse.glb", NULL, &error));
+    REFUSED("path", pel_export_usd(NULL, &none, &error));
+    REFUSED("frames", pel_export_usd("misuse.usda", NULL, &error));
+    REFUSED("frame", pel_export_usd("misuse.usda", &none, &error));
     REFUSED("path", pel_export_sequence(NULL, PEL_FORMAT_OBJ, &none, NULL, &error));
     REFUSED("frames", pel_export_sequence("misuse.obj", PEL_FORMAT_OBJ, NULL, NULL, &error));
     FAILS(pel_export_sequence("misuse.obj", (pel_mesh_format)77, &none, NULL, &error));

@@ -1,4 +1,4 @@
-#include "results/export.h"
+#include "export/export.h"
 
 #include "base/status.h"
 

@@ -1,7 +1,7 @@
 /* PC2, the point cache 2 of 3ds Max: a head of 32 bytes, then the vertices of each sample as floats, little endian:
        char signature[12] = "POINTCACHE2\0"; int32 version = 1; int32 vertices; float start; float rate; int32 samples
  */
-#include "results/export.h"
+#include "export/export.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -12,14 +12,6 @@
 #include <string.h>
 
 enum { HEAD_SIZE = 32 };
-
-static pel_status check_size(const pel_export_source *source, pel_error *error)
-{
-    for (int i = 0; i < 3; i++)
-        if (!pel_export_fits_float(source->outline.low[i]) || !pel_export_fits_float(source->outline.high[i]))
-            return pel_export_fail_large(source->frames, 0, error);
-    return PEL_OK;
-}
 
 static void write_head(pel_file_writer *writer, int32_t vertex_count, int32_t frame_count)
 {
@@ -144,7 +136,7 @@ pel_status pel_export_pc2(const char *path, const pel_frames *frames, pel_error 
     pel_export_source source;
     pel_status status = pel_export_open(&source, frames, error);
     if (status == PEL_OK)
-        status = check_size(&source, error);
+        status = pel_export_check_size(&source, error);
     if (status == PEL_OK)
         status = write_file(path, &source, BODIES, error);
     if (status == PEL_OK)

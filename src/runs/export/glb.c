@@ -6,25 +6,19 @@
    frame is the positions and then the normals (vertices x 3 floats each) of part 0, then of part 1, ..., frame 0 as
    positions, the others as differences from frame 0: morph targets. Weight t of the animation's key k is 1 for t = k -
    1 and else 0, so that linear interpolation goes from frame to frame. */
-#include "results/export.h"
+#include "export/export.h"
+#include "export/parts.h"
 
 #include "base/room.h"
 #include "base/status.h"
 #include "io/bytes.h"
 #include "io/file.h"
 #include "io/json.h"
-#include "math/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum { HEAD_SIZE = 12, CHUNK_HEAD_SIZE = 8, UNSIGNED_INT = 5125, FLOAT = 5126, ARRAY = 34962, INDICES = 34963 };
-
-/* a body or a tool */
-typedef struct part {
-    size_t vertex_begin, vertex_count; /* in the order of parts */
-    size_t index_begin, index_count;
-} part;
 
 typedef struct glb {
     const pel_export_source *source; /* null: a single mesh */
@@ -32,10 +26,7 @@ typedef struct glb {
     const pel_mesh *first;
     int32_t frame_count;
     size_t vertex_count, index_count;
-    int32_t part_count;
-    part *parts;          /* (part_count) */
-    int32_t *place;       /* (vertex_count) of each vertex, parts one after the other */
-    uint32_t *indices;    /* (index_count) by parts, numbered within each */
+    pel_export_parts by;
     double (*normals)[3]; /* (vertex_count x 3) */
     float *base;          /* (vertex_count x 6) frame 0: positions, normals of each part */
     float *current;       /* the same of the frame at hand, as the file holds it */
@@ -45,7 +36,8 @@ typedef struct glb {
 
 static void free_buffers(glb *g)
 {
-    PEL_FREE_ALL(g->bounds, g->bytes, g->current, g->base, g->normals, g->indices, g->place, g->parts);
+    PEL_FREE_ALL(g->bounds, g->bytes, g->current, g->base, g->normals);
+    pel_export_parts_free(&g->by);
 }
 
 static pel_status make_buffers(glb *g, pel_error *error)
@@ -53,108 +45,21 @@ static pel_status make_buffers(glb *g, pel_error *error)
     size_t largest = 24 * g->vertex_count > 4 * g->index_count ? 24 * g->vertex_count : 4 * g->index_count;
     bool made = PEL_ALLOCATE_ALL(PEL_ROOM(g->normals, g->vertex_count), PEL_ROOM(g->base, 6 * g->vertex_count),
                                  PEL_ROOM(g->current, 6 * g->vertex_count), PEL_ROOM(g->bytes, largest),
-                                 PEL_ROOM(g->bounds, (size_t)g->frame_count * (size_t)g->part_count),
-                                 PEL_ROOM(g->parts, g->part_count), PEL_ROOM(g->place, g->vertex_count),
-                                 PEL_ROOM(g->indices, g->index_count));
+                                 PEL_ROOM(g->bounds, (size_t)g->frame_count * (size_t)g->by.count));
     return made ? PEL_OK : pel_fail_memory(error);
-}
-
-/* ---- parts ---- */
-
-/* the part of a vertex; invalid numbers count as the first */
-static int32_t part_of(const glb *g, const pel_field *body, int32_t v)
-{
-    double number = body != NULL && body->component_count == 1 ? body->values[v] : 0;
-    return number > 0 && number < g->part_count ? (int32_t)number : 0;
-}
-
-static void count_parts(glb *g, const pel_field *body)
-{
-    const pel_mesh *mesh = g->first;
-    memset(g->parts, 0, (size_t)g->part_count * sizeof *g->parts);
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        g->parts[part_of(g, body, v)].vertex_count++;
-    for (int32_t t = 0; t < mesh->triangle_count; t++)
-        g->parts[part_of(g, body, mesh->triangles[t][0])].index_count += 3;
-}
-
-static bool crosses_parts(const glb *g, const pel_field *body)
-{
-    const pel_mesh *mesh = g->first;
-    bool any = false;
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        int32_t of = part_of(g, body, mesh->triangles[t][0]);
-        any |= part_of(g, body, mesh->triangles[t][1]) != of || part_of(g, body, mesh->triangles[t][2]) != of;
-    }
-    return any;
-}
-
-/* Sorts vertices and triangles by parts. Where a triangle has corners in two of them, or a number has no vertices or
-   triangles, which the format does not allow, all is one part. */
-static void sort_parts(glb *g)
-{
-    const pel_mesh *mesh = g->first;
-    const pel_field *body = pel_mesh_field(mesh, "body");
-    count_parts(g, body);
-    bool is_apart = !crosses_parts(g, body);
-    for (int32_t p = 0; p < g->part_count; p++)
-        is_apart &= g->parts[p].vertex_count > 0 && g->parts[p].index_count > 0;
-    if (!is_apart) {
-        g->part_count = 1;
-        count_parts(g, body);
-    }
-    for (int32_t p = 1; p < g->part_count; p++) {
-        g->parts[p].vertex_begin = g->parts[p - 1].vertex_begin + g->parts[p - 1].vertex_count;
-        g->parts[p].index_begin = g->parts[p - 1].index_begin + g->parts[p - 1].index_count;
-    }
-    for (int32_t p = 0; p < g->part_count; p++)
-        g->parts[p].vertex_count = g->parts[p].index_count = 0;
-    for (int32_t v = 0; v < mesh->vertex_count; v++) {
-        part *of = &g->parts[part_of(g, body, v)];
-        g->place[v] = (int32_t)(of->vertex_begin + of->vertex_count++);
-    }
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        part *of = &g->parts[part_of(g, body, mesh->triangles[t][0])];
-        for (int c = 0; c < 3; c++)
-            g->indices[of->index_begin + of->index_count++] =
-                (uint32_t)((size_t)g->place[mesh->triangles[t][c]] - of->vertex_begin);
-    }
 }
 
 /* ---- frames ---- */
 
-/* unit normals, weighted by area; up where a vertex has none */
-static void compute_normals(glb *g, const pel_mesh *mesh)
-{
-    memset(g->normals, 0, g->vertex_count * sizeof *g->normals);
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const int32_t *v = mesh->triangles[t];
-        double a[3], b[3], normal[3];
-        pel_vec3_subtract(mesh->positions[v[1]], mesh->positions[v[0]], a);
-        pel_vec3_subtract(mesh->positions[v[2]], mesh->positions[v[0]], b);
-        pel_vec3_cross(a, b, normal);
-        for (int i = 0; i < 3; i++)
-            pel_vec3_add(g->normals[v[i]], normal, g->normals[v[i]]);
-    }
-    for (size_t v = 0; v < g->vertex_count; v++) {
-        double length = pel_vec3_length(g->normals[v]);
-        if (length > 0 && isfinite(length))
-            pel_vec3_scale(g->normals[v], 1 / length, g->normals[v]);
-        else
-            pel_vec3_set(g->normals[v], 0, 0, 1);
-    }
-}
-
 /* fill current with the stored values of the frame and its bounds; false if a coordinate does not fit into a float */
 static bool encode_frame(glb *g, const pel_mesh *mesh, int32_t frame)
 {
-    double(*bounds)[6] = g->bounds + (size_t)frame * (size_t)g->part_count;
-    const pel_field *body = pel_mesh_field(g->first, "body");
-    compute_normals(g, mesh);
+    double(*bounds)[6] = g->bounds + (size_t)frame * (size_t)g->by.count;
+    pel_export_normals(mesh, g->normals);
     for (int32_t v = 0; v < mesh->vertex_count; v++) {
-        int32_t p = part_of(g, body, v);
-        const part *of = &g->parts[p];
-        size_t row = (size_t)g->place[v] - of->vertex_begin;
+        int32_t p = g->by.part_of[v];
+        const pel_export_part *of = &g->by.parts[p];
+        size_t row = (size_t)g->by.place[v] - of->vertex_begin;
         for (size_t i = 0; i < 3; i++) {
             size_t at = 6 * of->vertex_begin + 3 * row + i, normal_at = 3 * of->vertex_count + at;
             if (!pel_export_fits_float(2 * mesh->positions[v][i]))
@@ -190,29 +95,13 @@ static pel_status load_frame(glb *g, int32_t frame, pel_error *error)
     return status;
 }
 
-/* the keys of an animation have growing times */
-static pel_status check_times(const glb *g, pel_error *error)
-{
-    for (int32_t f = 1; f < g->frame_count; f++) {
-        const double *times = g->frames->times;
-        if ((float)times[f] > (float)times[f - 1] && times[f - 1] >= 0)
-            continue;
-        pel_fail(error, PEL_BAD_FORMAT, "the frame's time %g s is not later than %g s, that of the frame before",
-                 times[f], times[f - 1]);
-        pel_fail_remedy(error, "export a point cache (.pc2), which holds no times");
-        pel_fail_place(error, g->frames->paths[f], 0, 0);
-        return PEL_BAD_FORMAT;
-    }
-    return PEL_OK;
-}
-
 static pel_status survey(glb *g, pel_error *error)
 {
     if (!encode_frame(g, g->first, 0))
         return g->frames != NULL ? pel_export_fail_large(g->frames, 0, error)
                                  : pel_fail(error, PEL_BAD_ARGUMENT, "a coordinate is too large for a 32-bit number");
     memcpy(g->base, g->current, 6 * g->vertex_count * sizeof *g->base);
-    pel_status status = check_times(g, error);
+    pel_status status = g->frames != NULL ? pel_export_check_times(g->frames, error) : PEL_OK;
     for (int32_t f = 1; status == PEL_OK && f < g->frame_count; f++)
         status = load_frame(g, f, error);
     return status;
@@ -234,7 +123,7 @@ static size_t animation_size(const glb *g)
 /* numbers of accessors: indices of all parts, then positions and normals of all parts of frame 0, of frame 1, ... */
 static int32_t accessor_of(const glb *g, int32_t frame, int32_t p)
 {
-    return g->part_count + 2 * (frame * g->part_count + p);
+    return g->by.count + 2 * (frame * g->by.count + p);
 }
 
 static void put_mesh(pel_json *json, const glb *g, int32_t p)
@@ -255,7 +144,7 @@ static void put_mesh(pel_json *json, const glb *g, int32_t p)
     pel_json_print(json, g->frame_count > 1 ? "]}" : "}");
 }
 
-static void put_vertex_accessor(pel_json *json, const part *of, size_t offset, const double *bounds)
+static void put_vertex_accessor(pel_json *json, const pel_export_part *of, size_t offset, const double *bounds)
 {
     pel_json_print(json, ",{\"bufferView\":1,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"VEC3\"",
                    offset, FLOAT, of->vertex_count);
@@ -271,15 +160,15 @@ static void put_vertex_accessor(pel_json *json, const part *of, size_t offset, c
 static void put_accessors(pel_json *json, const glb *g)
 {
     pel_json_print(json, "\"accessors\":[");
-    for (int32_t p = 0; p < g->part_count; p++)
+    for (int32_t p = 0; p < g->by.count; p++)
         pel_json_print(json,
                        "%s{\"bufferView\":0,\"byteOffset\":%zu,\"componentType\":%d,\"count\":%zu,\"type\":\"SCALAR\"}",
-                       p > 0 ? "," : "", 4 * g->parts[p].index_begin, UNSIGNED_INT, g->parts[p].index_count);
+                       p > 0 ? "," : "", 4 * g->by.parts[p].index_begin, UNSIGNED_INT, g->by.parts[p].index_count);
     for (int32_t f = 0; f < g->frame_count; f++)
-        for (int32_t p = 0; p < g->part_count; p++) {
-            const part *of = &g->parts[p];
+        for (int32_t p = 0; p < g->by.count; p++) {
+            const pel_export_part *of = &g->by.parts[p];
             size_t offset = 24 * (g->vertex_count * (size_t)f + of->vertex_begin);
-            put_vertex_accessor(json, of, offset, g->bounds[f * g->part_count + p]);
+            put_vertex_accessor(json, of, offset, g->bounds[f * g->by.count + p]);
             put_vertex_accessor(json, of, offset + 12 * of->vertex_count, NULL);
         }
     if (g->frame_count < 2) {
@@ -315,7 +204,7 @@ static void put_node(pel_json *json, const glb *g, int32_t p)
     char body[32];
     snprintf(body, sizeof body, "body %d", (int)p);
     pel_json_print(json, "%s{\"mesh\":%d", p > 0 ? "," : "", (int)p);
-    if (g->part_count > 1) {
+    if (g->by.count > 1) {
         pel_json_print(json, ",\"name\":");
         pel_json_put_text(json, tool != NULL ? tool : body);
     }
@@ -327,7 +216,7 @@ static void put_animation(pel_json *json, const glb *g)
 {
     int32_t times = accessor_of(g, g->frame_count, 0);
     pel_json_print(json, "\"animations\":[{\"channels\":[");
-    for (int32_t p = 0; p < g->part_count; p++)
+    for (int32_t p = 0; p < g->by.count; p++)
         pel_json_print(json, "%s{\"sampler\":0,\"target\":{\"node\":%d,\"path\":\"weights\"}}", p > 0 ? "," : "",
                        (int)p);
     pel_json_print(json, "],\"samplers\":[{\"input\":%d,\"output\":%d}]}],", (int)times, (int)times + 1);
@@ -345,19 +234,19 @@ static void put_json(pel_json *json, const glb *g)
 {
     pel_json_print(json, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"pellicle " PEL_VERSION "\"},\"scene\":0,"
                          "\"scenes\":[{\"nodes\":[");
-    for (int32_t p = 0; p < g->part_count; p++)
+    for (int32_t p = 0; p < g->by.count; p++)
         pel_json_print(json, "%s%d", p > 0 ? "," : "", (int)p);
     pel_json_print(json, "]}],\"nodes\":[");
-    for (int32_t p = 0; p < g->part_count; p++)
+    for (int32_t p = 0; p < g->by.count; p++)
         put_node(json, g, p);
     pel_json_print(json, "],\"materials\":[");
     put_material(json, "0.8,0.55,0.45");
-    if (pel_export_tool_name(g->source, g->part_count - 1) != NULL) {
+    if (pel_export_tool_name(g->source, g->by.count - 1) != NULL) {
         pel_json_print(json, ",");
         put_material(json, "0.45,0.5,0.56");
     }
     pel_json_print(json, "],\"meshes\":[");
-    for (int32_t p = 0; p < g->part_count; p++)
+    for (int32_t p = 0; p < g->by.count; p++)
         put_mesh(json, g, p);
     pel_json_print(json, "],");
     if (g->frame_count > 1)
@@ -400,7 +289,7 @@ static void write_animation(pel_file_writer *writer, const glb *g)
 static pel_status write_numbers(pel_file_writer *writer, glb *g, pel_error *error)
 {
     for (size_t i = 0; i < g->index_count; i++)
-        pel_store_bytes(g->bytes + 4 * i, 4, false, (uint64_t)g->indices[i]);
+        pel_store_bytes(g->bytes + 4 * i, 4, false, (uint64_t)g->by.indices[i]);
     pel_file_writer_write(writer, g->bytes, 4 * g->index_count);
     write_floats(writer, g->base, 6 * g->vertex_count, g->bytes);
     for (int32_t f = 1; f < g->frame_count; f++) {
@@ -450,14 +339,13 @@ static pel_status export_all(const char *path, const pel_export_source *source, 
         .frame_count = frames != NULL ? frames->frame_count : 1,
         .vertex_count = (size_t)first->vertex_count,
         .index_count = 3 * (size_t)first->triangle_count,
-        .part_count = pel_export_part_count(first),
     };
     pel_json json = {0};
-    pel_status status = make_buffers(&g, error);
-    if (status == PEL_OK) {
-        sort_parts(&g);
+    pel_status status = pel_export_parts_create(first, &g.by, error);
+    if (status == PEL_OK)
+        status = make_buffers(&g, error);
+    if (status == PEL_OK)
         status = survey(&g, error);
-    }
     if (status == PEL_OK) {
         put_json(&json, &g);
         status = json.failed ? pel_fail_memory(error) : write_file(path, &g, &json, error);

@@ -2,11 +2,11 @@
 #include "check.h"
 
 #include "base/memory.h"
+#include "export/export.h"
 #include "failing_malloc.h"
 #include "io/file.h"
 #include "pellicle/export.h"
-#include "results/export.h"
-#include "run_folder.h"
+#include "results/run_folder.h"
 #include "source_dir.h"
 
 static char folder[FOLDER_SIZE];
@@ -78,7 +78,7 @@ static const char *next_numbers(const char *json, const char *word, double numbe
 static void check_by_python(const char *path, const char *expected)
 {
     char command[300], said[200] = "";
-    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/results/check_glb.py %s", path);
+    snprintf(command, sizeof command, "python3 " PEL_SOURCE_DIR "/tests/export/check_glb.py %s", path);
     FILE *stream = popen(command, "r");
     assert_non_null(stream);
     assert_non_null(fgets(said, sizeof said, stream));

@@ -1,6 +1,6 @@
 /* Common part of the exports: the frames on one set of triangles, bodies first, then tools. */
-#ifndef PEL_RESULTS_EXPORT_H
-#define PEL_RESULTS_EXPORT_H
+#ifndef PEL_EXPORT_EXPORT_H
+#define PEL_EXPORT_EXPORT_H
 
 #include "pellicle/export.h"
 #include "results/common_mesh.h"
@@ -45,6 +45,11 @@ pel_status pel_export_fail_changed(const pel_frames *frames, int32_t frame, pel_
 
 /* refuses a frame with coordinates that no float holds */
 pel_status pel_export_fail_large(const pel_frames *frames, int32_t frame, pel_error *error);
+
+/* The times of the keys of an animation must grow: PEL_BAD_FORMAT with the first frame whose time does not. */
+pel_status pel_export_check_times(const pel_frames *frames, pel_error *error);
+/* Coordinates of bodies must fit into floats. */
+pel_status pel_export_check_size(const pel_export_source *source, pel_error *error);
 
 static inline bool pel_export_fits_float(double value)
 {

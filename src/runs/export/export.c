@@ -1,4 +1,4 @@
-#include "results/export.h"
+#include "export/export.h"
 
 #include "base/assert.h"
 #include "base/memory.h"
@@ -215,4 +215,29 @@ pel_status pel_export_fail_large(const pel_frames *frames, int32_t frame, pel_er
     pel_fail_remedy(error, "export numbered OBJ or PLY files instead");
     pel_fail_place(error, frames->paths[frame], 0, 0);
     return PEL_BAD_FORMAT;
+}
+
+/* ---- checks ---- */
+
+pel_status pel_export_check_times(const pel_frames *frames, pel_error *error)
+{
+    for (int32_t f = 1; f < frames->frame_count; f++) {
+        const double *times = frames->times;
+        if ((float)times[f] > (float)times[f - 1] && times[f - 1] >= 0)
+            continue;
+        pel_fail(error, PEL_BAD_FORMAT, "the frame's time %g s is not later than %g s, that of the frame before",
+                 times[f], times[f - 1]);
+        pel_fail_remedy(error, "export a point cache (.pc2), which holds no times");
+        pel_fail_place(error, frames->paths[f], 0, 0);
+        return PEL_BAD_FORMAT;
+    }
+    return PEL_OK;
+}
+
+pel_status pel_export_check_size(const pel_export_source *source, pel_error *error)
+{
+    for (int i = 0; i < 3; i++)
+        if (!pel_export_fits_float(source->outline.low[i]) || !pel_export_fits_float(source->outline.high[i]))
+            return pel_export_fail_large(source->frames, 0, error);
+    return PEL_OK;
 }
