@@ -96,12 +96,15 @@ typedef enum pel_path_end {
 } pel_path_end;
 PEL_API pel_path_end pel_sim_get_path_end(const pel_sim *sim);
 
-/* A limit point of a path: the load factor stops rising or falling there. The step that would pass it ends at it. */
+/* Points of a path that the step which would pass them ends at: limit points, where the load factor stops rising or
+   falling, and, before the first of those, crossings with another path (bifurcations), beyond which the balance is
+   unstable: the factor there is at most 0.1 % too large. */
 enum { PEL_LIMIT_POINTS = 64 };
+typedef enum pel_limit_kind { PEL_LIMIT_MAXIMUM, PEL_LIMIT_MINIMUM, PEL_LIMIT_BIFURCATION } pel_limit_kind;
 typedef struct pel_limit_point {
     int64_t step;
     double load_factor;
-    bool is_maximum;
+    pel_limit_kind kind;
 } pel_limit_point;
 
 /* Those so far, the first PEL_LIMIT_POINTS of them in order; points may be null. Returns their number. */

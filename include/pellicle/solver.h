@@ -58,6 +58,13 @@ typedef enum pel_path {
                          */
 } pel_path;
 
+/* static, path by arc length: where another path crosses (a bifurcation), beyond which this one is unstable */
+typedef enum pel_branch {
+    PEL_BRANCH_SAME,  /* goes on as it came */
+    PEL_BRANCH_LOWEST /* leaves along the lowest mode of the tangent, to the minimum of the energy beside it under the
+                         same loads, and goes on from there */
+} pel_branch;
+
 typedef struct pel_solver_def {
     pel_method method;
     double dt;          /* s, one step */
@@ -77,6 +84,7 @@ typedef struct pel_solver_def {
     pel_path path;           /* static, without an analysis */
     double arc_length;       /* m, of a step of a path at most: root of the mean square of the displacements; 0 = 5 % of
                                 the largest body */
+    pel_branch branch;       /* of a path by arc length */
     int32_t mode_count;      /* of an analysis: number of modes, 1 to 1000 */
     double budget; /* s, static and implicit: a step ends after the linear solve in progress at this time, with the best
                       state so far (pel_solver_reading has the residual); results depend on the machine. 0 = none */

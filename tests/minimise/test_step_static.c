@@ -280,7 +280,7 @@ static void test_limit_point(void **unused)
     assert_near(6000 * largest, mesh * balloon_pressure(pow(7, 1.0 / 6)), IN_FLOAT(10, 100));
     pel_limit_point limit[PEL_LIMIT_POINTS];
     assert_int_equal(pel_sim_get_limit_points(sim, limit), 1);
-    assert_true(limit[0].is_maximum && limit[0].load_factor == largest);
+    assert_true(limit[0].kind == PEL_LIMIT_MAXIMUM && limit[0].load_factor == largest);
     assert_true(stretch_of(sim) > 2 && last < 0.9 * largest);
     end_stage(&s);
 }
@@ -383,7 +383,8 @@ static void test_snap(void **unused)
     /* both limit points, where a step ends */
     pel_limit_point limits[PEL_LIMIT_POINTS];
     assert_int_equal(pel_sim_get_limit_points(s.sim, limits), 2);
-    assert_true(limits[0].is_maximum && !limits[1].is_maximum && limits[0].step < limits[1].step);
+    assert_true(limits[0].kind == PEL_LIMIT_MAXIMUM && limits[1].kind == PEL_LIMIT_MINIMUM);
+    assert_true(limits[0].step < limits[1].step);
     assert_near(limits[0].load_factor, 0.5, 1e-5);
     assert_near(limits[1].load_factor, -0.5, 1e-5);
     assert_near(largest, 0.5, 1e-5);

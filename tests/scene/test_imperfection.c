@@ -20,11 +20,17 @@
     "loads:\n  - { force: [-0.197392, 0, 0], at: { box: { min: [0.2499, -1, -1], max: [1, 1, 1] } } }\n"
 #define STATIC "solver: { method: static }\n"
 #define PATH "solver: { path: arc-length, steps: 60 }\n"
+#define BRANCH "solver: { path: arc-length, branch: lowest, steps: 60 }\n"
 #define IMPERFECTION "imperfection: { amplitude: 1.0e-5 }\n"
 
 /* of the middle, in the plane: aside and half of the shortening */
 #define ELASTICA 0.1815
 #define ELASTICA_ERROR 0.005
+/* the same under 1.02 times Euler's load, where 0.1 % of the load is 2.5 % of the way */
+#define SMALL_ELASTICA 0.0629
+#define SMALL_ELASTICA_ERROR 0.04
+/* of Euler's load, on this mesh */
+#define EULER_ERROR 0.002
 
 typedef struct made {
     pel_scene *scene;
@@ -90,6 +96,15 @@ static void test_imperfect_path(void **unused)
     destroy(&m);
 }
 
+/* the path has met Euler's load, as a bifurcation, within the error of the mesh */
+static void check_crossing(const pel_sim *sim)
+{
+    pel_limit_point points[PEL_LIMIT_POINTS];
+    assert_int_equal(pel_sim_get_limit_points(sim, points), 1);
+    assert_int_equal(points[0].kind, PEL_LIMIT_BIFURCATION);
+    assert_near(points[0].load_factor, 1 / 1.2, EULER_ERROR / 1.2);
+}
+
 /* without one the path stays straight, and says that it is unstable beyond Euler's load */
 static void test_straight_path(void **unused)
 {
@@ -100,9 +115,51 @@ static void test_straight_path(void **unused)
     assert_int_equal(make(COLUMN PATH, &m, NULL), PEL_OK);
     for (int i = 0; i < 60 && pel_sim_get_path_end(m.sim) == PEL_PATH_GOES_ON; i++) {
         assert_int_equal(pel_sim_step(m.sim, NULL), PEL_OK);
-        assert_true(is_unstable(m.sim) == (pel_sim_load_factor(m.sim) > 1 / 1.2));
+        assert_true(is_unstable(m.sim) == (pel_sim_load_factor(m.sim) > (1 - EULER_ERROR) / 1.2));
     }
     assert_true(is_unstable(m.sim) && largest_displacement(m.sim) < 1e-4);
+    check_crossing(m.sim);
+    destroy(&m);
+}
+
+/* the path leaves the straight column where it crosses that of the bent one, and follows the elastica */
+static void test_lowest_branch(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == 4)
+        skip();
+    made m;
+    bool unstable = false;
+    assert_int_equal(make(COLUMN BRANCH, &m, NULL), PEL_OK);
+    for (int i = 0; i < 60 && pel_sim_get_path_end(m.sim) == PEL_PATH_GOES_ON; i++) {
+        assert_int_equal(pel_sim_step(m.sim, NULL), PEL_OK);
+        unstable |= is_unstable(m.sim);
+    }
+    assert_int_equal(pel_sim_get_path_end(m.sim), PEL_PATH_END_FULL_LOAD);
+    assert_near(largest_displacement(m.sim), ELASTICA, ELASTICA_ERROR * ELASTICA);
+    assert_false(unstable);
+    check_crossing(m.sim);
+    destroy(&m);
+}
+
+/* 2 % above Euler's load, where the lowest curvature of the energy is 1e-8 of the highest, which float does not see */
+static void test_leaves_just_above(void **unused)
+{
+    (void)unused;
+    if (sizeof(pel_real) == 4)
+        skip();
+    made m;
+    assert_int_equal(make(COLUMN STATIC, &m, NULL), PEL_OK);
+    pel_sim_destroy(m.sim);
+    pel_load_def load = m.scene->sim.loads[0];
+    load.force[0] *= 1.02 / 1.2;
+    pel_sim_def def = m.scene->sim;
+    def.model = m.model;
+    def.loads = &load;
+    assert_int_equal(pel_sim_create(&def, &m.sim, NULL), PEL_OK);
+    assert_int_equal(pel_sim_step(m.sim, NULL), PEL_OK);
+    assert_false(is_unstable(m.sim));
+    assert_near(largest_displacement(m.sim), SMALL_ELASTICA, SMALL_ELASTICA_ERROR * SMALL_ELASTICA);
     destroy(&m);
 }
 
@@ -166,6 +223,7 @@ static void test_refusals(void **unused)
     check_refusal("version: 1\nbodies: [ { mesh: { shape: grid }, membrane: { young: 1e6, thickness: 0.01 } } ]\n"
                   "imperfection: { mode: 1, amplitude: 0.001 }\n" STATIC,
                   "no buckling mode 1");
+    check_refusal(COLUMN "solver: { method: static, branch: lowest }\n", "needs a path by arc length");
     check_refusal(COLUMN "imperfection: { mode: 1 }\n" STATIC, "amplitude");
 }
 
@@ -191,6 +249,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_imperfect_path),  cmocka_unit_test(test_straight_path),
         cmocka_unit_test(test_leaves_straight), cmocka_unit_test(test_wrinkles),
+        cmocka_unit_test(test_lowest_branch),   cmocka_unit_test(test_leaves_just_above),
         cmocka_unit_test(test_refusals),        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

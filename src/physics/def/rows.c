@@ -652,6 +652,11 @@ static const pel_def_row rows[] = {
     {"solver.arc_length", SOLVER(arc_length), FIXED, NUMBER, .unit = "m", POSITIVE, AUTO(0), WHEN(has_path),
      .doc = "path arc-length: largest arc length of a step, the root of the mean square of the displacements; shorter "
             "steps follow sharp bends of the path. default: 5 % of the size of the largest body"},
+    {"solver.branch", SOLVER(branch), FIXED, WORD("same", "lowest"), .preset = "same", WHEN(has_path),
+     .doc =
+         "path arc-length: where another path crosses (a bifurcation, as when a column buckles). same: goes on as it "
+         "came, unstable beyond it; lowest: leaves along the lowest mode, to the minimum of the energy beside it, "
+         "and goes on from there"},
     {"solver.analysis", SOLVER(analysis), FIXED, WORD("none", "modal", "buckling"), .preset = "none",
      .doc = "static: modal computes the lowest frequencies and modes of the body under its loads; buckling computes "
             "the lowest factors on all loads, gravity and pressure together at which the body buckles by linear "

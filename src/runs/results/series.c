@@ -120,13 +120,14 @@ static bool has_path(const pel_sim *sim)
     return pel_sim_analysis(sim) == PEL_ANALYSIS_NONE && pel_sim_path_kind(sim) == PEL_PATH_ARC_LENGTH;
 }
 
-/* 1 at a maximum of the load factor, -1 at a minimum, else 0 */
+/* 1 at a maximum of the load factor, -1 at a minimum, 2 at a bifurcation, else 0 */
 static double limit_of(const pel_sim *sim)
 {
     pel_limit_point points[PEL_LIMIT_POINTS];
     int32_t count = pel_sim_get_limit_points(sim, points);
     bool is_limit = count > 0 && points[count - 1].step == pel_sim_step_count(sim);
-    return !is_limit ? 0 : points[count - 1].is_maximum ? 1 : -1;
+    static const double marks[] = {[PEL_LIMIT_MAXIMUM] = 1, [PEL_LIMIT_MINIMUM] = -1, [PEL_LIMIT_BIFURCATION] = 2};
+    return is_limit ? marks[points[count - 1].kind] : 0;
 }
 
 /* the column of an analysis or a path; null = none */

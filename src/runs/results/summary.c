@@ -123,6 +123,8 @@ static void write_modes(pel_json *json, const pel_run_ending *ending)
 
 static void write_limit_points(pel_json *json, const pel_sim *sim)
 {
+    static const char *const kinds[] = {
+        [PEL_LIMIT_MAXIMUM] = "maximum", [PEL_LIMIT_MINIMUM] = "minimum", [PEL_LIMIT_BIFURCATION] = "bifurcation"};
     pel_limit_point points[PEL_LIMIT_POINTS];
     if (pel_sim_analysis(sim) != PEL_ANALYSIS_NONE || pel_sim_path_kind(sim) != PEL_PATH_ARC_LENGTH)
         return;
@@ -132,7 +134,7 @@ static void write_limit_points(pel_json *json, const pel_sim *sim)
         open_inline(json, NULL, '{');
         pel_json_number(json, "load_factor", points[i].load_factor);
         pel_json_integer(json, "step", points[i].step);
-        pel_json_text(json, "kind", points[i].is_maximum ? "maximum" : "minimum");
+        pel_json_text(json, "kind", kinds[points[i].kind]);
         close_inline(json, '}');
     }
     pel_json_close(json, ']');

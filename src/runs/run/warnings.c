@@ -468,11 +468,12 @@ static void tell_unstable(const pel_warning_text *at)
     bool is_path = pel_sim_path_kind(at->run->sim) == PEL_PATH_ARC_LENGTH;
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64
-             " states are unstable equilibria: %s. add an imperfection ({ mode: 1, amplitude: a "
+             " states are unstable equilibria: %s. %sadd an imperfection ({ mode: 1, amplitude: a "
              "tenth of the thickness }), or a small load that selects a direction",
              at->tally->count, pel_sim_step_count(at->run->sim),
              is_path ? "another path crosses this one (buckling), and leads on with less energy"
-                     : "the body buckles, and no stable equilibrium was found near them");
+                     : "the body buckles, and no stable equilibrium was found near them",
+             is_path ? "set solver.branch: lowest, " : "");
 }
 
 static void tell_stray(const pel_warning_text *at)

@@ -357,6 +357,18 @@ static pel_status read_session(pel_scene_reader *reader, const pel_scene_value *
     return PEL_OK;
 }
 
+/* a branch is one of a path */
+static pel_status check_branch(pel_scene_reader *reader, const pel_scene_value *solver, const pel_solver_def *numbers)
+{
+    const pel_scene_value *branch = pel_scene_value_entry(solver, "branch");
+    if (branch == NULL || numbers->branch == PEL_BRANCH_SAME || numbers->path == PEL_PATH_ARC_LENGTH)
+        return PEL_OK;
+    pel_scene_fail(reader, &branch->place, "`branch: lowest` needs a path by arc length that it could leave");
+    pel_fail_remedy(reader->error, "add path: arc-length, or remove it: static leaves equilibria that are no minimum "
+                                   "along their lowest mode by itself");
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count)
 {
@@ -375,7 +387,9 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     for (const pel_scene_value *body = bodies->first; body != NULL; body = body->next)
         if (pel_stepper_of(numbers->method)->has_lengths)
             note_ignored(reader, body);
-    pel_status status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
+    pel_status status = check_branch(reader, solver.value, numbers);
+    if (status == PEL_OK)
+        status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
         status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)

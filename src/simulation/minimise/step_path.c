@@ -29,6 +29,15 @@ enum { MOST_HALVINGS = 8, MOST_MEETINGS = 30 };
 #define MEETING_ERROR 1e-9
 /* of the slope, at a limit point: the factor there is 1e-6 of its change in the step too small */
 #define LIMIT_ERROR 1e-3
+/* of the load factor, at a crossing; halvings that find it */
+#define CROSSING_ERROR 1e-3
+enum { MOST_CROSSING_HALVINGS = 16 };
+/* of the load factor, that another branch is looked for beyond a crossing; of the way there, that the next step is long
+ */
+#define LEAST_BEYOND 0.01
+#define MOST_BEYOND 0.1
+#define BEYOND_GROWTH 3.0
+#define BRANCH_STEP 0.5
 
 pel_status pel_sim_path_create(pel_sim *sim, pel_error *error)
 {
@@ -230,7 +239,8 @@ static pel_status meet_limit(pel_sim *sim, const pel_newton_problem *problem, do
     if (status != PEL_OK)
         return status;
     if (result->converged && own->limit_count < PEL_LIMIT_POINTS)
-        own->limits[own->limit_count++] = (pel_limit_point){sim->state->step + 1, own->path.factor, before > 0};
+        own->limits[own->limit_count++] = (pel_limit_point){sim->state->step + 1, own->path.factor,
+                                                            before > 0 ? PEL_LIMIT_MAXIMUM : PEL_LIMIT_MINIMUM};
     if (result->converged)
         return PEL_OK;
     own->path.length = length;
@@ -239,6 +249,119 @@ static pel_status meet_limit(pel_sim *sim, const pel_newton_problem *problem, do
     gather_full_load(sim, problem->span.time);
     find_direction(sim);
     return follow(sim, problem, result, error);
+}
+
+static bool has_limit(const pel_sim_path *own)
+{
+    bool any = false;
+    for (int32_t i = 0; i < own->limit_count; i++)
+        any |= own->limits[i].kind != PEL_LIMIT_BIFURCATION;
+    return any;
+}
+
+/* before a limit point the balance loses its stability only where another path crosses */
+static bool is_beyond_crossing(const pel_sim_path *own)
+{
+    return !has_limit(own) && own->path.slope > 0 && !own->path.is_stable;
+}
+
+/* A step that passes a crossing ends shortly beyond it, which halving finds. */
+static pel_status meet_crossing(pel_sim *sim, const pel_newton_problem *problem, double start,
+                                pel_newton_result *result, pel_error *error)
+{
+    pel_newton_path *path = &sim->path->path;
+    double low = 0, high = path->length, low_factor = start, high_factor = path->factor;
+    pel_status status = PEL_OK;
+    for (int i = 0; i <= MOST_CROSSING_HALVINGS && status == PEL_OK; i++) {
+        bool is_near = i == MOST_CROSSING_HALVINGS ||
+                       high_factor - low_factor <= CROSSING_ERROR * pel_max(fabs(high_factor), fabs(low_factor));
+        if (is_near && path->factor == high_factor)
+            return PEL_OK;
+        path->length = is_near ? high : 0.5 * (low + high);
+        path->factor = start;
+        sim->minimise->newton->goes_on = false;
+        gather_full_load(sim, problem->span.time);
+        find_direction(sim);
+        status = follow(sim, problem, result, error);
+        if (is_near || !result->converged)
+            return status;
+        bool is_high = is_beyond_crossing(sim->path);
+        *(is_high ? &high : &low) = path->length;
+        *(is_high ? &high_factor : &low_factor) = path->factor;
+    }
+    return status;
+}
+
+/* root of the mean square of the displacements from the state at the start of the step to the unknowns */
+static double way_of(const pel_sim *sim)
+{
+    const double *unknowns = sim->minimise->newton->unknowns;
+    double square = 0, mass = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++) {
+            double own = sim->model->mass[v], way = unknowns[3 * v + k] - (double)sim->state->position[v][k];
+            square += own * way * way;
+            mass += own / 3;
+        }
+    return sqrt(square / mass);
+}
+
+/* The crossing of a step that began stable is met and counted. */
+static pel_status cross(pel_sim *sim, const pel_newton_problem *problem, double start, pel_newton_result *result,
+                        pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    /* the first step has no direction yet that a shorter one could take */
+    pel_status status = sim->state->step > 0 ? meet_crossing(sim, problem, start, result, error) : PEL_OK;
+    if (status != PEL_OK || !result->converged)
+        return status;
+    if (own->path.factor < 1)
+        own->ended = PEL_PATH_GOES_ON;
+    if (own->limit_count < PEL_LIMIT_POINTS)
+        own->limits[own->limit_count++] =
+            (pel_limit_point){sim->state->step + 1, own->path.factor, PEL_LIMIT_BIFURCATION};
+    return PEL_OK;
+}
+
+/* the last step ended at a crossing that the scene says to leave along the lowest mode */
+static bool leaves(const pel_sim *sim)
+{
+    const pel_sim_path *own = sim->path;
+    const pel_limit_point *last = &own->limits[own->limit_count - 1];
+    return sim->solver.branch == PEL_BRANCH_LOWEST && own->is_unstable && own->limit_count > 0 &&
+           last->kind == PEL_LIMIT_BIFURCATION && last->step == sim->state->step;
+}
+
+/* From a crossing to the minimum of the energy beside the path, under loads that are a little larger: at the crossing
+   itself the energy is flat. result->converged: there is one. */
+static pel_status leave(pel_sim *sim, const pel_newton_problem *problem, double start, pel_newton_result *result,
+                        pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    pel_status status = PEL_OK;
+    result->converged = false;
+    for (double beyond = LEAST_BEYOND; beyond <= MOST_BEYOND && status == PEL_OK; beyond *= BEYOND_GROWTH) {
+        double factor = pel_min(start * (1 + beyond), 1);
+        sim->minimise->newton->goes_on = false;
+        gather_full_load(sim, problem->span.time);
+        set_factor(sim, factor);
+        status = pel_newton_run(sim->newton, problem, sim->minimise->newton->unknowns, result, error);
+        sim->minimise->result.iterations += result->iterations;
+        result->converged &= !result->unstable;
+        if (status != PEL_OK || !result->converged)
+            continue;
+        own->path.factor = factor;
+        own->path.iterations = (int32_t)GOOD_ITERATIONS;
+        own->path.length = pel_min(BRANCH_STEP * way_of(sim), own->path.most_length);
+        own->slope = (double)NAN;
+        own->is_unstable = false;
+        own->ended = factor == 1 ? PEL_PATH_END_FULL_LOAD : PEL_PATH_GOES_ON;
+        return PEL_OK;
+    }
+    sim->minimise->newton->goes_on = false;
+    set_factor(sim, start);
+    gather_full_load(sim, problem->span.time);
+    return status;
 }
 
 static void take(pel_sim *sim, const pel_newton_result *result)
@@ -303,6 +426,33 @@ static pel_status meet_marks(pel_sim *sim, const pel_newton_problem *problem, do
     return sim->state->step > 0 ? meet_full_load(sim, problem, start, result, error) : PEL_OK;
 }
 
+/* a length along the path, to the first point that it is to end at */
+static pel_status advance(pel_sim *sim, const pel_newton_problem *problem, double start, pel_newton_result *result,
+                          pel_error *error)
+{
+    pel_sim_path *own = sim->path;
+    pel_status status = PEL_OK;
+    if (own->path.length > 0)
+        find_direction(sim);
+    else
+        status = begin(sim, problem, result, error);
+    if (status == PEL_OK && result->converged)
+        status = follow(sim, problem, result, error);
+    double length = own->path.length;
+    if (status == PEL_OK && result->converged)
+        status = meet_marks(sim, problem, start, result, error);
+    bool was_unstable = own->is_unstable;
+    own->is_unstable = status == PEL_OK && result->converged && is_beyond_crossing(own);
+    if (own->is_unstable && !was_unstable)
+        status = cross(sim, problem, start, result, error);
+    own->path.length = length;
+    if (status == PEL_OK && !result->converged)
+        own->ended = PEL_PATH_END_LOST;
+    bool is_left = sim->solver.branch == PEL_BRANCH_LOWEST && own->is_unstable && !was_unstable;
+    result->unstable = result->converged && own->is_unstable && !is_left;
+    return status;
+}
+
 pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *error)
 {
     pel_sim_path *own = sim->path;
@@ -321,22 +471,16 @@ pel_status pel_sim_path_step(pel_sim *sim, pel_step_result *step, pel_error *err
     if (sim->minimise->newton->lead != NULL)
         return step_beside(sim, &problem, error);
     double start = own->path.factor = state->load_factor;
-    if (own->path.length > 0)
-        find_direction(sim);
-    else
-        status = begin(sim, &problem, &result, error);
-    if (status == PEL_OK && result.converged)
-        status = follow(sim, &problem, &result, error);
-    double length = own->path.length;
-    if (status == PEL_OK && result.converged)
-        status = meet_marks(sim, &problem, start, &result, error);
-    own->path.length = length;
+    bool left = leaves(sim);
+    if (left) {
+        status = leave(sim, &problem, start, &result, error);
+        left = result.converged;
+        result.converged = true;
+    }
+    if (status == PEL_OK && !left)
+        status = advance(sim, &problem, start, &result, error);
     if (status != PEL_OK)
         return status;
-    if (!result.converged)
-        own->ended = PEL_PATH_END_LOST;
-    /* before a limit point the balance loses its stability only where another path crosses */
-    result.unstable = result.converged && own->limit_count == 0 && own->slope > 0 && !own->path.is_stable;
     take(sim, &result);
     adapt_length(sim);
     set_factor(sim, own->path.factor);
@@ -390,6 +534,7 @@ void pel_sim_path_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &path->stiffness, sizeof path->stiffness);
     pel_transfer(at, &sim->path->ended, sizeof sim->path->ended);
     pel_transfer(at, &sim->path->slope, sizeof sim->path->slope);
+    pel_transfer(at, &sim->path->is_unstable, sizeof sim->path->is_unstable);
     pel_transfer(at, &sim->path->limit_count, sizeof sim->path->limit_count);
     pel_transfer(at, sim->path->limits, sizeof sim->path->limits);
     pel_transfer(at, &state->load_factor, sizeof state->load_factor);

@@ -11,7 +11,8 @@
 struct pel_sim_path {
     pel_newton_path path; /* in snapshots but for its direction, which follows from the last two states */
     int32_t ended;        /* pel_path_end; in snapshots */
-    double slope;         /* of the factor over the length behind the last state; in snapshots, and */
+    double slope;         /* of the factor over the length behind the last state, and */
+    bool is_unstable;     /* before the first limit point: so is the last state; in snapshots, and */
     int32_t limit_count;  /* of the points found so far, and */
     pel_limit_point limits[PEL_LIMIT_POINTS];
 };

@@ -759,6 +759,26 @@ static bool go_in_parts(newton_run *run)
 
 /* ---- stability ---- */
 
+/* whether the matrix is positive in double, where it is in float: the lowest curvature of slender bodies is below the
+   rounding of float. The factor in float stays. */
+static bool is_positive_in_double(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    double pivot;
+    if (newton->precision == PEL_FACTOR_DOUBLE)
+        return true;
+    pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
+    if (*factor == NULL)
+        run->status = pel_factor_create(newton->plan, PEL_FACTOR_DOUBLE, factor, run->error);
+    if (run->status != PEL_OK)
+        return false;
+    newton->precision = PEL_FACTOR_DOUBLE;
+    if (!pel_newton_compute_factor(run, 0, &pivot))
+        return false;
+    newton->precision = PEL_FACTOR_FLOAT;
+    return true;
+}
+
 /* the exact tangent at the end has a factor */
 static bool is_stable(newton_run *run)
 {
@@ -767,7 +787,7 @@ static bool is_stable(newton_run *run)
     run->shift = 0;
     pel_newton_evaluate(run);
     pel_newton_assemble(run);
-    return run->status == PEL_OK && pel_newton_make_factor(run);
+    return run->status == PEL_OK && pel_newton_make_factor(run) && is_positive_in_double(run);
 }
 
 /* newton->step = the lowest mode of the exact tangent, its largest component 1: inverse iterations with the factor of
