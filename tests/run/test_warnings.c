@@ -510,6 +510,11 @@ static void test_pinned_under_tool(void **unused)
         assert_null(find_warning(&summary, codes[1 - c]));
         assert_null(find_warning(&summary, "nothing-acts"));
     }
+    /* one that is out again at the end */
+    overrides[3] = "tools.0.motion.2={ time: 0.006, position: [0, 0, 0.08] }";
+    run_scene(SHELL, overrides, 4, NULL, 0, &summary);
+    const pel_run_warning *passed = find_warning(&summary, codes[0]);
+    assert_true(passed != NULL && strstr(passed->text, "pin fewer") != NULL);
     /* a vertex that is free is pressed */
     overrides[2] = "bodies.0.pinned={ box: { min: [-1, -1, -1], max: [1, 1, 0.03] } }";
     run_scene(SHELL, overrides, 3, NULL, 0, &summary);

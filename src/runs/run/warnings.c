@@ -553,7 +553,7 @@ static void tell_idle_tool(const pel_warning_text *at)
     if (tool != NULL)
         pel_tool_def_pose(tool, HUGE_VAL, last, rotation);
     const pel_body_def *body = &scene->model.bodies[tool != NULL && tool->body > 0 ? tool->body : 0];
-    const char *pinned = tool != NULL ? pel_pinned_body_in(at->run, t) : NULL;
+    const char *pinned = tool != NULL ? pel_pinned_body_on_way(at->run, t) : NULL;
     double low[3], high[3];
     if (pinned != NULL) {
         snprintf(at->text, at->size,

@@ -78,6 +78,9 @@ static double lag_of(const pel_run_state *run, const char *tool)
     return 0;
 }
 
+/* of a tool's motion, at which it is looked whether it is in pinned vertices */
+enum { WAY_POINTS = 64 };
+
 /* how many of these vertices, all if null, are inside a tool where its keys lead it by now */
 static int32_t count_in(const pel_tool_def *tool, double time, const pel_mesh *mesh, const int32_t *vertices,
                         int32_t count)
@@ -94,11 +97,11 @@ static int32_t count_in(const pel_tool_def *tool, double time, const pel_mesh *m
     return inside;
 }
 
-const char *pel_pinned_body_in(const pel_run_state *run, int32_t t)
+/* the body of which a tool holds pinned vertices alone at that time, or null */
+static const char *pinned_body_at(const pel_run_state *run, int32_t t, double time)
 {
     const pel_model_def *model = &run->scene->model;
     const pel_tool_def *tool = &run->scene->sim.tools[t];
-    double time = pel_sim_time(run->sim);
     const char *name = NULL;
     for (int32_t b = 0; b < model->body_count && tool->shape != PEL_TOOL_MESH; b++) {
         const pel_body_def *body = &model->bodies[b];
@@ -112,11 +115,20 @@ const char *pel_pinned_body_in(const pel_run_state *run, int32_t t)
     return name;
 }
 
+const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t t)
+{
+    double time = pel_sim_time(run->sim);
+    const char *name = NULL;
+    for (int i = 0; i <= WAY_POINTS && name == NULL; i++)
+        name = pinned_body_at(run, t, time * i / WAY_POINTS);
+    return name;
+}
+
 static const char *pinned_body_of(const pel_run_state *run, const char *tool)
 {
     for (int32_t t = 0; tool != NULL && t < run->scene->sim.tool_count; t++)
         if (strcmp(run->scene->sim.tools[t].name, tool) == 0)
-            return pel_pinned_body_in(run, t);
+            return pinned_body_at(run, t, pel_sim_time(run->sim));
     return NULL;
 }
 

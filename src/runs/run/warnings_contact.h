@@ -12,9 +12,9 @@ enum { PEL_LEAST_CONTACTS = 30 };
 /* Vertices that a tool touched when its force was largest; 0 = it pressed nothing. Grasps hold vertices one by one. */
 int32_t pel_pressed_count(const pel_run_state *run, int32_t tool);
 
-/* The body whose vertices in the tool, where its keys are at the present time, are all pinned, so that it presses
-   nothing that moves; null = none, or the tool is a mesh. */
-const char *pel_pinned_body_in(const pel_run_state *run, int32_t tool);
+/* The first body on the way of a tool by now of which all vertices in the tool are pinned, so that it presses nothing
+   that moves; null = none, or the tool is a mesh. */
+const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t tool);
 
 void pel_tell_jam(const pel_warning_text *at);
 void pel_tell_held_tool(const pel_warning_text *at);
