@@ -91,6 +91,12 @@ static int take_points(const chosen *plot, int column, double *x, double *y)
     return count;
 }
 
+static bool ends_in(const char *text, const char *end)
+{
+    const size_t length = strlen(text), size = strlen(end);
+    return length > size && strcmp(text + length - size, end) == 0;
+}
+
 static pel_status write_picture(const chosen *plot, const char *title, const char *path, pel_error *error)
 {
     const size_t rows = (size_t)plot->series->row_count + 1;
@@ -110,7 +116,7 @@ static pel_status write_picture(const chosen *plot, const char *title, const cha
     }
     pel_status status = PEL_BAD_ARGUMENT;
     if (picture.curve_count > 0) {
-        status = lab_write_plot(path, &picture, error);
+        status = (ends_in(path, ".png") ? lab_draw_plot : lab_write_plot)(path, &picture, error);
     } else {
         pel_fail(error, status, "the columns have no number to draw");
         pel_fail_remedy(error, "%s",
@@ -139,12 +145,6 @@ static void write_table(FILE *file, const void *context)
         }
 }
 
-static bool ends_in(const char *text, const char *end)
-{
-    const size_t length = strlen(text), size = strlen(end);
-    return length > size && strcmp(text + length - size, end) == 0;
-}
-
 static int draw(const cli_call *call, const char *source, chosen *plot, const char *path)
 {
     pel_error error;
@@ -169,8 +169,8 @@ int cli_plot(const cli_call *call)
     snprintf(source, sizeof source, "%.4200s/%s", call->arguments[0], pel_run_file_name(PEL_RUN_SERIES));
     snprintf(own, sizeof own, "%.4200s/plot.svg", call->arguments[0]);
     path = path != NULL ? path : own;
-    if (!ends_in(path, ".svg") && !ends_in(path, ".csv"))
-        return cli_complain("'%s' is no plot. end the name in .svg (a picture) or .csv (a table)", path);
+    if (!ends_in(path, ".svg") && !ends_in(path, ".png") && !ends_in(path, ".csv"))
+        return cli_complain("'%s' is no plot. end the name in .svg or .png (a picture) or .csv (a table)", path);
     const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
     if (strcmp(name, pel_run_file_name(PEL_RUN_SERIES)) == 0)
         return cli_complain("'%s' is the name of a run's own table. choose another name", path);

@@ -405,16 +405,17 @@ static const cli_command commands[] = {
                 "it lists them. Cells that are empty or no number are left out.",
         .slots = {{.name = "DIR", .kind = CLI_FOLDER},
                   {.name = "COLUMN", .kind = CLI_TEXT, .optional = true, .repeated = true}},
-        .options = {{.name = "output",
-                     .letter = 'o',
-                     .kind = CLI_FILE,
-                     .value = "FILE",
-                     .doc = "the file to write: .svg (a picture) or .csv (a table); default: plot.svg in the folder"},
-                    {.name = "log-x", .kind = CLI_FLAG, .doc = "logarithmic x axis"},
-                    {.name = "log-y", .kind = CLI_FLAG, .doc = "logarithmic y axis"},
-                    {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
+        .options =
+            {{.name = "output",
+              .letter = 'o',
+              .kind = CLI_FILE,
+              .value = "FILE",
+              .doc = "the file to write: .svg or .png (a picture) or .csv (a table); default: plot.svg in the folder"},
+             {.name = "log-x", .kind = CLI_FLAG, .doc = "logarithmic x axis"},
+             {.name = "log-y", .kind = CLI_FLAG, .doc = "logarithmic y axis"},
+             {.name = "quiet", .letter = 'q', .kind = CLI_FLAG, .doc = "print errors only"}},
         .examples = "pellicle plot results/organ-press\n"
-                    "pellicle plot results/organ-press ball_force_z -o force.svg\n"
+                    "pellicle plot results/organ-press ball_force_z -o force.png\n"
                     "pellicle plot results/organ-press ball_z ball_force_z -o force-depth.csv",
         .run = cli_plot,
     },

@@ -129,6 +129,30 @@ typedef struct pel_render_summary {
 PEL_API pel_status pel_render(const pel_render_def *def, const pel_log *log, pel_render_summary *summary,
                               pel_error *error);
 
+/* A white picture for lines and text, without OpenGL. Lengths are in units of `scale` pixels, y points down; what lies
+   outside the picture is cut off. */
+typedef struct pel_canvas pel_canvas;
+typedef enum pel_canvas_anchor { PEL_CANVAS_START, PEL_CANVAS_MIDDLE, PEL_CANVAS_END } pel_canvas_anchor;
+
+/* Sizes 1 to 16384 pixels, scale 0.25 to 8. *canvas is null on failure. Free with pel_canvas_destroy. Errors:
+   PEL_BAD_ARGUMENT (size or scale), PEL_BAD_FILE (no font), PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_canvas_create(double width, double height, double scale, pel_canvas **canvas, pel_error *error);
+/* Null is permitted. */
+PEL_API void pel_canvas_destroy(pel_canvas *canvas);
+
+/* A line of this width through points (count x 2) with round ends and corners; one point is a dot. Numbers that are not
+   finite break the line. Nothing happens if canvas or points is null. */
+PEL_API void pel_canvas_line(pel_canvas *canvas, const double *points, int32_t count, double width,
+                             const uint8_t rgb[3]);
+/* A rectangle, rounded to pixels. */
+PEL_API void pel_canvas_fill(pel_canvas *canvas, double x, double y, double width, double height, const uint8_t rgb[3]);
+/* Black UTF-8 text, 13 units high, that starts, has its middle or ends at the point on its baseline; upward: turned by
+   a quarter, from bottom to top. */
+PEL_API void pel_canvas_text(pel_canvas *canvas, double x, double y, pel_canvas_anchor anchor, bool upward,
+                             const char *text);
+/* Writes a PNG; an older file stays if that fails. Errors: PEL_BAD_ARGUMENT, PEL_BAD_FILE. */
+PEL_API pel_status pel_canvas_write(const pel_canvas *canvas, const char *path, pel_error *error);
+
 #ifdef __cplusplus
 }
 #endif

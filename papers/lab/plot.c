@@ -2,8 +2,14 @@
 
 #include "papers/lab/file.h"
 
+#include <pellicle/error.h>
+#ifdef PELLICLE_VIEW
+#include <pellicle/render.h>
+#endif
+
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* sizes in pixels */
 enum { WIDTH = 920, HEIGHT = 460, LEFT = 96, RIGHT = 250, TOP = 44, BOTTOM = 56 };
@@ -97,14 +103,24 @@ static void fit_axis(const lab_plot *plot, bool vertical, axis *a)
     a->high = on_scale(a, a->ticks[a->tick_count - 1]);
 }
 
-static void write_text(FILE *file, double x, double y, const char *anchor, const char *text)
+/* ---- drawing ---- */
+
+/* what a plot is drawn with: an SVG file, or a picture */
+typedef struct pen {
+    void *target;
+    void (*line)(void *target, const double *points, int count, double width, const char *color);
+    void (*dot)(void *target, double x, double y, const char *color);
+    void (*fill)(void *target, double x, double y, double width, double height, const char *color);
+    /* anchor: start, middle or end */
+    void (*text)(void *target, double x, double y, const char *anchor, bool upward, const char *text);
+} pen;
+
+static void draw_line(const pen *p, double x0, double y0, double x1, double y1, double width, const char *color)
 {
-    fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">", x, y, anchor);
-    lab_put_escaped(file, text);
-    fputs("</text>\n", file);
+    p->line(p->target, (double[4]){x0, y0, x1, y1}, 2, width, color);
 }
 
-static void write_axis(FILE *file, const axis *a, bool vertical)
+static void draw_axis(const pen *p, const axis *a, bool vertical)
 {
     double step = a->tick_count > 1 ? a->ticks[1] - a->ticks[0] : 1;
     for (int i = 0; i < a->tick_count; i++) {
@@ -112,78 +128,205 @@ static void write_axis(FILE *file, const axis *a, bool vertical)
         char text[32];
         snprintf(text, sizeof text, "%.6g", fabs(value) < 1e-9 * step ? 0 : value);
         if (vertical) {
-            fprintf(file, "<path d=\"M%d %.1fH%d\" stroke=\"#ddd\"/>\n", LEFT, at, WIDTH - RIGHT);
-            write_text(file, LEFT - 8, at + 4, "end", text);
+            draw_line(p, LEFT, at, WIDTH - RIGHT, at, 1, "#dddddd");
+            p->text(p->target, LEFT - 8, at + 4, "end", false, text);
         } else {
-            fprintf(file, "<path d=\"M%.1f %dV%d\" stroke=\"#ddd\"/>\n", at, TOP, HEIGHT - BOTTOM);
-            write_text(file, at, HEIGHT - BOTTOM + 18, "middle", text);
+            draw_line(p, at, TOP, at, HEIGHT - BOTTOM, 1, "#dddddd");
+            p->text(p->target, at, HEIGHT - BOTTOM + 18, "middle", false, text);
         }
     }
 }
 
-static void write_curve(FILE *file, const lab_curve *curve, const char *color, const axis *x, const axis *y)
+static void draw_curve(const pen *p, const lab_curve *curve, const char *color, const axis *x, const axis *y,
+                       double *points)
 {
-    fprintf(file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"", color);
-    for (int i = 0; i < curve->count; i++)
-        fprintf(file, "%c%.2f %.2f", i == 0 ? 'M' : 'L', pixel(x, curve->x[i]), pixel(y, curve->y[i]));
-    fputs("\"/>\n", file);
-    for (int i = 0; curve->marks && i < curve->count; i++)
-        fprintf(file, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"4\" fill=\"%s\"/>\n", pixel(x, curve->x[i]),
-                pixel(y, curve->y[i]), color);
+    for (int i = 0; i < curve->count; i++) {
+        points[2 * i] = pixel(x, curve->x[i]);
+        points[2 * i + 1] = pixel(y, curve->y[i]);
+        if (curve->marks)
+            p->dot(p->target, points[2 * i], points[2 * i + 1], color);
+    }
+    p->line(p->target, points, curve->count, 2, color);
 }
 
 /* the bars of curve c of the plot: next to those of the others, around their x */
-static void write_bars(FILE *file, const lab_plot *plot, int c, const axis *x, const axis *y)
+static void draw_bars(const pen *p, const lab_plot *plot, int c, const axis *x, const axis *y)
 {
     const lab_curve *curve = &plot->curves[c];
     double step = curve->count > 1 ? pixel(x, curve->x[1]) - pixel(x, curve->x[0]) : x->to - x->from;
     double width = 0.8 * step / plot->curve_count, foot = pixel(y, 0);
     for (int i = 0; i < curve->count; i++) {
         double left = pixel(x, curve->x[i]) - 0.4 * step + c * width, top = pixel(y, curve->y[i]);
-        fprintf(file, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", left, top, width,
-                fmax(foot - top, 0), colors[c]);
+        p->fill(p->target, left, top, width, fmax(foot - top, 0), colors[c]);
     }
 }
 
-static void write_legend(FILE *file, const lab_plot *plot)
+static void draw_legend(const pen *p, const lab_plot *plot)
 {
     for (int c = 0; c < plot->curve_count; c++) {
         int y = TOP + 16 + 18 * c, x = WIDTH - RIGHT + 12;
-        fprintf(file, "<path d=\"M%d %dh24\" stroke=\"%s\" stroke-width=\"%d\"/>\n", x, y - 4, colors[c],
-                plot->bars ? 8 : 2);
-        write_text(file, x + 30, y, "start", plot->curves[c].name);
+        draw_line(p, x, y - 4, x + 24, y - 4, plot->bars ? 8 : 2, colors[c]);
+        p->text(p->target, x + 30, y, "start", false, plot->curves[c].name);
     }
 }
 
-static void write_plot(FILE *file, const void *context)
+/* points: scratch, two numbers for each point of the longest curve */
+static void draw_plot(const pen *p, const lab_plot *plot, double *points)
 {
-    const lab_plot *plot = context;
     axis x = {.log = plot->log_x, .from = LEFT, .to = WIDTH - RIGHT};
     axis y = {.log = plot->log_y, .from = HEIGHT - BOTTOM, .to = TOP};
     fit_axis(plot, false, &x);
     fit_axis(plot, true, &y);
+    draw_axis(p, &x, false);
+    draw_axis(p, &y, true);
+    draw_line(p, LEFT, TOP, LEFT, HEIGHT - BOTTOM, 1, "#000000");
+    draw_line(p, LEFT, HEIGHT - BOTTOM, WIDTH - RIGHT, HEIGHT - BOTTOM, 1, "#000000");
+    for (int c = 0; c < plot->curve_count; c++)
+        if (plot->bars)
+            draw_bars(p, plot, c, &x, &y);
+        else
+            draw_curve(p, &plot->curves[c], colors[c], &x, &y, points);
+    draw_legend(p, plot);
+    p->text(p->target, (LEFT + WIDTH - RIGHT) / 2.0, 26, "middle", false, plot->title);
+    p->text(p->target, (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 14, "middle", false, plot->x_name);
+    p->text(p->target, 20, HEIGHT / 2.0, "middle", true, plot->y_name);
+}
+
+static double *make_points(const lab_plot *plot, pel_error *error)
+{
+    size_t most = 1;
+    for (int c = 0; c < plot->curve_count; c++)
+        most = (size_t)plot->curves[c].count > most ? (size_t)plot->curves[c].count : most;
+    double *points = calloc(most, 2 * sizeof *points);
+    if (points == NULL)
+        pel_fail_memory(error);
+    return points;
+}
+
+/* ---- SVG ---- */
+
+static void svg_line(void *target, const double *points, int count, double width, const char *color)
+{
+    FILE *file = target;
+    fprintf(file, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%g\" d=\"", color, width);
+    for (int i = 0; i < count; i++)
+        fprintf(file, "%c%.2f %.2f", i == 0 ? 'M' : 'L', points[2 * i], points[2 * i + 1]);
+    fputs("\"/>\n", file);
+}
+
+static void svg_dot(void *target, double x, double y, const char *color)
+{
+    fprintf(target, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"4\" fill=\"%s\"/>\n", x, y, color);
+}
+
+static void svg_fill(void *target, double x, double y, double width, double height, const char *color)
+{
+    fprintf(target, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", x, y, width, height,
+            color);
+}
+
+static void svg_text(void *target, double x, double y, const char *anchor, bool upward, const char *text)
+{
+    FILE *file = target;
+    fprintf(file, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\"", x, y, anchor);
+    if (upward)
+        fprintf(file, " transform=\"rotate(-90 %.1f %.1f)\"", x, y);
+    fputs(">", file);
+    lab_put_escaped(file, text);
+    fputs("</text>\n", file);
+}
+
+typedef struct svg_plot {
+    const lab_plot *plot;
+    double *points;
+} svg_plot;
+
+static void write_svg(FILE *file, const void *context)
+{
+    const svg_plot *svg = context;
+    const pen p = {file, svg_line, svg_dot, svg_fill, svg_text};
     fprintf(file,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
             "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n",
             WIDTH, HEIGHT, WIDTH, HEIGHT);
-    write_axis(file, &x, false);
-    write_axis(file, &y, true);
-    fprintf(file, "<path d=\"M%d %dV%dH%d\" fill=\"none\" stroke=\"black\"/>\n", LEFT, TOP, HEIGHT - BOTTOM,
-            WIDTH - RIGHT);
-    for (int c = 0; c < plot->curve_count; c++)
-        if (plot->bars)
-            write_bars(file, plot, c, &x, &y);
-        else
-            write_curve(file, &plot->curves[c], colors[c], &x, &y);
-    write_legend(file, plot);
-    write_text(file, (LEFT + WIDTH - RIGHT) / 2.0, 26, "middle", plot->title);
-    write_text(file, (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 14, "middle", plot->x_name);
-    fprintf(file, "<g transform=\"translate(20 %d) rotate(-90)\">", HEIGHT / 2);
-    write_text(file, 0, 0, "middle", plot->y_name);
-    fputs("</g>\n</svg>\n", file);
+    draw_plot(&p, svg->plot, svg->points);
+    fputs("</svg>\n", file);
 }
 
 pel_status lab_write_plot(const char *path, const lab_plot *plot, pel_error *error)
 {
-    return lab_write_file(path, "plot", write_plot, plot, error);
+    svg_plot svg = {plot, make_points(plot, error)};
+    if (svg.points == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = lab_write_file(path, "plot", write_svg, &svg, error);
+    free(svg.points);
+    return status;
 }
+
+/* ---- PNG ---- */
+
+#ifdef PELLICLE_VIEW
+/* pixels per unit, for screens of double density and for paper */
+#define PICTURE_SCALE 2.0
+
+/* "#rrggbb" */
+static void read_color(const char *color, uint8_t rgb[3])
+{
+    const unsigned long value = strtoul(color + 1, NULL, 16);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (uint8_t)(value >> (16 - 8 * i));
+}
+
+static void png_line(void *target, const double *points, int count, double width, const char *color)
+{
+    uint8_t rgb[3];
+    read_color(color, rgb);
+    pel_canvas_line(target, points, count, width, rgb);
+}
+
+static void png_dot(void *target, double x, double y, const char *color)
+{
+    png_line(target, (double[2]){x, y}, 1, 8, color);
+}
+
+static void png_fill(void *target, double x, double y, double width, double height, const char *color)
+{
+    uint8_t rgb[3];
+    read_color(color, rgb);
+    pel_canvas_fill(target, x, y, width, height, rgb);
+}
+
+static void png_text(void *target, double x, double y, const char *anchor, bool upward, const char *text)
+{
+    pel_canvas_text(target, x, y,
+                    anchor[0] == 'm'   ? PEL_CANVAS_MIDDLE
+                    : anchor[0] == 'e' ? PEL_CANVAS_END
+                                       : PEL_CANVAS_START,
+                    upward, text);
+}
+
+pel_status lab_draw_plot(const char *path, const lab_plot *plot, pel_error *error)
+{
+    pel_canvas *canvas;
+    double *points = make_points(plot, error);
+    if (points == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pel_status status = pel_canvas_create(WIDTH, HEIGHT, PICTURE_SCALE, &canvas, error);
+    if (status == PEL_OK) {
+        draw_plot(&(pen){canvas, png_line, png_dot, png_fill, png_text}, plot, points);
+        status = pel_canvas_write(canvas, path, error);
+    }
+    pel_canvas_destroy(canvas);
+    free(points);
+    return status;
+}
+#else
+pel_status lab_draw_plot(const char *path, const lab_plot *plot, pel_error *error)
+{
+    (void)plot;
+    pel_fail(error, PEL_BAD_ARGUMENT, "this program was built without pictures");
+    pel_fail_remedy(error, "write a .svg file, or build with -DPELLICLE_VIEW=ON");
+    pel_fail_place(error, path, 0, 0);
+    return PEL_BAD_ARGUMENT;
+}
+#endif

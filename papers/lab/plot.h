@@ -1,4 +1,4 @@
-/* Plots as SVG files: axes with ticks, curves with marks or groups of bars, and a legend to the right. */
+/* Plots as SVG or PNG files: axes with ticks, curves with marks or groups of bars, and a legend to the right. */
 #ifndef PAPERS_LAB_PLOT_H
 #define PAPERS_LAB_PLOT_H
 
@@ -23,7 +23,10 @@ typedef struct lab_plot {
     int curve_count;
 } lab_plot;
 
-/* Errors: PEL_BAD_FILE. */
+/* As SVG. Errors: PEL_BAD_FILE, PEL_OUT_OF_MEMORY. */
 pel_status lab_write_plot(const char *path, const lab_plot *plot, pel_error *error);
+
+/* As PNG. Errors: PEL_BAD_FILE (also: no font), PEL_OUT_OF_MEMORY, PEL_BAD_ARGUMENT (no pictures in this program). */
+pel_status lab_draw_plot(const char *path, const lab_plot *plot, pel_error *error);
 
 #endif

@@ -18,6 +18,24 @@ static void test_render(void **unused)
     SURVIVES(pel_color_map_sample(PEL_COLORS_VIRIDIS, 1e300, rgb));
     GIVES(pel_camera_preset_name(-1) == NULL && pel_camera_preset_name(1000) == NULL);
     GIVES(!pel_camera_preset_find(NULL, &angle) && !pel_camera_preset_find("iso", NULL));
+    const double points[4] = {0, 0, (double)NAN, 1e300};
+    pel_canvas *canvas;
+    REFUSED("canvas", pel_canvas_create(10, 10, 1, NULL, &error));
+    REFUSED("drawn", pel_canvas_create((double)NAN, 10, 1, &canvas, &error));
+    REFUSED("canvas", pel_canvas_write(NULL, "misuse.png", &error));
+    SURVIVES(pel_canvas_destroy(NULL));
+    SURVIVES(pel_canvas_line(NULL, points, 2, 1, rgb));
+    SURVIVES(pel_canvas_fill(NULL, 0, 0, 1, 1, rgb));
+    SURVIVES(pel_canvas_text(NULL, 0, 0, PEL_CANVAS_START, false, "text"));
+    if (pel_canvas_create(10, 10, 1, &canvas, NULL) == PEL_OK) {
+        REFUSED("path", pel_canvas_write(canvas, NULL, &error));
+        SURVIVES(pel_canvas_line(canvas, NULL, 2, 1, rgb));
+        SURVIVES(pel_canvas_line(canvas, points, -2, (double)NAN, rgb));
+        SURVIVES(pel_canvas_fill(canvas, (double)NAN, 0, -5, 1e300, rgb));
+        SURVIVES(pel_canvas_text(canvas, 1e300, (double)NAN, (pel_canvas_anchor)77, true, "\xff\xfe"));
+        SURVIVES(pel_canvas_text(canvas, 0, 0, PEL_CANVAS_END, false, NULL));
+        pel_canvas_destroy(canvas);
+    }
     pel_render_def def = pel_render_def_default(), wrong;
     def.inputs = inputs, def.input_count = 1, def.output = "misuse.png";
     REFUSED("def", pel_render(NULL, NULL, NULL, &error));
