@@ -22,13 +22,29 @@ const char *cli_progress_names(int index)
 typedef struct display {
     progress_form form;
     bool quiet;
-    double last; /* s, when it was written; 0 = never */
+    double last;               /* s, when it was written; 0 = never */
+    double began;              /* s, when the step at hand began */
+    pel_run_progress progress; /* before this step */
 } display;
 
 /* s between two of them */
 static double progress_interval(const display *d)
 {
     return d->form == PROGRESS_BAR ? 0.1 : 1;
+}
+
+/* s that a step takes before the line says so, and then between two lines of a log */
+#define LONG_STEP 1.0
+#define LONG_STEP_INTERVAL 5.0
+
+/* a step that takes long goes on */
+static void print_long_step(const display *d, double seconds)
+{
+    const pel_run_progress *p = &d->progress;
+    fprintf(stderr, "%sstep %lld/%lld  %.4g s  step %lld takes %.0f s so far%s",
+            d->form == PROGRESS_BAR ? "\r\033[K" : "", (long long)p->step, (long long)p->step_total, p->time,
+            (long long)p->step + 1, seconds, d->form == PROGRESS_BAR ? "" : "\n");
+    fflush(stderr);
 }
 
 static void print_progress(const display *d, const pel_run_progress *p)
@@ -47,6 +63,8 @@ static bool show_progress(void *user, const pel_run_progress *progress)
 {
     display *d = user;
     double now = pel_seconds();
+    d->began = now;
+    d->progress = *progress;
     /* nothing is lost if the program ends before this point */
     cli_catch_stop(d->quiet                  ? ""
                    : d->form == PROGRESS_BAR ? "\r\033[Kstopping; the same again ends at once\n"
@@ -60,9 +78,15 @@ static bool show_progress(void *user, const pel_run_progress *progress)
     return true;
 }
 
+/* asked often in long steps */
 static bool is_wanted(void *user)
 {
-    (void)user;
+    display *d = user;
+    const double now = d->form != PROGRESS_NONE && d->began > 0 ? pel_seconds() : 0, seconds = now - d->began;
+    if (now > 0 && seconds > LONG_STEP && now - d->last > (d->form == PROGRESS_BAR ? LONG_STEP : LONG_STEP_INTERVAL)) {
+        print_long_step(d, seconds);
+        d->last = now;
+    }
     return !cli_stop_asked();
 }
 
