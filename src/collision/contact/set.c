@@ -358,19 +358,20 @@ static bool hardly_slides(const pel_contact_set *set, double way)
     return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
 }
 
-/* whether closest points at `start` lie at an end of an edge, or edges are parallel */
+/* Whether closest points of two edges at `start` lie at an end of one, or the edges are parallel. The lines along them
+   are nearest to each other at the shares s of u and t of v; if one of these is not inside, the edges meet at an end. */
 static bool is_end_or_parallel(const pel_contact_set *set, const pel_collision *pair)
 {
-    const double *w = pair->hit.weight;
     const double(*x)[3] = (const double(*)[3])set->start;
-    double u[3], v[3], cross[3];
-    if (w[0] < INSIDE || w[1] < INSIDE || w[2] > -INSIDE || w[3] > -INSIDE)
-        return true;
-    pel_vec3_subtract(x[pair->vertices[1]], x[pair->vertices[0]], u);
-    pel_vec3_subtract(x[pair->vertices[3]], x[pair->vertices[2]], v);
-    pel_vec3_cross(u, v, cross);
-    double square = pel_vec3_squared_length(u) * pel_vec3_squared_length(v);
-    return pel_vec3_squared_length(cross) < PARALLEL * PARALLEL * square;
+    const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
+    double u[3], v[3], way[3];
+    pel_vec3_subtract(x[pair->vertices[1]], a, u);
+    pel_vec3_subtract(x[pair->vertices[3]], b, v);
+    pel_vec3_subtract(b, a, way);
+    double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
+    double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
+    double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
+    return sine < PARALLEL * PARALLEL * uu * vv || s < least || t < least || s > sine - least || t > sine - least;
 }
 
 /* closest points at `start` and the way between them; returns their distance [m] */
@@ -423,11 +424,11 @@ static bool may_meet(const void *context, pel_collision *pair)
     /* the substeps see these as solids */
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
-    double distance = measure_start(set, pair), way = pel_contact_longest_approach(set, pair);
-    double reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
-    if (distance > reach + way || (distance > reach && !comes_within(set, pair, reach)))
+    double way = pel_contact_longest_approach(set, pair);
+    if (pair->edge_edge && hardly_slides(set, way) && is_end_or_parallel(set, pair))
         return false;
-    return !pair->edge_edge || !hardly_slides(set, way) || !is_end_or_parallel(set, pair);
+    double distance = measure_start(set, pair), reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
+    return distance <= reach || (distance <= reach + way && comes_within(set, pair, reach));
 }
 
 /* the corner of a triangle that its vertex is before at `start`, PEL_NO_BORDER = none */
