@@ -22,8 +22,10 @@ enum { VELOCITY_SWEEPS = 4 };
    shortest edge */
 #define LEAST_MARGIN 0.5
 #define MOST_MARGIN 0.1
-/* of the margin: the list of a search serves in further steps while nothing is farther from where its way ended */
+/* of the margin, and of the thickness: the list of a search serves in further steps while nothing is farther from where
+   its way ended. What slides farther is before other triangles than those that were chosen at a corner. */
 #define HOME_SHARE 0.25
+#define HOME_SLIDE 0.02
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -359,7 +361,8 @@ static bool hardly_slides(const pel_contact_set *set, double way)
 }
 
 /* Whether closest points of two edges at `start` lie at an end of one, or the edges are parallel. The lines along them
-   are nearest to each other at the shares s of u and t of v; if one of these is not inside, the edges meet at an end. */
+   are nearest to each other at the shares s of u and t of v; if one of these is not inside, the edges meet at an end.
+ */
 static bool is_end_or_parallel(const pel_contact_set *set, const pel_collision *pair)
 {
     const double(*x)[3] = (const double(*)[3])set->start;
@@ -440,8 +443,31 @@ static int32_t corner_of(const pel_collision *pair)
     return PEL_NO_BORDER;
 }
 
-/* A vertex in the loop before a corner that it is before in another triangle too, which takes its load: one of them is
-   enough, since it hardly slides in the step. */
+/* the end of the merged pairs of a vertex: all before it are of vertices up to this one */
+static int32_t end_of_vertex(const merger *m, int32_t vertex)
+{
+    int32_t begin = 0, end = m->count;
+    while (begin < end) {
+        int32_t middle = begin + (end - begin) / 2;
+        if (m->set->other_keys[middle].first <= vertex)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+/* the merged pair of a vertex before a triangle, at the corner `corner`; null = there is none */
+static pel_contact_key *pair_at_corner(const merger *m, int32_t vertex, int32_t corner)
+{
+    for (int32_t i = end_of_vertex(m, vertex) - 1; i >= 0 && m->set->other_keys[i].first == vertex; i--)
+        if (m->set->other_keys[i].border == corner)
+            return &m->set->other_keys[i];
+    return NULL;
+}
+
+/* A vertex in the loop before a corner that it is before in another triangle too, or that has a pair with it from the
+   other side: one of them is enough, since it hardly slides in the step, and takes the load. */
 static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
 {
     const pel_contact_set *set = m->set;
@@ -449,19 +475,21 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
         !hardly_slides(set, pel_contact_longest_approach(set, pair)))
         return false;
     key->border = corner_of(pair);
-    for (int32_t i = m->count - 1; key->border >= 0 && i >= 0 && m->set->other_keys[i].first == key->first; i--) {
-        pel_contact_key *twin = &m->set->other_keys[i];
-        if (twin->border != key->border)
-            continue;
-        if (take_over(m, key)) {
-            twin->load += set->keys[m->old].load;
-            twin->earlier += set->keys[m->old].earlier;
-            pel_vec3_add(twin->drag, set->keys[m->old].drag, twin->drag);
-            m->old++;
-        }
-        return true;
+    if (key->border < 0)
+        return false;
+    pel_contact_key *twin = pair_at_corner(m, key->first, key->border);
+    double side = 1;
+    if (twin == NULL && key->border < key->first) {
+        twin = pair_at_corner(m, key->border, key->first);
+        side = -1;
     }
-    return false;
+    if (twin != NULL && take_over(m, key)) {
+        twin->load += set->keys[m->old].load;
+        twin->earlier += set->keys[m->old].earlier;
+        pel_vec3_along(twin->drag, side, set->keys[m->old].drag, twin->drag);
+        m->old++;
+    }
+    return twin != NULL;
 }
 
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
@@ -619,7 +647,7 @@ static bool is_of_surface(const pel_contact_set *set, const pel_contact_key *key
 
 bool pel_contact_set_serves(const pel_contact_set *set)
 {
-    double limit = HOME_SHARE * set->margin, most = 0;
+    double limit = pel_min(HOME_SHARE * set->margin, HOME_SLIDE * set->finest), most = 0;
     for (int32_t c = 0; set->has_home && c < set->list.count; c++)
         if (!is_of_surface(set, &set->keys[c]))
             return false;
