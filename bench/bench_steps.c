@@ -1,10 +1,10 @@
 /* Whole steps, as users make them. With two threads: a shell of 20,480 triangles that outside pressure dents
-   (scenes/shell-crushed.yaml), under xpbd and pbd with contact, and under xpbd without. With one: tissue of as many
-   triangles that refines under a tool at 1 kHz, and paper A's sphere of 500 triangles, pressed.
-   usage: bench_steps [rounds, 3 by default [begin of a name [threads of the shell]]]
-   A line for each: name, mean, 99th and 99.9th percentile of the steps [us], by the clock, or with one thread by its
-   processor time. All rounds make the same steps, and of each step the least time counts.
-   The public interface of version 0.2.0 suffices: tools/bench-steps builds this file against the last release too. */
+   (scenes/shell-crushed.yaml), under xpbd and pbd with contact, and under xpbd without. With one: six sheets on
+   a table, tissue of as many triangles that refines under a tool at 1 kHz, and paper A's sphere of 500 triangles,
+   pressed. usage: bench_steps [rounds, 3 by default [begin of a name [threads of the shell]]] A line for each: name,
+   mean, 99th and 99.9th percentile of the steps [us], by the clock, or with one thread by its processor time. All
+   rounds make the same steps, and of each step the least time counts. The public interface of version 0.2.0 suffices:
+   tools/bench-steps builds this file against the last release too. */
 #include "pellicle/pellicle.h"
 
 #include <math.h>
@@ -174,6 +174,67 @@ static void dent(const char *name, pel_method method, bool contact)
     pel_mesh_destroy(mesh);
 }
 
+/* ---- sheets on each other ---- */
+
+enum { SHEETS = 6, CELLS = 12 };
+
+/* above each other and above the plane z = 0, as one body, so that they do not sleep before they rest */
+static pel_mesh *make_sheets(double size, double gap)
+{
+    enum { ROW = CELLS + 1, OWN = ROW * ROW };
+    static double points[SHEETS * OWN][3];
+    static int32_t triangles[SHEETS * CELLS * CELLS * 2][3];
+    pel_error error;
+    pel_mesh *mesh;
+    for (int i = 0; i < SHEETS * OWN; i++) {
+        points[i][0] = size * (i % OWN % ROW) / CELLS;
+        points[i][1] = size * (i % OWN / ROW) / CELLS;
+        points[i][2] = gap * (i / OWN + 1);
+    }
+    for (int i = 0; i < SHEETS * CELLS * CELLS; i++) {
+        int cell = i % (CELLS * CELLS), v = i / (CELLS * CELLS) * OWN + cell / CELLS * ROW + cell % CELLS;
+        const int32_t halves[2][3] = {{v, v + 1, v + ROW + 1}, {v, v + ROW + 1, v + ROW}};
+        memcpy(triangles[2 * i], halves, sizeof halves);
+    }
+    check(pel_mesh_create(points[0], SHEETS * OWN, triangles[0], SHEETS * CELLS * CELLS * 2, &mesh, &error), &error);
+    return mesh;
+}
+
+/* Six sheets of 288 triangles of rubber fall by a fifth of their thickness on a table, and rest. */
+static void stack_sheets(void)
+{
+    enum { STEPS = 45 };
+    pel_mesh *mesh = make_sheets(0.2, 6e-4);
+    pel_body_def body = make_shell(mesh);
+    body.mass = 300;
+    body.thickness.value = body.shell.membrane.thickness.value = 5e-4;
+    body.shell.membrane.young.value = 2e5;
+    body.shell.pressure.kind = PEL_PRESSURE_NONE;
+    const pel_pose_key below = {0, {0.1, 0.1, -0.05}, {0, 0, 0, 1}, {0, 0, 0}};
+    const pel_tool_def table = make_plate("table", &below);
+    pel_model_def model_def = pel_model_def_default();
+    model_def.bodies = &body;
+    model_def.body_count = 1;
+    model_def.gravity[2] = -9.81;
+    pel_error error;
+    pel_model *model;
+    check(pel_model_create(&model_def, &model, &error), &error);
+    pel_sim_def def = pel_sim_def_default();
+    def.model = model;
+    def.thread_count = 1;
+    def.solver.method = PEL_METHOD_XPBD;
+    def.solver.dt = 0.01;
+    def.solver.substeps = 48;
+    def.contact.enabled = def.contact.self = true;
+    def.contact.thickness = 5e-4;
+    def.contact.friction = 0.3;
+    def.tools = &table;
+    def.tool_count = 1;
+    time_steps("six sheets", &def, STEPS, NULL);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 /* ---- a ball presses the top of a body ---- */
 
 typedef struct press {
@@ -258,6 +319,7 @@ int main(int argc, char **argv)
     dent("xpbd, contact", PEL_METHOD_XPBD, true);
     dent("xpbd, free", PEL_METHOD_XPBD, false);
     dent("pbd, contact", PEL_METHOD_PBD, true);
+    stack_sheets();
     press_tissue();
     press_sphere();
     return 0;

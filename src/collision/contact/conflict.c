@@ -6,7 +6,10 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "geom/wide4.h"
 #include "math/extremes.h"
+
+#include <string.h>
 
 enum { HITS_OF_CHUNK = 64 };
 
@@ -35,15 +38,20 @@ double pel_contact_start_distance(const pel_contact_set *set, const pel_collisio
 /* what both sides have in common brings them no nearer: closest points are means of the points of either side */
 double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit)
 {
-    double way[4][3], most = 0;
+    wide4 way[4];
+    double most = 0;
     int middle = hit->edge_edge ? 2 : 1;
-    for (int i = 0; i < 4; i++)
-        pel_vec3_subtract(set->end[hit->vertices[i]], set->start[hit->vertices[i]], way[i]);
+    /* points are read four numbers at once */
+    for (int i = 0; i < 4; i++) {
+        wide4 start, end;
+        memcpy(&start, set->start[hit->vertices[i]], sizeof start);
+        memcpy(&end, set->end[hit->vertices[i]], sizeof end);
+        way[i] = end - start;
+    }
     for (int i = 0; i < middle; i++)
         for (int j = middle; j < 4; j++) {
-            double square = 0;
-            for (int k = 0; k < 3; k++)
-                square += (way[i][k] - way[j][k]) * (way[i][k] - way[j][k]);
+            wide4 apart = way[i] - way[j], squares = apart * apart;
+            double square = squares[0] + squares[1] + squares[2];
             most = square > most ? square : most;
         }
     return sqrt(most);
