@@ -85,6 +85,7 @@ typedef struct pel_body_def {
     double spring_retardation;     /* s, >= 0: as that of pel_membrane_def, of the lengths of springs */
     pel_quantity spring_toughness; /* J/m2, like that of a membrane, for springs with a thickness and without a
                                       membrane; 0 (default) = cuts do not grow; no keys */
+    pel_quantity spring_strength;  /* Pa, likewise; 0 (default) = tears start at no stress; no keys */
     double volumetric_depth; /* m; above 0: volumetric_stiffness is the Young's modulus [Pa] of a filling of this depth.
                                 A vertex has the stiffness young x area / depth (an elastic foundation), and
                                 volumetric_damping is a drag [1/s] on its mass. volumetric_by_area is not used */

@@ -26,6 +26,9 @@ typedef struct pel_membrane_def {
                            and xpbd, other methods in time refuse it */
     pel_quantity toughness; /* J/m2, energy per area of a tear, which is its length times the thickness: cuts grow where
                                they release more (pellicle/tear.h); 0 (default) = they do not; no keys */
+    pel_quantity strength;  /* Pa, true stress at which a tear starts (pel_tear_def): the mean of the largest principal
+                               stress over a disc of 1.32 young toughness / (pi strength^2) around a vertex; 0 (default)
+                               = at no stress; needs a toughness; no keys */
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

@@ -26,8 +26,10 @@ typedef struct pel_cut_def {
 
 /* Where tears may start, beside the ends of cuts, which grow in any case; in bodies with a toughness. */
 typedef enum pel_tear_start {
-    PEL_TEAR_NONE,   /* nowhere */
-    PEL_TEAR_BORDERS /* in sharp notches of the border, with an inner angle above 270 degrees */
+    PEL_TEAR_NONE,    /* nowhere */
+    PEL_TEAR_BORDERS, /* in sharp notches of the border, with an inner angle above 270 degrees, and where the stress at
+                         the border exceeds the strength of the body, if it has one */
+    PEL_TEAR_ANYWHERE /* also inside: a body has a strength then */
 } pel_tear_start;
 
 typedef struct pel_tear_def {

@@ -131,6 +131,9 @@ static const pel_def_row rows[] = {
      .doc =
          "energy that a tear takes per area, as `membrane.toughness`, of a body without a membrane; default: cuts do "
          "not grow"},
+    {"bodies[].springs.strength", BODY(spring_strength, SPRINGS), FIELD, .unit = "Pa", POSITIVE, .needs = "toughness",
+     AUTO(0), WHEN(has_spring_young), STRUCTURE("snapshots of bodies that tear hold more"),
+     .doc = "true stress at which a tear starts, as `membrane.strength`; default: at no stress"},
     {"bodies[].springs.stiffness", BODY(spring_stiffness, SPRINGS), QUANTITY, .unit = "N/m", AT_LEAST(0), ALTERNATIVE,
      .initial = 3, WHEN(has_spring_stiffness),
      .doc = "stiffness k of each edge, independent of its length (paper A: 3), so that a finer mesh is stiffer"},
@@ -290,6 +293,10 @@ static const pel_def_row rows[] = {
      STRUCTURE("snapshots of bodies that tear hold more"),
      .doc = "energy that a tear takes per area, which is its length times the thickness: cuts and notches grow where "
             "they release more; default: they do not"},
+    {"bodies[].membrane.strength", MEMBRANE(strength), FIELD, .unit = "Pa", POSITIVE, .needs = "toughness", AUTO(0),
+     WHEN(has_membrane), STRUCTURE("snapshots of bodies that tear hold more"),
+     .doc = "true stress at which a tear starts where `tear.start` allows it: the mean of the largest principal stress "
+            "over a disc of 1.32 `young` `toughness` / (pi `strength`^2) around a vertex; default: at no stress"},
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "
             "material, but none under pbd and pbd-distance"},
@@ -542,10 +549,11 @@ static const pel_def_row rows[] = {
     {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
 
     {"tear", MAP, .preset = "{}", .doc = "growth of tears in bodies with a toughness"},
-    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders"), .preset = "borders",
+    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders", "anywhere"), .preset = "borders",
      .initial = PEL_TEAR_BORDERS,
      .doc = "where tears start, beside the ends of cuts, which always grow. borders: in sharp notches of the border, "
-            "with an inner angle above 270 degrees"},
+            "with an inner angle above 270 degrees, and where the stress at the border exceeds the `strength` of the "
+            "body. anywhere: inside as well"},
     {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), FIXED, INTEGER, COUNT_FROM(1), DEFAULT(64),
      .doc = "number of tips of a body that may grow in one step; of more, those that release most energy do"},
 

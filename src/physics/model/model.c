@@ -71,6 +71,8 @@ static pel_status check_amounts(const pel_body_def *b, int32_t body, pel_error *
 static pel_status check_spring_toughness(const pel_body_def *b, int32_t body, pel_error *error)
 {
     pel_status status = pel_toughness_check(&b->spring_toughness, b, body, error);
+    if (status == PEL_OK)
+        status = pel_strength_check(&b->spring_strength, &b->spring_toughness, b, body, error);
     if (status == PEL_OK && (b->spring_toughness.value > 0 || b->spring_toughness.field != NULL) &&
         !(b->spring_thickness > 0))
         status =

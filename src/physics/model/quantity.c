@@ -122,18 +122,42 @@ pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t verte
     return check(quantity, vertex_count, body, name, keys_allowed, true, error);
 }
 
-pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def *def, int32_t body, pel_error *error)
+static bool is_given(const pel_quantity *quantity)
+{
+    return quantity->field != NULL || quantity->value > 0;
+}
+
+/* a quantity that is 0, or above 0 at all vertices */
+static pel_status check_positive(const pel_quantity *quantity, const pel_body_def *def, int32_t body, const char *name,
+                                 pel_error *error)
 {
     int32_t count = def->mesh->vertex_count;
-    pel_status status = pel_quantity_check(toughness, count, body, "toughness", false, error);
-    for (int32_t v = 0; status == PEL_OK && toughness->field != NULL && v < count; v++)
-        if (!(toughness->field[v] > 0))
-            status = pel_body_refuse(error, body, "toughness", toughness->field[v],
+    pel_status status = pel_quantity_check(quantity, count, body, name, false, error);
+    for (int32_t v = 0; status == PEL_OK && quantity->field != NULL && v < count; v++)
+        if (!(quantity->field[v] > 0))
+            status = pel_body_refuse(error, body, name, quantity->field[v],
                                      "give values above 0 at all vertices, small ones where it tears easily");
-    if (status == PEL_OK && (toughness->field != NULL || toughness->value > 0) && def->refine.levels > 0)
+    return status;
+}
+
+pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def *def, int32_t body, pel_error *error)
+{
+    pel_status status = check_positive(toughness, def, body, "toughness", error);
+    if (status == PEL_OK && is_given(toughness) && def->refine.levels > 0)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
                                   "subdivide the mesh before (`pellicle subdivide`), and leave out `refine`",
                                   "a body that refines cannot tear");
+    return status;
+}
+
+pel_status pel_strength_check(const pel_quantity *strength, const pel_quantity *toughness, const pel_body_def *def,
+                              int32_t body, pel_error *error)
+{
+    pel_status status = check_positive(strength, def, body, "strength", error);
+    if (status == PEL_OK && is_given(strength) && !is_given(toughness))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "give a `toughness` too: the energy per area that the tear takes",
+                                  "a body with a strength has no toughness");
     return status;
 }
 

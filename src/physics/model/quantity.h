@@ -16,6 +16,9 @@ pel_status pel_quantity_check_signed(const pel_quantity *quantity, int32_t verte
                                      bool keys_allowed, pel_error *error);
 
 /* The toughness of a body: 0 everywhere = it does not tear. */
+/* and the strength, which needs a toughness: 0 everywhere = tears start at no stress */
+pel_status pel_strength_check(const pel_quantity *strength, const pel_quantity *toughness, const pel_body_def *def,
+                              int32_t body, pel_error *error);
 pel_status pel_toughness_check(const pel_quantity *toughness, const pel_body_def *def, int32_t body, pel_error *error);
 
 /* Its value on a vertex; 1 when it is keyed. */

@@ -99,6 +99,8 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
     if (status == PEL_OK)
         status = pel_toughness_check(&membrane->toughness, def, body, error);
+    if (status == PEL_OK)
+        status = pel_strength_check(&membrane->strength, &membrane->toughness, def, body, error);
     bool varies = membrane->young.field != NULL || membrane->thickness.field != NULL;
     for (int32_t v = 0; status == PEL_OK && v < (varies ? def->mesh->vertex_count : 1); v++) {
         pel_membrane_material material = material_at(membrane, v);

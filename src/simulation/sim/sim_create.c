@@ -96,7 +96,7 @@ static pel_status check_solver(const pel_solver_def *solver, pel_error *error)
 
 static pel_status check_tear(const pel_tear_def *tear, pel_error *error)
 {
-    if (PEL_IS_NO_CHOICE(tear->start, PEL_TEAR_BORDERS + 1))
+    if (PEL_IS_NO_CHOICE(tear->start, PEL_TEAR_ANYWHERE + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "start of tears is %d", (int)tear->start);
     if (tear->max_tips < 1)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give 1 or more", "max_tips of tears is %d", (int)tear->max_tips);

@@ -7,7 +7,7 @@
 #include "math/vec3.h"
 #include "mesh/opening.h"
 #include "mesh/path.h"
-#include "model/quantity.h"
+#include "tear/strength.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,44 +21,9 @@
 /* sides that overlap by more than this share of their distance are closed */
 #define LEAST_OPENING (-0.05)
 
-/* ---- the material ---- */
-
 static const pel_body_def *def_of(const pel_sim *sim, int32_t body)
 {
     return &sim->given->def.bodies[body];
-}
-
-static const pel_quantity *toughness_of(const pel_body_def *def)
-{
-    return def->shell.membrane.on ? &def->shell.membrane.toughness : &def->spring_toughness;
-}
-
-static bool is_given(const pel_quantity *quantity)
-{
-    return quantity->value > 0 || quantity->field != NULL;
-}
-
-bool pel_body_can_tear(const pel_sim *sim, int32_t body)
-{
-    return is_given(toughness_of(def_of(sim, body)));
-}
-
-bool pel_tear_may_start(const pel_sim *sim, int32_t body)
-{
-    return pel_body_can_tear(sim, body) && sim->def.tear.start != PEL_TEAR_NONE;
-}
-
-double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex)
-{
-    const pel_body_def *def = def_of(sim, body);
-    if (def->shell.membrane.on)
-        return pel_quantity_at(&def->shell.membrane.thickness, vertex);
-    return def->spring_thickness > 0 ? def->spring_thickness : (double)NAN;
-}
-
-double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex)
-{
-    return pel_quantity_at(toughness_of(def_of(sim, body)), vertex) * pel_tear_thickness(sim, body, vertex);
 }
 
 /* ---- tips ---- */
@@ -100,12 +65,6 @@ static bool is_open(const pel_survey *s, int32_t tip)
     return pel_vec3_dot(opening, across) >= LEAST_OPENING * pel_vec3_length(opening) * pel_vec3_length(across);
 }
 
-static bool is_held(const pel_survey *s, int32_t v)
-{
-    int32_t place = s->sim->model->bodies[s->body].model_index[v];
-    return s->sim->model->inverse_mass[place] == 0 || (s->sim->held != NULL && s->sim->held[place]);
-}
-
 /* mean over the edge to come of what a tip releases, over what the material takes: in balance it falls along the edge
    as it did along the last one */
 static double readiness(const pel_survey *s, const pel_tip *tip)
@@ -131,7 +90,7 @@ static int32_t find_ready(pel_tear *tear, pel_survey *s)
     for (int32_t v = 0; v < s->topology->vertex_count; v++) {
         pel_tip tip;
         double ahead[3];
-        if (!pel_survey_is_tip(s, v, ahead) || is_held(s, v))
+        if (!pel_survey_is_tip(s, v, ahead) || pel_survey_is_held(s, v))
             continue;
         pel_survey_read(s, v, ahead, &tip);
         read_drop(s, &tip);
@@ -148,21 +107,33 @@ static int32_t find_ready(pel_tear *tear, pel_survey *s)
     return count;
 }
 
-/* the direction of the force in the surface, turned by no more than the limit from the one ahead */
-static void find_direction(const pel_survey *s, const pel_tip *tip, double direction[3])
+/* unit normal of the surface at a vertex at rest, of a mesh with the triangles of the survey */
+static void normal_at(const pel_survey *s, const pel_mesh *mesh, int32_t vertex, double normal[3])
 {
-    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
-    double normal[3] = {0}, part[3], along[3], aside[3];
-    for (int32_t h = s->topology->corner_of_vertex[tip->vertex]; h >= 0; h = pel_survey_turn(s, tip->vertex, h)) {
+    double part[3];
+    pel_vec3_set(normal, 0, 0, 0);
+    for (int32_t h = s->topology->corner_of_vertex[vertex]; h >= 0; h = pel_survey_turn(s, vertex, h)) {
         const int32_t *v = mesh->triangles[h / 3];
         pel_vec3_triangle_normal(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], part);
         pel_vec3_add(normal, part, normal);
     }
     pel_vec3_normalize(normal);
-    pel_vec3_along(tip->ahead, -pel_vec3_dot(tip->ahead, normal), normal, along);
-    pel_vec3_normalize(along);
-    pel_vec3_along(tip->force, -pel_vec3_dot(tip->force, normal), normal, direction);
-    pel_vec3_normalize(direction);
+}
+
+/* its part in the surface, of length 1 */
+static void flatten(const double normal[3], const double x[3], double flat[3])
+{
+    pel_vec3_along(x, -pel_vec3_dot(x, normal), normal, flat);
+    pel_vec3_normalize(flat);
+}
+
+/* the direction of the force in the surface, turned by no more than the limit from the one ahead */
+static void find_direction(const pel_survey *s, const pel_tip *tip, double direction[3])
+{
+    double normal[3], along[3], aside[3];
+    normal_at(s, s->sim->model->bodies[s->body].mesh, tip->vertex, normal);
+    flatten(normal, tip->ahead, along);
+    flatten(normal, tip->force, direction);
     double cosine = pel_vec3_dot(direction, along);
     pel_vec3_along(direction, -cosine, along, aside);
     if (cosine >= MOST_TURN_COSINE || !(pel_vec3_normalize(aside) > 0))
@@ -186,7 +157,7 @@ static void mark_fixed(const pel_survey *s, uint8_t *marks)
     const pel_body_def *body = def_of(s->sim, s->body);
     int32_t count = s->topology->vertex_count;
     for (int32_t v = 0; v < count; v++) {
-        if (is_held(s, v))
+        if (pel_survey_is_held(s, v))
             marks[v] = 1;
         if (body->origins != NULL && body->origins[v] != v)
             marks[v] = marks[body->origins[v]] = 1;
@@ -229,6 +200,38 @@ static pel_status advance(const pel_survey *s, const pel_tip *tip, uint8_t *fixe
     return PEL_OK;
 }
 
+/* one arm of a slit, straight over the surface, to its length, a border or a vertex that is held */
+static pel_status open_arm(const pel_survey *s, const pel_start *start, double sign, uint8_t *fixed, pel_growth *growth,
+                           pel_error *error)
+{
+    pel_status status = PEL_OK;
+    double direction[3], normal[3], gone = 0, edge = 0;
+    pel_vec3_scale(start->direction, sign, direction);
+    for (int32_t v = start->vertex, next; gone == 0 || gone + 0.5 * edge < start->length; v = next) {
+        normal_at(s, growth->mesh, v, normal);
+        flatten(normal, direction, direction);
+        status = pel_path_step(growth->mesh, s->topology, v, direction, fixed, &next, error);
+        int32_t e = status == PEL_OK && next >= 0 ? pel_topology_edge_between(s->topology, v, next) : -1;
+        if (e < 0 || growth->marks[e])
+            break;
+        growth->marks[e] = 1;
+        growth->edge_count++;
+        edge = pel_vec3_distance(growth->mesh->positions[v], growth->mesh->positions[next]);
+        gone += edge;
+        if (s->topology->twin[s->topology->corner_of_vertex[next]] < 0 || pel_survey_is_held(s, next))
+            break;
+    }
+    return status;
+}
+
+static pel_status open_slit(const pel_survey *s, const pel_start *start, uint8_t *fixed, pel_growth *growth,
+                            pel_error *error)
+{
+    fixed[start->vertex] = 1;
+    pel_status status = open_arm(s, start, 1, fixed, growth, error);
+    return status == PEL_OK && start->arm_count > 1 ? open_arm(s, start, -1, fixed, growth, error) : status;
+}
+
 static void sum_energy(const pel_survey *s, pel_growth *growth)
 {
     growth->energy = 0;
@@ -249,12 +252,17 @@ pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, p
     uint8_t *fixed = NULL;
     *growth = (pel_growth){0};
     pel_shell_forces_follow(s->sim->shells, s->sim->state->position);
+    pel_start start;
     int32_t count = find_ready(tear, s);
-    if (count == 0)
+    /* a tear that grows relieves the rest */
+    bool starts = count == 0 && pel_start_find(s, tear->tip_room, &start);
+    if (count == 0 && !starts)
         return PEL_OK;
     pel_status status = begin_growth(s, growth, &fixed, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++)
         status = advance(s, &tear->tips[i], fixed, growth, error);
+    if (status == PEL_OK && starts)
+        status = open_slit(s, &start, fixed, growth, error);
     for (int32_t v = 0; status == PEL_OK && v < mesh->vertex_count; v++)
         growth->is_moved[v] = memcmp(mesh->positions[v], growth->mesh->positions[v], sizeof *mesh->positions) != 0;
     if (status == PEL_OK)
@@ -310,11 +318,24 @@ static pel_status begin_body(pel_sim *sim, int32_t body, pel_error *error)
     return status;
 }
 
+/* whether a body has a strength, if tears shall start anywhere */
+static pel_status check_start(const pel_sim *sim, pel_error *error)
+{
+    bool has_strength = sim->def.tear.start != PEL_TEAR_ANYWHERE;
+    for (int32_t b = 0; b < sim->given->body_count; b++)
+        has_strength |= pel_body_has_strength(sim, b);
+    return has_strength ? PEL_OK
+                        : pel_refuse(error, PEL_BAD_ARGUMENT, "give a body `strength` beside its toughness",
+                                     "tears start anywhere, but no body has a strength");
+}
+
 pel_status pel_tear_create(pel_sim *sim, pel_error *error)
 {
     int32_t body_count = sim->given->body_count, most = sim->def.tear.max_tips;
     bool any = false;
     pel_status status = check_leads(sim, error);
+    if (status == PEL_OK)
+        status = check_start(sim, error);
     for (int32_t b = 0; b < body_count; b++)
         any |= pel_body_can_tear(sim, b) || pel_body_adheres(sim, b);
     if (status != PEL_OK || !any)

@@ -3,14 +3,8 @@
 #define PEL_TEAR_GROWTH_H
 
 #include "tear/adhesion.h"
+#include "tear/material.h"
 #include "tear/survey.h"
-
-/* whether tips of a body grow, and whether notches count as tips */
-bool pel_body_can_tear(const pel_sim *sim, int32_t body);
-bool pel_tear_may_start(const pel_sim *sim, int32_t body);
-/* m, of the sheet at a vertex, and N, the energy that a tear takes per length there; NaN where it is not known */
-double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex);
-double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex);
 
 /* Surveys of the bodies that can tear, made for the present triangles: a step that finds nothing allocates nothing. */
 typedef struct pel_tear {

@@ -20,6 +20,7 @@
 #include "force/mechanics.h"
 #include "math/functions.h"
 #include "math/vec3.h"
+#include "tear/material.h"
 
 #include <math.h>
 #include <string.h>
@@ -42,17 +43,32 @@ static int32_t add(pel_survey *s, int32_t v, int32_t ring, int32_t count)
     return count + 1;
 }
 
+/* the vertices that half-edges lead to, then the tail at the border */
+static int32_t add_neighbours(pel_survey *s, int32_t v, int32_t count)
+{
+    int32_t ring = s->rings[v] + 1;
+    for (int32_t h = s->topology->corner_of_vertex[v]; h >= 0; h = pel_survey_turn(s, v, h)) {
+        count = add(s, pel_half_edge_target(s->topology, h), ring, count);
+        count = add(s, pel_half_edge_origin(s->topology, pel_half_edge_previous(h)), ring, count);
+    }
+    return count;
+}
+
 int32_t pel_survey_walk(pel_survey *s, int32_t vertex, int32_t ring_count)
 {
     int32_t count = add(s, vertex, 0, 0);
-    for (int32_t i = 0; i < count && s->rings[s->queue[i]] < ring_count; i++) {
-        int32_t v = s->queue[i], ring = s->rings[v] + 1;
-        /* the vertices that half-edges lead to, then the tail at the border */
-        for (int32_t h = s->topology->corner_of_vertex[v]; h >= 0; h = pel_survey_turn(s, v, h)) {
-            count = add(s, pel_half_edge_target(s->topology, h), ring, count);
-            count = add(s, pel_half_edge_origin(s->topology, pel_half_edge_previous(h)), ring, count);
-        }
-    }
+    for (int32_t i = 0; i < count && s->rings[s->queue[i]] < ring_count; i++)
+        count = add_neighbours(s, s->queue[i], count);
+    return count;
+}
+
+int32_t pel_survey_spread(pel_survey *s, int32_t vertex, double distance)
+{
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    int32_t count = add(s, vertex, 0, 0);
+    for (int32_t i = 0; i < count; i++)
+        if (pel_vec3_distance(mesh->positions[s->queue[i]], mesh->positions[vertex]) <= distance)
+            count = add_neighbours(s, s->queue[i], count);
     return count;
 }
 
@@ -249,6 +265,12 @@ void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
 
 /* ---- tips ---- */
 
+bool pel_survey_is_held(const pel_survey *s, int32_t v)
+{
+    int32_t place = s->sim->model->bodies[s->body].model_index[v];
+    return s->sim->model->inverse_mass[place] == 0 || (s->sim->held != NULL && s->sim->held[place]);
+}
+
 /* rad, of the triangles around a vertex at rest */
 static double angle_around(const pel_survey *s, int32_t v)
 {
@@ -292,6 +314,9 @@ pel_status pel_survey_begin(pel_survey *s, pel_sim *sim, int32_t body, pel_error
                           PEL_ROOM(s->triangles, mesh->triangle_count), PEL_ROOM(s->is_listed, mesh->triangle_count),
                           PEL_ROOM(s->gradients, mesh->triangle_count), PEL_ROOM(s->energies, mesh->triangle_count)))
         return pel_fail_memory(error);
+    if (pel_body_has_strength(sim, body) && pel_tear_may_start(sim, body) &&
+        !PEL_ALLOCATE_ALL(PEL_ROOM(s->stresses, mesh->triangle_count), PEL_ROOM(s->axes, mesh->triangle_count)))
+        return pel_fail_memory(error);
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         s->rings[v] = -1;
     return pel_topology_create(mesh, &s->topology, error);
@@ -301,6 +326,6 @@ void pel_survey_end(pel_survey *s)
 {
     pel_topology_destroy(s->topology);
     PEL_FREE_ALL(s->weights, s->queue, s->rings, s->is_side, s->sums, s->areas, s->triangles, s->is_listed,
-                 s->gradients, s->energies);
+                 s->gradients, s->energies, s->stresses, s->axes);
     *s = (pel_survey){0};
 }

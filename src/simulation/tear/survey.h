@@ -22,6 +22,8 @@ typedef struct pel_survey {
     int32_t *triangles; /* around it */
     uint8_t *is_listed;
     double (*gradients)[3][3], *energies; /* of the listed ones */
+    double *stresses;  /* Pa, largest true stress of a body with a strength; null = without */
+    double (*axes)[3]; /* unit, the direction of that at rest */
 } pel_survey;
 
 /* Made for the present triangles. PEL_OUT_OF_MEMORY; pel_survey_end also then. */
@@ -30,10 +32,14 @@ void pel_survey_end(pel_survey *survey);
 
 /* The direction (unit, in the rest shape) ahead of a tip; false if the vertex is none. */
 bool pel_survey_is_tip(const pel_survey *survey, int32_t vertex, double ahead[3]);
+/* whether a vertex cannot move: pinned, or held by a tool */
+bool pel_survey_is_held(const pel_survey *survey, int32_t vertex);
 /* The tip in the present state (pel_shell_forces_follow has been called for it). */
 void pel_survey_read(pel_survey *survey, int32_t vertex, const double ahead[3], pel_tip *tip);
 /* Vertices up to some ring around one, with their rings in `rings`, until pel_survey_leave; returns their number. */
 int32_t pel_survey_walk(pel_survey *survey, int32_t vertex, int32_t ring_count);
+/* Likewise those that edges lead to within a distance [m] at rest, with the neighbours of each. */
+int32_t pel_survey_spread(pel_survey *survey, int32_t vertex, double distance);
 void pel_survey_leave(pel_survey *survey, int32_t count);
 /* Energy [J] of membrane, fibres and springs in a triangle, whose gradients [N] on the corners are added. */
 double pel_survey_triangle(const pel_survey *survey, int32_t t, double gradient[3][3]);
