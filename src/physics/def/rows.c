@@ -549,8 +549,8 @@ static const pel_def_row rows[] = {
     {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
 
     {"tear", MAP, .preset = "{}", .doc = "growth of tears in bodies with a toughness"},
-    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders", "anywhere"), .preset = "borders",
-     .initial = PEL_TEAR_BORDERS,
+    {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders", "anywhere"),
+     .preset = "borders", .initial = PEL_TEAR_BORDERS,
      .doc = "where tears start, beside the ends of cuts, which always grow. borders: in sharp notches of the border, "
             "with an inner angle above 270 degrees, and where the stress at the border exceeds the `strength` of the "
             "body. anywhere: inside as well"},

@@ -135,8 +135,10 @@ static pel_status find_moves(const cut *c, const pel_growth *growth, pel_surface
     int32_t count = 0;
     for (int32_t v = 0; v < c->topology->vertex_count; v++)
         count += growth->is_moved[v];
+    if (count == 0)
+        return PEL_OK;
     surfaces->moves[c->body] = pel_allocate((size_t)count, sizeof **surfaces->moves);
-    if (count > 0 && surfaces->moves[c->body] == NULL)
+    if (surfaces->moves[c->body] == NULL)
         return pel_fail_memory(error);
     for (int32_t v = 0; v < c->topology->vertex_count; v++) {
         double least = HUGE_VAL, *x = growth->mesh->positions[v];

@@ -13,8 +13,8 @@ double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex);
 double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex);
 /* Pa, true stress at which a tear starts at a vertex of a body with a strength */
 double pel_tear_strength(const pel_sim *sim, int32_t body, int32_t vertex);
-/* m, L = young x toughness / (pi strength^2) at a vertex: half the length of the crack in a sheet under this stress that
-   is about to grow (Griffith 1921) */
+/* m, L = young x toughness / (pi strength^2) at a vertex: half the length of the crack in a sheet under this stress
+   that is about to grow (Griffith 1921) */
 double pel_tear_length(const pel_sim *sim, int32_t body, int32_t vertex);
 /* Area of a present triangle over that at rest -> present thickness over that at rest. */
 double pel_tear_thinning(const pel_sim *sim, int32_t body, double area_ratio);

@@ -1,10 +1,10 @@
 /* A tear starts at a vertex where the largest principal value of the true stress reaches the strength: in the mean over
-   the triangles around the vertex, and in the mean over the disc of 1.32 L around it in the rest shape, with L = young x
-   toughness / (pi strength^2). So neither the mesh nor a sharp corner decides (area method of the theory of critical
-   distances: Taylor 2007). The tear opens at once by 2 L from the border, or to both sides of a vertex inside: a slit of
-   this size releases as much energy as it takes (finite fracture mechanics: Leguillon 2002), so it goes on by itself.
-   It opens across the mean of the largest stress. Where the mesh is coarser than L the mean is that around the vertex,
-   and the slit one edge to each side. L counts as at most a share of the size of the body.
+   the triangles around the vertex, and in the mean over the disc of 1.32 L around it in the rest shape, with L = young
+   x toughness / (pi strength^2). So neither the mesh nor a sharp corner decides (area method of the theory of critical
+   distances: Taylor 2007). The tear opens at once by 2 L from the border, or to both sides of a vertex inside: a slit
+   of this size releases as much energy as it takes (finite fracture mechanics: Leguillon 2002), so it goes on by
+   itself. It opens across the mean of the largest stress. Where the mesh is coarser than L the mean is that around the
+   vertex, and the slit one edge to each side. L counts as at most a share of the size of the body.
 
    At a tip the mean stress reaches the strength when the tip is about to grow: within the disc or four rings of a tip
    toughness decides, and nothing starts. */
@@ -31,7 +31,8 @@ enum { TIP_RINGS = 4 };
 /* the larger principal value of a symmetric tensor (11, 22, 12), and the axis of the smaller one */
 static double split(const double stress[3], double minor[2])
 {
-    double mean = 0.5 * (stress[0] + stress[1]), d = 0.5 * (stress[0] - stress[1]), r = sqrt(d * d + stress[2] * stress[2]);
+    double mean = 0.5 * (stress[0] + stress[1]), d = 0.5 * (stress[0] - stress[1]),
+           r = sqrt(d * d + stress[2] * stress[2]);
     /* the axis of the larger one is (d + r, s12) or (s12, r - d), whichever is longer */
     minor[0] = d >= 0 ? -stress[2] : d - r;
     minor[1] = d >= 0 ? d + r : stress[2];
@@ -43,7 +44,8 @@ static double find_stress(const pel_survey *s, int32_t t, double axis[3])
 {
     const pel_body *body = &s->sim->model->bodies[s->body];
     const int32_t *v = body->mesh->triangles[t];
-    double gradient[3][3] = {{0}}, x[3][3], sides[2][3], rest[2][3], frame[2][3], plane[2][2], normal[3], along[3], minor[2];
+    double gradient[3][3] = {{0}}, x[3][3], sides[2][3], rest[2][3], frame[2][3], plane[2][2], normal[3], along[3],
+           minor[2];
     double thickness = 0;
     pel_survey_triangle(s, t, gradient);
     for (int c = 0; c < 3; c++) {

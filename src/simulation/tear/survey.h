@@ -22,8 +22,8 @@ typedef struct pel_survey {
     int32_t *triangles; /* around it */
     uint8_t *is_listed;
     double (*gradients)[3][3], *energies; /* of the listed ones */
-    double *stresses;  /* Pa, largest true stress of a body with a strength; null = without */
-    double (*axes)[3]; /* unit, the direction of that at rest */
+    double *stresses;                     /* Pa, largest true stress of a body with a strength; null = without */
+    double (*axes)[3];                    /* unit, the direction of that at rest */
 } pel_survey;
 
 /* Made for the present triangles. PEL_OUT_OF_MEMORY; pel_survey_end also then. */
