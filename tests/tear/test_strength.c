@@ -19,7 +19,7 @@ typedef struct plate_def {
     int32_t cells;
     bool is_union_jack, has_springs;
     pel_method method;
-    double dt, stretch; /* of the sheet in 1 s */
+    double dt, stretch; /* of the sheet: 0.9 of it in the first second, then 1 % per second */
     double strength, toughness;
     pel_tear_start start;
     double scratch[3]; /* x and y of the middle and half the side of a square of lower strength; 0 = none */
@@ -38,8 +38,8 @@ static const plate_def usual = {
     .cells = 20,
     .is_union_jack = true,
     .method = PEL_METHOD_STATIC,
-    .dt = 0.01,
-    .stretch = 0.02,
+    .dt = 1,
+    .stretch = 0.01,
     .strength = 1e4,
     .toughness = 0.2,
     .start = PEL_TEAR_ANYWHERE,
@@ -119,7 +119,7 @@ static plate make_plate(const plate_def *def)
 {
     static int32_t lists[4][MOST_VERTICES];
     static double strength[MOST_VERTICES];
-    static const pel_key keys[2] = {{0, 0}, {1, 1}};
+    static const pel_key keys[3] = {{0, 0}, {1, 0.9}, {21, 1.1}};
     plate p = {.mesh = def->hole > 0 ? make_holed(def)
                                      : make_grid(def->cells, def->cells, def->size, def->size,
                                                  def->is_union_jack ? PEL_GRID_UNION_JACK : PEL_GRID_EQUILATERAL)};
@@ -136,7 +136,7 @@ static plate make_plate(const plate_def *def)
     supports[0].name = "up";
     supports[0].vertex_count = pick(p.mesh, high[1], lists[0]);
     supports[0].keys = supports[1].keys = keys;
-    supports[0].key_count = supports[1].key_count = 2;
+    supports[0].key_count = supports[1].key_count = 3;
     supports[0].displacement[1] = 0.5 * def->stretch * (high[1] - low[1]);
     supports[1].name = "down";
     supports[1].vertex_count = pick(p.mesh, low[1], lists[1]);
@@ -173,15 +173,15 @@ static double length_of(pel_sim *sim)
     return cuts.length;
 }
 
-/* Pa, mean stress on the upper side in the last step before the tear, and in the first one with it: by the strain */
-static double load_of(plate *p, const plate_def *def, int32_t most)
+/* Pa, mean stress on the upper side between the last step before the tear and the first one with it; 0 = none */
+static double load_of(plate *p, const plate_def *def)
 {
     double before = 0;
-    for (int32_t i = 0; i < most; i++) {
+    for (int32_t i = 0; i * def->dt < 20; i++) {
         pel_support_reading reading;
         run_steps(p->sim, 1);
         if (length_of(p->sim) > 0)
-            return before + 0.5 * YOUNG * def->stretch * def->dt;
+            return before + 0.005 * YOUNG * def->stretch;
         pel_sim_get_support_part(p->sim, 0, &reading);
         before = fabs(reading.force[1]) / (def->size * SHEET);
     }
@@ -219,17 +219,17 @@ static void test_hole(void **unused)
     plate_def def = usual;
     def.hole = 0.05 * def.size;
     def.strength = 2e4;
-    def.stretch = 0.012;
-    def.dt = 0.02;
     /* the disc has half the radius of the hole */
     def.toughness = 0.5 * def.hole / 1.32 * PI * def.strength * def.strength / YOUNG;
     double asked = def.strength / kirsch_mean(0.5), loads[3];
+    def.stretch = asked / YOUNG;
     for (int i = 0; i < LONG(3, 2); i++) {
         def.cells = 16 + 8 * i;
         plate p = make_plate(&def);
-        loads[i] = load_of(&p, &def, 100);
+        loads[i] = load_of(&p, &def);
         assert_near(loads[i] / asked, 1, 0.03);
-        assert_near(loads[i] / loads[0], 1, 0.01);
+        /* the load is known to half a step of 1 % */
+        assert_near(loads[i] / loads[0], 1, 0.025);
         const pel_mesh *mesh = pel_model_mesh(pel_sim_model(p.sim), 0);
         int32_t *origins = calloc((size_t)mesh->vertex_count, sizeof *origins);
         pel_sim_get_origins(p.sim, 0, origins);
@@ -250,17 +250,16 @@ static void test_scratch(void **unused)
         plate_def def = usual;
         def.is_union_jack = i < 2;
         def.cells = i % 2 == 0 ? 20 : 30;
-        def.dt = i % 2 == 0 ? 0.01 : 0.005;
-        def.has_springs = false;
+        def.dt = i % 2 == 0 ? 1 : 0.5;
+        def.stretch = 0.7 * def.strength / YOUNG;
         def.scratch[0] = 0.02;
         def.scratch[1] = 0.01;
         def.scratch[2] = 0.011;
         def.scratch_share = 0.7;
         plate p = make_plate(&def);
-        double load = load_of(&p, &def, 200);
+        double load = load_of(&p, &def);
         pel_tip tips[4];
         int32_t count;
-        /* steps are 2 % apart; the stress is the true one */
         assert_near(load / (0.7 * def.strength), 1, 0.03);
         assert_int_equal(pel_sim_tips(p.sim, 0, tips, 4, &count, NULL), PEL_OK);
         /* the slit of 0.5 % of the length that is just about to grow goes on, to the border on one side at least */
@@ -284,8 +283,9 @@ static void test_springs(void **unused)
     (void)unused;
     plate_def def = usual;
     def.has_springs = true;
+    def.stretch = 0.0075;
     plate p = make_plate(&def);
-    double load = load_of(&p, &def, 100);
+    double load = load_of(&p, &def);
     assert_near(load / def.strength, 1, 0.08);
     end_plate(&p);
 }
@@ -294,9 +294,9 @@ static void test_springs(void **unused)
 static void test_balloon(void **unused)
 {
     (void)unused;
-    static const pel_key keys[2] = {{0, 0}, {1, -5000}};
+    static const pel_key keys[3] = {{0, 0}, {1, -3200}, {26, -3700}};
     for (int i = 0; i < 2; i++) {
-        pel_mesh *mesh = make_sphere(6 + 4 * i);
+        pel_mesh *mesh = make_sphere(5 + 3 * i);
         for (int32_t v = 0; v < mesh->vertex_count; v++)
             pel_vec3_scale(mesh->positions[v], 0.1, mesh->positions[v]);
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
@@ -307,20 +307,20 @@ static void test_balloon(void **unused)
         body.shell.membrane.strength.value = 8e5;
         body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
         body.shell.pressure.outside.keys = keys;
-        body.shell.pressure.outside.key_count = 2;
+        body.shell.pressure.outside.key_count = 3;
         pel_model *model = make_model(&body);
-        pel_sim_def def = lone_sim(model, PEL_METHOD_STATIC, 0.002);
+        pel_sim_def def = lone_sim(model, PEL_METHOD_IMPLICIT, 1);
         def.tear.start = PEL_TEAR_ANYWHERE;
         pel_sim *sim = make_sim(&def);
         double stress = 0;
-        for (int k = 1; k < 500; k++) {
+        for (int k = 1; k < 26; k++) {
             pel_sim_measures m;
             pel_error error;
             if (pel_sim_step(sim, &error) != PEL_OK || length_of(sim) > 0)
                 break;
             pel_sim_measure(sim, &m);
             double radius = pow(m.volume * 3 / (4 * PI), 1.0 / 3), ratio = radius / 0.1;
-            stress = 10 * k * radius * ratio * ratio / (2 * 3e-4);
+            stress = (3180 + 20 * k) * radius * ratio * ratio / (2 * 3e-4);
         }
         assert_near(stress / 8e5, 1, 0.03);
         assert_true(length_of(sim) > 0);
@@ -346,16 +346,15 @@ static void test_places(void **unused)
 {
     (void)unused;
     plate_def def = usual;
-    def.dt = 0.1;
     def.scratch[2] = 0.02;
     def.scratch_share = 0.5;
-    assert_true(torn_after(&def, 4) > 0);
+    assert_true(torn_after(&def, 1) > 0);
     def.start = PEL_TEAR_BORDERS;
-    assert_true(torn_after(&def, 4) == 0);
+    assert_true(torn_after(&def, 1) == 0);
     def.scratch[0] = 0.05;
-    assert_true(torn_after(&def, 4) > 0);
+    assert_true(torn_after(&def, 1) > 0);
     def.start = PEL_TEAR_NONE;
-    assert_true(torn_after(&def, 4) == 0);
+    assert_true(torn_after(&def, 1) == 0);
 }
 
 /* ---- states ---- */
@@ -368,7 +367,7 @@ static void test_states(void **unused)
     def.method = PEL_METHOD_IMPLICIT;
     def.cells = 20;
     def.dt = 1e-3;
-    def.stretch = 1;
+    def.stretch = 1.1;
     def.strength = 2e4;
     uint64_t hashes[3];
     for (int i = 0; i < 2; i++) {
