@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESHES = 3, MODELS = 2, SIZES = 3, SCENE_SIZE = OWN_SCENE_SIZE };
+enum { MESHES = 3, MODELS = 2, SIZES = OWN_SIZES, SCENE_SIZE = OWN_SCENE_SIZE };
 
 static const char *const mesh_names[MESHES] = {"one-diagonal", "union-jack", "equilateral"};
 static const char *const model_names[MODELS] = {"midedge", "hinge"};
@@ -131,19 +131,7 @@ static pel_status solve(const lab_experiment *experiment, const char *text, cons
 
 /* ---- studies over fineness ---- */
 
-/* The scene of one mesh: cells n, kind and model of bending; the answer is a component of the displacement at a place.
- */
-typedef struct study {
-    const char *name, *title;
-    pel_status (*write)(const lab_experiment *experiment, int n, const char *mesh, const char *model, char *text);
-    int models, sizes[SIZES];
-    double probe[3], direction[3];
-    double expected;
-    double tolerance; /* relative, at the finest mesh of midedge */
-    const char *source;
-} study;
-
-static pel_status plot_study(const lab_experiment *experiment, const study *which,
+static pel_status plot_study(const lab_experiment *experiment, const own_study *which,
                              double errors[MESHES * MODELS][SIZES])
 {
     double sizes[SIZES];
@@ -164,8 +152,7 @@ static pel_status plot_study(const lab_experiment *experiment, const study *whic
     return lab_write_plot(lab_path(experiment, file, path), &plot, experiment->error);
 }
 
-/* all meshes and models; hinges are reported, not judged */
-static pel_status run_study(lab_experiment *experiment, const study *which)
+pel_status own_run_study(lab_experiment *experiment, const own_study *which)
 {
     double errors[MESHES * MODELS][SIZES];
     char text[SCENE_SIZE], name[64];
@@ -308,9 +295,9 @@ static pel_status write_surface(const lab_experiment *experiment, const char *na
     return status;
 }
 
-static pel_status write_shell(const lab_experiment *experiment, const char *name, int cells_u, int n, const char *mesh,
-                              const char *model, void (*place)(double u, double v, double x[3]), const char *rest,
-                              char *text)
+pel_status own_write_shell(const lab_experiment *experiment, const char *name, int cells_u, int n, const char *mesh,
+                           const char *model, void (*place)(double u, double v, double x[3]), const char *rest,
+                           char *text)
 {
     char path[LAB_PATH_SIZE];
     pel_status status = write_surface(experiment, name, cells_u, n, mesh, place, path);
@@ -338,15 +325,15 @@ static void place_roof(double u, double v, double x[3])
 /* a thousandth of the load, so that the answer is linear */
 static pel_status write_roof(const lab_experiment *experiment, int n, const char *mesh, const char *model, char *text)
 {
-    return write_shell(experiment, "roof", n, n, mesh, model, place_roof,
-                       "    membrane: { material: stvk, young: 4.32e8, poisson: 0, thickness: 0.25 }\n"
-                       "    mass: { density: 360 }\n"
-                       "    supports:\n"
-                       "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, fix: [y, z] }\n"
-                       "      - { at: { box: { min: [24.99999, -99, -99], max: [99, 99, 99] } }, symmetry: x }\n"
-                       "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
-                       "gravity: [0, 0, -0.001]\n",
-                       text);
+    return own_write_shell(experiment, "roof", n, n, mesh, model, place_roof,
+                           "    membrane: { material: stvk, young: 4.32e8, poisson: 0, thickness: 0.25 }\n"
+                           "    mass: { density: 360 }\n"
+                           "    supports:\n"
+                           "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, fix: [y, z] }\n"
+                           "      - { at: { box: { min: [24.99999, -99, -99], max: [99, 99, 99] } }, symmetry: x }\n"
+                           "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
+                           "gravity: [0, 0, -0.001]\n",
+                           text);
 }
 
 static void place_cylinder(double u, double v, double x[3])
@@ -360,16 +347,17 @@ static void place_cylinder(double u, double v, double x[3])
 static pel_status write_cylinder(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                  char *text)
 {
-    return write_shell(experiment, "cylinder", n, n, mesh, model, place_cylinder,
-                       "    membrane: { material: stvk, young: 3.0e6, poisson: 0.3, thickness: 3 }\n"
-                       "    mass: { density: 1000 }\n"
-                       "    supports:\n"
-                       "      - { at: { box: { min: [-1, -999, -999], max: [1.0e-4, 999, 999] } }, fix: [y, z] }\n"
-                       "      - { at: { box: { min: [299.9999, -999, -999], max: [999, 999, 999] } }, symmetry: x }\n"
-                       "      - { at: { box: { min: [-999, -1, -999], max: [999, 1.0e-4, 999] } }, symmetry: y }\n"
-                       "      - { at: { box: { min: [-999, -999, -1], max: [999, 999, 1.0e-4] } }, symmetry: z }\n"
-                       "loads: [{ force: [0, 0, -0.25], at: { nearest: [300, 0, 300] } }]\n",
-                       text);
+    return own_write_shell(
+        experiment, "cylinder", n, n, mesh, model, place_cylinder,
+        "    membrane: { material: stvk, young: 3.0e6, poisson: 0.3, thickness: 3 }\n"
+        "    mass: { density: 1000 }\n"
+        "    supports:\n"
+        "      - { at: { box: { min: [-1, -999, -999], max: [1.0e-4, 999, 999] } }, fix: [y, z] }\n"
+        "      - { at: { box: { min: [299.9999, -999, -999], max: [999, 999, 999] } }, symmetry: x }\n"
+        "      - { at: { box: { min: [-999, -1, -999], max: [999, 1.0e-4, 999] } }, symmetry: y }\n"
+        "      - { at: { box: { min: [-999, -999, -1], max: [999, 999, 1.0e-4] } }, symmetry: z }\n"
+        "loads: [{ force: [0, 0, -0.25], at: { nearest: [300, 0, 300] } }]\n",
+        text);
 }
 
 /* the equator lies at v = 0, the hole of 18 degrees at v = 1 */
@@ -386,33 +374,33 @@ static void place_hemisphere(double u, double v, double x[3])
 static pel_status write_hemisphere(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                    char *text)
 {
-    return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                       "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
-                       "    mass: { density: 1000 }\n"
-                       "    supports:\n"
-                       "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
-                       "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
-                       "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
-                       "loads:\n"
-                       "  - { force: [0.01, 0, 0], at: { nearest: [10, 0, 0] } }\n"
-                       "  - { force: [0, -0.01, 0], at: { nearest: [0, 10, 0] } }\n",
-                       text);
+    return own_write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
+                           "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+                           "    mass: { density: 1000 }\n"
+                           "    supports:\n"
+                           "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
+                           "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
+                           "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
+                           "loads:\n"
+                           "  - { force: [0.01, 0, 0], at: { nearest: [10, 0, 0] } }\n"
+                           "  - { force: [0, -0.01, 0], at: { nearest: [0, 10, 0] } }\n",
+                           text);
 }
 
 static pel_status write_deep_hemisphere(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                         char *text)
 {
-    return write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                       "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
-                       "    mass: { density: 1000 }\n"
-                       "    supports:\n"
-                       "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
-                       "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
-                       "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
-                       "loads:\n"
-                       "  - { force: [200, 0, 0], at: { nearest: [10, 0, 0] } }\n"
-                       "  - { force: [0, -200, 0], at: { nearest: [0, 10, 0] } }\n",
-                       text);
+    return own_write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
+                           "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+                           "    mass: { density: 1000 }\n"
+                           "    supports:\n"
+                           "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
+                           "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
+                           "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
+                           "loads:\n"
+                           "  - { force: [200, 0, 0], at: { nearest: [10, 0, 0] } }\n"
+                           "  - { force: [0, -200, 0], at: { nearest: [0, 10, 0] } }\n",
+                           text);
 }
 
 /* once around, but for a slit of a thousandth of the width */
@@ -427,21 +415,21 @@ static void place_annulus(double u, double v, double x[3])
 static pel_status write_annulus(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                 char *text)
 {
-    return write_shell(experiment, "annulus", n / 8, n, mesh, model, place_annulus,
-                       "    membrane: { material: stvk, young: 2.1e7, poisson: 0, thickness: 0.03 }\n"
-                       "    mass: { density: 1000 }\n"
-                       "    supports:\n"
-                       "      - { at: { box: { min: [5, -0.01, -1], max: [11, -1.0e-3, 1] } }, rotation: fixed }\n"
-                       "loads: [{ force: [0, 0, 0.8], per: length,\n"
-                       "          at: { box: { min: [5, -1.0e-6, -1], max: [11, 1.0e-6, 1] } } }]\n",
-                       text);
+    return own_write_shell(experiment, "annulus", n / 8, n, mesh, model, place_annulus,
+                           "    membrane: { material: stvk, young: 2.1e7, poisson: 0, thickness: 0.03 }\n"
+                           "    mass: { density: 1000 }\n"
+                           "    supports:\n"
+                           "      - { at: { box: { min: [5, -0.01, -1], max: [11, -1.0e-3, 1] } }, rotation: fixed }\n"
+                           "loads: [{ force: [0, 0, 0.8], per: length,\n"
+                           "          at: { box: { min: [5, -1.0e-6, -1], max: [11, 1.0e-6, 1] } } }]\n",
+                           text);
 }
 
 /* 1 / D of the plate, and in its row the load q L^4 of a weight q = 1000 x 0.01 x 0.01; the point of the roof is at 40
    degrees on a radius of 25 */
 #define PLATE_COMPLIANCE (12 * (1 - 0.3 * 0.3) / (1e9 * 0.01 * 0.01 * 0.01))
 
-static const study studies[] = {
+static const own_study studies[] = {
     {"cantilever",
      "cantilever under an end shear, P L^2 / E I = 4",
      write_cantilever,
@@ -538,7 +526,7 @@ static pel_status check_studies(lab_experiment *experiment)
 {
     pel_status status = PEL_OK;
     for (size_t i = 0; status == PEL_OK && i < sizeof studies / sizeof *studies; i++)
-        status = run_study(experiment, &studies[i]);
+        status = own_run_study(experiment, &studies[i]);
     return status;
 }
 
@@ -662,7 +650,9 @@ static pel_status run_validation(lab_experiment *experiment)
         status = check_presets(experiment);
     if (status == PEL_OK)
         status = own_validate_modes(experiment);
-    return status == PEL_OK ? own_validate_paths(experiment) : status;
+    if (status == PEL_OK)
+        status = own_validate_paths(experiment);
+    return status == PEL_OK ? own_validate_classics(experiment) : status;
 }
 
 const lab_case own_validation = {
