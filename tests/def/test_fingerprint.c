@@ -37,7 +37,8 @@ static void fill_body(all_defs *all, pel_body_def *body)
     pel_quantity *const quantities[] = {
         &body->thickness,          &body->spring_stiffness, &body->spring_damping,      &body->volumetric_stiffness,
         &body->volumetric_damping, &shell->membrane.young,  &shell->membrane.thickness, &shell->bending.stiffness,
-        &shell->pressure.outside,  &shell->pressure.target, &shell->membrane.toughness, &body->spring_toughness};
+        &shell->pressure.outside,  &shell->pressure.target, &shell->membrane.toughness, &body->spring_toughness,
+        &shell->membrane.strength, &body->spring_strength};
     *body = pel_body_def_default();
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         fill_quantity(all, quantities[i]);

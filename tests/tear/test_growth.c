@@ -275,6 +275,45 @@ static void test_kink(void **unused)
     end_sheet(&s);
 }
 
+/* The half above a cut is stretched across it, and that below is not: the force on the tip is at right angles to the
+   cut, and the tear turns by 70.5 degrees. */
+static void test_clamp(void **unused)
+{
+    (void)unused;
+    sheet_def def = usual;
+    def.method = PEL_METHOD_IMPLICIT;
+    def.is_pinned = true;
+    def.dt = 1e-6;
+    def.toughness = 1;
+    def.max_tips = 1;
+    sheet s = make_sheet(&def);
+    double(*x)[3] = calloc((size_t)s.mesh->vertex_count, sizeof *x);
+    for (int32_t v = 0; v < s.mesh->vertex_count; v++) {
+        pel_vec3_copy(s.mesh->positions[v], x[v]);
+        x[v][1] *= x[v][1] > 0 ? 1.3 : 1;
+    }
+    assert_int_equal(pel_sim_set_positions(s.sim, 0, x[0], NULL), PEL_OK);
+    free(x);
+    run_steps(s.sim, 1);
+    const pel_mesh *mesh = pel_model_mesh(pel_sim_model(s.sim), 0);
+    int32_t *origins = calloc((size_t)mesh->vertex_count, sizeof *origins), next = -1;
+    double edge = HUGE_VAL;
+    pel_sim_get_origins(s.sim, 0, origins);
+    /* the first vertex of the tear that is doubled too */
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double way = hypot(mesh->positions[v][0] + 0.02, mesh->positions[v][1]);
+        if (origins[v] != v && way > 1e-9 && way < edge && fabs(mesh->positions[v][1]) > 1e-9) {
+            edge = way;
+            next = v;
+        }
+    }
+    assert_true(next >= 0);
+    double angle = atan2(fabs(mesh->positions[next][1]), mesh->positions[next][0] + 0.02) * 57.29577951308232;
+    assert_near(angle, 70.53, 0.5);
+    free(origins);
+    end_sheet(&s);
+}
+
 typedef struct path_sum {
     double length, off; /* m, of the tear beyond the cut, and its largest distance from y = 0 */
 } path_sum;
@@ -518,9 +557,9 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kink),    cmocka_unit_test(test_paths),     cmocka_unit_test(test_trousers),
-        cmocka_unit_test(test_strip),   cmocka_unit_test(test_snapshots), cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_threads), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_kink),     cmocka_unit_test(test_clamp),   cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_trousers), cmocka_unit_test(test_strip),   cmocka_unit_test(test_snapshots),
+        cmocka_unit_test(test_budget),   cmocka_unit_test(test_threads), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
