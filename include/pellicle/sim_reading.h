@@ -44,6 +44,11 @@ PEL_API void pel_sim_get_support(pel_sim *sim, int32_t body, pel_support_reading
 
 /* Single supports of the def: the force along the held components. Zero before the first step. */
 PEL_API int32_t pel_sim_support_count(const pel_sim *sim);
+/* Ties (pel_sim_def.ties); 0 for null, "" for one that does not exist, whose reading stays as it was. */
+PEL_API int32_t pel_sim_tie_count(const pel_sim *sim);
+PEL_API const char *pel_sim_tie_name(const pel_sim *sim, int32_t tie);
+PEL_API void pel_sim_get_tie(const pel_sim *sim, int32_t tie, pel_tie_reading *reading);
+
 PEL_API const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
 PEL_API void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
 

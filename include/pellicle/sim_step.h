@@ -7,6 +7,7 @@
 #include "model.h"
 #include "solver.h"
 #include "support.h"
+#include "tie.h"
 #include "tool.h"
 #include "wind.h"
 
@@ -46,6 +47,8 @@ typedef struct pel_sim_def {
     int32_t tool_count;
     const pel_support_def *supports; /* (support_count), copied */
     int32_t support_count;
+    const pel_tie_def *ties; /* (tie_count), copied */
+    int32_t tie_count;
     const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
     int32_t cut_count;
     pel_tear_def tear;

@@ -47,6 +47,7 @@ typedef enum pel_def_kind {
     PEL_DEF_LOAD,
     PEL_DEF_TOOL,
     PEL_DEF_CUT,
+    PEL_DEF_TIE,
     PEL_DEF_CONTACT,
     PEL_DEF_SOLVER,
     PEL_DEF_SIM,
@@ -90,6 +91,7 @@ typedef enum pel_store {
     ROW(LOADS, "loads")                                                                                                \
     ROW(SUPPORTS, "supports")                                                                                          \
     ROW(TOOLS, "tools")                                                                                                \
+    ROW(TIES, "attachments and stitches")                                                                              \
     ROW(CUTS, "cuts")                                                                                                  \
     ROW(CONTACT, "contact")                                                                                            \
     ROW(SOLVER, "solver")

@@ -20,6 +20,8 @@
 #define TOOL_LIST(member, count) LIST_OF(TOOL, pel_tool_def, member, count, TOOLS)
 #define CUT(member) OF(CUT, pel_cut_def, member, CUTS)
 #define CUT_LIST(member, count) LIST_OF(CUT, pel_cut_def, member, count, CUTS)
+#define TIE(member) OF(TIE, pel_tie_def, member, TIES)
+#define TIE_LIST(member, count) LIST_OF(TIE, pel_tie_def, member, count, TIES)
 #define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
 #define WIND(member) OF(SIM, pel_sim_def, wind.member, LOADS)
 #define SOLVER(member) OF(SOLVER, pel_solver_def, member, SOLVER)
@@ -536,6 +538,47 @@ static const pel_def_row rows[] = {
     {"tools[].motion[].rotation.angle", NUMBER, .unit = "degrees", REQUIRED,
      .doc = "angle, counter-clockwise; from 0 to 720 is two turns"},
 
+    {"attachments", DEFS_OF(SIM, pel_sim_def, ties, tie_count, TIE, TIES), LIST, .preset = "[]",
+     .doc = "vertices held to another body, a tool or a place; each reports its force"},
+    {"attachments[]", MAP, .doc = "one attachment"},
+    {"attachments[].name", OF(TIE, pel_tie_def, name, NONE), FIXED, NAME, .preset = "attachment#",
+     .doc = "name in outputs"},
+    {"attachments[].body", TIE(body), FIXED, TEXT, .doc = "body whose vertices are held; optional if there is one"},
+    {"attachments[].at", TIE_LIST(vertices, vertex_count), FIXED, REGION, REQUIRED, .doc = "vertices that are held"},
+    {"attachments[].to", TIE(target), FIXED, MAP, .doc = "what holds them; default: the places where they are"},
+    {"attachments[].to.body", TIE(to_body), FIXED, .initial = -1, TEXT, ALTERNATIVE,
+     .doc = "another body: each vertex is held to the nearest point of its triangles at rest"},
+    {"attachments[].to.tool", TIE(tool), FIXED, .initial = -1, TEXT, ALTERNATIVE,
+     .doc = "tool that carries them, where they are in its frame"},
+    {"attachments[].stiffness", TIE(stiffness), FIXED, NUMBER, .unit = "N/m", POSITIVE, AUTO(0),
+     .doc = "spring stiffness at each vertex; default: rigid for xpbd and pbd, else a hundred times that of a vertex of "
+            "the material"},
+    {"attachments[].from", TIE(from), FIXED, NUMBER, .unit = "s", AT_LEAST(0), DEFAULT(0), .doc = "begins at this time"},
+    {"attachments[].until", TIE(until), FIXED, NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end",
+     AUTO((double)HUGE_VAL), .doc = "lets go at this time"},
+    {"attachments[].close", TIE(close), FIXED, NUMBER, .unit = "s", AT_LEAST(0), AUTO(-1),
+     .doc = "time in which the vertices are drawn to the other body; default: they keep their distance"},
+    {"attachments[].strength", TIE(strength), FIXED, NUMBER, .unit = "N", POSITIVE, AUTO(0),
+     .doc = "force above which a vertex is let go for good; default: no limit"},
+
+    {"stitches", LIST, .preset = "[]",
+     .doc = "seams: pairs of vertices of two borders, drawn together and held; each reports its force"},
+    {"stitches[]", MAP, .doc = "one seam"},
+    {"stitches[].name", NAME, .preset = "stitch#", .doc = "name in outputs"},
+    {"stitches[].a", MAP, REQUIRED, .doc = "one border"},
+    {"stitches[].a.body", TEXT, .doc = "its body; optional if there is one"},
+    {"stitches[].a.at", REGION, REQUIRED, .doc = "its vertices"},
+    {"stitches[].b", MAP, REQUIRED, .doc = "the other border"},
+    {"stitches[].b.body", TEXT, .doc = "its body; optional if there is one"},
+    {"stitches[].b.at", REGION, REQUIRED,
+     .doc = "its vertices, as many as those of `a`; each is paired with the nearest one left, in the order of distance"},
+    {"stitches[].close", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0.5", .doc = "time in which the pairs meet"},
+    {"stitches[].stiffness", NUMBER, .unit = "N/m", POSITIVE, .doc = "of each pair; default as that of `attachments`"},
+    {"stitches[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "begins at this time"},
+    {"stitches[].until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "opens at this time"},
+    {"stitches[].strength", NUMBER, .unit = "N", POSITIVE,
+     .doc = "force above which a pair opens for good; default: no limit"},
+
     {"cuts", DEFS_OF(SIM, pel_sim_def, cuts, cut_count, CUT, CUTS), LIST, .preset = "[]",
      .doc = "cuts that open a surface along a path, for bodies that do not refine"},
     {"cuts[]", MAP, .doc = "one cut"},
@@ -725,6 +768,8 @@ static const pel_def_row rows[] = {
     {NULL, OF(SUPPORT, pel_support_def, body, SUPPORTS)},
     {NULL, TOOL_LIST(vertices, vertex_count)},
     {NULL, TOOL(center)},
+    {NULL, TIE_LIST(to_vertices, vertex_count)},
+    {NULL, TIE(sequence)},
     {NULL, TOOL(sequence)},
     {NULL, TOOL(strength)},
     {NULL, CONTACT(enabled)},

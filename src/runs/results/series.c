@@ -82,6 +82,10 @@ static const char *const part_columns[] = {"force",    "force_x",  "force_y", "f
                                            "torque_x", "torque_y", "torque_z"};
 enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
 
+/* of ties */
+static const char *const tie_columns[] = {"force", "force_x", "force_y", "force_z", "largest", "held"};
+enum { TIE_COLUMN_COUNT = sizeof tie_columns / sizeof tie_columns[0] };
+
 /* a body whose pins have no tool for columns */
 static bool has_pins(const pel_run_series *series, int32_t body)
 {
@@ -219,6 +223,9 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
         for (int c = 0; c < PART_COLUMN_COUNT; c++)
             put_named_column(series, pel_sim_support_name(sim, s), part_columns[c]);
+    for (int32_t t = 0; t < pel_sim_tie_count(sim); t++)
+        for (int c = 0; c < TIE_COLUMN_COUNT; c++)
+            put_named_column(series, pel_sim_tie_name(sim, t), tie_columns[c]);
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; have_contact(sim) && c < BODY_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), body_columns[c]);
@@ -288,6 +295,15 @@ static void put_part(pel_run_series *series, const pel_sim *sim, int32_t support
         put_number(series, reading.torque[i]);
 }
 
+static void put_tie(pel_run_series *series, const pel_sim *sim, int32_t tie)
+{
+    pel_tie_reading reading;
+    pel_sim_get_tie(sim, tie, &reading);
+    put_force(series, reading.force);
+    put_number(series, reading.largest);
+    put_count(series, ",", reading.held_count);
+}
+
 static void put_body(pel_run_series *series, const pel_sim *sim, int32_t body)
 {
     double force[3];
@@ -338,6 +354,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         sizeof first_columns + sizeof tear_columns + TEAR_COLUMN_COUNT * PEL_NUMBER_SIZE +
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
+        (size_t)pel_sim_tie_count(sim) * TIE_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(series->line, series->room), PEL_ROOM(series->has_pins, body_count)))
         return pel_fail_memory(error);
@@ -446,6 +463,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
             put_support(series, sim, b);
     for (int32_t s = 0; s < pel_sim_support_count(sim); s++)
         put_part(series, sim, s);
+    for (int32_t t = 0; t < pel_sim_tie_count(sim); t++)
+        put_tie(series, sim, t);
     for (int32_t b = 0; have_contact(sim) && b < pel_model_body_count(pel_sim_model(sim)); b++)
         put_body(series, sim, b);
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};

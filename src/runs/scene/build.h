@@ -18,6 +18,14 @@ pel_status pel_scene_build_follow(pel_scene_reader *reader, const pel_scene_valu
 /* the support that holds the vertices that follow */
 pel_status pel_scene_read_follow(pel_scene_reader *reader, const pel_scene_value *value, const pel_body_def *body,
                                  int32_t number, pel_tool_def *tool);
+/* Attachments and stitches, after tools (build_tie.c). */
+pel_status pel_scene_build_ties(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
+/* the index of the body that a value names */
+pel_status pel_scene_find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
+                               int32_t *body);
+/* A map without body means the only one, whose name is added to the tree; `what` is the word for the map. */
+pel_status pel_scene_fill_body(pel_scene_reader *reader, pel_scene_value *map, const pel_model_def *model,
+                               const char *what);
 /* `until` is after `from` */
 pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until);
 /* The cuts of one body (build_cuts.c): moves vertices of its mesh onto their paths, before anything else reads it. Then

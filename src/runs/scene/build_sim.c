@@ -16,9 +16,8 @@
 
 enum { MOST_NAMES = 64 };
 
-/* the index of the body that a value names */
-static pel_status find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
-                            int32_t *body)
+pel_status pel_scene_find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
+                               int32_t *body)
 {
     const char *names[MOST_NAMES];
     size_t count = 0;
@@ -33,13 +32,13 @@ static pel_status find_body(pel_scene_reader *reader, const pel_scene_value *nam
     return pel_scene_fail_name(reader, &name->place, "body", name->text, names, count);
 }
 
-/* a load without body acts on the only one, whose name is added to the tree */
-static pel_status fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model)
+pel_status pel_scene_fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model,
+                               const char *what)
 {
     if (pel_scene_value_entry(load, "body") != NULL)
         return PEL_OK;
     if (model->body_count > 1) {
-        pel_scene_fail(reader, &load->place, "the load does not say on which body it acts");
+        pel_scene_fail(reader, &load->place, "the %s does not say on which body it acts", what);
         pel_fail_remedy(reader->error, "add `body: %s` or another name", model->bodies[0].name);
         return PEL_BAD_SCENE;
     }
@@ -67,9 +66,9 @@ static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, co
 {
     *load = pel_load_def_default();
     const pel_scene_part part = {reader, value, NULL};
-    pel_status status = fill_body(reader, value, model);
+    pel_status status = pel_scene_fill_body(reader, value, model, "load");
     if (status == PEL_OK)
-        status = find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);
+        status = pel_scene_find_body(reader, pel_scene_value_entry(value, "body"), model, &load->body);
     if (status == PEL_OK)
         status = pel_scene_read_members(&part, PEL_DEF_LOAD, load);
     if (status == PEL_OK)
@@ -165,7 +164,7 @@ static pel_status read_tool(pel_scene_reader *reader, pel_scene_value *value, co
     if (status == PEL_OK && mesh != NULL)
         status = read_mesh(reader, mesh, store, tool);
     if (status == PEL_OK && body != NULL)
-        status = find_body(reader, body, &scene->model, &tool->body);
+        status = pel_scene_find_body(reader, body, &scene->model, &tool->body);
     if (status == PEL_OK && grasp != NULL)
         status = pel_scene_check_times(reader, grasp, tool->grasp_from, tool->grasp_until);
     static const double origin[3] = {0};
@@ -394,6 +393,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
         status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)
         status = pel_scene_build_supports(reader, bodies, scene);
+    if (status == PEL_OK)
+        status = pel_scene_build_ties(reader, root, scene);
     if (status == PEL_OK)
         status = read_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     if (status == PEL_OK)

@@ -1,5 +1,6 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
 #include "solve/project.h"
+#include "attach/tie.h"
 #include "base/assert.h"
 #include "base/status.h"
 #include "boundary/loads.h"
@@ -98,11 +99,12 @@ static void follow_contacts(pel_sim *sim, const pel_record *start)
 }
 
 /* one sweep over the elements, then over contacts until their loads hardly change */
-static void sweep(pel_sim *sim, const pel_record *start)
+static void sweep(pel_sim *sim, double end, const pel_record *start)
 {
     pel_record *positions = sim->state->position_next;
     pel_contact_list *lists[] = {loop_contacts(sim), sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_sweep(sim->projector, positions);
+    pel_ties_project(sim, end, sim->projector->tau, positions);
     if (lists[0] != NULL)
         pel_contact_heights_refresh(sim->contacts, positions);
     double most = REFRESH_SHARE * least_thickness(sim), moved = 0;
@@ -162,8 +164,10 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
     const pel_record *start = pel_project_substep_start(projector);
     begin_contacts(sim, start);
+    pel_ties_begin_substep(sim);
     for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
-        sweep(sim, start);
+        sweep(sim, end, start);
+    pel_ties_tally(sim, projector->tau);
     double rate = 1 / (projector->tau * projector->tau * count);
     if (pairs != NULL)
         pel_contacts_tally(sim, rate);

@@ -2,6 +2,7 @@
 #include "method/step_explicit.h"
 
 #include "adapt/refine.h"
+#include "attach/tie.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "boundary/wind.h"
@@ -112,9 +113,10 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     result->diverged |= !pel_loads_apply(sim, span, gains);
     pel_shells_apply(sim, span, gains);
     pel_wind_apply(sim, gains.position / gains.velocity);
+    pel_ties_apply(sim, gains.position / gains.velocity);
     if (sim->shells != NULL || sim->solver.drag > 0)
         correct_velocities(sim);
-    result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && !(sim->solver.drag > 0);
+    result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && sim->ties == NULL && !(sim->solver.drag > 0);
     result->diverged |= sim->shells != NULL && !pel_sim_all_inside(sim);
     return PEL_OK;
 }

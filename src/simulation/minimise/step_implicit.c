@@ -32,6 +32,7 @@
    1.042, 338 and 338; generalised alpha with spectral radius 0.8 0.98 and 1.01, 1.11 and 2.64; with 0.5 0.93 and 1.00,
    1.10 and 1.78; BDF2 0.50; two stages 0.96 and 1.00, 0.94 and 1.00. Means of strains in place of strains in the middle
    (Simo, Tarnow 1992) keep it at 1.000 in all of these, but need stresses of two states for each law. */
+#include "attach/tie.h"
 #include "base/assert.h"
 #include "base/lane.h"
 #include "base/memory.h"
@@ -388,7 +389,8 @@ static double potential_at(pel_sim *sim, const double *position, double *elastic
     pel_sim_newton_settle_at(sim);
     pel_tangent_energy energy = pel_tangent_evaluate(tangent, &input, sim->pool, NULL);
     /* the gradient is unused; the next run sets the targets again */
-    double springs = pel_holds_evaluate(sim, input.span.time, newton->unknowns, newton->target);
+    double springs = pel_holds_evaluate(sim, input.span.time, newton->unknowns, newton->target) +
+                     pel_ties_evaluate(sim, input.span.time, newton->unknowns, newton->target);
     *elastic = pel_tangent_energy_sum(&energy) - energy.pressure + springs;
     return *elastic + energy.pressure;
 }

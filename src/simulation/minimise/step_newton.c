@@ -1,4 +1,5 @@
 #include "minimise/step_newton.h"
+#include "attach/tie.h"
 #include "base/assert.h"
 #include "minimise/rounds.h"
 #include "minimise/step_turn.h"
@@ -211,7 +212,8 @@ bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
         if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
             return false;
-    return !own->has_volumetric && !pel_holds_has_body(sim, body);
+    bool is_tied = sim->minimise->newton->groups == NULL && pel_ties_hold(sim, body);
+    return !own->has_volumetric && !pel_holds_has_body(sim, body) && !is_tied;
 }
 
 static int largest_component(const double x[3])
@@ -361,6 +363,7 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     pel_sim *sim = at->sim;
     double springs = pel_holds_evaluate(sim, at->span.time, unknowns, gradient);
     pel_followers_evaluate(sim, at->span, unknowns, gradient);
+    springs += pel_ties_evaluate(sim, at->span.time, unknowns, gradient);
     springs += pel_fluids_evaluate(sim, unknowns, gradient);
     springs += evaluate_radial(sim->minimise->newton, sim->model->vertex_count, unknowns, gradient);
     if (!at->is_constrained)
@@ -413,6 +416,7 @@ static void add_constraints(void *context, pel_matrix *matrix)
     const pel_minimise *minimise = sim->minimise;
     pel_holds_add_matrix(sim, matrix);
     pel_followers_add_matrix(sim, matrix);
+    pel_ties_add_matrix(at->sim, at->span.time, minimise->newton->unknowns, matrix);
     pel_fluids_add_matrix(sim, minimise->newton->unknowns, matrix);
     for (int32_t v = 0; minimise->newton->radial != NULL && v < sim->model->vertex_count; v++) {
         double square[3][3];
@@ -493,10 +497,15 @@ static int32_t list_couplings(void *context, const int32_t (**vertices)[4], int3
 {
     const pel_minimise_context *at = context;
     pel_sim *sim = at->sim;
+    int32_t count = pel_ties_list_couplings(sim, vertices);
+    *acting = count;
     if (!at->is_constrained)
-        return 0;
-    *acting = list_constraints(sim, true, 0);
-    *vertices = (const int32_t(*)[4])sim->minimise->newton->couplings;
+        return count;
+    int32_t(*couplings)[4] = sim->minimise->newton->couplings;
+    for (int32_t i = 0; i < count; i++)
+        memcpy(couplings[i], (*vertices)[i], sizeof *couplings);
+    *acting = list_constraints(sim, true, count);
+    *vertices = (const int32_t(*)[4])couplings;
     return list_constraints(sim, false, *acting);
 }
 
@@ -546,6 +555,18 @@ static void join(const pel_sim *sim, const pel_minimise_contact *constraint)
     }
 }
 
+static void join_tie(const pel_sim *sim, const pel_tie *tie)
+{
+    newton_group *groups = sim->minimise->newton->groups;
+    if (tie->phase != PEL_TIE_HOLDING)
+        return;
+    int32_t a = leader_of(groups, body_of(sim, tie->vertices[0]));
+    int32_t b = tie->count > 1 ? leader_of(groups, body_of(sim, tie->vertices[1])) : a;
+    groups[a].is_held |= groups[b].is_held || tie->count == 1;
+    groups[b].is_held = groups[a].is_held;
+    groups[a > b ? a : b].leader = a < b ? a : b;
+}
+
 static void find_groups(const pel_sim *sim, bool is_constrained)
 {
     const pel_minimise *minimise = sim->minimise;
@@ -554,6 +575,8 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
             (newton_group){.leader = b, .is_held = !pel_sim_newton_is_free(sim, b) || minimise->newton->radial != NULL};
     for (int32_t c = 0; is_constrained && c < minimise->count; c++)
         join(sim, &minimise->constraints[c]);
+    for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++)
+        join_tie(sim, &sim->ties->items[i]);
 }
 
 /* Systems are solved approximately, which may leave a net force on a body: a translation of everything that moves
@@ -592,7 +615,7 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context)
 bool pel_sim_newton_has_terms(const pel_sim *sim)
 {
     return (sim->holds != NULL && sim->holds->spring_count > 0) || sim->minimise->newton->radial != NULL ||
-           sim->loads->follower_count > 0 || sim->loads->fluid_count > 0;
+           sim->loads->follower_count > 0 || sim->loads->fluid_count > 0 || sim->ties != NULL;
 }
 
 /* ---- a run ---- */
@@ -662,7 +685,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
     pel_sim *sim = context->sim;
     pel_sim_newton *newton = sim->minimise->newton;
     bool is_dynamic = newton->point_stiffness != NULL;
-    size_t count = (size_t)sim->minimise->count;
+    size_t count = (size_t)sim->minimise->count + (size_t)(sim->ties != NULL ? sim->ties->count : 0);
     const pel_newton_terms terms = pel_sim_newton_terms(context);
     if (!pel_reserve((void **)&newton->couplings, &newton->coupling_capacity, count, sizeof *newton->couplings) ||
         !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, count, sizeof *newton->kinks))

@@ -351,7 +351,7 @@ static void add_tools(pel_sim *sim)
         sim->ledger->sums.work_tools -= pel_vec3_dot(force, shift) + pel_vec3_dot(torque, rotation);
         *before = now;
     }
-    sim->ledger->sums.work_tools += pel_tools_follow_work(sim);
+    sim->ledger->sums.work_tools += pel_tools_follow_work(sim) + sim->tie_work;
 }
 
 /* ---- the step ---- */

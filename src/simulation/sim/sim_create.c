@@ -1,5 +1,6 @@
 /* Creation: all parts of a simulation from its def. */
 #include "adapt/refine.h"
+#include "attach/tie.h"
 #include "base/memory.h"
 #include "base/patience.h"
 #include "base/status.h"
@@ -123,6 +124,7 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
     } arrays[] = {{"load", def->load_count, def->loads},
                   {"tool", def->tool_count, def->tools},
                   {"support", def->support_count, def->supports},
+                  {"tie", def->tie_count, def->ties},
                   {"cut", def->cut_count, def->cuts}};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i].count < 0 || (arrays[i].count > 0 && arrays[i].array == NULL))
@@ -291,6 +293,8 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK)
+        status = pel_ties_create(sim, def, error);
+    if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
     if (status == PEL_OK)
         status = pel_sleep_create(sim, error);
@@ -354,7 +358,7 @@ static bool may_refill(const pel_sim *sim)
 {
     bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tools->count > 0 ||
                      sim->def.support_count > 0 || sim->loads->edge_load_count > 0 || sim->loads->follower_count > 0 ||
-                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->cut_revision > 0 || sim->tear != NULL;
+                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->ties != NULL || sim->cut_revision > 0 || sim->tear != NULL;
     return sim->stepper->can_refill && !has_parts;
 }
 
@@ -387,6 +391,7 @@ void pel_sim_release(pel_house *house)
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->touch->collisions);
+    pel_ties_destroy(sim);
     pel_free(sim->layers);
     pel_contact_forces_destroy(&sim->contact_forces);
     pel_contacts_destroy(sim);

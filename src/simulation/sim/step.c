@@ -2,6 +2,7 @@
 #include "sim/sim.h"
 
 #include "adapt/refine.h"
+#include "attach/tie.h"
 #include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
@@ -97,6 +98,7 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
 {
     const pel_stepper *stepper = sim->stepper;
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
+    pel_ties_begin(sim);
     pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
     if (status == PEL_OK && !result->diverged && !stepper->bounds_motion && sim->tools->count > 0)
@@ -130,6 +132,7 @@ static void accept_part(pel_sim *sim, double next)
 {
     PEL_ASSERT(next > 0);
     bool is_last = pel_parts_are_last(sim);
+    pel_ties_end(sim, next);
     pel_supports_read(sim, next);
     mark_contacts(sim);
     pel_ledger_step(sim, next);
