@@ -563,6 +563,10 @@ static void test_sim_calls(void **unused)
     GIVES(pel_sim_time(NULL) == 0 && pel_sim_step_count(NULL) == 0 && pel_sim_step_bytes(NULL) == 0);
     GIVES(pel_sim_model(NULL) == NULL && pel_sim_alpha(NULL) == 0 && pel_sim_alpha_limit(NULL) == 0);
     GIVES(pel_sim_hash(NULL) == 0 && pel_sim_save_size(NULL) == 0 && pel_sim_max_speed(NULL) == 0);
+    GIVES(pel_sim_tie_count(NULL) == 0 && pel_sim_tie_name(NULL, 0)[0] == '\0' && pel_sim_tie_name(sim, 0)[0] == '\0');
+    SURVIVES(pel_sim_get_tie(NULL, 0, NULL));
+    SURVIVES(pel_sim_get_tie(sim, 0, NULL));
+    GIVES(isinf(pel_tie_def_default().until));
     GIVES(pel_sim_tool_count(NULL) == 0 && pel_sim_support_count(NULL) == 0 && !pel_sim_has_shells(NULL));
     GIVES(pel_sim_body_contact_thickness(NULL, 0) == 0);
     GIVES(pel_sim_contact_thickness(NULL) == 0 && pel_sim_softness(NULL) == 0 && pel_sim_volume_ratio(NULL) == 0);

@@ -551,9 +551,11 @@ static const pel_def_row rows[] = {
     {"attachments[].to.tool", TIE(tool), FIXED, .initial = -1, TEXT, ALTERNATIVE,
      .doc = "tool that carries them, where they are in its frame"},
     {"attachments[].stiffness", TIE(stiffness), FIXED, NUMBER, .unit = "N/m", POSITIVE, AUTO(0),
-     .doc = "spring stiffness at each vertex; default: rigid for xpbd and pbd, else a hundred times that of a vertex of "
-            "the material"},
-    {"attachments[].from", TIE(from), FIXED, NUMBER, .unit = "s", AT_LEAST(0), DEFAULT(0), .doc = "begins at this time"},
+     .doc =
+         "spring stiffness at each vertex; default: rigid for xpbd and pbd, else a hundred times that of a vertex of "
+         "the material"},
+    {"attachments[].from", TIE(from), FIXED, NUMBER, .unit = "s", AT_LEAST(0), DEFAULT(0),
+     .doc = "begins at this time"},
     {"attachments[].until", TIE(until), FIXED, NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end",
      AUTO((double)HUGE_VAL), .doc = "lets go at this time"},
     {"attachments[].close", TIE(close), FIXED, NUMBER, .unit = "s", AT_LEAST(0), AUTO(-1),
@@ -571,7 +573,8 @@ static const pel_def_row rows[] = {
     {"stitches[].b", MAP, REQUIRED, .doc = "the other border"},
     {"stitches[].b.body", TEXT, .doc = "its body; optional if there is one"},
     {"stitches[].b.at", REGION, REQUIRED,
-     .doc = "its vertices, as many as those of `a`; each is paired with the nearest one left, in the order of distance"},
+     .doc =
+         "its vertices, as many as those of `a`; each is paired with the nearest one left, in the order of distance"},
     {"stitches[].close", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0.5", .doc = "time in which the pairs meet"},
     {"stitches[].stiffness", NUMBER, .unit = "N/m", POSITIVE, .doc = "of each pair; default as that of `attachments`"},
     {"stitches[].from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", .doc = "begins at this time"},

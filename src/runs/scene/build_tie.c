@@ -12,7 +12,8 @@
 
 enum { MOST_NAMES = 64 };
 
-static pel_status find_tool(pel_scene_reader *reader, const pel_scene_value *name, const pel_scene *scene, int32_t *tool)
+static pel_status find_tool(pel_scene_reader *reader, const pel_scene_value *name, const pel_scene *scene,
+                            int32_t *tool)
 {
     const char *names[MOST_NAMES];
     size_t count = 0;
@@ -31,7 +32,8 @@ static pel_status read_target(pel_scene_reader *reader, const pel_scene_value *v
                               pel_tie_def *tie)
 {
     const pel_scene_value *to = pel_scene_value_entry(value, "to");
-    const pel_scene_value *body = pel_scene_value_entry(to, "body"), *tool = pel_scene_value_entry(to, "tool");
+    const pel_scene_value *body = to != NULL ? pel_scene_value_entry(to, "body") : NULL;
+    const pel_scene_value *tool = to != NULL ? pel_scene_value_entry(to, "tool") : NULL;
     tie->target = body != NULL ? PEL_TIE_BODY : tool != NULL ? PEL_TIE_TOOL : PEL_TIE_PLACE;
     if (tool != NULL)
         return find_tool(reader, tool, scene, &tie->tool);
@@ -122,12 +124,14 @@ static void match(const border *a, const border *b, pair *pairs, int32_t *partne
 }
 
 /* vertices of both borders */
-static pel_status check_borders(pel_scene_reader *reader, const pel_scene_value *value, const border *a, const border *b)
+static pel_status check_borders(pel_scene_reader *reader, const pel_scene_value *value, const border *a,
+                                const border *b)
 {
     const char *what = NULL;
     if (a->count != b->count) {
         pel_scene_fail(reader, &value->place, "the borders have %d and %d vertices", (int)a->count, (int)b->count);
-        pel_fail_remedy(reader->error, "choose regions with the same number of vertices, or meshes with the same edges");
+        pel_fail_remedy(reader->error,
+                        "choose regions with the same number of vertices, or meshes with the same edges");
         return PEL_BAD_SCENE;
     }
     for (int32_t i = 0; a->body == b->body && i < a->count; i++)

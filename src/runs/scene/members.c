@@ -116,10 +116,19 @@ static pel_status read_member(const pel_scene_part *part, const pel_def_row *row
 pel_status pel_scene_read_members(const pel_scene_part *part, pel_def_kind kind, void *def)
 {
     static const char *const prefixes[PEL_DEF_COUNT] = {
-        [PEL_DEF_BODY] = "bodies[].",   [PEL_DEF_FIBRES] = "<anisotropy>.", [PEL_DEF_SUPPORT] = "bodies[].supports[].",
-        [PEL_DEF_MODEL] = "",           [PEL_DEF_LOAD] = "loads[].",        [PEL_DEF_TOOL] = "tools[].",
-        [PEL_DEF_CONTACT] = "contact.", [PEL_DEF_SOLVER] = "solver.",       [PEL_DEF_SIM] = "",
-        [PEL_DEF_SCENE] = "",           [PEL_DEF_OUTPUT] = "output.",       [PEL_DEF_CUT] = "cuts[].", [PEL_DEF_TIE] = "attachments[].",
+        [PEL_DEF_BODY] = "bodies[].",
+        [PEL_DEF_FIBRES] = "<anisotropy>.",
+        [PEL_DEF_SUPPORT] = "bodies[].supports[].",
+        [PEL_DEF_MODEL] = "",
+        [PEL_DEF_LOAD] = "loads[].",
+        [PEL_DEF_TOOL] = "tools[].",
+        [PEL_DEF_CONTACT] = "contact.",
+        [PEL_DEF_SOLVER] = "solver.",
+        [PEL_DEF_SIM] = "",
+        [PEL_DEF_SCENE] = "",
+        [PEL_DEF_OUTPUT] = "output.",
+        [PEL_DEF_CUT] = "cuts[].",
+        [PEL_DEF_TIE] = "attachments[].",
     };
     const pel_scene_table *table = part->reader->table;
     pel_status status = PEL_OK;

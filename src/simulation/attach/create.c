@@ -58,15 +58,15 @@ static pel_status check_target(const pel_sim *sim, const pel_tie_def *def, int32
     if (is_pair && (def->to_body < 0 || def->to_body >= sim->model->body_count))
         return refuse(error, tie, "give the number of a body", "tie leads to a body that does not exist");
     if (def->target == PEL_TIE_BODY && def->to_body == def->body)
-        return refuse(error, tie, "give another body, or pairs of vertices", "tie leads from a body to its own surface");
+        return refuse(error, tie, "give another body, or pairs of vertices",
+                      "tie leads from a body to its own surface");
     if (def->target == PEL_TIE_VERTICES && !are_vertices(sim, def->to_body, def->to_vertices, def->vertex_count))
         return refuse(error, tie, "give vertices of the mesh, one for each vertex",
                       "tie leads to a vertex that does not exist");
     if (def->target == PEL_TIE_TOOL && (def->tool < 0 || def->tool >= sim->tools->count))
         return refuse(error, tie, "give the number of a tool", "tie leads to a tool that does not exist");
     if (def->target == PEL_TIE_SEQUENCE &&
-        (def->sequence == NULL ||
-         def->sequence->vertex_count != sim->model->bodies[def->body].mesh->vertex_count))
+        (def->sequence == NULL || def->sequence->vertex_count != sim->model->bodies[def->body].mesh->vertex_count))
         return refuse(error, tie, "give a sequence of the mesh of the body",
                       "tie has no sequence, or one with another number of vertices");
     return PEL_OK;
@@ -114,8 +114,7 @@ static pel_status check_sim(const pel_sim *sim, const pel_sim_def *def, pel_erro
         return pel_refuse(error, PEL_BAD_ARGUMENT, "leave attachments and stitches out",
                           "analyses and paths by arc length do not support attachments and stitches");
     if (sim->active != NULL)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "remove `refine`",
-                          "attachments and stitches of models that refine");
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "remove `refine`", "attachments and stitches of models that refine");
     if (def->cut_count > 0)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give stitches a strength, which opens them, or remove `cuts`",
                           "attachments and stitches beside cuts");

@@ -76,8 +76,8 @@ static void sum_unknowns(const pel_tie *tie, const double *unknowns, double sum[
 }
 
 /* From the weighted sum of positions to the direction n and the excess e > 0; false where the thread is slack. */
-static bool stretch(const pel_sim *sim, const pel_tie *tie, double time, const double sum[3], double n[3], double *excess,
-                    double *distance)
+static bool stretch(const pel_sim *sim, const pel_tie *tie, double time, const double sum[3], double n[3],
+                    double *excess, double *distance)
 {
     double place[3];
     place_of(sim, tie, time, place);
@@ -144,13 +144,13 @@ static void let_go(pel_ties *ties, pel_tie *tie, double time)
 }
 
 /* The force on the tool at its point, which does its own work: only the rest of the way of the vertex counts. */
-static void pass_on(pel_sim *sim, const pel_tie *tie, double way[3])
+static void pass_on(pel_sim *sim, const pel_tie *tie, const double mean[3], double way[3])
 {
     pel_tool *tool = &sim->tools->items[sim->ties->groups[tie->group].def.tool];
     double before[3], after[3], force[3];
     pel_pose_to_world(&tool->pose_before, tie->place, before);
     pel_pose_to_world(&tool->pose, tie->place, after);
-    pel_vec3_scale(tie->force, -1, force);
+    pel_vec3_scale(mean, -1, force);
     pel_tool_add_reaction(tool, after, force);
     pel_vec3_subtract(after, before, after);
     pel_vec3_subtract(way, after, way);
@@ -176,7 +176,7 @@ void pel_ties_end(pel_sim *sim, double next)
         for (int k = 0; k < 3; k++)
             mean[k] = is_rigid ? tie->force[k] : 0.5 * (tie->force[k] + tie->before[k]);
         if (ties->groups[tie->group].def.target == PEL_TIE_TOOL)
-            pass_on(sim, tie, after);
+            pass_on(sim, tie, mean, after);
         sim->tie_work += pel_vec3_dot(mean, after);
         pel_vec3_copy(tie->force, tie->before);
         let_go(ties, tie, next);
@@ -335,8 +335,7 @@ void pel_ties_tally(pel_sim *sim, double tau)
             if (mobility(sim, tie->vertices[j]) > 0)
                 continue;
             for (int k = 0; k < 3; k++)
-                reaction[tie->vertices[j]][k] +=
-                    (pel_real)(tie->weights[j] * tie->multiplier[k] / (tau * tau));
+                reaction[tie->vertices[j]][k] += (pel_real)(tie->weights[j] * tie->multiplier[k] / (tau * tau));
         }
     }
 }
@@ -348,7 +347,8 @@ bool pel_ties_hold(const pel_sim *sim, int32_t body)
     const pel_ties *ties = sim->ties;
     for (int32_t i = 0; ties != NULL && i < ties->count; i++) {
         const pel_tie *tie = &ties->items[i];
-        for (int j = 0; j < tie->count && tie->phase == PEL_TIE_HOLDING; j++)
+        bool begins = tie->phase == PEL_TIE_WAITING && !(ties->groups[tie->group].def.from > pel_sim_time(sim));
+        for (int j = 0; j < tie->count && (begins || tie->phase == PEL_TIE_HOLDING); j++)
             if (sim->model->body_of_slice[tie->vertices[j] / PEL_WIDTH] == body)
                 return true;
     }

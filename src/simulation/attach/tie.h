@@ -17,10 +17,10 @@ typedef struct pel_tie {
     int32_t row;      /* in a sequence */
     double stiffness; /* N/m; infinite = rigid */
     /* what changes while it runs; the rest of this struct goes through snapshots */
-    double place[3];   /* m, in the frame of the tool, or in space */
-    double start;      /* m, distance at the begin */
-    double force[3];   /* N, on the vertex, mean of the step or at its end */
-    double before[3];  /* N, at the end of the step before */
+    double place[3];              /* m, in the frame of the tool, or in space */
+    double start;                 /* m, distance at the begin */
+    double force[3];              /* N, on the vertex, mean of the step or at its end */
+    double before[3];             /* N, at the end of the step before */
     double multiplier[3], sum[3]; /* of a substep, and their sum in the step [N] */
     int32_t phase, unused;
 } pel_tie;

@@ -116,7 +116,8 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_ties_apply(sim, gains.position / gains.velocity);
     if (sim->shells != NULL || sim->solver.drag > 0)
         correct_velocities(sim);
-    result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && sim->ties == NULL && !(sim->solver.drag > 0);
+    result->way_is_known &=
+        !pel_loads_exist(sim) && sim->shells == NULL && sim->ties == NULL && !(sim->solver.drag > 0);
     result->diverged |= sim->shells != NULL && !pel_sim_all_inside(sim);
     return PEL_OK;
 }

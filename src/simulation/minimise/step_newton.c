@@ -109,7 +109,7 @@ static bool may_prepare(const pel_sim *sim)
 {
     const pel_sim_newton *newton = sim->minimise->newton;
     return sim->minimise->count == 0 && newton->point_stiffness != NULL && !newton->is_exact && newton->lead == NULL &&
-           newton->viscous == NULL;
+           newton->viscous == NULL && sim->ties == NULL;
 }
 
 void pel_sim_newton_choose(pel_sim *sim)

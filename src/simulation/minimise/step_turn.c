@@ -2,6 +2,7 @@
  */
 #include "minimise/step_turn.h"
 
+#include "attach/tie.h"
 #include "base/assert.h"
 #include "math/pose.h"
 #include "stage/rigid_motion.h"
@@ -96,7 +97,7 @@ void pel_sim_turns_set(const pel_sim *sim, const pel_implicit_scheme *s)
     pel_sim_newton *newton = sim->minimise->newton;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         newton->turns[b].turns = s->end == 1 && !newton->is_exact && pel_sim_newton_is_free(sim, b) &&
-                                 set_turn(sim, s, b, &newton->turns[b]);
+                                 !pel_ties_hold(sim, b) && set_turn(sim, s, b, &newton->turns[b]);
 }
 
 static void correct(const pel_sim_turn *turn, const pel_implicit_scheme *s, double rate, const double position[3],

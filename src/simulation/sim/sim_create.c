@@ -358,7 +358,8 @@ static bool may_refill(const pel_sim *sim)
 {
     bool has_parts = sim->active != NULL || sim->shells != NULL || sim->tools->count > 0 ||
                      sim->def.support_count > 0 || sim->loads->edge_load_count > 0 || sim->loads->follower_count > 0 ||
-                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->ties != NULL || sim->cut_revision > 0 || sim->tear != NULL;
+                     sim->contacts != NULL || sim->def.cut_count > 0 || sim->ties != NULL || sim->cut_revision > 0 ||
+                     sim->tear != NULL;
     return sim->stepper->can_refill && !has_parts;
 }
 

@@ -87,10 +87,11 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
     static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
                                                 pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors};
     static pel_transfer_part *const after[] = {
-        pel_supports_transfer, pel_touch_transfer_forces,     pel_touch_transfer_pairs,    pel_transfer_held,
-        pel_forces_transfer,   pel_touch_transfer_statistics, pel_touch_transfer_collider, pel_sleep_transfer,
-        pel_minimise_transfer, pel_sim_path_transfer,         pel_sim_modes_transfer,      pel_ledger_transfer,
-        pel_tear_drop_transfer, pel_ties_transfer};
+        pel_supports_transfer,       pel_touch_transfer_forces, pel_touch_transfer_pairs,
+        pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
+        pel_touch_transfer_collider, pel_sleep_transfer,        pel_minimise_transfer,
+        pel_sim_path_transfer,       pel_sim_modes_transfer,    pel_ledger_transfer,
+        pel_tear_drop_transfer,      pel_ties_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -545,11 +546,11 @@ static void divide_forces(const carrier *c, const pel_surfaces *surfaces)
 /* without those of pairs and contact points, which find their forces anew after a cut */
 static void carry_parts(carrier *c)
 {
-    static pel_transfer_part *const parts[] = {
-        pel_parts_transfer,       pel_transfer_marks,  pel_supports_transfer,
-        pel_touch_transfer_pairs, pel_forces_transfer, pel_touch_transfer_statistics,
-        pel_minimise_transfer,    pel_ledger_transfer, pel_tear_drop_transfer,
-        pel_ties_transfer};
+    static pel_transfer_part *const parts[] = {pel_parts_transfer,     pel_transfer_marks,
+                                               pel_supports_transfer,  pel_touch_transfer_pairs,
+                                               pel_forces_transfer,    pel_touch_transfer_statistics,
+                                               pel_minimise_transfer,  pel_ledger_transfer,
+                                               pel_tear_drop_transfer, pel_ties_transfer};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         carry(c, parts[i], 0, 0);
     if (c->places == NULL)
