@@ -22,6 +22,7 @@ typedef struct all_defs {
     pel_tool_def tools[2];
     pel_support_def supports[2];
     pel_cut_def cuts[2];
+    pel_tie_def ties[2];
     pel_model_def model;
     pel_sim_def sim;
 } all_defs;
@@ -80,6 +81,12 @@ static all_defs *make_defs(void)
     }
     for (int i = 0; i < 2; i++)
         all->cuts[i] = (pel_cut_def){.vertices = all->vertices, .vertex_count = 3};
+    for (int i = 0; i < 2; i++) {
+        all->ties[i] = pel_tie_def_default();
+        all->ties[i].vertices = all->ties[i].to_vertices = all->vertices;
+        all->ties[i].vertex_count = 3;
+        all->ties[i].sequence = &all->sequence;
+    }
     all->model = pel_model_def_default();
     all->model.bodies = all->bodies;
     all->model.body_count = 2;
@@ -90,6 +97,8 @@ static all_defs *make_defs(void)
     all->sim.tool_count = 2;
     all->sim.supports = all->supports;
     all->sim.support_count = 2;
+    all->sim.ties = all->ties;
+    all->sim.tie_count = 2;
     all->sim.cuts = all->cuts;
     all->sim.cut_count = 2;
     all->sim.wind.keys = all->keys;

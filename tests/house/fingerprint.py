@@ -12,6 +12,7 @@ import sys
 EXEMPT = {
     "cookie": "says that a def was made by its default",
     "memory_limit of pel_refine_def": "changes no result",
+    "stiffnesses of pel_tie_def": "one per vertex, and optional: src/simulation/sim/own_def.c",
     "weights of pel_load_def": "one per vertex, and optional: src/simulation/sim/own_def.c",
     "model of pel_sim_def": "has a fingerprint of its own",
     "record_contacts": "changes no result",
@@ -20,7 +21,7 @@ EXEMPT = {
     "stops_short_steps": "changes no result",
 }
 root = pathlib.Path(sys.argv[1])
-headers = "".join((root / "include/pellicle" / name).read_text() for name in ("quantity.h", "shell.h", "model.h", "solver.h", "load.h", "tool.h", "support.h", "contact.h", "wind.h", "sim_step.h"))
+headers = "".join((root / "include/pellicle" / name).read_text() for name in ("quantity.h", "shell.h", "model.h", "solver.h", "load.h", "tool.h", "support.h", "tie.h", "contact.h", "wind.h", "sim_step.h"))
 headers = re.sub(r"/\*.*?\*/", "", headers, flags=re.S)
 rows = (root / "src/physics/def/rows.c").read_text().replace("\\\n", " ")
 defs = {}  # def -> member -> type

@@ -50,11 +50,11 @@ static int tear_down(void **unused)
 
 static const char *scene(const char *body, const char *more)
 {
-    snprintf(
-        text, sizeof text,
-        "version: 1\nbodies:\n  - name: table\n    mesh: { file: %s/%s }\n%sduration: 0.3\nsolver: { method: xpbd, dt: "
-        "0.01 }\n",
-        folder, body, more);
+    snprintf(text, sizeof text,
+             "version: 1\nbodies:\n  - name: table\n    mesh: { file: %s/%s }\n%sduration: 0.3\nsolver: { method: "
+             "xpbd, drag: 2, dt: "
+             "0.01 }\n",
+             folder, body, more);
     return text;
 }
 
@@ -118,6 +118,32 @@ static void test_obstacle(void **unused)
     end(&r);
 }
 
+/* springs draw the whole sheet along: under its weight it hangs by m g / k below its place */
+static void test_springs(void **unused)
+{
+    (void)unused;
+    char line[900], more[400];
+    follow("whole_*.obj', fps: 10, stiffness: 50", more);
+    snprintf(line, sizeof line,
+             "%s    membrane: { young: 1e5, thickness: 0.002 }\n    mass: { per_vertex: 0.1 }\ngravity: [0, 0, -10]\n",
+             more);
+    run r;
+    check_begin(&r, scene("whole_0.obj", line));
+    assert_string_equal(pel_sim_tie_name(r.sim, 0), "table_follow");
+    assert_int_equal(pel_sim_tool_count(r.sim), 0);
+    double x[5][3], mean = 0;
+    for (int s = 0; s < 1000; s++)
+        assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+    pel_sim_get_positions(r.sim, 0, x[0]);
+    for (int v = 0; v < 5; v++)
+        mean += x[v][2] / 5;
+    pel_tie_reading reading;
+    pel_sim_get_tie(r.sim, 0, &reading);
+    assert_near(mean, 0.2 - 0.1 * 10 / 50, 2e-3);
+    assert_near(reading.force[2], 5, 0.1);
+    end(&r);
+}
+
 static void refuse(const char *file, const char *more, const char *says)
 {
     char line[400];
@@ -144,6 +170,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_moves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_obstacle, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_springs, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refusals, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -217,6 +217,10 @@ static const pel_def_row rows[] = {
     {"bodies[].follow.from", NUMBER, .unit = "s", AT_LEAST(0), .preset = "0",
      .doc = "time from which they follow; above 0 they keep their distance from the animation at that time"},
     {"bodies[].follow.until", NUMBER_OR("end"), .unit = "s", POSITIVE, .preset = "end", .doc = "time of their release"},
+    {"bodies[].follow.stiffness", FIELD, .unit = "N/m", AT_LEAST(0),
+     .doc =
+         "stiffness of a spring that draws each vertex to its place in the animation; 0 = none. Default: the vertex is "
+         "there"},
     {"bodies[].follow.strength", NUMBER, .unit = "N", POSITIVE,
      .doc = "force on a vertex above which it is released for good; default: no limit"},
 

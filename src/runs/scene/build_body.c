@@ -6,42 +6,6 @@
 
 #include <string.h>
 
-pel_status pel_scene_check_names(pel_scene_reader *reader, const pel_scene_value *list)
-{
-    for (const pel_scene_value *element = list->first; element != NULL; element = element->next) {
-        const pel_scene_value *name = pel_scene_value_entry(element, "name");
-        for (const pel_scene_value *other = list->first; other != element; other = other->next) {
-            if (strcmp(pel_scene_value_entry(other, "name")->text, name->text) != 0)
-                continue;
-            pel_scene_fail(reader, &name->place, "the name '%s' is in use", name->text);
-            pel_fail_remedy(reader->error, "give each of the %s a name of its own", list->key);
-            return PEL_BAD_SCENE;
-        }
-    }
-    return PEL_OK;
-}
-
-pel_status pel_scene_read_vertices(const pel_scene_part *source, const pel_scene_value *value, const int32_t **vertices,
-                                   int32_t *count)
-{
-    if (value == NULL)
-        return PEL_OK;
-    pel_scene_region region;
-    pel_status status = pel_scene_region_find(source->reader, value, source->mesh, &region);
-    if (status != PEL_OK)
-        return status;
-    if (region.vertices == NULL) {
-        region.vertices = pel_arena_take(source->reader->arena, (size_t)region.count, sizeof *region.vertices);
-        if (region.vertices == NULL)
-            return pel_fail_memory(source->reader->error);
-        for (int32_t v = 0; v < region.count; v++)
-            region.vertices[v] = v;
-    }
-    *vertices = region.vertices;
-    *count = region.count;
-    return PEL_OK;
-}
-
 /* `below` of a map may be left to half of `above`, and has to be less */
 static pel_status check_thresholds(const pel_scene_part *source, const pel_scene_value *map, double above,
                                    double *below)

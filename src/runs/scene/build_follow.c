@@ -84,7 +84,8 @@ static pel_status read_sequence(pel_scene_reader *reader, const pel_scene_value 
 static bool is_whole(const pel_scene_value *follow)
 {
     const pel_scene_value *at = pel_scene_value_entry(follow, "at");
-    return at->form == PEL_FORM_WORD && strcmp(at->text, "all") == 0 && !(pel_scene_value_number(follow, "from") > 0);
+    return pel_scene_value_entry(follow, "stiffness") == NULL && at->form == PEL_FORM_WORD &&
+           strcmp(at->text, "all") == 0 && !(pel_scene_value_number(follow, "from") > 0);
 }
 
 pel_status pel_scene_build_follow(pel_scene_reader *reader, const pel_scene_value *value, const char *folder,

@@ -16,51 +16,6 @@
 
 enum { MOST_NAMES = 64 };
 
-pel_status pel_scene_find_body(pel_scene_reader *reader, const pel_scene_value *name, const pel_model_def *model,
-                               int32_t *body)
-{
-    const char *names[MOST_NAMES];
-    size_t count = 0;
-    for (int32_t b = 0; b < model->body_count; b++) {
-        if (strcmp(model->bodies[b].name, name->text) == 0) {
-            *body = b;
-            return PEL_OK;
-        }
-        if (count < MOST_NAMES)
-            names[count++] = model->bodies[b].name;
-    }
-    return pel_scene_fail_name(reader, &name->place, "body", name->text, names, count);
-}
-
-pel_status pel_scene_fill_body(pel_scene_reader *reader, pel_scene_value *load, const pel_model_def *model,
-                               const char *what)
-{
-    if (pel_scene_value_entry(load, "body") != NULL)
-        return PEL_OK;
-    if (model->body_count > 1) {
-        pel_scene_fail(reader, &load->place, "the %s does not say on which body it acts", what);
-        pel_fail_remedy(reader->error, "add `body: %s` or another name", model->bodies[0].name);
-        return PEL_BAD_SCENE;
-    }
-    pel_scene_value *body = pel_scene_value_text(reader, model->bodies[0].name, load->place);
-    if (body == NULL)
-        return PEL_OUT_OF_MEMORY;
-    body->form = PEL_FORM_TEXT;
-    pel_scene_value_append(load, "body", body);
-    return PEL_OK;
-}
-
-/* of a load or a grasp */
-pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until)
-{
-    if (until > from)
-        return PEL_OK;
-    pel_scene_fail(reader, &pel_scene_value_entry(value, "until")->place, "`until` %g is not after `from` %g", until,
-                   from);
-    pel_fail_remedy(reader->error, "use a later time, or omit it (default: the end of the run)");
-    return PEL_BAD_SCENE;
-}
-
 static pel_status read_load(pel_scene_reader *reader, pel_scene_value *value, const pel_model_def *model,
                             pel_load_def *load)
 {
@@ -205,7 +160,8 @@ static pel_status read_supports(pel_scene_reader *reader, const pel_scene_value 
     for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++) {
         if (pel_scene_value_entry(value, "support") != NULL)
             status = read_support(reader, value, scene, b, &tools[(*count)++]);
-        if (status == PEL_OK && reader->sequences[b] != NULL)
+        const pel_scene_value *follow = pel_scene_value_entry(value, "follow");
+        if (status == PEL_OK && follow != NULL && pel_scene_value_entry(follow, "stiffness") == NULL)
             status = pel_scene_read_follow(reader, value, &scene->model.bodies[b], b, &tools[(*count)++]);
     }
     return status;

@@ -4,6 +4,7 @@
 #include "keys/validate.h"
 #include "math/vec3.h"
 #include "scene/build.h"
+#include "scene/mesh.h"
 #include "scene/region.h"
 
 #include <math.h>
@@ -188,15 +189,68 @@ static pel_status read_stitch(pel_scene_reader *reader, const pel_scene_value *v
     return status == PEL_OK ? pel_scene_check_times(reader, value, tie->from, tie->until) : status;
 }
 
+/* ---- springs to a sequence ---- */
+
+/* the stiffness of each vertex of the list from a field of the mesh */
+static pel_status read_stiffnesses(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
+                                   pel_tie_def *tie)
+{
+    const pel_scene_value *map = pel_scene_value_entry(value, "map");
+    double *made = pel_arena_take(reader->arena, (size_t)tie->vertex_count, sizeof *made), ends[2] = {0, 1};
+    const double *values;
+    if (made == NULL)
+        return pel_fail_memory(reader->error);
+    pel_status status = pel_scene_field(reader, pel_scene_value_entry(value, "field"), mesh, &values);
+    if (map != NULL)
+        pel_scene_value_numbers(map, ends);
+    for (int32_t i = 0; status == PEL_OK && i < tie->vertex_count; i++) {
+        double number = values[tie->vertices[i]];
+        made[i] = map != NULL ? ends[0] + number * (ends[1] - ends[0]) : number;
+    }
+    tie->stiffnesses = made;
+    return status;
+}
+
+/* the times, the strength and the vertices are those of the support that would hold it */
+static pel_status read_spring(pel_scene_reader *reader, const pel_scene_value *value, const pel_scene *scene,
+                              int32_t body, pel_tie_def *tie)
+{
+    const pel_scene_value *stiffness = pel_scene_value_at(value, "follow.stiffness");
+    const pel_mesh *mesh = scene->model.bodies[body].mesh;
+    pel_tool_def support;
+    pel_status status = pel_scene_read_follow(reader, value, &scene->model.bodies[body], body, &support);
+    if (status != PEL_OK)
+        return status;
+    *tie = pel_tie_def_default();
+    tie->name = support.name;
+    tie->body = body;
+    tie->vertices = support.vertices;
+    tie->vertex_count = support.vertex_count;
+    tie->target = PEL_TIE_SEQUENCE;
+    tie->sequence = support.sequence;
+    tie->from = support.grasp_from;
+    tie->until = support.grasp_until;
+    tie->strength = support.strength;
+    if (stiffness->form == PEL_FORM_MAP)
+        return read_stiffnesses(reader, stiffness, mesh, tie);
+    tie->stiffness = stiffness->number;
+    if (tie->stiffness > 0)
+        return PEL_OK;
+    pel_scene_fail(reader, &stiffness->place, "the springs of `follow` have no stiffness");
+    pel_fail_remedy(reader->error, "give a number above 0, or omit it to hold the vertices");
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_build_ties(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     const pel_scene_value *attachments = pel_scene_value_entry(root, "attachments");
     const pel_scene_value *stitches = pel_scene_value_entry(root, "stitches");
-    size_t most = (size_t)pel_scene_value_count(attachments) + (size_t)pel_scene_value_count(stitches);
+    size_t most = (size_t)pel_scene_value_count(attachments) + (size_t)pel_scene_value_count(stitches) +
+                  (size_t)scene->model.body_count;
     pel_tie_def *ties = pel_arena_take(reader->arena, most, sizeof *ties);
     if (ties == NULL)
         return pel_fail_memory(reader->error);
-    int32_t count = 0;
+    int32_t count = 0, b = 0;
     pel_status status = pel_scene_check_names(reader, attachments);
     if (status == PEL_OK)
         status = pel_scene_check_names(reader, stitches);
@@ -204,6 +258,10 @@ pel_status pel_scene_build_ties(pel_scene_reader *reader, const pel_scene_value 
         status = read_attachment(reader, value, scene, &ties[count++]);
     for (pel_scene_value *value = stitches->first; status == PEL_OK && value != NULL; value = value->next)
         status = read_stitch(reader, value, scene, &ties[count++]);
+    const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
+    for (const pel_scene_value *value = bodies->first; status == PEL_OK && value != NULL; value = value->next, b++)
+        if (pel_scene_value_at(value, "follow.stiffness") != NULL)
+            status = read_spring(reader, value, scene, b, &ties[count++]);
     scene->sim.ties = ties;
     scene->sim.tie_count = count;
     return status;

@@ -106,8 +106,8 @@ static pel_status check_def(const pel_sim *sim, const pel_sim_def *all, int32_t 
 
 static pel_status check_sim(const pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
-    bool has_matrix = sim->newton != NULL && !sim->stepper->descends;
-    if (!sim->stepper->has_substeps && !has_matrix && !(sim->stepper->is_explicit && pel_sim_has_velocity(sim)))
+    if (!sim->stepper->has_substeps && !sim->stepper->turns_edges &&
+        !(sim->stepper->is_explicit && pel_sim_has_velocity(sim)))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use method implicit, static, xpbd, pbd or explicit",
                           "this method has no attachments and stitches");
     if (sim->stepper->is_static && (def->solver.analysis != PEL_ANALYSIS_NONE || def->solver.path != PEL_PATH_TIME))

@@ -9,7 +9,6 @@
 #include "base/assert.h"
 #include "base/status.h"
 #include "math/extremes.h"
-#include "solve/project.h"
 #include "stage/accessors.h"
 #include "tool/follow.h"
 #include "tool/tool.h"
@@ -325,9 +324,8 @@ void pel_ties_project(pel_sim *sim, double time, double tau, pel_record *positio
             project(sim, &sim->ties->items[i], time, tau, positions);
 }
 
-void pel_ties_tally(pel_sim *sim, double tau)
+void pel_ties_tally(pel_sim *sim, double tau, pel_record *reaction)
 {
-    pel_record *reaction = sim->projector->reaction;
     for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++) {
         pel_tie *tie = &sim->ties->items[i];
         pel_vec3_along(tie->sum, 1 / (tau * tau), tie->multiplier, tie->sum);

@@ -62,10 +62,11 @@ void pel_ties_add(pel_sim *sim, pel_record *force);
    positions. */
 void pel_ties_apply(pel_sim *sim, double ratio);
 
-/* Substeps of projection: multipliers from 0; a sweep, at a time and with the length [s] of a substep; the forces. */
+/* Substeps of projection: multipliers from 0; a sweep, at a time and with the length [s] of a substep; the forces,
+   those on vertices that do not move also into reaction (vertex_count; null = none). */
 void pel_ties_begin_substep(pel_sim *sim);
 void pel_ties_project(pel_sim *sim, double time, double tau, pel_record *positions);
-void pel_ties_tally(pel_sim *sim, double tau);
+void pel_ties_tally(pel_sim *sim, double tau, pel_record *reaction);
 
 /* a tie holds the body now */
 bool pel_ties_hold(const pel_sim *sim, int32_t body);

@@ -167,7 +167,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     pel_ties_begin_substep(sim);
     for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
         sweep(sim, end, start);
-    pel_ties_tally(sim, projector->tau);
+    pel_ties_tally(sim, projector->tau, projector->reaction);
     double rate = 1 / (projector->tau * projector->tau * count);
     if (pairs != NULL)
         pel_contacts_tally(sim, rate);
