@@ -17,7 +17,7 @@ enum { STAGES = 5 };
 
 static const char *const stages[STAGES] = {"pressure", "stretch", "bending", "fibres", "contact"};
 
-static void judge_stages(lab_experiment *experiment, const b_shrunk shapes[STAGES], double intersections)
+static void judge_stages(lab_experiment *experiment, const b_shrunk shapes[STAGES], const b_contacts *contacts)
 {
     lab_begin_claim(experiment, LAB_PAPER, "the prediction by pressure alone stretches the surface too far", NULL);
     for (int i = 0; i < STAGES; i++) {
@@ -33,8 +33,8 @@ static void judge_stages(lab_experiment *experiment, const b_shrunk shapes[STAGE
     lab_begin_claim(experiment, LAB_PAPER, "fibres make the rounded part cave in further", NULL);
     lab_at_least(experiment, "depth of the cap, with E_A / without", shapes[3].cap_depth / shapes[2].cap_depth, 1,
                  B_PAPER ", section 6");
-    b_begin_contact_claim(experiment);
-    lab_at_most(experiment, "intersections at the end, with contact", intersections, 0, B_PAPER ", section 5, step 4");
+    b_begin_contact_claim(experiment, NULL);
+    b_judge_contacts(experiment, 0, "with contact", contacts);
 }
 
 static pel_status run_figure_1(lab_experiment *experiment)
@@ -42,7 +42,7 @@ static pel_status run_figure_1(lab_experiment *experiment)
     char fibres[B_FIBRES_SIZE], names[STAGES][64];
     const char *cap = experiment->bodies[0].cap;
     b_shrunk shapes[STAGES] = {{0}};
-    double intersections = 0;
+    b_contacts contacts = {0};
     b_fibres(experiment, 0, "arap", fibres);
     const char *settings[STAGES][5] = {
         /* nothing holds: springs that are as good as none */
@@ -62,11 +62,16 @@ static pel_status run_figure_1(lab_experiment *experiment)
         b_run_name(experiment, 0, stages[i], names[i]);
         if (status == PEL_OK)
             status = b_measure(experiment, 0, names[i], 60, &shapes[i]);
-        intersections = (double)summary.self_intersections_final;
+        if (status == PEL_OK && i == STAGES - 1)
+            status = b_add_contacts(experiment, 0, stages[i], &summary, &contacts);
     }
     if (status != PEL_OK)
         return status;
-    judge_stages(experiment, shapes, intersections);
+    judge_stages(experiment, shapes, &contacts);
+    b_begin_bound_claim(experiment);
+    status = b_judge_bound(experiment, 0, stages[STAGES - 1]);
+    if (status != PEL_OK)
+        return status;
     lab_picture picture = {.caption = "frame 60 with pressure alone, and E_S, E_B, E_A and contact added one by one",
                            .run_count = STAGES,
                            .frames = {60},
@@ -240,29 +245,33 @@ static pel_status run_sequence(lab_experiment *experiment, const char *what, boo
     return status;
 }
 
-static void claim_contact(lab_experiment *experiment, const pel_run_summary *summaries, int count)
+/* of the runs "BODY-WHAT" */
+static pel_status claim_contact(lab_experiment *experiment, const char *what, const pel_run_summary *summaries,
+                                int count)
 {
-    b_begin_contact_claim(experiment);
-    for (int i = 0; i < count; i++) {
-        b_no_intersections(experiment, i, "intersections at the end", (double)summaries[i].self_intersections_final);
+    pel_status status = PEL_OK;
+    b_begin_contact_claim(experiment, NULL);
+    for (int body = 0; status == PEL_OK && body < count; body++) {
+        b_contacts contacts = {0};
+        status = b_add_contacts(experiment, body, what, &summaries[body], &contacts);
+        b_judge_contacts(experiment, body, "to the end", &contacts);
     }
+    return status;
+}
+
+static pel_status claim_bound(lab_experiment *experiment, int count)
+{
+    pel_status status = PEL_OK;
+    b_begin_bound_claim(experiment);
+    for (int body = 0; status == PEL_OK && body < count; body++)
+        status = b_judge_bound(experiment, body, fibred);
+    return status;
 }
 
 static pel_status draw_sequence(lab_experiment *experiment, const char *caption, const char *what)
 {
-    static char names[B_SHOWN][64];
-    lab_picture picture = {.caption = caption,
-                           .run_count = b_shown(experiment),
-                           .frames = {0, 50, 100, 150, -1},
-                           .frame_count = 5,
-                           .field = "none",
-                           .azimuth = 35,
-                           .elevation = 20};
-    for (int body = 0; body < picture.run_count; body++) {
-        picture.runs[body] = b_run_name(experiment, body, what, names[body]);
-        picture.labels[body] = experiment->bodies[body].name;
-    }
-    return lab_add_picture(experiment, &picture);
+    static const int frames[] = {0, 50, 100, 150, -1};
+    return b_draw_bodies(experiment, caption, what, frames, 5);
 }
 
 static pel_status run_figure_5(lab_experiment *experiment)
@@ -280,8 +289,10 @@ static pel_status run_figure_5(lab_experiment *experiment)
                   shapes[body].cap_way / shapes[body].body_way, 1, B_PAPER ", figure 5");
         b_tell(experiment, body, "depth of the cap [m]", shapes[body].cap_depth, (double)NAN, "");
     }
-    claim_contact(experiment, summaries, b_shown(experiment));
-    return draw_sequence(experiment, "E_S and E_B alone: frames 0, 50, 100, 150 and 200, or the last", isotropic);
+    status = claim_contact(experiment, isotropic, summaries, b_shown(experiment));
+    return status != PEL_OK
+               ? status
+               : draw_sequence(experiment, "E_S and E_B alone: frames 0, 50, 100, 150 and 200, or the last", isotropic);
 }
 
 const lab_case b_figure_5 = {
@@ -308,9 +319,14 @@ static pel_status run_figure_9(lab_experiment *experiment)
         b_tell(experiment, body, "depth of the cap [m]", shapes[body].cap_depth, plain[body].cap_depth,
                "without fibres");
     }
-    claim_contact(experiment, summaries, b_shown(experiment));
-    return draw_sequence(experiment, "with fibres at the roundest part: frames 0, 50, 100, 150 and 200, or the last",
-                         fibred);
+    status = claim_contact(experiment, fibred, summaries, b_shown(experiment));
+    if (status == PEL_OK)
+        status = claim_bound(experiment, b_shown(experiment));
+    return status != PEL_OK ? status
+                            : draw_sequence(experiment,
+                                            "with fibres at the roundest part: frames 0, 50, 100, 150 and 200, or the "
+                                            "last",
+                                            fibred);
 }
 
 const lab_case b_figure_9 = {
@@ -488,7 +504,11 @@ static pel_status run_figure_6(lab_experiment *experiment)
                     NULL);
     lab_at_least(experiment, "cosine between the gradients and the motion that fibres add in two frames", cosine, 0.8,
                  B_PAPER ", section 3, figure 6; 0.8 is ours");
-    return draw_figure_6(experiment);
+    experiment->bodies = &ball;
+    b_begin_bound_claim(experiment);
+    status = b_judge_bound(experiment, 0, fibred);
+    experiment->bodies = bodies;
+    return status == PEL_OK ? draw_figure_6(experiment) : status;
 }
 
 const lab_case b_figure_6 = {
@@ -593,7 +613,10 @@ static pel_status run_figure_8(lab_experiment *experiment)
                  shapes[FIBRES].cap_depth - shapes[SOFT].cap_depth, 0.02, B_PAPER ", figure 8");
     lab_at_most(experiment, "mean curvature of the cap minus that without E_A [1/m]",
                 shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, 0, B_PAPER ", figure 8");
-    status = judge_return(experiment);
+    b_begin_bound_claim(experiment);
+    status = b_judge_bound(experiment, 0, way_names[FIBRES]);
+    if (status == PEL_OK)
+        status = judge_return(experiment);
     return status == PEL_OK ? draw_figure_8(experiment, names) : status;
 }
 
@@ -693,8 +716,11 @@ static pel_status run_figure_10(lab_experiment *experiment)
                   shapes[body].cap_curvature / rest[body].cap_curvature, 1, B_PAPER ", figure 10");
         b_tell(experiment, body, "volume in frame 100", summaries[body].volume_ratio_final, (double)NAN, "");
     }
-    claim_contact(experiment, summaries, experiment->body_count);
-    status = judge_curvature(experiment, names);
+    status = claim_contact(experiment, fibred, summaries, experiment->body_count);
+    if (status == PEL_OK)
+        status = claim_bound(experiment, experiment->body_count);
+    if (status == PEL_OK)
+        status = judge_curvature(experiment, names);
     return status == PEL_OK ? draw_figure_10(experiment, names) : status;
 }
 

@@ -105,18 +105,11 @@ static pel_status run_figure_15(lab_experiment *experiment)
     for (int body = 0; body < count; body++)
         b_at_most(experiment, body, "roughness, pbd / gradient descent",
                   made[body].made[0].roughness / made[body].made[1].roughness, 1, B_PAPER ", figure 15");
-    lab_picture picture = {.caption = "frame 30 by position-based dynamics and by gradient descent to the same energy",
-                           .frames = {0},
-                           .frame_count = 1,
-                           .columns = 2 * count,
-                           .field = "none",
-                           .azimuth = 35,
-                           .elevation = 20};
+    static const char *const labels[2] = {"pbd", "gradient descent"};
+    lab_picture picture =
+        b_begin_pairs("frame 30 by position-based dynamics and by gradient descent to the same energy", 0, count);
     for (int body = 0; body < count; body++)
-        for (int i = 0; i < 2; i++) {
-            picture.labels[picture.run_count] = i == 0 ? "pbd" : "gradient descent";
-            picture.runs[picture.run_count++] = made[body].names[i];
-        }
+        b_add_pair(&picture, labels, made[body].names);
     return lab_add_picture(experiment, &picture);
 }
 

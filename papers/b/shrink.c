@@ -66,14 +66,39 @@ void b_tell(lab_experiment *experiment, int body, const char *text, double value
     lab_tell(experiment, label(experiment, body, text, name), value, expected, source);
 }
 
-void b_begin_contact_claim(lab_experiment *experiment)
+void b_begin_contact_claim(lab_experiment *experiment, const char *reason)
 {
-    lab_begin_claim(experiment, LAB_PAPER, "step 4 leaves no self-intersection", NULL);
+    lab_begin_claim(experiment, LAB_PAPER, "step 4 leaves no self-intersection, and the guard need not act", reason);
 }
 
-void b_no_intersections(lab_experiment *experiment, int body, const char *text, double count)
+void b_judge_contacts(lab_experiment *experiment, int body, const char *runs, const b_contacts *sum)
 {
-    b_at_most(experiment, body, text, count, 0, B_PAPER ", section 5, step 4");
+    char text[80];
+    snprintf(text, sizeof text, "intersections, %s", runs);
+    b_at_most(experiment, body, text, sum->intersections, 0, B_PAPER ", section 5, step 4");
+    snprintf(text, sizeof text, "vertices that the guard stepped back, %s", runs);
+    b_at_most(experiment, body, text, sum->guarded, 0, B_PAPER ", section 5, step 4: the paper has no guard");
+    snprintf(text, sizeof text, "contacts in all frames, %s", runs);
+    b_tell(experiment, body, text, sum->pairs, (double)NAN, "");
+}
+
+pel_status b_add_contacts(const lab_experiment *experiment, int body, const char *what, const pel_run_summary *summary,
+                          b_contacts *sum)
+{
+    char run[64];
+    const char *const columns[2] = {"contact_fall_backs", "contact_pairs"};
+    double *const sums[2] = {&sum->guarded, &sum->pairs};
+    pel_status status = PEL_OK;
+    b_run_name(experiment, body, what, run);
+    sum->intersections += (double)summary->self_intersections_final;
+    for (int i = 0; status == PEL_OK && i < 2; i++) {
+        lab_series series;
+        status = lab_read_series(experiment, run, "frame", columns[i], &series);
+        for (int k = 0; status == PEL_OK && k < series.count; k++)
+            *sums[i] += series.y[k];
+        lab_free_series(&series);
+    }
+    return status;
 }
 
 int b_shown(const lab_experiment *experiment)
@@ -151,6 +176,32 @@ pel_status b_last(const lab_experiment *experiment, const char *run, const char 
     return status;
 }
 
+pel_status b_mean(const lab_experiment *experiment, const char *run, const char *column, double *mean)
+{
+    lab_series series;
+    pel_status status = lab_read_series(experiment, run, "frame", column, &series);
+    *mean = 0;
+    for (int i = 1; status == PEL_OK && i < series.count; i++)
+        *mean += series.y[i] / (series.count - 1);
+    lab_free_series(&series);
+    return status;
+}
+
+void b_begin_bound_claim(lab_experiment *experiment)
+{
+    lab_begin_claim(experiment, LAB_THEORY, "E_A decides the depth, not the bound of a correction", NULL);
+}
+
+pel_status b_judge_bound(lab_experiment *experiment, int body, const char *what)
+{
+    char run[64], text[80];
+    double cut = (double)NAN;
+    pel_status status = b_mean(experiment, b_run_name(experiment, body, what, run), "caving_limited", &cut);
+    snprintf(text, sizeof text, "%s, share of corrections that are cut", what);
+    b_at_most(experiment, body, text, cut, 0.05, "docs/shells.md");
+    return status;
+}
+
 pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const char *const *runs,
                           const char *const *labels, int count)
 {
@@ -162,6 +213,44 @@ pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const c
                                                      .runs = runs,
                                                      .labels = labels,
                                                      .run_count = count});
+}
+
+pel_status b_draw_bodies(lab_experiment *experiment, const char *caption, const char *what, const int *frames,
+                         int frame_count)
+{
+    char names[B_SHOWN][64];
+    lab_picture picture = {.caption = caption,
+                           .run_count = b_shown(experiment),
+                           .frame_count = frame_count,
+                           .columns = frame_count,
+                           .field = "none",
+                           .azimuth = 35,
+                           .elevation = 20};
+    memcpy(picture.frames, frames, (size_t)frame_count * sizeof *frames);
+    for (int body = 0; body < picture.run_count; body++) {
+        picture.runs[body] = b_run_name(experiment, body, what, names[body]);
+        picture.labels[body] = experiment->bodies[body].name;
+    }
+    return lab_add_picture(experiment, &picture);
+}
+
+lab_picture b_begin_pairs(const char *caption, int frame, int bodies)
+{
+    return (lab_picture){.caption = caption,
+                         .frames = {frame},
+                         .frame_count = 1,
+                         .columns = 2 * bodies,
+                         .field = "none",
+                         .azimuth = 35,
+                         .elevation = 20};
+}
+
+void b_add_pair(lab_picture *picture, const char *const labels[2], char names[2][64])
+{
+    for (int i = 0; i < 2; i++) {
+        picture->labels[picture->run_count] = labels[i];
+        picture->runs[picture->run_count++] = names[i];
+    }
 }
 
 double b_fibre_gradient(const lab_body *body)

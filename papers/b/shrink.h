@@ -20,9 +20,20 @@ void b_at_most(lab_experiment *experiment, int body, const char *text, double va
 void b_at_least(lab_experiment *experiment, int body, const char *text, double value, double limit, const char *source);
 void b_tell(lab_experiment *experiment, int body, const char *text, double value, double expected, const char *source);
 
-/* Begins the claim that step 4 leaves no self-intersection; the number of them that a body has in the end. */
-void b_begin_contact_claim(lab_experiment *experiment);
-void b_no_intersections(lab_experiment *experiment, int body, const char *text, double count);
+/* What contact did in runs of a body. */
+typedef struct b_contacts {
+    double intersections; /* pairs of triangles, at the ends of the runs */
+    double guarded;       /* vertices that the guard stepped back: 0 = step 4 did without it */
+    double pairs;         /* contacts, summed over frames: 0 = nothing touched */
+} b_contacts;
+
+/* Adds those of the run "BODY-WHAT". */
+pel_status b_add_contacts(const lab_experiment *experiment, int body, const char *what, const pel_run_summary *summary,
+                          b_contacts *sum);
+/* Begins the claim that step 4 leaves no self-intersection (reason: why not, nullable); judges it for a body. runs:
+   which they are */
+void b_begin_contact_claim(lab_experiment *experiment, const char *reason);
+void b_judge_contacts(lab_experiment *experiment, int body, const char *runs, const b_contacts *sum);
 
 /* bodies of a picture with a row for each: the first ones */
 enum { B_SHOWN = 3 };
@@ -38,9 +49,24 @@ pel_status b_volume_ratio(const lab_experiment *experiment, const char *run, con
 /* number in the last row of a column */
 pel_status b_last(const lab_experiment *experiment, const char *run, const char *column, double *number);
 
+/* mean of a column over the frames after the first one */
+pel_status b_mean(const lab_experiment *experiment, const char *run, const char *column, double *mean);
+
+/* Begins the claim that the bound of a correction does not decide how far E_A caves in; judges it for "BODY-WHAT". */
+void b_begin_bound_claim(lab_experiment *experiment);
+pel_status b_judge_bound(lab_experiment *experiment, int body, const char *what);
+
 /* Writes a plot of the volumes of runs (count) with these labels. */
 pel_status b_plot_volumes(lab_experiment *experiment, const char *title, const char *const *runs,
                           const char *const *labels, int count);
+
+/* The next picture: a row for each body shown, the frames (frame_count) of its run "BODY-WHAT". */
+pel_status b_draw_bodies(lab_experiment *experiment, const char *caption, const char *what, const int *frames,
+                         int frame_count);
+/* A picture of pairs in a frame, for lab_add_picture: one for each of the bodies, added one by one. names: of the runs
+   or files, which outlive it */
+lab_picture b_begin_pairs(const char *caption, int frame, int bodies);
+void b_add_pair(lab_picture *picture, const char *const labels[2], char names[2][64]);
 
 /* A setting for fibres (E_A) of a body, before that of their region (its cap); returns text (B_FIBRES_SIZE bytes). */
 enum { B_FIBRES_SIZE = 96 };

@@ -19,8 +19,8 @@ typedef struct weighed {
     int rises[WEIGHTS];      /* of the volume until then */
     int turns[WEIGHTS];      /* between falling and rising */
     b_shrunk shapes[WEIGHTS];
-    double further;       /* volume with auto over that with 0.01, while both shrink */
-    double intersections; /* at the end, of all */
+    double further; /* volume with auto over that with 0.01, while both shrink */
+    b_contacts contacts;
 } weighed;
 
 static pel_status weigh(lab_experiment *experiment, int body, weighed *made)
@@ -39,7 +39,8 @@ static pel_status weigh(lab_experiment *experiment, int body, weighed *made)
             status = b_turns(experiment, made->names[i], 100, &made->turns[i]);
         if (status == PEL_OK)
             status = b_measure(experiment, body, made->names[i], 50, &made->shapes[i]);
-        made->intersections += (double)summary.self_intersections_final;
+        if (status == PEL_OK)
+            status = b_add_contacts(experiment, body, weights[i], &summary, &made->contacts);
     }
     if (status == PEL_OK)
         status = b_volume_ratio(experiment, made->names[W_AUTO], made->names[W_001], 100, &made->further);
@@ -90,9 +91,9 @@ static void judge_weights(lab_experiment *experiment, const weighed *made)
         b_at_most(experiment, body, "rises, auto minus those of 0.01",
                   made[body].rises[W_AUTO] - made[body].rises[W_001], 0, B_PAPER ", section 7");
     }
-    b_begin_contact_claim(experiment);
+    b_begin_contact_claim(experiment, NULL);
     for (int body = 0; body < count; body++)
-        b_no_intersections(experiment, body, "intersections at the end, all six", made[body].intersections);
+        b_judge_contacts(experiment, body, "all six", &made[body].contacts);
 }
 
 /* figure 17: all weights on one body; figure 18: all bodies with two of them */
@@ -160,18 +161,6 @@ const lab_case b_figure_16_18 = {
 enum { FIBRES = 4 };
 static const char *const fibres[FIBRES] = {"none", "arap", "sqrt", "stvk"};
 
-/* over the frames after the first one */
-static pel_status mean_column(lab_experiment *experiment, const char *run, const char *column, double *mean)
-{
-    lab_series series;
-    pel_status status = lab_read_series(experiment, run, "frame", column, &series);
-    *mean = 0;
-    for (int i = 1; status == PEL_OK && i < series.count; i++)
-        *mean += series.y[i] / (series.count - 1);
-    lab_free_series(&series);
-    return status;
-}
-
 typedef struct caved {
     char names[FIBRES][64];
     double volumes[FIBRES]; /* in frame 100 */
@@ -179,7 +168,7 @@ typedef struct caved {
     double areas[FIBRES];   /* over that at rest, in the last frame */
     double limited[FIBRES]; /* mean share of the corrections of E_A that their bound cut */
     double further;         /* volume with arap over that with none, while both shrink */
-    double intersections;
+    b_contacts contacts;
 } caved;
 
 static pel_status run_fibres(lab_experiment *experiment, int body, caved *made)
@@ -200,8 +189,9 @@ static pel_status run_fibres(lab_experiment *experiment, int body, caved *made)
         if (status == PEL_OK)
             status = b_last(experiment, made->names[i], "area_ratio", &made->areas[i]);
         if (status == PEL_OK && i > 0)
-            status = mean_column(experiment, made->names[i], "caving_limited", &made->limited[i]);
-        made->intersections += (double)summary.self_intersections_final;
+            status = b_mean(experiment, made->names[i], "caving_limited", &made->limited[i]);
+        if (status == PEL_OK)
+            status = b_add_contacts(experiment, body, fibres[i], &summary, &made->contacts);
     }
     if (status == PEL_OK)
         status = b_volume_ratio(experiment, made->names[1], made->names[0], 100, &made->further);
@@ -243,9 +233,9 @@ static void judge_fibres(lab_experiment *experiment, const caved *made)
             snprintf(text, sizeof text, "%s, area / area at rest", fibres[i]);
             b_expect(experiment, body, text, made[body].areas[i], 1, 0.05, "docs/shells.md");
         }
-    b_begin_contact_claim(experiment);
+    b_begin_contact_claim(experiment, NULL);
     for (int body = 0; body < experiment->body_count; body++)
-        b_no_intersections(experiment, body, "intersections at the end, all four", made[body].intersections);
+        b_judge_contacts(experiment, body, "all four", &made[body].contacts);
 }
 
 static pel_status run_figure_19_20(lab_experiment *experiment)
@@ -337,7 +327,8 @@ typedef struct search {
     double all, cubic_seconds; /* a frame without culling */
     /* a frame by boxes, filter and cubic, processor time; cubics of the method of ours */
     double candidates, cubics, milliseconds, ours;
-    double intersections, volume;
+    double volume;
+    b_contacts contacts;
 } search;
 
 static pel_status run_search(lab_experiment *experiment, int body, char names[2][64], search *made)
@@ -356,16 +347,17 @@ static pel_status run_search(lab_experiment *experiment, int body, char names[2]
         b_run_name(experiment, body, methods[i], names[i]);
         if (i == 0)
             share = fmin((pel_thread_seconds() - begin_busy) / (pel_seconds() - begin), 1);
-        made->intersections += (double)summary.self_intersections_final;
+        if (status == PEL_OK)
+            status = b_add_contacts(experiment, body, methods[i], &summary, &made->contacts);
         made->volume = summary.volume_ratio_final;
     }
     const char *const columns[3] = {"contact_candidates", "contact_cubics", "contact_find_ms"};
     double *const numbers[3] = {&made->candidates, &made->cubics, &made->milliseconds};
     for (int i = 0; status == PEL_OK && i < 3; i++)
-        status = mean_column(experiment, names[0], columns[i], numbers[i]);
+        status = b_mean(experiment, names[0], columns[i], numbers[i]);
     made->milliseconds *= share;
     if (status == PEL_OK)
-        status = mean_column(experiment, names[1], "contact_cubics", &made->ours);
+        status = b_mean(experiment, names[1], "contact_cubics", &made->ours);
     if (status == PEL_OK)
         status = b_read_frame(experiment, names[0], 0, &mesh);
     if (status == PEL_OK) {
@@ -419,9 +411,9 @@ static pel_status run_table_2(lab_experiment *experiment)
     for (int body = 0; body < experiment->body_count; body++)
         b_at_most(experiment, body, "cubics / pairs of boxes", made[body].cubics / fmax(made[body].candidates, 1), 0.4,
                   "our own runs");
-    b_begin_contact_claim(experiment);
+    b_begin_contact_claim(experiment, NULL);
     for (int body = 0; body < experiment->body_count; body++) {
-        b_no_intersections(experiment, body, "intersections at the end, both", made[body].intersections);
+        b_judge_contacts(experiment, body, "both", &made[body].contacts);
         b_tell(experiment, body, "volume at the end", made[body].volume, (double)NAN, "");
     }
     lab_picture picture = {.caption = "shells that touch themselves, frames 100 and 150 (or the last)",
