@@ -83,12 +83,12 @@ static pel_status run_figure_4(lab_experiment *experiment)
     pel_status status = make_levels(experiment, levels, &fine);
     if (status == PEL_OK) {
         lab_begin_claim(experiment, LAB_PAPER, "each level cuts a triangle into four", NULL);
-        lab_by_construction(experiment);
+        lab_by_construction(experiment, "a level is made of the four triangles of each one");
         for (int i = 1; i < 3; i++)
             lab_expect(experiment, i == 1 ? "triangles, level 1 / 0" : "triangles, level 2 / 1",
                        (double)levels[i]->triangle_count / levels[i - 1]->triangle_count, 4, 0, "paper A, section 3.1");
         lab_begin_claim(experiment, LAB_PAPER, "the scheme interpolates: vertices stay where they are", NULL);
-        lab_by_construction(experiment);
+        lab_by_construction(experiment, "a level keeps the numbers of the vertices before it");
         lab_at_most(experiment, "largest displacement of a vertex of level 0 [m]", most_moved(levels[0], levels[2]), 0,
                     "paper A, section 3.1");
         status = a_judge_weights(experiment);
@@ -282,8 +282,8 @@ static void check_counts(lab_experiment *experiment, const char *const runs[3], 
     for (int i = 0; i < 3; i++) {
         char name[64];
         lab_begin_claim(experiment, LAB_PAPER, says[i], NULL);
-        if (i < 2) /* the mesh, and each of its triangles cut into four */
-            lab_by_construction(experiment);
+        if (i < 2)
+            lab_by_construction(experiment, "the mesh, and each of its triangles cut into four");
         snprintf(name, sizeof name, "%s: vertices", runs[i]);
         lab_expect(experiment, name, (double)summaries[i].vertices_final, counts[i][0], 0, "paper A, table 1");
         snprintf(name, sizeof name, "%s: triangles", runs[i]);

@@ -359,7 +359,7 @@ static void judge_sizes(lab_experiment *experiment, double scaled[SIZES][FRAMES 
 {
     lab_begin_claim(experiment, LAB_THEORY,
                     "pbd is scale covariant: a pressure proportional to the size gives one curve", NULL);
-    lab_by_construction(experiment);
+    lab_by_construction(experiment, "no length is in pbd but those of the mesh");
     double off = 0, off_solid = 0;
     for (int size = 0; size < SIZES; size++)
         for (int frame = 0; frame <= 40; frame++) {

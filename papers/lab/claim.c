@@ -13,10 +13,13 @@ void lab_begin_claim(lab_experiment *experiment, lab_origin origin, const char *
         *claim = (lab_claim){.origin = origin, .says = says, .reason = reason};
 }
 
-void lab_by_construction(lab_experiment *experiment)
+void lab_by_construction(lab_experiment *experiment, const char *why)
 {
-    if (experiment->claim_count > 0)
-        experiment->claims[experiment->claim_count - 1].by_construction = true;
+    if (experiment->claim_count == 0)
+        return;
+    lab_claim *claim = &experiment->claims[experiment->claim_count - 1];
+    claim->by_construction = true;
+    claim->built = why;
 }
 
 static void add(lab_experiment *experiment, const char *name, lab_finding finding)
@@ -139,7 +142,7 @@ const char *lab_claim_text(const lab_experiment *experiment, int claim, char *te
         snprintf(text, size, "differs (%d of %d hold): %s", held, judged,
                  said->reason != NULL ? said->reason : "not on the mesh that was given");
     else
-        snprintf(text, size, "%s (%d of %d)%s", lab_verdict_name(verdict), held, judged,
-                 said->by_construction ? ", by construction" : "");
+        snprintf(text, size, "%s (%d of %d)%s%s", lab_verdict_name(verdict), held, judged,
+                 said->by_construction ? ", by construction: " : "", said->by_construction ? said->built : "");
     return text;
 }

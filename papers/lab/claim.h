@@ -36,6 +36,7 @@ typedef struct lab_claim {
     const char *says;     /* one sentence without a full stop; a literal */
     const char *reason;   /* why a paper's claim does not hold here, when that is known; nullable, a literal */
     bool by_construction; /* it holds by the layout of the program or of the experiment, so that it measures little */
+    const char *built;    /* why; a literal */
 } lab_claim;
 
 typedef enum lab_verdict {
@@ -47,8 +48,8 @@ typedef enum lab_verdict {
 
 /* Begins a claim. reason is nullable. */
 void lab_begin_claim(lab_experiment *experiment, lab_origin origin, const char *says, const char *reason);
-/* Marks the claim that was begun last: it holds by construction. */
-void lab_by_construction(lab_experiment *experiment);
+/* Marks the claim that was begun last: it holds by construction. why: a literal */
+void lab_by_construction(lab_experiment *experiment, const char *why);
 /* A number that has to be `expected` up to the tolerance. */
 void lab_expect(lab_experiment *experiment, const char *name, double value, double expected, double tolerance,
                 const char *source);

@@ -80,7 +80,7 @@ static void test_no_limit(void **unused)
 static pel_status run_tabled(lab_experiment *experiment)
 {
     lab_begin_claim(experiment, LAB_PAPER, "four are four", NULL);
-    lab_by_construction(experiment);
+    lab_by_construction(experiment, "so it is laid out");
     lab_expect(experiment, "four", 4, 4, 0, "");
     lab_begin_claim(experiment, LAB_PAPER, "five are five", NULL);
     lab_expect(experiment, "five", 5, 5, 0, "");
@@ -102,7 +102,8 @@ static void test_tables(void **unused)
     char path[LAB_PATH_SIZE], text[64];
     lab_experiment experiment = {.folder = folder, .error = &error};
     assert_int_equal(lab_run_case(&tabled, &experiment), PEL_OK);
-    assert_string_equal(lab_claim_text(&experiment, 0, text, sizeof text), "holds (1 of 1), by construction");
+    assert_string_equal(lab_claim_text(&experiment, 0, text, sizeof text),
+                        "holds (1 of 1), by construction: so it is laid out");
     assert_string_equal(lab_claim_text(&experiment, 1, text, sizeof text), "holds (1 of 1)");
     assert_int_equal(count_text(lab_path(&experiment, "numbers.csv", path), ",holds,1"), 1);
     const lab_experiment *const all[] = {&experiment};

@@ -30,7 +30,7 @@ def deformed(rest, rng):
     return out
 
 
-def energy(rest, x, kind):
+def energy(rest, x, kind, axis=AXIS):
     """E_A of a triangle as in the paper: (0 where the fibre is longer than at rest), and the unit normal."""
     e1, e2 = rest[0] - rest[2], rest[1] - rest[2]
     normal = np.cross(rest[1] - rest[0], rest[2] - rest[0])
@@ -39,7 +39,7 @@ def energy(rest, x, kind):
     t1 = e1 / np.linalg.norm(e1)
     frame = np.array([t1, np.cross(normal, t1)])
     d_m = np.column_stack([frame @ e1, frame @ e2])
-    a = frame @ (AXIS - AXIS @ normal * normal)
+    a = frame @ (axis - axis @ normal * normal)
     a /= np.linalg.norm(a)
     d_s = np.column_stack([x[0] - x[2], x[1] - x[2]])
     now = np.cross(x[1] - x[0], x[2] - x[0])
@@ -56,13 +56,13 @@ def energy(rest, x, kind):
     return (area * STIFFNESS / 2 * psi if i5 < 1 else 0.0), now, np.sqrt(4 / np.sqrt(3) * area)
 
 
-def project(rest, x, kind, sweeps):
+def project(rest, x, kind, sweeps, gradient=GRADIENT, axis=AXIS):
     """pbd: C = E_A, grad C = k_A n, dx = -C / (3 k_A) n for three equal masses; five sweeps push as in the paper."""
     x = x.copy()
     for t in range(len(rest)):
         for _ in range(sweeps):
-            c, normal, edge = energy(rest[t], x[t], kind)
-            x[t] -= 5 / sweeps * min(c / (3 * GRADIENT), EDGE_SHARE * edge) * normal
+            c, normal, edge = energy(rest[t], x[t], kind, axis)
+            x[t] -= 5 / sweeps * min(c / (3 * gradient), EDGE_SHARE * edge) * normal
     return x
 
 
@@ -75,7 +75,7 @@ def force(rest, x, kind):
     return f
 
 
-def simulate(rest, kind, solver):
+def simulate(rest, kind, solver, gradient=GRADIENT, axis=AXIS):
     mesh = pellicle.Mesh(rest.reshape(-1, 3), np.arange(3 * len(rest)).reshape(-1, 3))
     spec = {
         "bodies": [
@@ -84,8 +84,8 @@ def simulate(rest, kind, solver):
                 "mesh": mesh,
                 "mass": {"per_vertex": 2.0},
                 "springs": {"stiffness": 0, "damping": 0},
-                "anisotropy": {"mode": "normal", "energy": kind, "stiffness": STIFFNESS, "gradient": GRADIENT,
-                               "direction": AXIS.tolist()},
+                "anisotropy": {"mode": "normal", "energy": kind, "stiffness": STIFFNESS, "gradient": gradient,
+                               "direction": axis.tolist()},
             }
         ],
         "solver": solver,
@@ -111,8 +111,8 @@ class Caving(unittest.TestCase):
         self.start = deformed(self.rest, self.rng)
         self.tolerance = 1e-4 if is_single() else 1e-9
 
-    def step(self, kind, solver):
-        sim = simulate(self.rest, kind, solver)
+    def step(self, kind, solver, **settings):
+        sim = simulate(self.rest, kind, solver, **settings)
         sim.set_positions(self.start.reshape(-1, 3))
         sim.step()
         return sim.positions().reshape(-1, 3, 3)
@@ -134,6 +134,23 @@ class Caving(unittest.TestCase):
         ratio = pushes["stvk"][small] / pushes["arap"][small]
         self.assertGreater(small.sum(), 5)
         self.assertTrue(is_single() or (np.abs(ratio - 4) < 1).all())
+
+    def test_strength_and_direction(self):
+        solver, ways = {"method": "pbd", "dt": 0.01, "iterations": 5}, []
+        for gradient in (4.0, 40.0, 400.0, 4000.0):
+            after = self.step("arap", solver, gradient=gradient)
+            np.testing.assert_allclose(after, project(self.rest, self.start, "arap", 5, gradient), rtol=0, atol=self.tolerance)
+            ways.append(np.linalg.norm(after - self.start, axis=2).max(axis=1))
+        # the push is C / (3 k_A): a decade of k_A is a decade of the push, where the bound does not act
+        for less, more in zip(ways[1:], ways):
+            moved = (less > 1e-6) & (more < 1e-3)
+            self.assertGreater(moved.sum(), 2)
+            self.assertTrue((less <= more).all() and (is_single() or np.abs(more[moved] / less[moved] - 10).max() < 0.5))
+        turned = np.array([0.8, 0.3, -0.2])
+        after = self.step("arap", solver, axis=turned)
+        np.testing.assert_allclose(after, project(self.rest, self.start, "arap", 5, axis=turned), rtol=0, atol=self.tolerance)
+        way = np.linalg.norm(after - self.start, axis=2).max(axis=1)
+        self.assertGreater(np.abs(way - ways[1]).max(), 0.1 * ways[1].max())
 
     def test_pushes_do_not_depend_on_sweeps(self):
         ways = [self.step("arap", {"method": "pbd", "dt": 0.01, "iterations": n}) - self.start for n in (1, 5, 40)]
