@@ -2,8 +2,9 @@
    VTK PolyData (.vtp). Vertex order and connectivity are kept. Faces with more than three corners are split into
    triangles with the same winding. Numbers are read exactly, in any locale; NaN, infinity and indices that do not exist
    are refused.
-   - OBJ: v and f with all kinds of indices. Colours, weights, normals, texture coordinates, points and lines are
-     ignored.
+   - OBJ: v and f with all kinds of indices. Colours of all vertices become the fields red, green and blue; names of
+     objects, groups and materials become fields group:NAME, 1 at the vertices of their faces. Weights, normals, texture
+     coordinates, points and lines are ignored.
    - PLY: scalar vertex properties other than x, y, z become fields; properties named n_0, n_1, ... become one vector
      field n. Strips of triangles (tristrips) become triangles; -1 begins a new strip. List properties of vertices, and
      other elements, are ignored.

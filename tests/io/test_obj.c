@@ -72,6 +72,33 @@ static void test_ignored_data_is_noted(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* colours of all vertices are the fields red, green and blue; where one has none, or a weight, they are ignored */
+static void test_colours(void **unused)
+{
+    (void)unused;
+    static const char *const fields[3] = {"red", "green", "blue"};
+    static const double expected[3][3] = {{1, 0, 0.5}, {0, 0.25, 0}, {0, 1, 1}};
+    static const char *const without[] = {
+        "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 1 1\n", "v 0 0 0 1 0 0\nv 1 0 0 1\nv 0 1 0 0 1 1\n",
+        "v 0 0 0 1 1 0 0\nv 1 0 0 1 0 1 0\nv 0 1 0 1 0 1 1\n", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 nan 1 1\n"};
+    notes said;
+    pel_mesh *mesh =
+        parse_text("a.obj", "v 0 0 0 1 0 0.5\nv 1 0 0 0 0.25 0\nv 0 1 0 0 1 1\no a\nf 1 2 3\no b\nf 1 3 2\n", &said);
+    for (int v = 0; v < 3; v++)
+        for (int i = 0; i < 3; i++)
+            assert_near(pel_mesh_field(mesh, fields[i])->values[v], expected[v][i], 0);
+    assert_null(strstr(said.text, "colours"));
+    pel_mesh_destroy(mesh);
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "%sf 1 2 3\n", without[i]);
+        mesh = parse_text("a.obj", text, &said);
+        assert_null(pel_mesh_field(mesh, "red"));
+        assert_non_null(strstr(said.text, "colours or weights of"));
+        pel_mesh_destroy(mesh);
+    }
+}
+
 static void test_polygons_are_cut(void **unused)
 {
     (void)unused;
@@ -236,6 +263,7 @@ int main(void)
         cmocka_unit_test(test_negative_indices_count_back),
         cmocka_unit_test(test_faces_before_vertices),
         cmocka_unit_test(test_ignored_data_is_noted),
+        cmocka_unit_test(test_colours),
         cmocka_unit_test(test_polygons_are_cut),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_truncated),

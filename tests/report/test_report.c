@@ -4,10 +4,10 @@
 #include "base/memory.h"
 #include "failing_malloc.h"
 #include "io/file.h"
-#include "io/report_pack.h"
 #include "math/vec3.h"
 #include "pellicle/report.h"
 #include "pellicle/shape.h"
+#include "report/report_pack.h"
 #include "results/run_folder.h"
 
 #include <zlib.h>

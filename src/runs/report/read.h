@@ -3,9 +3,9 @@
 #define PEL_REPORT_READ_H
 
 #include "io/json.h"
-#include "io/report_pack.h"
 #include "pellicle/frames.h"
 #include "pellicle/report.h"
+#include "report/report_pack.h"
 
 /* a field that all frames have */
 typedef struct pel_report_field {

@@ -7,10 +7,10 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "io/json.h"
-#include "io/report_pack.h"
 #include "pellicle/import.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/server.h"
+#include "report/report_pack.h"
 #include "scene/portable.h"
 
 #include <stdio.h>

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -23,7 +24,9 @@ typedef struct obj_reader {
     uint64_t object, groups, material; /* in force */
     obj_run *runs;
     size_t run_count, run_capacity, lost_names;
-    size_t colour_count;    /* vertices with a colour or weight */
+    double (*colours)[3]; /* of the vertices, until the first without one */
+    size_t coloured_count, colour_capacity;
+    size_t extra_count;     /* vertices with a colour or weight */
     size_t reference_count; /* corners with texture or normal indices */
     size_t curve_count;     /* points and lines */
     size_t unknown_count;   /* statements that are not of OBJ */
@@ -60,10 +63,26 @@ static void skip_statement(pel_text_cursor *scan)
     pel_text_cursor_skip_line(scan);
 }
 
+/* a colour counts if all vertices before have one */
+static bool keep_colour(obj_reader *reader, const double colour[3])
+{
+    const size_t count = reader->coloured_count;
+    void *colours = reader->colours;
+    if (count != reader->builder.vertex_count || !isfinite(colour[0] + colour[1] + colour[2]))
+        return true;
+    if (!pel_reserve(&colours, &reader->colour_capacity, count + 1, sizeof *reader->colours))
+        return false;
+    reader->colours = colours;
+    memcpy(reader->colours[count], colour, sizeof *reader->colours);
+    reader->coloured_count++;
+    return true;
+}
+
 static pel_status read_vertex(obj_reader *reader, pel_error *error)
 {
     pel_text_cursor *scan = reader->scan;
-    double position[3], rest;
+    double position[3], rest[4] = {0};
+    int rest_count = 0;
     for (int i = 0; i < 3; i++) {
         skip_blanks(scan);
         if (!pel_text_cursor_number(scan, &position[i]))
@@ -71,13 +90,12 @@ static pel_status read_vertex(obj_reader *reader, pel_error *error)
     }
     /* a weight or a colour may follow */
     skip_blanks(scan);
-    bool more = !at_statement_end(scan);
-    while (!at_statement_end(scan)) {
-        if (!pel_text_cursor_any_number(scan, &rest))
+    for (; !at_statement_end(scan); skip_blanks(scan), rest_count++)
+        if (!pel_text_cursor_any_number(scan, &rest[rest_count < 3 ? rest_count : 3]))
             return pel_text_cursor_fail_number(scan, error, "a number");
-        skip_blanks(scan);
-    }
-    reader->colour_count += more;
+    reader->extra_count += rest_count > 0;
+    if (rest_count == 3 && !keep_colour(reader, rest))
+        return pel_fail_memory(error);
     return pel_polygon_soup_add_vertex(&reader->builder, position) ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -256,12 +274,32 @@ static pel_status read_statements(obj_reader *reader, pel_error *error)
     return status;
 }
 
+static bool is_coloured(const obj_reader *reader)
+{
+    return reader->coloured_count > 0 && reader->coloured_count == reader->builder.vertex_count;
+}
+
+/* the fields red, green and blue, as PLY files name them */
+static pel_status add_colours(const obj_reader *reader, pel_mesh *mesh, pel_error *error)
+{
+    static const char *const names[3] = {"red", "green", "blue"};
+    double *values = pel_allocate((size_t)mesh->vertex_count, sizeof *values);
+    pel_status status = values != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int i = 0; i < 3 && status == PEL_OK; i++) {
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            values[v] = reader->colours[v][i];
+        status = pel_mesh_add_field(mesh, names[i], 1, values, error);
+    }
+    pel_free(values);
+    return status;
+}
+
 static void note_ignored(const obj_reader *reader, const pel_log *log)
 {
     if (reader->curve_count > 0)
         pel_log_line(log, "%zu points and lines ignored", reader->curve_count);
-    if (reader->colour_count > 0)
-        pel_log_line(log, "colours or weights of %zu vertices ignored", reader->colour_count);
+    if (reader->extra_count > 0 && !is_coloured(reader))
+        pel_log_line(log, "colours or weights of %zu vertices ignored", reader->extra_count);
     if (reader->reference_count > 0)
         pel_log_line(log, "texture coordinates and normals ignored");
     if (reader->lost_names > 0)
@@ -281,13 +319,16 @@ static pel_status finish(obj_reader *reader, const pel_log *log, pel_mesh **mesh
             return pel_fail_memory(error);
         names = spread_names(reader, at_vertex);
     }
+    const bool coloured = is_coloured(reader);
     pel_status status = pel_polygon_soup_finish(soup, reader->scan, log, mesh, error);
-    if (status == PEL_OK && names != 0) {
+    bool made = status == PEL_OK;
+    if (status == PEL_OK && names != 0)
         status = add_groups(reader, at_vertex, names, *mesh, error);
-        if (status != PEL_OK) {
-            pel_mesh_destroy(*mesh);
-            *mesh = NULL;
-        }
+    if (status == PEL_OK && coloured)
+        status = add_colours(reader, *mesh, error);
+    if (made && status != PEL_OK) {
+        pel_mesh_destroy(*mesh);
+        *mesh = NULL;
     }
     pel_free(at_vertex);
     return status;
@@ -304,6 +345,7 @@ pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **me
     }
     pel_polygon_soup_free(&reader.builder);
     pel_free(reader.runs);
+    pel_free(reader.colours);
     return status;
 }
 

@@ -1,6 +1,6 @@
 /* Bytes packed by zlib into memory, up to a limit, and written as base64. */
-#ifndef PEL_IO_REPORT_PACK_H
-#define PEL_IO_REPORT_PACK_H
+#ifndef PEL_REPORT_REPORT_PACK_H
+#define PEL_REPORT_REPORT_PACK_H
 
 #include "io/file.h"
 

@@ -1,4 +1,4 @@
-#include "io/report_pack.h"
+#include "report/report_pack.h"
 
 #include "base/memory.h"
 #include "io/zlib_memory.h"
