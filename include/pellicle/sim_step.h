@@ -25,6 +25,22 @@ typedef struct pel_cut_def {
     int32_t vertex_count;
 } pel_cut_def;
 
+/* A seam: edges of a surface that open by themselves, all at a time, or each one where the force across it is too
+   large: the mean of what its two triangles carry, of tension and shear. A single edge inside the surface opens
+   together with the next one. PEL_BAD_ARGUMENT of pel_sim_create names the seam: what pel_cut refuses, a seam that
+   never opens. */
+typedef struct pel_seam_def {
+    int32_t body;
+    const int32_t *path; /* (path_count) each joined to the next one by an edge; null = `vertices` is given; copied */
+    int32_t path_count;
+    const int32_t *vertices; /* (vertex_count) all edges between two of them; null = `path` is given; copied */
+    int32_t vertex_count;
+    double strength; /* N/m, force per length at rest across an edge; 0 (default) = no force opens it */
+    double opens_at; /* s, at the start of the first step that begins then or later; below 0 (default) = no time does */
+} pel_seam_def;
+
+PEL_API pel_seam_def pel_seam_def_default(void);
+
 /* Where tears may start, beside the ends of cuts, which grow in any case; in bodies with a toughness. */
 typedef enum pel_tear_start {
     PEL_TEAR_NONE,    /* nowhere */
@@ -51,6 +67,8 @@ typedef struct pel_sim_def {
     int32_t tie_count;
     const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
     int32_t cut_count;
+    const pel_seam_def *seams; /* (seam_count), copied */
+    int32_t seam_count;
     pel_tear_def tear;
     pel_wind_def wind; /* keys copied */
     pel_contact_def contact;

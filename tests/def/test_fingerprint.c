@@ -23,6 +23,7 @@ typedef struct all_defs {
     pel_support_def supports[2];
     pel_cut_def cuts[2];
     pel_tie_def ties[2];
+    pel_seam_def seams[2];
     pel_model_def model;
     pel_sim_def sim;
 } all_defs;
@@ -79,13 +80,15 @@ static all_defs *make_defs(void)
         all->supports[i].keys = all->keys;
         all->supports[i].key_count = 2;
     }
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
         all->cuts[i] = (pel_cut_def){.vertices = all->vertices, .vertex_count = 3};
     for (int i = 0; i < 2; i++) {
         all->ties[i] = pel_tie_def_default();
         all->ties[i].vertices = all->ties[i].to_vertices = all->vertices;
         all->ties[i].vertex_count = 3;
         all->ties[i].sequence = &all->sequence;
+        all->seams[i] = (pel_seam_def){
+            .path = all->vertices, .path_count = 3, .vertices = all->vertices, .vertex_count = 3, .strength = 5};
     }
     all->model = pel_model_def_default();
     all->model.bodies = all->bodies;
@@ -101,6 +104,8 @@ static all_defs *make_defs(void)
     all->sim.tie_count = 2;
     all->sim.cuts = all->cuts;
     all->sim.cut_count = 2;
+    all->sim.seams = all->seams;
+    all->sim.seam_count = 2;
     all->sim.wind.keys = all->keys;
     all->sim.wind.key_count = 2;
     return all;

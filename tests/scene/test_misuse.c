@@ -520,6 +520,7 @@ static void test_cuts(void **unused)
     SURVIVES(pel_sim_cuts_done(NULL));
     SURVIVES(pel_sim_cut_is_held(NULL));
     SURVIVES(pel_sim_can_tear(NULL));
+    SURVIVES(pel_seam_def_default());
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
     SURVIVES(pel_sim_get_origins(sim, 0, NULL));

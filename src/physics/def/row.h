@@ -48,6 +48,7 @@ typedef enum pel_def_kind {
     PEL_DEF_TOOL,
     PEL_DEF_CUT,
     PEL_DEF_TIE,
+    PEL_DEF_SEAM,
     PEL_DEF_CONTACT,
     PEL_DEF_SOLVER,
     PEL_DEF_SIM,

@@ -22,6 +22,8 @@
 #define CUT_LIST(member, count) LIST_OF(CUT, pel_cut_def, member, count, CUTS)
 #define TIE(member) OF(TIE, pel_tie_def, member, TIES)
 #define TIE_LIST(member, count) LIST_OF(TIE, pel_tie_def, member, count, TIES)
+#define SEAM(member) OF(SEAM, pel_seam_def, member, CUTS)
+#define SEAM_LIST(member, count) LIST_OF(SEAM, pel_seam_def, member, count, CUTS)
 #define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
 #define WIND(member) OF(SIM, pel_sim_def, wind.member, LOADS)
 #define SOLVER(member) OF(SOLVER, pel_solver_def, member, SOLVER)
@@ -597,6 +599,22 @@ static const pel_def_row rows[] = {
             "over the surface: vertices of the mesh near it are moved onto it in the rest shape. It ends inside the "
             "surface or at its border; a path that ends where it begins cuts a piece out"},
     {"cuts[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
+
+    {"seams", DEFS_OF(SIM, pel_sim_def, seams, seam_count, SEAM, CUTS), LIST, .preset = "[]",
+     .doc = "edges of a surface that open by themselves, such as a perforation, for bodies that do not refine"},
+    {"seams[]", MAP, .doc = "one seam, with `strength`, `opens_at` or both"},
+    {"seams[].body", SEAM(body), TEXT, .doc = "name of the body; optional if there is one"},
+    {"seams[].path", SEAM_LIST(path, path_count), LIST, COUNT_FROM(2), ALTERNATIVE,
+     .doc = "a line as `cuts[].path`: points of the rest shape, or numbers of vertices that edges join"},
+    {"seams[].path[]", .forms = PEL_FORM_VECTOR | PEL_FORM_INTEGER, .unit = "m", .doc = "one point or vertex"},
+    {"seams[].vertices", SEAM_LIST(vertices, vertex_count), REGION, ALTERNATIVE,
+     .doc = "all edges that join two of these vertices; all: every edge of the body"},
+    {"seams[].strength", SEAM(strength), FIXED, NUMBER, .unit = "N/m", POSITIVE, AUTO(0),
+     .doc = "force per length at rest across an edge, from tension and shear, that opens it; that of a sheet is its "
+            "strength in Pa times its thickness. Default: no force opens the seam"},
+    {"seams[].opens_at", SEAM(opens_at), FIXED, NUMBER, .unit = "s", AT_LEAST(0), AUTO(-1),
+     .doc = "time at which the whole seam opens: the start of the first step that begins then or later. Default: no "
+            "time opens it"},
 
     {"tear", MAP, .preset = "{}", .doc = "growth of tears in bodies with a toughness"},
     {"tear.start", OF(SIM, pel_sim_def, tear.start, CUTS), FIXED, WORD("none", "borders", "anywhere"),

@@ -165,7 +165,7 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
     *vibration = (pel_vibration){0};
     if (supports == NULL)
         return PEL_OUT_OF_MEMORY;
-    def.load_count = def.tool_count = def.cut_count = 0;
+    def.load_count = def.tool_count = def.cut_count = def.seam_count = 0;
     def.contact.enabled = false;
     def.supports = supports;
     def.support_count = 0;

@@ -58,10 +58,10 @@ static bool is_keyed(const pel_body_def *body)
 /* what changes the material or the mesh during a run is unknown afterwards */
 static pel_status check_scene(const pel_scene *scene, const char *folder, pel_error *error)
 {
-    const char *why = scene->session_count > 0            ? "it has a session, which may change parameters"
-                      : scene->sim.cut_count > 0          ? "its bodies are cut"
-                      : scene->imperfection_amplitude > 0 ? "its rest shapes come from a buckling mode"
-                                                          : NULL;
+    const char *why = scene->session_count > 0 ? "it has a session, which may change parameters"
+                      : scene->sim.cut_count + scene->sim.seam_count > 0 ? "its bodies are cut"
+                      : scene->imperfection_amplitude > 0                ? "its rest shapes come from a buckling mode"
+                                                                         : NULL;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const pel_body_def *body = &scene->model.bodies[b];
         why = body->refine.levels > 0            ? "it has bodies that refine"

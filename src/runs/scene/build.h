@@ -8,9 +8,9 @@
 #include "pellicle/scene.h"
 
 /* Bodies (build_body.c): makes the meshes, resolves their paths in the tree. The meshes belong to the caller, who frees
-   mesh_count of them also when this fails. `cuts` has room for those of the scene. */
+   mesh_count of them also when this fails. `opened` has the cuts and seams of the scene. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
-                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts);
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_sim_def *opened);
 /* The sequence that a body follows (build_follow.c), among reader->sequences. Moves the mesh of a body that follows as
    a whole to its start. */
 pel_status pel_scene_build_follow(pel_scene_reader *reader, const pel_scene_value *value, const char *folder,
@@ -28,10 +28,18 @@ pel_status pel_scene_fill_body(pel_scene_reader *reader, pel_scene_value *map, c
                                const char *what);
 /* `until` is after `from` */
 pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until);
-/* The cuts of one body (build_cuts.c): moves vertices of its mesh onto their paths, before anything else reads it. Then
-   whether each cut has found its body. */
-pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const char *name, int32_t body,
-                                int32_t body_count, pel_mesh *mesh, pel_cut_def *cuts);
+
+/* a body while its mesh is made */
+typedef struct pel_scene_owner {
+    const char *name;
+    int32_t body, count; /* of all bodies */
+    pel_mesh *mesh;
+} pel_scene_owner;
+/* Cuts and seams (build_cuts.c): room for all of them; those of one body, which move vertices of its mesh onto their
+   paths, before anything else reads it; then whether each has found its body. */
+pel_status pel_scene_take_cuts(pel_scene_reader *reader, const pel_scene_value *root, pel_sim_def *sim);
+pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene_owner *of,
+                                pel_sim_def *sim);
 pel_status pel_scene_check_cuts(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene *scene);
 /* Loads, tools, contact, solver, output, duration, stop; default names of bodies are added to the tree. The meshes of
    tools are added to those of the bodies. */

@@ -90,7 +90,7 @@ static pel_status read_body(const pel_scene_part *source, pel_body_def *body)
 }
 
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
-                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_cut_def *cuts)
+                                  pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_sim_def *opened)
 {
     const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
     pel_body_def *bodies = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(list), sizeof *bodies);
@@ -107,8 +107,9 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         status = pel_scene_build_follow(reader, value, folder, count, meshes[count]);
         if (status != PEL_OK)
             break;
-        status = pel_scene_build_cuts(reader, root, pel_scene_value_entry(value, "name")->text, count,
-                                      pel_scene_value_count(list), meshes[count], cuts);
+        const pel_scene_owner of = {pel_scene_value_entry(value, "name")->text, count, pel_scene_value_count(list),
+                                    meshes[count]};
+        status = pel_scene_build_cuts(reader, root, &of, opened);
         if (status == PEL_OK)
             status = read_body(&source, &bodies[count++]);
     }

@@ -1,4 +1,4 @@
-/* Cuts of a scene: before anything reads the meshes of bodies, vertices move onto the paths. */
+/* Cuts and seams of a scene: before anything reads the meshes of bodies, vertices move onto the paths. */
 #include "scene/build.h"
 
 #include "base/memory.h"
@@ -6,6 +6,7 @@
 #include "mesh/path.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static pel_status fail_value(pel_scene_reader *reader, const pel_scene_value *value, const char *what,
@@ -16,9 +17,15 @@ static pel_status fail_value(pel_scene_reader *reader, const pel_scene_value *va
     return PEL_BAD_SCENE;
 }
 
+/* a path as vertices, in the arena of the reader */
+typedef struct vertex_path {
+    const int32_t *vertices;
+    int32_t count;
+} vertex_path;
+
 /* numbers of vertices; the simulation checks that edges join them */
 static pel_status read_numbers(pel_scene_reader *reader, const pel_scene_value *path, const pel_mesh *mesh,
-                               pel_cut_def *cut)
+                               vertex_path *trail)
 {
     int32_t *vertices = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(path), sizeof *vertices);
     if (vertices == NULL)
@@ -31,26 +38,26 @@ static pel_status read_numbers(pel_scene_reader *reader, const pel_scene_value *
             pel_fail_remedy(reader->error, "give numbers from 0 to %d", (int)mesh->vertex_count - 1);
             return PEL_BAD_SCENE;
         }
-        vertices[cut->vertex_count++] = (int32_t)child->number;
+        vertices[trail->count++] = (int32_t)child->number;
     }
-    cut->vertices = vertices;
+    trail->vertices = vertices;
     return PEL_OK;
 }
 
-static pel_status keep_vertices(pel_scene_reader *reader, const pel_path_trace *trace, pel_cut_def *cut)
+static pel_status keep_vertices(pel_scene_reader *reader, const pel_path_trace *trace, vertex_path *trail)
 {
     size_t size = (size_t)trace->count * sizeof *trace->vertices;
     int32_t *vertices = pel_arena_take(reader->arena, size, 1);
     if (vertices == NULL)
         return pel_fail_memory(reader->error);
     memcpy(vertices, trace->vertices, size);
-    cut->vertices = vertices;
-    cut->vertex_count = trace->count;
+    trail->vertices = vertices;
+    trail->count = trace->count;
     return PEL_OK;
 }
 
 static pel_status read_points(pel_scene_reader *reader, const pel_scene_value *path, pel_mesh *mesh, uint8_t *marks,
-                              pel_cut_def *cut)
+                              vertex_path *trail)
 {
     int32_t count = 0;
     double(*points)[3] = pel_arena_take(reader->arena, (size_t)pel_scene_value_count(path), sizeof *points);
@@ -70,7 +77,7 @@ static pel_status read_points(pel_scene_reader *reader, const pel_scene_value *p
         status = pel_path_trace_points(mesh, topology, (const double(*)[3])(void *)points, count, marks, &trace,
                                        reader->error);
     if (status == PEL_OK)
-        status = keep_vertices(reader, &trace, cut);
+        status = keep_vertices(reader, &trace, trail);
     else if (status == PEL_BAD_ARGUMENT)
         status = pel_scene_fail_at(reader, &pel_scene_value_element(path, trace.failed_point)->place);
     pel_free(trace.vertices);
@@ -78,59 +85,174 @@ static pel_status read_points(pel_scene_reader *reader, const pel_scene_value *p
     return status;
 }
 
-static pel_status read_cut(pel_scene_reader *reader, const pel_scene_value *value, int32_t body, pel_mesh *mesh,
+static pel_status read_path(pel_scene_reader *reader, const pel_scene_value *path, pel_mesh *mesh, uint8_t *marks,
+                            vertex_path *trail)
+{
+    return path->first->kind == PEL_SCENE_LIST ? read_points(reader, path, mesh, marks, trail)
+                                               : read_numbers(reader, path, mesh, trail);
+}
+
+/* whether a cut or seam is of this body */
+static pel_status find_owner(pel_scene_reader *reader, const pel_scene_value *value, const char *what,
+                             const pel_scene_owner *of, bool *is_own)
+{
+    char text[80];
+    const pel_scene_value *owner = pel_scene_value_entry(value, "body");
+    *is_own = owner == NULL || strcmp(owner->text, of->name) == 0;
+    if (owner != NULL || of->count == 1)
+        return PEL_OK;
+    snprintf(text, sizeof text, "the %s does not say which body it opens", what);
+    return fail_value(reader, value, text, "add `body` with its name");
+}
+
+static pel_status read_cut(pel_scene_reader *reader, const pel_scene_value *value, const pel_scene_owner *of,
                            uint8_t *marks, pel_cut_def *cut)
 {
     const pel_scene_part part = {reader, value, NULL};
-    const pel_scene_value *path = pel_scene_value_entry(value, "path");
-    *cut = (pel_cut_def){.body = body};
-    pel_scene_read_members(&part, PEL_DEF_CUT, cut);
-    cut->body = body;
-    cut->vertex_count = 0;
-    return path->first->kind == PEL_SCENE_LIST ? read_points(reader, path, mesh, marks, cut)
-                                               : read_numbers(reader, path, mesh, cut);
+    vertex_path found = {0};
+    *cut = (pel_cut_def){0};
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_CUT, cut);
+    if (status == PEL_OK)
+        status = read_path(reader, pel_scene_value_entry(value, "path"), of->mesh, marks, &found);
+    cut->body = of->body;
+    cut->vertices = found.vertices;
+    cut->vertex_count = found.count;
+    return status;
 }
 
-pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const char *name, int32_t body,
-                                int32_t body_count, pel_mesh *mesh, pel_cut_def *cuts)
+static pel_status read_seam(pel_scene_reader *reader, const pel_scene_value *value, const pel_scene_owner *of,
+                            uint8_t *marks, pel_seam_def *seam)
 {
-    const pel_scene_value *list = pel_scene_value_entry(root, "cuts");
-    uint8_t *marks = pel_allocate((size_t)mesh->vertex_count, 1);
-    pel_status status = marks != NULL ? PEL_OK : pel_fail_memory(reader->error);
+    const pel_scene_part part = {reader, value, of->mesh};
+    const pel_scene_value *path = pel_scene_value_entry(value, "path");
+    vertex_path found = {0};
+    *seam = pel_seam_def_default();
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_SEAM, seam);
+    if (status == PEL_OK && seam->strength == 0 && seam->opens_at < 0)
+        return fail_value(reader, value, "the seam never opens", "add `strength` (N/m) or `opens_at` (s)");
+    if (status == PEL_OK && path != NULL)
+        status = read_path(reader, path, of->mesh, marks, &found);
+    seam->body = of->body;
+    seam->path = found.vertices;
+    seam->path_count = found.count;
+    return status;
+}
+
+static pel_status read_cuts(pel_scene_reader *reader, const pel_scene_value *list, const pel_scene_owner *of,
+                            uint8_t *marks, pel_cut_def *cuts)
+{
+    pel_status status = PEL_OK;
     double before = 0;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next, cuts++) {
-        const pel_scene_value *owner = pel_scene_value_entry(value, "body");
+        bool is_own = false;
         double at = pel_scene_value_number(value, "at");
         if (at < before)
-            status = fail_value(reader, pel_scene_value_entry(value, "at"), "a cut is earlier than the one before",
-                                "give the cuts in the order of their times");
-        else if (owner == NULL && body_count > 1)
-            status = fail_value(reader, value, "the cut does not say which body it cuts", "add `body` with its name");
-        else if (owner == NULL || strcmp(owner->text, name) == 0)
-            status = read_cut(reader, value, body, mesh, marks, cuts);
+            return fail_value(reader, pel_scene_value_entry(value, "at"), "a cut is earlier than the one before",
+                              "give the cuts in the order of their times");
+        status = find_owner(reader, value, "cut", of, &is_own);
+        if (status == PEL_OK && is_own)
+            status = read_cut(reader, value, of, marks, cuts);
         before = at;
     }
+    return status;
+}
+
+/* paths first: they move vertices, which regions find */
+static pel_status read_seams(pel_scene_reader *reader, const pel_scene_value *list, const pel_scene_owner *of,
+                             uint8_t *marks, pel_seam_def *seams)
+{
+    pel_status status = PEL_OK;
+    bool is_own = false;
+    pel_seam_def *seam = seams;
+    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next, seam++) {
+        status = find_owner(reader, value, "seam", of, &is_own);
+        if (status == PEL_OK && is_own)
+            status = read_seam(reader, value, of, marks, seam);
+    }
+    for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next, seams++) {
+        const pel_scene_part part = {reader, value, of->mesh};
+        status = find_owner(reader, value, "seam", of, &is_own);
+        if (status == PEL_OK && is_own)
+            status = pel_scene_read_vertices(&part, pel_scene_value_entry(value, "vertices"), &seams->vertices,
+                                             &seams->vertex_count);
+    }
+    return status;
+}
+
+pel_status pel_scene_build_cuts(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene_owner *of,
+                                pel_sim_def *sim)
+{
+    uint8_t *marks = pel_allocate((size_t)of->mesh->vertex_count, 1);
+    pel_status status = marks != NULL ? PEL_OK : pel_fail_memory(reader->error);
+    if (status == PEL_OK)
+        status = read_cuts(reader, pel_scene_value_entry(root, "cuts"), of, marks, (pel_cut_def *)(uintptr_t)sim->cuts);
+    if (status == PEL_OK)
+        status =
+            read_seams(reader, pel_scene_value_entry(root, "seams"), of, marks, (pel_seam_def *)(uintptr_t)sim->seams);
     pel_free(marks);
     return status;
+}
+
+pel_status pel_scene_take_cuts(pel_scene_reader *reader, const pel_scene_value *root, pel_sim_def *sim)
+{
+    int32_t cut_count = pel_scene_value_count(pel_scene_value_entry(root, "cuts"));
+    int32_t seam_count = pel_scene_value_count(pel_scene_value_entry(root, "seams"));
+    pel_cut_def *cuts = pel_arena_take(reader->arena, (size_t)cut_count, sizeof *cuts);
+    pel_seam_def *seams = pel_arena_take(reader->arena, (size_t)seam_count, sizeof *seams);
+    if (cuts == NULL || seams == NULL)
+        return pel_fail_memory(reader->error);
+    sim->cuts = cuts;
+    sim->cut_count = cut_count;
+    sim->seams = seams;
+    sim->seam_count = seam_count;
+    return PEL_OK;
+}
+
+/* that there is a body of its name, which may open */
+static pel_status check_owner(pel_scene_reader *reader, const pel_scene *scene, const pel_scene_value *value,
+                              const char *what, bool is_found, int32_t body)
+{
+    enum { MOST_NAMES = 64 };
+    const char *names[MOST_NAMES];
+    char text[80];
+    size_t count = 0;
+    const pel_scene_value *owner = pel_scene_value_entry(value, "body");
+    for (int32_t b = 0; b < scene->model.body_count && count < MOST_NAMES; b++)
+        names[count++] = scene->model.bodies[b].name;
+    if (!is_found)
+        return pel_scene_fail_name(reader, &owner->place, "body", owner->text, names, count);
+    const pel_body_def *def = &scene->model.bodies[body];
+    if (!(def->fluid_density > 0) || isfinite(def->fluid_level))
+        return PEL_OK;
+    snprintf(text, sizeof text, "the %s opens a body that a liquid fills", what);
+    return fail_value(reader, value, text,
+                      "give fluid.level, the height of the liquid's surface, or leave `fluid` out");
+}
+
+/* bodies that need a closed surface; a cut in the middle of a run is refused then */
+static pel_status check_volume(pel_scene_reader *reader, const pel_scene *scene, const pel_scene_value *value,
+                               int32_t body)
+{
+    pel_pressure_kind kind = scene->model.bodies[body].shell.pressure.kind;
+    if (kind != PEL_PRESSURE_GAS && kind != PEL_PRESSURE_VOLUME)
+        return PEL_OK;
+    return fail_value(reader, value, "the seam opens a body that encloses a gas or has a target volume",
+                      "give its pressure as a number or keys");
 }
 
 pel_status pel_scene_check_cuts(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene *scene)
 {
     const pel_cut_def *cut = scene->sim.cuts;
-    enum { MOST_NAMES = 64 };
-    const char *names[MOST_NAMES];
-    size_t count = 0;
-    for (int32_t b = 0; b < scene->model.body_count && count < MOST_NAMES; b++)
-        names[count++] = scene->model.bodies[b].name;
-    for (const pel_scene_value *value = pel_scene_value_entry(root, "cuts")->first; value != NULL;
-         value = value->next, cut++) {
-        const pel_scene_value *owner = pel_scene_value_entry(value, "body");
-        if (cut->vertices == NULL)
-            return pel_scene_fail_name(reader, &owner->place, "body", owner->text, names, count);
-        const pel_body_def *body = &scene->model.bodies[cut->body];
-        if (body->fluid_density > 0 && !isfinite(body->fluid_level))
-            return fail_value(reader, value, "the cut opens a body that a liquid fills",
-                              "give fluid.level, the height of the liquid's surface, or leave `fluid` out");
+    const pel_seam_def *seam = scene->sim.seams;
+    pel_status status = PEL_OK;
+    for (const pel_scene_value *value = pel_scene_value_entry(root, "cuts")->first; status == PEL_OK && value != NULL;
+         value = value->next, cut++)
+        status = check_owner(reader, scene, value, "cut", cut->vertices != NULL, cut->body);
+    for (const pel_scene_value *value = pel_scene_value_entry(root, "seams")->first; status == PEL_OK && value != NULL;
+         value = value->next, seam++) {
+        status = check_owner(reader, scene, value, "seam", seam->path != NULL || seam->vertices != NULL, seam->body);
+        if (status == PEL_OK)
+            status = check_volume(reader, scene, value, seam->body);
     }
-    return PEL_OK;
+    return status;
 }

@@ -208,6 +208,9 @@ static pel_status check_body(pel_scene_reader *reader, const pel_scene *scene, c
     for (int32_t c = 0; c < scene->sim.cut_count; c++)
         if (scene->sim.cuts[c].body == b)
             return refuse(reader, value, body, "it has cuts", "subdivide the mesh (pellicle subdivide)");
+    for (int32_t s = 0; s < scene->sim.seam_count; s++)
+        if (scene->sim.seams[s].body == b)
+            return refuse(reader, value, body, "it has seams", "subdivide the mesh (pellicle subdivide)");
     return PEL_OK;
 }
 

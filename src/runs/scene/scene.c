@@ -116,22 +116,22 @@ static pel_status choose_method(pel_scene_reader *reader, const pel_scene_value 
     return status;
 }
 
-/* bodies, loads, tools and cuts */
+/* bodies, loads, tools, cuts and seams */
 static pel_status build_parts(pel_scene_reader *reader, pel_scene_value *root, const char *folder, pel_scene *scene)
 {
     scene_storage *storage = scene->inner;
-    int32_t cut_count = pel_scene_value_count(pel_scene_value_entry(root, "cuts"));
-    pel_cut_def *cuts = pel_arena_take(reader->arena, (size_t)cut_count, sizeof *cuts);
-    if (cuts == NULL)
-        return pel_fail_memory(reader->error);
-    pel_status status =
-        pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count, cuts);
+    pel_sim_def opened = {0};
+    pel_status status = pel_scene_take_cuts(reader, root, &opened);
+    if (status == PEL_OK)
+        status = pel_scene_build_bodies(reader, root, folder, scene, storage->meshes, &storage->mesh_count, &opened);
     if (status == PEL_OK)
         status = pel_scene_build_sim(reader, root, folder, scene, storage->meshes, &storage->mesh_count);
     if (status == PEL_OK)
         status = pel_scene_keep_apart(reader, root, scene);
-    scene->sim.cuts = cuts;
-    scene->sim.cut_count = cut_count;
+    scene->sim.cuts = opened.cuts;
+    scene->sim.cut_count = opened.cut_count;
+    scene->sim.seams = opened.seams;
+    scene->sim.seam_count = opened.seam_count;
     return status == PEL_OK ? pel_scene_check_cuts(reader, root, scene) : status;
 }
 

@@ -74,7 +74,7 @@ static pel_status check(const pel_sim *sim, const pel_adjoint_steps *def, pel_er
                           "steps of a body that refines have no derivatives");
     if (sim->cuts_done < sim->def.cut_count || sim->tear != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT,
-                          "leave the toughness and the cuts out, or take derivatives after the last one",
+                          "leave the toughness, the seams and the cuts out, or take derivatives after the last one",
                           "steps that cut a surface have no derivatives");
     if (sim->minimise->newton->radial != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "set volumetric.damping to 0, or damp with springs.damping",

@@ -255,6 +255,34 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* ---- seams ---- */
+
+pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    *has_opened = false;
+    /* a body that opens makes the seams anew */
+    for (int32_t i = 0; status == PEL_OK && sim->tear != NULL && i < sim->tear->seam_count; i++) {
+        pel_seams *seams = &sim->tear->seams[i];
+        pel_opening opening = {0};
+        if (sim->shells != NULL)
+            pel_shell_forces_follow(sim->shells, sim->state->position);
+        if (pel_seams_look(seams) == 0)
+            continue;
+        cut c = {.sim = sim, .body = seams->body, .topology = seams->survey.topology, .marks = seams->marks};
+        sim->cut_is_held = false;
+        status = pel_opening_find(c.topology, c.marks, &opening, error);
+        if (status == PEL_OK)
+            status = apply(sim, &c, &opening, sim->cuts_done, NULL, error);
+        *has_opened |= status == PEL_OK;
+        /* once more before the next step */
+        if (status == PEL_BAD_ARGUMENT && sim->cut_is_held)
+            status = PEL_OK;
+        pel_opening_clear(&opening);
+    }
+    return status;
+}
+
 /* ---- tears ---- */
 
 /* opens the growing edges of a body, after its vertices have moved */

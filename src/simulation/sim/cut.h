@@ -4,7 +4,7 @@
 
 #include "stage/stage.h"
 
-/* Checks the cuts of a def: PEL_BAD_ARGUMENT with the cut. */
+/* Checks the cuts and seams of a def: PEL_BAD_ARGUMENT with the cut or the seam. */
 pel_status pel_cuts_check(const pel_sim *sim, const pel_sim_def *def, pel_error *error);
 /* What a cut needs of the simulation, and of its path. */
 pel_status pel_cut_check_sim(const pel_sim *sim, pel_error *error);
@@ -12,6 +12,8 @@ pel_status pel_cut_check_path(const pel_sim *sim, int32_t body, const int32_t *v
                               pel_error *error);
 /* Makes those whose time has come; errors of pel_cut, with the number of the cut. */
 pel_status pel_cuts_make(pel_sim *sim, pel_error *error);
+/* Opens the edges of seams whose time has come or that carry more than their strength. PEL_OUT_OF_MEMORY. */
+pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error);
 /* Takes the volumetric springs from vertices that they pull harder than the adhesion. PEL_OUT_OF_MEMORY. */
 pel_status pel_adhesions_release(pel_sim *sim, bool *has_released, pel_error *error);
 /* Opens one edge at each tip that releases as much energy as the material takes. PEL_OUT_OF_MEMORY. */

@@ -125,7 +125,8 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
                   {"tool", def->tool_count, def->tools},
                   {"support", def->support_count, def->supports},
                   {"tie", def->tie_count, def->ties},
-                  {"cut", def->cut_count, def->cuts}};
+                  {"cut", def->cut_count, def->cuts},
+                  {"seam", def->seam_count, def->seams}};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i].count < 0 || (arrays[i].count > 0 && arrays[i].array == NULL))
             return pel_fail(error, PEL_BAD_ARGUMENT, "%s_count is %d, and %ss is null or the count below 0",

@@ -200,16 +200,19 @@ static pel_status step_once(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* a balance in which a tip still releases enough is none: the same step again, from there */
+/* a balance in which a tip still releases enough, or a seam carries too much, is none: the same step again, from there
+ */
 static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 {
-    bool has_grown = true, has_released = false;
+    bool has_grown = true, has_opened = false, has_released = false;
     pel_status status = PEL_OK;
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_STATIC_ADVANCES; advance++) {
-        status = pel_adhesions_release(sim, &has_released, error);
+        status = pel_seams_open(sim, &has_opened, error);
+        if (status == PEL_OK)
+            status = pel_adhesions_release(sim, &has_released, error);
         if (status == PEL_OK)
             status = pel_tears_grow(sim, &has_grown, error);
-        has_grown |= has_released;
+        has_grown |= has_opened || has_released;
         if (status != PEL_OK || !has_grown)
             return status;
         sim->state->step--;
@@ -221,8 +224,10 @@ static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
-    bool has_grown = !sim->stepper->is_static, has_released;
+    bool has_grown = !sim->stepper->is_static, has_opened, has_released;
     pel_status status = pel_cuts_make(sim, error);
+    if (status == PEL_OK)
+        status = pel_seams_open(sim, &has_opened, error);
     if (status == PEL_OK && !sim->stepper->is_static)
         status = pel_adhesions_release(sim, &has_released, error);
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_ADVANCES; advance++)

@@ -150,7 +150,8 @@ static void mark_list(uint8_t *marks, const int32_t *vertices, int32_t count)
         marks[vertices[i]] = 1;
 }
 
-/* vertices that must not move in the rest shape: held ones, those that loads and supports name, and all copies */
+/* vertices that must not move in the rest shape: held ones, those that loads, supports, cuts and seams name, and all
+   copies */
 static void mark_fixed(const pel_survey *s, uint8_t *marks)
 {
     const pel_sim_def *def = &s->sim->def;
@@ -168,6 +169,12 @@ static void mark_fixed(const pel_survey *s, uint8_t *marks)
     for (int32_t i = 0; i < def->support_count; i++)
         if (def->supports[i].body == s->body && def->supports[i].vertex_count < count)
             mark_list(marks, def->supports[i].vertices, def->supports[i].vertex_count);
+    for (int32_t c = s->sim->cuts_done; c < def->cut_count; c++)
+        if (def->cuts[c].body == s->body)
+            mark_list(marks, def->cuts[c].vertices, def->cuts[c].vertex_count);
+    for (int32_t i = 0; i < def->seam_count; i++)
+        if (def->seams[i].body == s->body)
+            mark_list(marks, def->seams[i].path, def->seams[i].path_count);
 }
 
 static pel_status begin_growth(const pel_survey *s, pel_growth *growth, uint8_t **fixed, pel_error *error)
@@ -315,6 +322,8 @@ static pel_status begin_body(pel_sim *sim, int32_t body, pel_error *error)
     }
     if (status == PEL_OK && pel_body_adheres(sim, body))
         status = pel_adhesion_begin(&tear->adhesions[tear->adhesion_count++], sim, body, error);
+    if (status == PEL_OK && pel_body_has_seam(sim, body))
+        status = pel_seams_begin(&tear->seams[tear->seam_count++], sim, body, error);
     return status;
 }
 
@@ -337,7 +346,7 @@ pel_status pel_tear_create(pel_sim *sim, pel_error *error)
     if (status == PEL_OK)
         status = check_start(sim, error);
     for (int32_t b = 0; b < body_count; b++)
-        any |= pel_body_can_tear(sim, b) || pel_body_adheres(sim, b);
+        any |= pel_body_can_tear(sim, b) || pel_body_adheres(sim, b) || pel_body_has_seam(sim, b);
     if (status != PEL_OK || !any)
         return status;
     sim->tear = pel_allocate(1, sizeof *sim->tear);
@@ -345,7 +354,7 @@ pel_status pel_tear_create(pel_sim *sim, pel_error *error)
         return pel_fail_memory(error);
     sim->tear->tip_room = most;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->tear->surveys, body_count), PEL_ROOM(sim->tear->adhesions, body_count),
-                          PEL_ROOM(sim->tear->tips, most)))
+                          PEL_ROOM(sim->tear->seams, body_count), PEL_ROOM(sim->tear->tips, most)))
         return pel_fail_memory(error);
     for (int32_t b = 0; status == PEL_OK && b < body_count; b++)
         status = begin_body(sim, b, error);
@@ -360,6 +369,8 @@ void pel_tear_destroy(pel_sim *sim)
         pel_survey_end(&sim->tear->surveys[i]);
     for (int32_t i = 0; i < sim->tear->adhesion_count; i++)
         pel_adhesion_end(&sim->tear->adhesions[i]);
-    PEL_FREE_ALL(sim->tear->surveys, sim->tear->adhesions, sim->tear->tips);
+    for (int32_t i = 0; i < sim->tear->seam_count; i++)
+        pel_seams_end(&sim->tear->seams[i]);
+    PEL_FREE_ALL(sim->tear->surveys, sim->tear->adhesions, sim->tear->seams, sim->tear->tips);
     pel_free(sim->tear);
 }

@@ -4,6 +4,7 @@
 
 #include "tear/adhesion.h"
 #include "tear/material.h"
+#include "tear/seam.h"
 #include "tear/survey.h"
 
 /* Surveys of the bodies that can tear, made for the present triangles: a step that finds nothing allocates nothing. */
@@ -14,9 +15,11 @@ typedef struct pel_tear {
     int32_t tip_room;
     int32_t adhesion_count;
     pel_adhesion *adhesions; /* of the bodies that adhere to their filling */
+    int32_t seam_count;
+    pel_seams *seams; /* of the bodies that have any */
 } pel_tear;
 
-/* sim->tear stays null if no body can tear or adheres. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
+/* sim->tear stays null if no body can tear, adheres or has a seam. PEL_BAD_ARGUMENT, PEL_OUT_OF_MEMORY. */
 pel_status pel_tear_create(pel_sim *sim, pel_error *error);
 void pel_tear_destroy(pel_sim *sim);
 
