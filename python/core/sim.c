@@ -476,6 +476,7 @@ static PyMethodDef methods[] = {
     CHANGE(hessian, METH_O),
     CHANGE(set_pins, METH_FASTCALL),
     CHANGE(cut, METH_FASTCALL),
+    CHANGE(tips, METH_O),
     CHANGE(pick, METH_O),
     CHANGE(drag, METH_FASTCALL),
     CHANGE(adjoint, METH_FASTCALL),

@@ -37,6 +37,27 @@ PyObject *core_sim_cut(core_sim *self, PyObject *const *arguments, Py_ssize_t co
     return change_vertices(self, "cut", pel_cut, arguments, count);
 }
 
+_Static_assert(sizeof(pel_tip) == 96, "as simulation.py reads it");
+
+/* tips(body): rows of pel_tip as bytes */
+PyObject *core_sim_tips(core_sim *self, PyObject *argument)
+{
+    pel_error error;
+    int32_t body = core_sim_body(self, argument), count = 0, all = 0;
+    void *rows;
+    if (body < 0)
+        return NULL;
+    if (pel_sim_tips(self->sim, body, NULL, 0, &count, &error) != PEL_OK)
+        return core_raise(&error);
+    PyObject *bytes = core_new_bytes((size_t)count * sizeof(pel_tip), &rows);
+    if (bytes == NULL)
+        return NULL;
+    if (pel_sim_tips(self->sim, body, rows, count, &all, &error) == PEL_OK)
+        return bytes;
+    Py_DECREF(bytes);
+    return core_raise(&error);
+}
+
 static const core_member hit_members[] = {
     CORE_MEMBER(pel_pick_hit, body, CORE_INT32),        CORE_MEMBER(pel_pick_hit, triangle, CORE_INT32),
     CORE_ARRAY(pel_pick_hit, vertices, CORE_INT32, 3),  CORE_ARRAY(pel_pick_hit, weights, CORE_DOUBLE, 3),

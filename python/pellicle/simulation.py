@@ -31,6 +31,20 @@ _CONTACT = np.dtype(
     ],
     align=True,
 )
+
+# pel_tip
+_TIP = np.dtype(
+    [
+        ("body", np.int32),
+        ("vertex", np.int32),
+        ("position", np.float64, 3),
+        ("ahead", np.float64, 3),
+        ("force", np.float64, 3),
+        ("release", np.float64),
+        ("rate", np.float64),
+    ],
+    align=True,
+)
 _MATERIAL = ("young", "thickness", "poisson", "bending", "pressure")
 
 
@@ -412,6 +426,21 @@ class Simulation:
     def origins(self, body: Union[int, str] = 0, out: Optional[np.ndarray] = None) -> np.ndarray:
         """The vertex before all cuts that each vertex is a copy of (vertex_count,), int32; itself if it is none."""
         return self._core.get(_NUMBER["origins"], body, out)
+
+    def tips(self, body: Union[int, str] = 0) -> np.ndarray:
+        """The ends of cuts and tears inside the surface, in the order of their vertices; of bodies that tear also sharp notches.
+
+        Returns
+        -------
+        numpy.ndarray
+            Structured array: ``tips["position"]`` has the shape (count, 3). Fields:
+
+            body, vertex: numbers of the body and of its vertex. position (3): at present [m].
+            ahead (3): direction of the last edge of the cut, in the rest shape.
+            force (3): configurational force in the rest shape, the energy that an advance of the tip releases per length [N].
+            release: its magnitude [N]. rate: energy release rate [J/m2], release over the thickness; NaN for springs without one.
+        """
+        return np.frombuffer(self._core.tips(body), _TIP)
 
     # ---- picking and dragging ----
 

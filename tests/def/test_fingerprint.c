@@ -82,7 +82,6 @@ static all_defs *make_defs(void)
     }
     for (int i = 0; i < 2; i++) {
         all->cuts[i] = (pel_cut_def){.vertices = all->vertices, .vertex_count = 3};
-    for (int i = 0; i < 2; i++) {
         all->ties[i] = pel_tie_def_default();
         all->ties[i].vertices = all->ties[i].to_vertices = all->vertices;
         all->ties[i].vertex_count = 3;

@@ -236,6 +236,12 @@ class Hand(unittest.TestCase):
         self.assertEqual(sorted(origins[count:]), sorted(path[1:3]))
         self.assertTrue((origins[sim.triangles()] == before).all())
         sim.step(5)
+        tips = sim.tips()
+        self.assertEqual(sorted(tips["vertex"]), sorted([path[0], path[3]]))
+        np.testing.assert_allclose(tips["position"], sim.positions()[tips["vertex"]], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(np.linalg.norm(tips["ahead"], axis=1), 1)
+        np.testing.assert_allclose(np.linalg.norm(tips["force"], axis=1), tips["release"])
+        self.assertEqual(len(pellicle.load_scene(ball()).tips()), 0)
 
 
 if __name__ == "__main__":

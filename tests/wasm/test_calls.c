@@ -3,6 +3,7 @@
 #include "check.h"
 #include "failing_malloc.h"
 
+#include "math/vec3.h"
 #include "wasm/calls.h"
 
 #include <pellicle/error.h>
@@ -263,7 +264,20 @@ static void test_cut(void **unused)
     assert_int_equal(most, count - 1);
     assert_true(isfinite(pel_wasm_sim_positions(sim, 0)[3 * count - 1]));
     assert_int_equal(pel_wasm_sim_step(sim, 5), PEL_OK);
+    /* its two ends, which are no copies and lie on the surface */
+    const double *tips = pel_wasm_sim_tips(sim, 0);
+    assert_true(tips[0] == 2);
+    for (int t = 0; t < 2; t++) {
+        const double *tip = tips + 1 + 12 * t;
+        assert_true(tip[0] >= 0 && tip[0] < BALL_VERTICES);
+        for (int c = 0; c < 3; c++)
+            assert_near(tip[1 + c], pel_wasm_sim_positions(sim, 0)[3 * (int32_t)tip[0] + c], 1e-6);
+        assert_near(pel_vec3_length(tip + 4), 1, 1e-12);
+        assert_near(tip[10], pel_vec3_length(tip + 7), 1e-12);
+    }
+    assert_null(pel_wasm_sim_tips(sim, 5));
     assert_int_equal(pel_wasm_sim_undo(sim), 1);
+    assert_true(pel_wasm_sim_tips(sim, 0)[0] == 0);
     assert_int_equal(pel_wasm_sim_vertex_count(sim, 0), BALL_VERTICES);
     pel_wasm_sim_destroy(sim);
 }

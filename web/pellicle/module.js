@@ -288,6 +288,18 @@ export class Simulation {
         return { body, triangle, meshVertex, distance, point: rest.slice(0, 3), normal: rest.slice(3, 6), vertices: rest.slice(6, 9), weights: rest.slice(9, 12) };
     }
 
+    tips(body = 0) {
+        const number = this.#body(body);
+        const address = this.#handle.call("tips", number);
+        this.#handle.check();
+        const [count] = this.#view(Float64Array, address, 1);
+        const numbers = this.#view(Float64Array, address, 1 + 12 * count).slice(1);
+        return Array.from({ length: count }, (_, t) => {
+            const [vertex, ...rest] = numbers.slice(12 * t, 12 * t + 12);
+            return { body: number, vertex, position: rest.slice(0, 3), ahead: rest.slice(3, 6), force: rest.slice(6, 9), release: rest[9], rate: rest[10] };
+        });
+    }
+
     /* ---- steps and changes ---- */
 
     step(count = 1) {

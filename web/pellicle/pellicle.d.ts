@@ -65,6 +65,23 @@ export interface Parameter {
     readonly words?: readonly string[];
 }
 
+/** the end of a cut or tear inside the surface */
+export interface Tip {
+    /** index into `bodies` */
+    readonly body: number;
+    readonly vertex: number;
+    /** m */
+    readonly position: readonly number[];
+    /** unit length, in the rest shape */
+    readonly ahead: readonly number[];
+    /** N, configurational force in the rest shape */
+    readonly force: readonly number[];
+    /** N, its magnitude */
+    readonly release: number;
+    /** J/m2; NaN for springs without thickness */
+    readonly rate: number;
+}
+
 export interface Hit {
     /** index into `bodies` */
     readonly body: number;
@@ -148,6 +165,9 @@ export interface Simulation {
     field(name: string, body?: number | string): Float32Array;
     /** First intersection of a ray with a body, origin in m; null if the ray meets no body. */
     pick(origin: Vector, direction: Vector): Hit | null;
+
+    /** The ends of cuts and tears inside the surface of a body, and in bodies that tear its sharp notches. */
+    tips(body?: number | string): readonly Tip[];
 
     /** Takes `count` steps (default: 1). If a step diverges, the simulation returns to the last mark, or to the start. */
     step(count?: number): void;

@@ -27,7 +27,7 @@ typedef struct pel_wasm_sim pel_wasm_sim;
 PEL_WASM pel_wasm_sim *pel_wasm_sim_create(const char *path, const char *text, int32_t size,
                                            const char *const *overrides, int32_t override_count);
 PEL_WASM void pel_wasm_sim_destroy(pel_wasm_sim *sim);
-/* pel_status of the last call that can fail: creation, step, apply, undo, reset, field, pick, record, scene */
+/* pel_status of the last call that can fail: creation, step, apply, undo, reset, field, pick, tips, record, scene */
 PEL_WASM int32_t pel_wasm_sim_status(const pel_wasm_sim *sim);
 
 /* The last failure as an object: status, message (whole), what, remedy, file, line, column. */
@@ -70,6 +70,10 @@ PEL_WASM const float *pel_wasm_sim_field(pel_wasm_sim *sim, int32_t field, int32
    numbers. Null on failure. */
 PEL_WASM const double *pel_wasm_sim_pick(pel_wasm_sim *sim, double ox, double oy, double oz, double dx, double dy,
                                          double dz);
+
+/* Tips of a body (pel_sim_tips): count, then for each the vertex, position (3), ahead (3), force (3), release and rate:
+   12 numbers. Null on failure. The address stays until the next call. */
+PEL_WASM const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body);
 
 /* ---- a simulation in real time, as served by `pellicle live` ---- */
 

@@ -4,12 +4,13 @@
 #include "live/message.h"
 #include "pellicle/observe.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "wasm/calls.h"
 #include "wasm/error.h"
 
 #include <string.h>
 
-enum { PICK_NUMBERS = 17 };
+enum { PICK_NUMBERS = 17, TIP_NUMBERS = 12 };
 
 /* arrays of a body, as JavaScript reads them */
 typedef struct body_arrays {
@@ -35,6 +36,7 @@ struct pel_wasm_sim {
     float *values; /* (value_room) of a field */
     size_t value_room;
     double picked[PICK_NUMBERS];
+    double *tips; /* of the last call */
 };
 
 /* ---- creation ---- */
@@ -91,7 +93,7 @@ void pel_wasm_sim_destroy(pel_wasm_sim *sim)
     }
     pel_free(sim->bodies);
     pel_json_free(&sim->notes);
-    PEL_FREE_ALL(sim->kept, sim->numbers, sim->values, sim);
+    PEL_FREE_ALL(sim->kept, sim->numbers, sim->values, sim->tips, sim);
 }
 
 int32_t pel_wasm_sim_status(const pel_wasm_sim *sim)
@@ -313,4 +315,32 @@ const double *pel_wasm_sim_pick(pel_wasm_sim *sim, double ox, double oy, double 
         out[14 + i] = hit.weights[i];
     }
     return out;
+}
+
+const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body)
+{
+    int32_t count = 0;
+    pel_free(sim->tips);
+    sim->tips = NULL;
+    sim->status = pel_sim_tips(sim->sim, body, NULL, 0, &count, &sim->error);
+    if (sim->status != PEL_OK)
+        return NULL;
+    pel_tip *tips = pel_allocate((size_t)count, sizeof *tips);
+    sim->tips = pel_allocate(1 + TIP_NUMBERS * (size_t)count, sizeof *sim->tips);
+    sim->status = tips != NULL && sim->tips != NULL ? pel_sim_tips(sim->sim, body, tips, count, &count, &sim->error)
+                                                    : pel_fail_memory(&sim->error);
+    for (int32_t t = 0; sim->status == PEL_OK && t < count; t++) {
+        double *out = sim->tips + 1 + TIP_NUMBERS * (size_t)t;
+        out[0] = tips[t].vertex;
+        memcpy(out + 1, tips[t].position, sizeof tips[t].position);
+        memcpy(out + 4, tips[t].ahead, sizeof tips[t].ahead);
+        memcpy(out + 7, tips[t].force, sizeof tips[t].force);
+        out[10] = tips[t].release;
+        out[11] = tips[t].rate;
+    }
+    pel_free(tips);
+    if (sim->status != PEL_OK)
+        return NULL;
+    sim->tips[0] = count;
+    return sim->tips;
 }
