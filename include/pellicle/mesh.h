@@ -26,6 +26,11 @@ typedef struct pel_mesh {
     double (*positions)[3];  /* (vertex_count x 3) */
     int32_t (*triangles)[3]; /* (triangle_count x 3), each 0 .. vertex_count - 1 */
     pel_field *fields;       /* (field_count) */
+    /* of a mesh that is filled (pel_mesh_fill in pellicle/volume.h), else 0 and null */
+    int32_t tetrahedron_count;
+    int32_t (*tetrahedra)[4]; /* (tetrahedron_count x 4), of positive volume: seen from the fourth corner the first
+                                 three are clockwise. The triangles are their outer faces; vertices inside, which no
+                                 triangle has, come last */
 } pel_mesh;
 
 /* Copies positions (vertex_count x 3) and triangles (triangle_count x 3) into a new mesh.

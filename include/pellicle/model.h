@@ -8,6 +8,7 @@
 
 #include "mesh.h"
 #include "shell.h"
+#include "volume.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -106,8 +107,12 @@ typedef struct pel_body_def {
     const int32_t *origins;
     int32_t origin_count;
     pel_refine_def refine;
-    pel_shell_def shell; /* membrane, bending, fibres, pressure; default: none */
-    uint32_t cookie;     /* set by pel_body_def_default */
+    pel_shell_def shell;   /* membrane, bending, fibres, pressure; default: none */
+    pel_volume_def volume; /* the tetrahedra of a mesh that is filled. PEL_MASS_TOTAL and PEL_MASS_DENSITY then
+                              distribute the mass by volume: a quarter of the adjacent tetrahedra, density [kg/m3]
+                              without a thickness. Methods implicit, static, xpbd, explicit and descent; no cuts, no
+                              refinement */
+    uint32_t cookie;       /* set by pel_body_def_default */
 } pel_body_def;
 
 /* The numbers of paper A: 1 kg per vertex, k = 3 N/m, d = 0.5 N s/m, k' = 1.5 N/m, d' = 0.5 N s/m; no mesh and no name.

@@ -33,5 +33,6 @@
 #include "sim.h"
 #include "subdivide.h"
 #include "topology.h"
+#include "volume.h"
 
 #endif

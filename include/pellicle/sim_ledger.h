@@ -15,7 +15,7 @@ typedef struct pel_sim_measures {
     double least_volume_ratio; /* smallest volume ratio of a body; at most 0 if it is inside out; NaN as above */
     double area_ratio;         /* area relative to rest */
     double kinetic_energy;     /* J, at the time of the positions (velocities of leapfrog are half a step earlier) */
-    double elastic_energy;     /* J, the sum of the five below */
+    double elastic_energy;     /* J, the sum of the five below, and that of tetrahedra */
     double spring_energy;      /* J */
     double volumetric_energy;  /* J */
     double membrane_energy, bending_energy, fibre_energy; /* J, of shells */

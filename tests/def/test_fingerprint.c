@@ -40,7 +40,7 @@ static void fill_body(all_defs *all, pel_body_def *body)
         &body->thickness,          &body->spring_stiffness, &body->spring_damping,      &body->volumetric_stiffness,
         &body->volumetric_damping, &shell->membrane.young,  &shell->membrane.thickness, &shell->bending.stiffness,
         &shell->pressure.outside,  &shell->pressure.target, &shell->membrane.toughness, &body->spring_toughness,
-        &shell->membrane.strength, &body->spring_strength};
+        &shell->membrane.strength, &body->spring_strength,  &body->volume.young};
     *body = pel_body_def_default();
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         fill_quantity(all, quantities[i]);
@@ -56,7 +56,7 @@ static all_defs *make_defs(void)
 {
     all_defs *all = calloc(1, sizeof *all);
     assert_non_null(all);
-    all->mesh = (pel_mesh){4, 2, 0, all->positions, all->triangles, NULL};
+    all->mesh = (pel_mesh){4, 2, 0, all->positions, all->triangles, NULL, 0, NULL};
     for (int i = 0; i < 2; i++) {
         all->anisotropies[i] = pel_anisotropy_def_default();
         fill_quantity(all, &all->anisotropies[i].rest_length);

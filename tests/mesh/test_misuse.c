@@ -16,6 +16,7 @@
 #include <pellicle/shell.h>
 #include <pellicle/subdivide.h>
 #include <pellicle/topology.h>
+#include <pellicle/volume.h>
 
 #include <math.h>
 
@@ -219,6 +220,23 @@ static void test_meshes(void **unused)
     options = pel_repair_options_default();
     options.drop_parts = -1;
     REFUSED("drop_parts", pel_mesh_repair(mesh, &options, &made, NULL, &error));
+    static const int32_t corners_of_one[4] = {0, 1, 2, 9};
+    REFUSED("surface", pel_mesh_fill(NULL, 0, &made, &error));
+    REFUSED("filled", pel_mesh_fill(mesh, 0, NULL, &error));
+    REFUSED("edge", pel_mesh_fill(mesh, -1, &made, &error));
+    REFUSED("edge", pel_mesh_fill(mesh, nan_value, &made, &error));
+    REFUSED("edge", pel_mesh_fill(mesh, 1e-300, &made, &error));
+    REFUSED("points", pel_mesh_create_filled(NULL, 3, corners_of_one, 1, &made, &error));
+    REFUSED("tetrahedra", pel_mesh_create_filled(mesh->positions[0], 3, NULL, 1, &made, &error));
+    REFUSED("mesh", pel_mesh_create_filled(mesh->positions[0], 3, corners_of_one, 1, NULL, &error));
+    REFUSED("0 tetrahedra", pel_mesh_create_filled(mesh->positions[0], 3, corners_of_one, 0, &made, &error));
+    REFUSED("vertex 9", pel_mesh_create_filled(mesh->positions[0], 3, corners_of_one, 1, &made, &error));
+    const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, one_point[4][3] = {{0}};
+    double density;
+    REFUSED("kind", pel_volume_density((pel_volume_kind)99, 1, 0.3, 0, identity, &density, NULL, &error));
+    REFUSED("poisson", pel_volume_density(PEL_VOLUME_STVK, 1, 0.5, 0, identity, &density, NULL, &error));
+    REFUSED("deformation_gradient", pel_volume_density(PEL_VOLUME_STVK, 1, 0.3, 0, NULL, &density, NULL, &error));
+    GIVES(pel_tetrahedron_volume(one_point) == 0);
     REFUSED("mesh", pel_mesh_fill_holes(NULL, 10, &made, NULL, &error));
     REFUSED("filled", pel_mesh_fill_holes(mesh, 10, NULL, NULL, &error));
     REFUSED("edge_limit", pel_mesh_fill_holes(mesh, -1, &made, NULL, &error));

@@ -8,6 +8,7 @@
 #include "base/assert.h"
 #include "base/wide.h"
 #include "law/membrane.h"
+#include "law/solid.h"
 
 /* Compute the displacements of up to 4 blocks of one colour before applying any. A processor looks only some hundred
    operations beyond a pending division: this gives it the next blocks to work on (8 and 16: no better). */
@@ -35,6 +36,9 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_NORMAL_SQUARE, /* the same, energy in the square of the length */
     PEL_CONSTRAINT_LIMIT,         /* inverse of the rest matrix (3): principal stretches between two limits */
     PEL_CONSTRAINT_PRESSURE,      /* weight, or none where all are 1; a force, never projected */
+    PEL_CONSTRAINT_SOLID, /* gradients of the first three corners (9), softness: 1 / (young volume); one kind for each
+                             law */
+    PEL_CONSTRAINT_LAST = PEL_CONSTRAINT_SOLID + PEL_VOLUME_COUNT - 1,
     PEL_CONSTRAINT_COUNT
 } pel_constraint;
 
@@ -43,7 +47,8 @@ enum {
     PEL_ISOMETRIC_NUMBERS = 5,
     PEL_ANGLE_NUMBERS = 3,
     PEL_FIBRE_NUMBERS = 3,
-    PEL_FIBRE_WEIGHTED_NUMBERS = 4
+    PEL_FIBRE_WEIGHTED_NUMBERS = 4,
+    PEL_SOLID_NUMBERS = 10
 };
 
 /* numbers of a triangle that caves in */
@@ -65,6 +70,7 @@ typedef enum pel_normal_number {
 /* numbers that all elements of a batch share */
 typedef struct pel_batch_law {
     pel_real numbers[PEL_LAW_NUMBERS]; /* membrane: constants of its law */
+    pel_solid_law solid;               /* tetrahedra */
     double modulus;                    /* membrane: shear modulus of the law over young */
     pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
     pel_real weight;                   /* bending of pbd: k_B */
@@ -101,6 +107,11 @@ typedef struct pel_batch {
     uint8_t *has_fixed;   /* (capacity) 1 = a vertex of the block is pinned or held; null = reactions not recorded */
     pel_record *reaction; /* (model vertex_count) forces on the holders of vertices; null likewise */
 } pel_batch;
+
+static inline bool pel_batch_is_solid(const pel_batch *batch)
+{
+    return batch->kind >= PEL_CONSTRAINT_SOLID && batch->kind <= PEL_CONSTRAINT_LAST;
+}
 
 /* energies of fibres whose gradient is along the normal */
 static inline bool pel_batch_is_push(const pel_batch *batch)

@@ -22,6 +22,7 @@
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "measure/element.h"
+#include "model/shell.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,6 +114,15 @@ static int32_t list_hinges(plan *p)
     for (int32_t h = 0; h < shell->hinge_count; h++)
         if (p->literal || pel_shell_hinge_stiffness(shell, h) > 0)
             add_element(p, pel_shell_hinge_of(shell, h).vertices, 4, h, &count);
+    return count;
+}
+
+static int32_t list_tetrahedra(plan *p)
+{
+    const pel_shell *shell = p->body->shell;
+    int32_t count = 0;
+    for (int32_t t = 0; t < shell->tetrahedron_count; t++)
+        add_element(p, shell->tetrahedra[t], 4, t, &count);
     return count;
 }
 
@@ -234,6 +244,16 @@ static void fill_fibre(const plan *p, const pel_batch *batch, const pel_shell_re
         *pel_batch_number(batch, i, 3) = (pel_real)fibre.weight;
 }
 
+static void fill_tetra(const plan *p, const pel_batch *batch, int32_t i)
+{
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
+    pel_rest_tetra rest;
+    const double scale = pel_filled_rest(p->body->shell, p->model->rest, batch->sources[i], &rest);
+    for (int j = 0; j < 9; j++)
+        *pel_batch_number(batch, i, j) = (pel_real)rest.gradients[j / 3][j % 3];
+    *pel_batch_number(batch, i, 9) = (pel_real)(1 / scale);
+}
+
 /* ---- batches ---- */
 
 /* the elements of a batch into the scratch; returns how many */
@@ -241,6 +261,8 @@ static int32_t list_elements(plan *p, const pel_batch *batch)
 {
     if (batch->arity == 2)
         return list_edges(p);
+    if (pel_batch_is_solid(batch))
+        return list_tetrahedra(p);
     if (batch->arity == 4)
         return list_hinges(p);
     if (batch->region >= 0)
@@ -253,6 +275,8 @@ static void fill_number(const plan *p, const pel_batch *batch, int32_t i)
     PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     if (batch->arity == 2)
         fill_edge(p, batch, i);
+    else if (pel_batch_is_solid(batch))
+        fill_tetra(p, batch, i);
     else if (batch->arity == 4)
         fill_hinge(p, batch, i);
     else if (batch->region >= 0)
@@ -387,6 +411,16 @@ static pel_status add_bending(plan *p, pel_error *error)
     return add_batch(p, batch, error);
 }
 
+static pel_status add_solid(plan *p, pel_error *error)
+{
+    const pel_shell *shell = p->body->shell;
+    pel_batch batch = {.arity = 4, .number_count = PEL_SOLID_NUMBERS, .multiplier_count = 2, .region = -1};
+    batch.kind = (pel_constraint)((int)PEL_CONSTRAINT_SOLID + (int)shell->solid.kind);
+    batch.is_projected = projects_shells(p);
+    batch.law.solid = shell->solid;
+    return add_batch(p, batch, error);
+}
+
 static bool changes(const plan *p, const pel_batch *batch)
 {
     return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
@@ -466,7 +500,7 @@ static bool has_elements(const plan *p, const pel_shell_region *region)
 static pel_status add_batches(plan *p, pel_error *error)
 {
     const pel_shell *shell = p->body->shell;
-    int32_t most = 2 + (shell != NULL ? 3 + shell->region_count : 0);
+    int32_t most = 2 + (shell != NULL ? 4 + shell->region_count : 0);
     p->made->batches = pel_allocate((size_t)most, sizeof *p->made->batches);
     if (p->made->batches == NULL)
         return pel_fail_memory(error);
@@ -477,6 +511,8 @@ static pel_status add_batches(plan *p, pel_error *error)
         return status;
     if (status == PEL_OK && shell->has_membrane)
         status = add_membrane(p, error);
+    if (status == PEL_OK && shell->tetrahedron_count > 0)
+        status = add_solid(p, error);
     if (status == PEL_OK && shell->bending->has_hinges)
         status = add_bending(p, error);
     for (int32_t r = 0; status == PEL_OK && r < shell->region_count; r++)
@@ -498,6 +534,8 @@ static int32_t count_limit(const plan *p)
         most = shell->triangle_limit;
     if (shell != NULL && shell->hinge_limit > most)
         most = shell->hinge_limit;
+    if (shell != NULL && shell->tetrahedron_count > most)
+        most = shell->tetrahedron_count;
     return most;
 }
 

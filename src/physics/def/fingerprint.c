@@ -25,6 +25,9 @@ static void add_mesh(pel_fingerprint *fingerprint, pel_part part, const pel_mesh
     pel_fingerprint_add_bytes(fingerprint, part, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
     pel_fingerprint_add_bytes(fingerprint, part, mesh->triangles,
                               (size_t)mesh->triangle_count * sizeof *mesh->triangles);
+    if (mesh->tetrahedron_count > 0)
+        pel_fingerprint_add_bytes(fingerprint, part, mesh->tetrahedra,
+                                  (size_t)mesh->tetrahedron_count * sizeof *mesh->tetrahedra);
 }
 
 /* whether a pointer of a def is null */

@@ -2,11 +2,13 @@
 #include "geom/solid.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
+#include "law/solid.h"
 
 /* parts of the fingerprint: of bodies by group, of other defs one for all members */
 #define BODY(member, PART) OF(BODY, pel_body_def, member, PART)
 #define BODY_LIST(member, count, PART) LIST_OF(BODY, pel_body_def, member, count, PART)
 #define MEMBRANE(member) BODY(shell.membrane.member, MEMBRANE)
+#define VOLUME(member) BODY(volume.member, VOLUME)
 #define BENDING(member) BODY(shell.bending.member, BENDING)
 #define PRESSURE(member) BODY(shell.pressure.member, PRESSURE)
 #define REFINE(member) BODY(refine.member, REFINEMENT)
@@ -50,6 +52,7 @@ static bool law_reads(const pel_body_def *def, pel_law_trait number)
 CONDITION(is_per_vertex, pel_body_def, def->mass_kind == PEL_MASS_PER_VERTEX)
 CONDITION(is_total, pel_body_def, def->mass_kind == PEL_MASS_TOTAL)
 CONDITION(is_density, pel_body_def, def->mass_kind == PEL_MASS_DENSITY)
+CONDITION(is_sheet, pel_body_def, def->mass_kind == PEL_MASS_DENSITY && !def->volume.on)
 CONDITION(has_spring_young, pel_body_def, def->spring_thickness > 0)
 CONDITION(has_spring_stiffness, pel_body_def, !(def->spring_thickness > 0))
 CONDITION(has_filling_young, pel_body_def, def->volumetric_depth > 0)
@@ -59,6 +62,8 @@ CONDITION(reads_poisson, pel_body_def, law_reads(def, PEL_LAW_READS_POISSON))
 CONDITION(reads_mooney_ratio, pel_body_def, law_reads(def, PEL_LAW_READS_MOONEY_RATIO))
 CONDITION(reads_extension_limit, pel_body_def, law_reads(def, PEL_LAW_READS_EXTENSION_LIMIT))
 CONDITION(reads_stiffening, pel_body_def, law_reads(def, PEL_LAW_READS_STIFFENING))
+CONDITION(has_volume, pel_body_def, def->volume.on)
+CONDITION(reads_volume_ratio, pel_body_def, def->volume.on && def->volume.kind == PEL_VOLUME_MOONEY_RIVLIN)
 CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
 CONDITION(is_pressed, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GIVEN)
 CONDITION(is_gas, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GAS)
@@ -115,7 +120,7 @@ static const pel_def_row rows[] = {
     {"bodies[].mass.density", BODY(mass, MASS), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, .preset = "1000",
      WHEN(is_density), .doc = "density of the material"},
     {"bodies[].mass.thickness", BODY(thickness, MASS), .forms = PEL_FORM_NUMBER | PEL_FORM_WORD | PEL_FORM_MAP,
-     WORDS("auto"), .like = "<field>", .unit = "m", POSITIVE, .needs = "density", .preset = "auto", WHEN(is_density),
+     WORDS("auto"), .like = "<field>", .unit = "m", POSITIVE, .needs = "density", .preset = "auto", WHEN(is_sheet),
      IMPLYING,
      .doc = "thickness of the shell. auto: that of the membrane; without a membrane the enclosed volume over the area, "
             "so that the body is filled; for an open surface a tenth of the radius of a ball with the same area"},
@@ -258,6 +263,21 @@ static const pel_def_row rows[] = {
     {"bodies[].supports[].foundation", SUPPORT(foundation), NUMBER, .unit = "N/m3", POSITIVE, .needs = "fix",
      WHEN(has_foundation),
      .doc = "elastic (Winkler) foundation under the triangles of the region: stiffness per area at rest; optional"},
+
+    {"bodies[].volume", VOLUME(on), MAP,
+     .doc =
+         "solid body: the closed mesh is filled with tetrahedra of a material. Its surface gets vertices of its own, "
+         "which lie on the mesh. Methods implicit, static, xpbd, explicit and descent; optional"},
+    {"bodies[].volume.material", VOLUME(kind), .forms = PEL_FORM_WORD, .words = pel_volume_words,
+     .preset = "neo-hookean", .initial = PEL_VOLUME_NEO_HOOKEAN, WHEN(has_volume), IMPLYING, .doc = "constitutive law"},
+    {"bodies[].volume.young", VOLUME(young), FIELD, .unit = "Pa", POSITIVE, REQUIRED, WHEN(has_volume),
+     .doc = "Young's modulus; of a tetrahedron the mean of its corners"},
+    {"bodies[].volume.poisson", VOLUME(poisson), NUMBER, .range = {true, false, 0, 0.4999}, DEFAULT(0.3),
+     WHEN(has_volume), .doc = "Poisson's ratio; above 0.45 linear tetrahedra lock, and are too stiff"},
+    {"bodies[].volume.mooney_ratio", VOLUME(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2), WHEN(reads_volume_ratio),
+     .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].volume.edge", NUMBER_OR("auto"), .unit = "m", POSITIVE, .preset = "auto",
+     .doc = "length of the edges of the tetrahedra along the axes; auto: the mean edge of the mesh"},
 
     {"bodies[].membrane", MEMBRANE(on), MAP,
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},

@@ -21,6 +21,7 @@ typedef enum pel_energy_column {
     PEL_ENERGY_MEMBRANE,
     PEL_ENERGY_BENDING,
     PEL_ENERGY_FIBRES,
+    PEL_ENERGY_VOLUME,
     PEL_ENERGY_COLUMNS
 } pel_energy_column;
 

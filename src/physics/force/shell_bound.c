@@ -4,6 +4,7 @@
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/element.h"
+#include "model/shell.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,6 +108,16 @@ static void add_triangle(const pel_shell_body *own, int32_t t, double stiffness,
     add_norms(rest.area * stiffness, own->shell->corners[t], 3, norms, own->first_place, sums);
 }
 
+static void add_tetra(const pel_model *model, const pel_shell_body *own, int32_t t, double unit, double *sums)
+{
+    pel_rest_tetra rest;
+    double norms[4];
+    const double scale = pel_filled_rest(own->shell, model->rest, t, &rest);
+    for (int k = 0; k < 4; k++)
+        norms[k] = pel_vec3_length(rest.gradients[k]);
+    add_norms(scale * unit, own->shell->tetrahedra[t], 4, norms, own->first_place, sums);
+}
+
 /* largest stiffness of materials, fibres, bending and pressure at rest [N/m] */
 static double body_bound(const pel_model *model, const pel_shell_body *own, double *sums)
 {
@@ -131,6 +142,8 @@ static double body_bound(const pel_model *model, const pel_shell_body *own, doub
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         add_hinge_norms(shell, model->rest, &hinge, own->first_place, sums);
     }
+    for (int32_t t = 0; t < shell->tetrahedron_count; t++)
+        add_tetra(model, own, t, pel_solid_law_stiffness(&shell->solid), sums);
     for (int32_t v = 0; v < own->place_count; v++)
         bound = pel_max(bound, sums[v] * (double)model->inverse_mass[own->first_place + v]);
     return bound + volume;

@@ -27,6 +27,8 @@ static int part_of(const pel_shell_body *own, const pel_batch *batch)
         return own->pressure_part;
     if (pel_batch_is_push(batch))
         return batch->is_projected ? 0 : PEL_SHELL_FOLLOWER;
+    if (pel_batch_is_solid(batch))
+        return PEL_SHELL_VOLUME;
     return batch->arity == 4 ? PEL_SHELL_BENDING : batch->region >= 0 ? PEL_SHELL_FIBRES : PEL_SHELL_MEMBRANE;
 }
 
@@ -46,7 +48,8 @@ static void bundle_chunk(void *context, int32_t chunk)
     const pel_bundle *bundle = &batches->bundles[loop->first + chunk];
     const pel_shell_body *own = &loop->forces->bodies[bundle->body];
     double *energy = loop->forces->energies[loop->first + chunk];
-    energy[0] = energy[1] = energy[2] = 0;
+    for (int column = 0; column < PEL_ENERGY_COLUMNS; column++)
+        energy[column] = 0;
     for (int32_t i = 0; own->shell != NULL && i < batches->bodies[bundle->body].batch_count; i++) {
         const pel_batch *batch = &batches->bodies[bundle->body].batches[i];
         int part = part_of(own, batch);
@@ -58,6 +61,7 @@ static void bundle_chunk(void *context, int32_t chunk)
         else if (part != own->pressure_part)
             energy[part == PEL_SHELL_MEMBRANE  ? PEL_ENERGY_MEMBRANE
                    : part == PEL_SHELL_BENDING ? PEL_ENERGY_BENDING
+                   : part == PEL_SHELL_VOLUME  ? PEL_ENERGY_VOLUME
                                                : PEL_ENERGY_FIBRES] +=
                 pel_shell_sweep(batch, begin, end, loop->position, amount_of(loop, own, batch), loop->force);
         else if (pel_shell_is_normal_form(own->shell) && loop->force != NULL)
@@ -167,6 +171,7 @@ static pel_shell_energy evaluate(shell_loop *loop, bool with_potential, pel_pool
         energy.membrane += forces->energies[i][PEL_ENERGY_MEMBRANE];
         energy.bending += forces->energies[i][PEL_ENERGY_BENDING];
         energy.fibres += forces->energies[i][PEL_ENERGY_FIBRES];
+        energy.volume += forces->energies[i][PEL_ENERGY_VOLUME];
     }
     if (loop->force != NULL)
         add_normal_pressures(loop, pool);

@@ -17,15 +17,16 @@ typedef enum pel_shell_part {
     PEL_SHELL_BENDING = 2,
     PEL_SHELL_FIBRES = 4,
     PEL_SHELL_CONSERVATIVE = 8, /* pressure on bodies where it has a potential */
+    PEL_SHELL_VOLUME = 32,      /* tetrahedra */
     PEL_SHELL_FOLLOWER = 16,    /* pressure on the others, and that of PEL_FIBRE_NORMAL */
     PEL_SHELL_PRESSURE = PEL_SHELL_CONSERVATIVE | PEL_SHELL_FOLLOWER,
-    PEL_SHELL_ELASTIC = PEL_SHELL_MEMBRANE | PEL_SHELL_BENDING | PEL_SHELL_FIBRES,
+    PEL_SHELL_ELASTIC = PEL_SHELL_MEMBRANE | PEL_SHELL_BENDING | PEL_SHELL_FIBRES | PEL_SHELL_VOLUME,
     PEL_SHELL_ALL = PEL_SHELL_ELASTIC | PEL_SHELL_PRESSURE
 } pel_shell_part;
 
 /* Sums over all bodies [J]. */
 typedef struct pel_shell_energy {
-    double membrane, bending, fibres;
+    double membrane, bending, fibres, volume;
     double pressure; /* potential of the conservative parts */
 } pel_shell_energy;
 
@@ -68,6 +69,11 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
 void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int32_t vertex_count,
                                const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres);
+
+/* Adds a quarter of the energy of each tetrahedron to the rows of its corners, which are those of
+   pel_shell_vertex_energies. */
+void pel_shell_add_tetra_energies(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
+                                  const pel_record *position, double *energies);
 
 /* Adds to each mesh vertex of a body a third of the virial of membrane and fibres of each triangle there: the
    derivative of their energy by the logarithm of the size, twice tension times area. */

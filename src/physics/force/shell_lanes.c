@@ -6,6 +6,7 @@
 #include "measure/fibre.h"
 #include "measure/hinge.h"
 #include "measure/membrane.h"
+#include "measure/tetra_lanes.h"
 #include "measure/volume.h"
 
 PEL_INLINE const int32_t *steps_of(const pel_batch *batch, int32_t block, int k)
@@ -155,6 +156,25 @@ PEL_INLINE pel_lane press_area(const pel_batch *batch, int32_t block, const pel_
     return pel_lane_splat(0);
 }
 
+PEL_INLINE pel_lane strain_tetra(const pel_batch *batch, int32_t block, const pel_record *position,
+                                 pel_volume_kind kind, pel_lane3 force[4])
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane number[9];
+    pel_lane3 x[4], f[3], stress[3];
+    for (int j = 0; j < 9; j++)
+        number[j] = number_of(batch, block, j);
+    for (int k = 0; k < 4; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    const pel_tetra_gradients b = pel_tetra_gradients_of(number);
+    pel_tetra_columns(&b, x, f);
+    const pel_lane scale = pel_lane_splat(1) / number_of(batch, block, 9);
+    const pel_lane energy = pel_tetra_stress(&batch->law.solid, kind, f, stress);
+    for (int k = 0; k < 4; k++)
+        force[k] = pel_lane3_scale(pel_tetra_row(stress, b.corner[k]), -scale);
+    return scale * energy;
+}
+
 /* ---- sweeps ---- */
 
 /* The sweep of a kind: call finds forces and energy of a block. The batch is copied: what is stored cannot change a
@@ -190,12 +210,18 @@ PEL_FORCE_SWEEP(sweep_normal, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, p
 PEL_FORCE_SWEEP(sweep_normal_square, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, position, amount, true, forces))
 PEL_FORCE_SWEEP(sweep_pressure, 3, given->number_count, press_area(batch, block, position, amount, forces))
 
+#define PEL_FORCE_SOLID(KIND, law, name)                                                                               \
+    PEL_FORCE_SWEEP(sweep_solid_##law, 4, PEL_SOLID_NUMBERS,                                                           \
+                    strain_tetra(batch, block, position, PEL_VOLUME_##KIND, forces))
+PEL_VOLUME_LAWS(PEL_FORCE_SOLID)
+
 typedef double force_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position,
                            double amount, pel_record *force);
 
 #define PEL_FORCE_LAW_ROW(KIND, law, name)                                                                             \
     [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_##KIND] = sweep_##law,                                                     \
                                [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_##KIND] = sweep_##law,
+#define PEL_FORCE_SOLID_ROW(KIND, law, name) [PEL_CONSTRAINT_SOLID + PEL_VOLUME_##KIND] = sweep_solid_##law,
 static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
     PEL_MEMBRANE_LAWS(PEL_FORCE_LAW_ROW)[PEL_CONSTRAINT_ISOMETRIC] = sweep_isometric,
     [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_isometric,
@@ -207,7 +233,7 @@ static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
     [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_fibre_square,
     [PEL_CONSTRAINT_NORMAL] = sweep_normal,
     [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,
-    [PEL_CONSTRAINT_PRESSURE] = sweep_pressure,
+    PEL_VOLUME_LAWS(PEL_FORCE_SOLID_ROW)[PEL_CONSTRAINT_PRESSURE] = sweep_pressure,
 };
 
 double pel_shell_sweep(const pel_batch *batch, int32_t begin, int32_t end, const pel_record *position, double amount,

@@ -2,6 +2,7 @@
 #include "base/assert.h"
 #include "force/shell_body.h"
 #include "math/vec3.h"
+#include "model/shell.h"
 
 #include <string.h>
 
@@ -98,6 +99,24 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
         double energy = pel_shell_hinge_factor(shell, &hinge) *
                         pel_shell_hinge_energy(shell, forces->model->rest, &hinge, (const double(*)[3])x, NULL);
         share(energy, hinge.vertices, 4, &sums.map, bending);
+    }
+}
+
+void pel_shell_add_tetra_energies(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
+                                  const pel_record *position, double *energies)
+{
+    const pel_shell_body *own = pel_shell_body_of(forces, body);
+    if (own == NULL)
+        return;
+    const row_map rows = {forces->model->mesh_vertex, output_vertex};
+    for (int32_t t = 0; t < own->shell->tetrahedron_count; t++) {
+        const int32_t *vertices = own->shell->tetrahedra[t];
+        pel_rest_tetra rest;
+        double x[4][3], f[9];
+        const double scale = pel_filled_rest(own->shell, forces->model->rest, t, &rest);
+        pel_load_points(position, vertices, 4, x);
+        pel_tetra_deformation(&rest, (const double(*)[3])x, f);
+        share(scale * pel_solid_density(&own->shell->solid, f, NULL), vertices, 4, &rows, energies);
     }
 }
 

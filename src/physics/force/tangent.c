@@ -123,6 +123,16 @@ static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part
         energy->bending -= hinge.stiffness / 3 * stencil.rest_energy;
 }
 
+/* has no strains of its own: neither mixed integration points nor rates */
+static void add_tetra(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t t, tangent_element *element,
+                      pel_tangent_energy *energy)
+{
+    PEL_ASSERT_INDEX(t, part->count);
+    const pel_tangent_shell *own = &loop->tangent->shells[part->shell];
+    energy->volume += pel_tetra_tangent(&own->tetras[t], &own->shell->solid, own->tetra_scales[t], element->x,
+                                        loop->input->kind, &element->sum);
+}
+
 static double factor_of(const pel_tangent_loop *loop, int32_t body, pel_parameter parameter)
 {
     return loop->input->state != NULL ? loop->input->state->factors[body][parameter] : 1;
@@ -194,6 +204,8 @@ static void add_element(const pel_tangent_loop *loop, const pel_tangent_part *pa
     load_element(loop, part, part->first + i, &element);
     if (part->kind == PEL_TANGENT_PART_TRIANGLES)
         add_triangle(loop, part, i, &element, energy);
+    else if (part->kind == PEL_TANGENT_PART_TETRAHEDRA)
+        add_tetra(loop, part, i, &element, energy);
     else if (part->kind == PEL_TANGENT_PART_HINGES)
         add_hinge(loop, part, i, &element, energy);
     else if (part->kind == PEL_TANGENT_PART_SPRINGS)
@@ -381,6 +393,7 @@ static pel_tangent_energy run_loop(pel_tangent_loop *loop, pel_pool *pool)
     for (int32_t chunk = 0; chunk < tangent->chunk_count; chunk++) {
         const pel_tangent_energy *own = &tangent->energies[chunk];
         energy.membrane += own->membrane;
+        energy.volume += own->volume;
         energy.fibres += own->fibres;
         energy.bending += own->bending;
         energy.edges += own->edges;
@@ -420,8 +433,8 @@ void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t
 
 double pel_tangent_energy_sum(const pel_tangent_energy *energy)
 {
-    return energy->membrane + energy->fibres + energy->bending + energy->edges + energy->springs + energy->points +
-           energy->pressure;
+    return energy->membrane + energy->volume + energy->fibres + energy->bending + energy->edges + energy->springs +
+           energy->points + energy->pressure;
 }
 
 /* a loop that leaves the last evaluation as it is */

@@ -74,7 +74,7 @@ typedef struct pel_tangent_input {
 } pel_tangent_input;
 
 typedef struct pel_tangent_energy {
-    double membrane, fibres, bending, springs, points;
+    double membrane, volume, fibres, bending, springs, points;
     double edges;    /* mid-edge bending; `bending` is of hinges */
     double pressure; /* where it is conservative (pel_pressure_is_conservative), else 0 */
 } pel_tangent_energy;

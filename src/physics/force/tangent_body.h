@@ -18,6 +18,7 @@ static inline int32_t pel_tangent_chunk_count(int32_t count)
 /* elements of one kind that stand together: all of them have the same number of nodes */
 typedef enum pel_part_kind {
     PEL_TANGENT_PART_TRIANGLES,
+    PEL_TANGENT_PART_TETRAHEDRA,
     PEL_TANGENT_PART_HINGES,
     PEL_TANGENT_PART_SPRINGS,
     PEL_TANGENT_PART_POINTS
@@ -54,6 +55,8 @@ typedef struct pel_tangent_shell {
     int32_t (*edges)[3];        /* (triangle_count) of mid-edge bending, ~edge where the triangle is the second */
     pel_midedge *midedges;      /* (triangle_count) */
     pel_hinge *hinges;          /* (hinge_count) of bending by the angle, else null */
+    pel_rest_tetra *tetras;     /* (tetrahedron_count) null without */
+    double *tetra_scales;       /* (tetrahedron_count) J: Young's modulus times volume at rest */
     double *normal_pressure[4]; /* (places) scratch of the vertex-normal form: area vector and area; else null */
     pel_rank_one *rank_one;     /* of a gas or a kept volume; else null */
     double pressure;            /* Pa, of the present evaluation */

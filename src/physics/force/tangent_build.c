@@ -59,6 +59,8 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
         PEL_ROOM(own->rests, triangles), PEL_ROOM_IF(is_midedge, own->edges, triangles),
         PEL_ROOM_IF(is_midedge, own->midedges, triangles),
         PEL_ROOM_IF(shell->bending->is_angle, own->hinges, shell->hinge_limit),
+        PEL_ROOM_IF(shell->tetrahedron_count > 0, own->tetras, shell->tetrahedron_count),
+        PEL_ROOM_IF(shell->tetrahedron_count > 0, own->tetra_scales, shell->tetrahedron_count),
         PEL_ROOM_IF(has_normals, normal[0], places), PEL_ROOM_IF(has_normals, normal[1], places),
         PEL_ROOM_IF(has_normals, normal[2], places), PEL_ROOM_IF(has_normals, normal[3], places));
     if (!all || !depends_on_volume(shell))
@@ -92,6 +94,7 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
         add_room(&room, (size_t)shell->triangle_limit, 3, shell->bending->turns_edges ? 3 : 0);
         if (shell->bending->has_hinges)
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
+        add_room(&room, (size_t)shell->tetrahedron_count, 4, 0);
         room.edges += (size_t)edge_limit(shell);
         room.stresses += (size_t)shell->triangle_limit *
                          (shell->bending->turns_edges ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
@@ -205,6 +208,8 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
     fill_fibres(own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
         own->rests[t] = pel_shell_rest(shell, t);
+    for (int32_t t = 0; t < shell->tetrahedron_count; t++)
+        own->tetra_scales[t] = pel_filled_rest(shell, tangent->model->rest, t, &own->tetras[t]);
     for (int32_t i = 0; own->hinges != NULL && i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         own->hinges[i] = pel_shell_angle(shell, tangent->model->rest, &hinge);
@@ -283,6 +288,8 @@ static void fill_parts(pel_tangent *tangent)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
         if (shell->bending->has_hinges)
             add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
+        if (shell->tetrahedron_count > 0)
+            add_part(tangent, PEL_TANGENT_PART_TETRAHEDRA, i, shell->tetrahedron_count, 4, 0, 0);
     }
     add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
     add_part(tangent, PEL_TANGENT_PART_POINTS, -1, tangent->point_count, 1, 0, 0);
@@ -299,6 +306,9 @@ static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, in
             double sign;
             nodes[k] = tangent->pattern.vertex_count + pel_tangent_edge_of(own->edges[i][k - 3], &sign);
         }
+        return;
+    case PEL_TANGENT_PART_TETRAHEDRA:
+        memcpy(nodes, own->shell->tetrahedra[i], 4 * sizeof *nodes);
         return;
     case PEL_TANGENT_PART_HINGES:
         memcpy(nodes, pel_shell_hinge_of(own->shell, i).vertices, 4 * sizeof *nodes);
@@ -369,7 +379,7 @@ static pel_status find_shells(pel_tangent *tangent, pel_error *error)
     const pel_model *model = tangent->model;
     size_t bodies = (size_t)model->body_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(tangent->shells, bodies), PEL_ROOM(tangent->rank_ones, bodies),
-                          PEL_ROOM(tangent->parts, 2 * bodies + 2)))
+                          PEL_ROOM(tangent->parts, 3 * bodies + 2)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         if (model->bodies[b].shell == NULL)
@@ -415,9 +425,9 @@ void pel_tangent_destroy(pel_tangent *tangent)
         return;
     for (int32_t i = 0; i < tangent->shell_count; i++) {
         pel_tangent_shell *own = &tangent->shells[i];
-        PEL_FREE_ALL(own->rests, own->fibre_begin, own->fibres, own->edges, own->midedges, own->hinges,
-                     own->normal_pressure[0], own->normal_pressure[1], own->normal_pressure[2], own->normal_pressure[3],
-                     own->rank_one != NULL ? own->rank_one->gradient : NULL);
+        PEL_FREE_ALL(own->rests, own->fibre_begin, own->fibres, own->edges, own->midedges, own->hinges, own->tetras,
+                     own->tetra_scales, own->normal_pressure[0], own->normal_pressure[1], own->normal_pressure[2],
+                     own->normal_pressure[3], own->rank_one != NULL ? own->rank_one->gradient : NULL);
     }
     PEL_FREE_ALL(tangent->parts, tangent->shells, tangent->rank_ones, tangent->edges, tangent->springs, tangent->points,
                  tangent->node_begin, tangent->nodes, tangent->rows, tangent->gather_begin, tangent->gather,

@@ -6,6 +6,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "mesh/allocate.h"
 #include "mesh/figures.h"
 #include "model/levels.h"
 #include "model/orient.h"
@@ -160,6 +161,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         status = pel_refine_check(&b->refine, body, b->mesh->vertex_count, error);
     if (status == PEL_OK)
         status = pel_shell_check(b, body, error);
+    if (status == PEL_OK)
+        status = pel_filled_check(b, body, error);
     return status == PEL_OK ? check_spring_toughness(b, body, error) : status;
 }
 
@@ -247,10 +250,12 @@ void pel_model_free_arrays(pel_model *model)
                  model->triangle_begin, model->fan_begin, model->fans);
 }
 
-/* kg, of a vertex without a filling */
+/* kg, of a vertex without a filling; areas: volumes, of a body of tetrahedra */
 static double mass_of(const pel_body_def *def, const pel_body *body, const double *areas, int32_t v)
 {
     PEL_ASSERT_INDEX(v, def->mesh->vertex_count);
+    if (def->volume.on && def->mass_kind != PEL_MASS_PER_VERTEX)
+        return def->mass * (def->mass_kind == PEL_MASS_TOTAL ? areas[v] / body->rest_volume : areas[v]);
     if (def->mass_kind == PEL_MASS_TOTAL)
         return def->mass * (areas[v] / body->rest_area);
     if (def->mass_kind == PEL_MASS_DENSITY)
@@ -400,6 +405,8 @@ static pel_status copy_mesh(const pel_mesh *mesh, pel_mesh **copy, pel_error *er
         const pel_field *field = &mesh->fields[f];
         status = pel_mesh_add_field(*copy, field->name, field->component_count, field->values, error);
     }
+    if (status == PEL_OK)
+        status = pel_mesh_copy_tetrahedra(mesh, *copy, error);
     for (int32_t v = 0; status == PEL_OK && v < mesh->vertex_count; v++)
         for (int k = 0; k < 3; k++)
             (*copy)->positions[v][k] = (double)(pel_real)mesh->positions[v][k];
@@ -500,9 +507,12 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
         return pel_fail_memory(error);
     status = lump_areas(def->mesh, scratch->areas, &body->rest_area, error);
     if (status == PEL_OK)
-        status = pel_vertex_order_vertices(scratch->topology, scratch->order, scratch->valence, error);
+        status = pel_vertex_order_vertices(scratch->topology, def->volume.on ? def->mesh : NULL, scratch->order,
+                                           scratch->valence, error);
     for (size_t v = 0; status == PEL_OK && v < vertex_count; v++)
-        if (scratch->valence[v] == 0)
+        if (def->volume.on && scratch->valence[v] == 0)
+            scratch->valence[v] = 1; /* every slice has a slot */
+        else if (scratch->valence[v] == 0)
             return pel_refuse_element(error, PEL_BAD_MESH, "vertex", (int64_t)v,
                                       "repair the mesh with `pellicle check --fix`", "vertex belongs to no triangle");
     if (status == PEL_OK && def->origins != NULL)
@@ -512,7 +522,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     body->closed = scratch->topology->boundary_edge_count == 0;
     if (status == PEL_OK)
         measure_volume(body);
-    return status;
+    return status == PEL_OK && def->volume.on ? pel_filled_lump(def->mesh, scratch->areas, error) : status;
 }
 
 static pel_status check_masses(const pel_model *model, int32_t body, pel_error *error)

@@ -8,6 +8,7 @@
 #include "base/assert.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
+#include "measure/tetra.h"
 #include "model/model.h"
 #include "pellicle/bending.h"
 #include "pellicle/element.h"
@@ -78,6 +79,14 @@ struct pel_shell {
     pel_curve outside, target; /* over time, times the def's values; no keys = 1 */
     double *pressure_weights;  /* (triangle_count) region times field of `outside`; null = 1 */
     double mean_edge;          /* m, at rest */
+
+    /* of a filled body */
+    pel_solid_law solid;
+    double solid_poisson;
+    double tetra_young;   /* Pa */
+    double *tetra_youngs; /* (tetrahedron_count) null = the same in all */
+    int32_t tetrahedron_count;
+    int32_t (*tetrahedra)[4]; /* places */
 };
 
 /* hinges with an energy: others only give rest angles */
@@ -185,5 +194,22 @@ bool pel_shell_needs_projection(const pel_shell *shell);
 
 /* Direction of a region's fibres in the frame of a rest triangle. */
 void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][3], double direction[2]);
+
+/* ---- the tetrahedra of a filled body ---- */
+
+/* Refuses a volume without tetrahedra, numbers out of range, and what filled bodies lack (PEL_BAD_ARGUMENT with the
+   body). */
+pel_status pel_filled_check(const pel_body_def *def, int32_t body, pel_error *error);
+
+/* A quarter of the volume of the tetrahedra around each vertex. PEL_BAD_MESH names one without volume. */
+pel_status pel_filled_lump(const pel_mesh *mesh, double *volumes, pel_error *error);
+
+/* Fills the tetrahedra of a shell (PEL_OUT_OF_MEMORY); nothing to do without a volume. */
+pel_status pel_filled_create(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error);
+void pel_filled_destroy(pel_shell *shell);
+
+/* Shape at rest of tetrahedron t, from rest positions (model vertex_count), and its scale: Young's modulus times volume
+   [J]. */
+double pel_filled_rest(const pel_shell *shell, const pel_record *positions, int32_t t, pel_rest_tetra *rest);
 
 #endif

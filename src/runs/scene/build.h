@@ -64,6 +64,10 @@ pel_status pel_scene_read_members(const pel_scene_part *part, pel_def_kind kind,
 pel_status pel_scene_read_vertices(const pel_scene_part *source, const pel_scene_value *value, const int32_t **vertices,
                                    int32_t *count);
 
+/* Replaces the mesh of a body with `volume` by one filled with tetrahedra, with a line to the log (build_volume.c).
+   PEL_BAD_SCENE where it cannot be filled; PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_fill_mesh(pel_scene_reader *reader, const pel_scene_value *body, pel_mesh **mesh);
+
 /* The kind of mass of a body, and automatic thicknesses and depths (build_tissue.c). */
 pel_status pel_scene_build_tissue(const pel_scene_part *source, pel_body_def *body);
 

@@ -102,11 +102,13 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         status = pel_scene_mesh(reader, pel_scene_value_entry(value, "mesh"), folder, &meshes[count]);
         if (status != PEL_OK)
             break;
-        pel_scene_part source = {reader, value, meshes[count]};
         *mesh_count = count + 1;
-        status = pel_scene_build_follow(reader, value, folder, count, meshes[count]);
+        status = pel_scene_fill_mesh(reader, value, &meshes[count]);
+        if (status == PEL_OK)
+            status = pel_scene_build_follow(reader, value, folder, count, meshes[count]);
         if (status != PEL_OK)
             break;
+        pel_scene_part source = {reader, value, meshes[count]};
         const pel_scene_owner of = {pel_scene_value_entry(value, "name")->text, count, pel_scene_value_count(list),
                                     meshes[count]};
         status = pel_scene_build_cuts(reader, root, &of, opened);

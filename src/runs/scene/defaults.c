@@ -271,13 +271,14 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
     pel_status status = imply_viscosity(reader, body);
     if (status == PEL_OK && membrane != NULL)
         status = imply_membrane(reader, body, membrane);
-    if (status == PEL_OK && (membrane != NULL || find(body, "bending") != NULL))
+    pel_scene_value *volume = find_map(body, "volume");
+    if (status == PEL_OK && (membrane != NULL || volume != NULL || find(body, "bending") != NULL))
         status = imply_no_springs(reader, body);
     if (status != PEL_OK)
         return status;
     bool is_paper_a = body->kind == PEL_SCENE_MAP && is_word(body, "preset", "paper-a");
     status = is_paper_a ? imply_paper_a(reader, body) : imply_tissue(reader, body);
-    *has_material |= membrane != NULL || find(find_map(body, "springs"), "stiffness") == NULL;
+    *has_material |= membrane != NULL || volume != NULL || find(find_map(body, "springs"), "stiffness") == NULL;
     return status;
 }
 

@@ -77,7 +77,19 @@ void pel_mesh_destroy(pel_mesh *mesh)
         return;
     for (int32_t f = 0; f < mesh->field_count; f++)
         pel_free(mesh->fields[f].values);
-    PEL_FREE_ALL(mesh->fields, mesh->triangles, mesh->positions, mesh);
+    PEL_FREE_ALL(mesh->fields, mesh->triangles, mesh->tetrahedra, mesh->positions, mesh);
+}
+
+pel_status pel_mesh_copy_tetrahedra(const pel_mesh *mesh, pel_mesh *copy, pel_error *error)
+{
+    if (mesh->tetrahedron_count == 0)
+        return PEL_OK;
+    copy->tetrahedra = pel_allocate((size_t)mesh->tetrahedron_count, sizeof *copy->tetrahedra);
+    if (copy->tetrahedra == NULL)
+        return pel_fail_memory(error);
+    memcpy(copy->tetrahedra, mesh->tetrahedra, (size_t)mesh->tetrahedron_count * sizeof *copy->tetrahedra);
+    copy->tetrahedron_count = mesh->tetrahedron_count;
+    return PEL_OK;
 }
 
 pel_status pel_mesh_add_field(pel_mesh *mesh, const char *name, int32_t component_count, const double *values,
@@ -165,6 +177,11 @@ static void turn_around(pel_mesh *mesh)
         int32_t second = mesh->triangles[t][1];
         mesh->triangles[t][1] = mesh->triangles[t][2];
         mesh->triangles[t][2] = second;
+    }
+    for (int32_t t = 0; t < mesh->tetrahedron_count; t++) {
+        int32_t second = mesh->tetrahedra[t][1];
+        mesh->tetrahedra[t][1] = mesh->tetrahedra[t][2];
+        mesh->tetrahedra[t][2] = second;
     }
 }
 

@@ -34,7 +34,7 @@ double pel_refine_energy_before(pel_sim *sim, int32_t body)
         return 0;
     pel_shell_energy energy = pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(pel_sim_time(sim)),
                                                    PEL_SHELL_ELASTIC, sim->pool, NULL);
-    return energy.membrane + energy.bending + energy.fibres;
+    return energy.membrane + energy.bending + energy.fibres + energy.volume;
 }
 
 /* the vertices of the event, and the moving ones */
@@ -73,7 +73,7 @@ static double evaluate(keeper *k)
         pel_shell_energy shells =
             pel_shell_forces_add(sim->shells, sim->state->position, pel_instant(pel_sim_time(sim)), PEL_SHELL_ELASTIC,
                                  sim->pool, sim->force);
-        energy += shells.membrane + shells.bending + shells.fibres;
+        energy += shells.membrane + shells.bending + shells.fibres + shells.volume;
     }
     k->force_square = 0;
     for (int32_t i = 0; i < place_count(k, true); i++) {

@@ -236,7 +236,7 @@ void pel_sim_sum_energies(pel_sim *sim, pel_sim_measures *measures)
     measures->bending_energy = sim->present.shell_energy.bending;
     measures->fibre_energy = sim->present.shell_energy.fibres;
     measures->elastic_energy = sim->present.spring_energy + sim->present.volumetric_energy + measures->membrane_energy +
-                               measures->bending_energy + measures->fibre_energy;
+                               measures->bending_energy + measures->fibre_energy + sim->present.shell_energy.volume;
 }
 
 /* the largest one, and the number of vertices in contact */

@@ -11,6 +11,8 @@
 #include "pellicle/sim_contact.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/topology.h"
+#include "stage/stage.h"
+#include "stage/surface_view.h"
 #include "tool/support.h"
 
 #include <string.h>
@@ -218,6 +220,9 @@ static pel_status read_energies(const pel_sim *sim, int32_t field, int32_t body,
     if (field == PEL_FIELD_ENERGY || field >= PEL_FIELD_MEMBRANE_ENERGY) {
         pel_sim_get_shell_energies(sim, body, first, second, third);
         add_lists(v, PEL_FIELD_MEMBRANE_ENERGY, field, values);
+    }
+    if (field == PEL_FIELD_ENERGY) {
+        pel_shell_add_tetra_energies(sim->shells, body, pel_output_numbers(sim, body), sim->state->position, values);
     }
     return PEL_OK;
 }

@@ -182,6 +182,18 @@ static pel_status keep_def(pel_house *house, const pel_sim_def *def, pel_error *
     return status;
 }
 
+/* tetrahedra need a method that knows their material */
+static pel_status check_volumes(const pel_sim *sim, pel_error *error)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->tetrahedron_count > 0 && !pel_stepper_knows_material(sim->stepper))
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "use the method implicit, static, xpbd or explicit",
+                              "body '%s' has a volume, which this method does not know", sim->model->bodies[b].name);
+    }
+    return PEL_OK;
+}
+
 /* a velocity at the start needs a method that has velocities */
 static pel_status check_start(const pel_sim *sim, pel_error *error)
 {
@@ -214,6 +226,8 @@ static pel_status build_stage(pel_sim *sim, const pel_sim_def *def, pel_error *e
     sim->deadline = HUGE_VAL;
     sim->stepper = pel_stepper_of(def->solver.method);
     pel_status status = check_start(sim, error);
+    if (status == PEL_OK)
+        status = check_volumes(sim, error);
     if (status != PEL_OK)
         return status;
     pel_substeps_configure(sim, def);

@@ -190,8 +190,9 @@ void pel_newton_evaluate(newton_run *run)
     newton->work++;
     if (problem->terms != NULL)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
-    run->parts = fabs(energy.membrane) + fabs(energy.fibres) + fabs(energy.bending) + fabs(energy.edges) +
-                 fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) + fabs(terms);
+    run->parts = fabs(energy.membrane) + fabs(energy.volume) + fabs(energy.fibres) + fabs(energy.bending) +
+                 fabs(energy.edges) + fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) +
+                 fabs(terms);
     run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
     pel_newton_frames_turn(&problem->frames, newton->gradient);
     pel_newton_frames_turn_rank_ones(&problem->frames, newton->pattern);

@@ -40,6 +40,7 @@
 #include "measure/hinge.h"
 #include "measure/length.h"
 #include "measure/membrane.h"
+#include "measure/tetra_lanes.h"
 #include "measure/volume.h"
 #include "solve/project.h"
 
@@ -707,6 +708,8 @@ PEL_INLINE void project_normal(const pel_batch *batch, int32_t block, int32_t la
     pel_lane_store(counts, lane, number[PEL_NORMAL_LIMITED] + pel_lane_min(limited, pel_lane_splat(1)));
 }
 
+#include "solve/project_tetra.h"
+
 /* ---- sweeps ---- */
 
 /* float has twice the records for its registers: four points are moved at once while they are there */
@@ -907,6 +910,9 @@ PEL_PROJECT_SWEEP(sweep_spring, 2, project_edge(batch, block, lane, positions, w
     PEL_PROJECT_SWEEP(sweep_##law, 3, project_membrane(batch, block, lane, positions, ways, PEL_MEMBRANE_##KIND))      \
     PEL_PROJECT_SWEEP(sweep_soft_##law, 3, project_strain(batch, block, lane, positions, ways, PEL_MEMBRANE_##KIND))
 PEL_MEMBRANE_LAWS(PEL_PROJECT_LAW)
+#define PEL_PROJECT_SOLID(KIND, name, word)                                                                            \
+    PEL_PROJECT_SWEEP(sweep_solid_##name, 4, project_tetra(batch, block, lane, positions, ways, PEL_VOLUME_##KIND))
+PEL_VOLUME_LAWS(PEL_PROJECT_SOLID)
 PEL_PROJECT_SPLIT_SWEEP(sweep_bending, 4, project_isometric(batch, block, lane, positions, points, ways, false))
 PEL_PROJECT_SWEEP(sweep_soft_bending, 4, project_isometric(batch, block, lane, positions, points, ways, true))
 PEL_PROJECT_SPLIT_SWEEP(sweep_hinge, 4, project_angle(batch, block, lane, positions, points, ways, false))
@@ -932,6 +938,7 @@ PEL_PROJECT_SWEEP(sweep_normal_square, 3, project_normal(batch, block, lane, pos
 #define PEL_PROJECT_LAW_ROW(KIND, law, name)                                                                           \
     [PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_##KIND] = sweep_##law,                                                     \
                                [PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_##KIND] = sweep_soft_##law,
+#define PEL_PROJECT_SOLID_ROW(KIND, name, word) [PEL_CONSTRAINT_SOLID + PEL_VOLUME_##KIND] = sweep_solid_##name,
 #define PEL_PROJECT_TABLE                                                                                              \
     {                                                                                                                  \
         [PEL_CONSTRAINT_DISTANCE] = sweep_distance, [PEL_CONSTRAINT_SPRING] = sweep_spring,                            \
@@ -941,7 +948,7 @@ PEL_PROJECT_SWEEP(sweep_normal_square, 3, project_normal(batch, block, lane, pos
         [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square, [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,       \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
         [PEL_CONSTRAINT_NORMAL] = sweep_normal, [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,                  \
-        [PEL_CONSTRAINT_LIMIT] = sweep_limit,                                                                          \
+        PEL_VOLUME_LAWS(PEL_PROJECT_SOLID_ROW)[PEL_CONSTRAINT_LIMIT] = sweep_limit,                                    \
     }
 
 #endif
