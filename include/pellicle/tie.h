@@ -19,7 +19,7 @@ typedef enum pel_tie_target {
 enum { PEL_TIE_TARGET_COUNT = PEL_TIE_SEQUENCE + 1 }; /* number of targets */
 
 /* Each vertex is drawn to its point of the target by a thread: the force is stiffness times (distance - length), and 0
-   below the length. Both ends have the same force. For the methods implicit, static, xpbd, pbd and explicit; the bodies
+   below the length. Both ends have the same force. For the methods implicit, static, xpbd and explicit; the bodies
    do not refine, tear or have cuts. */
 typedef struct pel_tie_def {
     const char *name;        /* unique among the ties, not empty */
@@ -32,9 +32,9 @@ typedef struct pel_tie_def {
     int32_t tool;                 /* of PEL_TIE_TOOL */
     const pel_sequence *sequence; /* of PEL_TIE_SEQUENCE; the simulation keeps a share */
     const double *stiffnesses;    /* (vertex_count) N/m; copied; null = stiffness */
-    double stiffness;   /* N/m; 0 (default) = rigid for xpbd and pbd, else a hundred times that of a vertex of the
-                           material, for explicit at most a quarter of what its dt allows */
-    double from, until; /* s; default 0, infinity */
+    double stiffness;             /* N/m; 0 (default) = rigid for xpbd, else a hundred times that of a vertex of the
+                                     material, for explicit at most a quarter of what its dt allows */
+    double from, until;           /* s; default 0, infinity */
     double close; /* s, after which the length is as short as contact allows, linear from the distance at `from`; 0 = at
                      once; below 0 (default) = PEL_TIE_BODY and PEL_TIE_VERTICES keep the distance at `from` */
     double strength; /* N; 0 (default) = no limit. A vertex whose force is larger at the end of a step is let go */

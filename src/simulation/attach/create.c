@@ -106,9 +106,9 @@ static pel_status check_def(const pel_sim *sim, const pel_sim_def *all, int32_t 
 
 static pel_status check_sim(const pel_sim *sim, const pel_sim_def *def, pel_error *error)
 {
-    if (!sim->stepper->has_substeps && !sim->stepper->turns_edges &&
+    if (!sim->stepper->is_compliant && !sim->stepper->turns_edges &&
         !(sim->stepper->is_explicit && pel_sim_has_velocity(sim)))
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "use method implicit, static, xpbd, pbd or explicit",
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use method implicit, static, xpbd or explicit",
                           "this method has no attachments and stitches");
     if (sim->stepper->is_static && (def->solver.analysis != PEL_ANALYSIS_NONE || def->solver.path != PEL_PATH_TIME))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "leave attachments and stitches out",

@@ -60,16 +60,24 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
     if (sim->tools->count > 0 || sim->contacts != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "remove tools and contact",
                           "derivatives exist only without tools and contact");
-    for (int32_t b = 0; b < sim->model->body_count; b++)
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_shell *shell = sim->model->bodies[b].shell;
+        if (shell != NULL && shell->tetrahedron_count > 0)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "take differences of whole runs",
+                                      "filled bodies have no derivatives");
         if (!pel_shell_has_potential(&sim->model->bodies[b]))
             return pel_refuse(error, PEL_BAD_ARGUMENT,
                               "use the consistent form on a closed body, and fibres of another mode",
                               "pressure on a part of a surface or in the form vertex-normal, and fibres of the mode "
                               "normal, have no potential");
+    }
     if (sim->loads->fluid_count > 0)
         return pel_fluids_refuse(sim, "a derivative", error);
     if (sim->loads->wind != NULL)
         return pel_wind_refuse(sim, "a derivative", error);
+    if (sim->ties != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave attachments and stitches out",
+                          "derivatives exist only without attachments and stitches");
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;

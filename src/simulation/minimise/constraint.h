@@ -1,5 +1,4 @@
-/* Constraints of a minimisation: energy, forces, stiffness and multipliers; positions and forces are (3 vertex_count).
- */
+/* Constraints of a minimisation: energy, forces, stiffness and multipliers; both fields are (3 vertex_count). */
 #ifndef PEL_MINIMISE_CONSTRAINT_H
 #define PEL_MINIMISE_CONSTRAINT_H
 

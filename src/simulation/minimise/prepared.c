@@ -72,8 +72,7 @@ static void take_numbers(pel_sim *sim, const pel_newton_problem *problem)
     memcpy(base->factors, sim->state->factors, (size_t)sim->model->body_count * sizeof *base->factors);
 }
 
-/* whether the matrix depends on the start of the step: fibres that follow the state, damping along volumetric springs
- */
+/* whether the matrix depends on the start of the step: fibres that follow it, damping along volumetric springs */
 static bool depends_on_start(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {

@@ -96,8 +96,7 @@ static double spring_energy(const pel_minimise_context *at)
     return sum;
 }
 
-/* of springs, shells and conservative pressure by batches of elements, in the precision of the state; clears sim->force
- */
+/* of springs, shells and conservative pressure by batches, in the precision of the state; clears sim->force */
 static double batch_energy(pel_minimise_context *at, const double *position, double *force)
 {
     const pel_sim *sim = at->sim;

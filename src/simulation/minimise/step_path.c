@@ -32,8 +32,7 @@ enum { MOST_HALVINGS = 8, MOST_MEETINGS = 30 };
 /* of the load factor, at a crossing; halvings that find it */
 #define CROSSING_ERROR 1e-3
 enum { MOST_CROSSING_HALVINGS = 16 };
-/* of the load factor, that another branch is looked for beyond a crossing; of the way there, that the next step is long
- */
+/* of the load factor, beyond a crossing, to look for another branch; of the way there, the length of the next step */
 #define LEAST_BEYOND 0.01
 #define MOST_BEYOND 0.1
 #define BEYOND_GROWTH 3.0
@@ -253,10 +252,10 @@ static pel_status meet_limit(pel_sim *sim, const pel_newton_problem *problem, do
 
 static bool has_limit(const pel_sim_path *own)
 {
-    bool any = false;
-    for (int32_t i = 0; i < own->limit_count; i++)
-        any |= own->limits[i].kind != PEL_LIMIT_BIFURCATION;
-    return any;
+    int32_t i = 0;
+    while (i < own->limit_count && own->limits[i].kind == PEL_LIMIT_BIFURCATION)
+        i++;
+    return i < own->limit_count;
 }
 
 /* before a limit point the balance loses its stability only where another path crosses */
@@ -299,7 +298,7 @@ static double way_of(const pel_sim *sim)
     double square = 0, mass = 0;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++) {
-            double own = sim->model->mass[v], way = unknowns[3 * v + k] - (double)sim->state->position[v][k];
+            double own = (double)sim->model->mass[v], way = unknowns[3 * v + k] - (double)sim->state->position[v][k];
             square += own * way * way;
             mass += own / 3;
         }
@@ -327,9 +326,10 @@ static pel_status cross(pel_sim *sim, const pel_newton_problem *problem, double 
 static bool leaves(const pel_sim *sim)
 {
     const pel_sim_path *own = sim->path;
+    if (sim->solver.branch != PEL_BRANCH_LOWEST || !own->is_unstable || own->limit_count == 0)
+        return false;
     const pel_limit_point *last = &own->limits[own->limit_count - 1];
-    return sim->solver.branch == PEL_BRANCH_LOWEST && own->is_unstable && own->limit_count > 0 &&
-           last->kind == PEL_LIMIT_BIFURCATION && last->step == sim->state->step;
+    return last->kind == PEL_LIMIT_BIFURCATION && last->step == sim->state->step;
 }
 
 /* From a crossing to the minimum of the energy beside the path, under loads that are a little larger: at the crossing

@@ -196,6 +196,9 @@ static pel_status open_path(pel_sim *sim, int32_t body, const int32_t *vertices,
                             int32_t cuts_done, pel_error *error)
 {
     const pel_body_def *def = &sim->given->def.bodies[body];
+    if (sim->def.tie_count > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "cut in a scene without them",
+                          "attachments and stitches beside cuts");
     sim->cut_is_held = false;
     cut c = {.sim = sim, .body = body, .origins = def->origins, .base_count = pel_origins_base_count(def)};
     pel_opening opening = {0};

@@ -349,6 +349,10 @@ pel_status pel_tear_create(pel_sim *sim, pel_error *error)
         any |= pel_body_can_tear(sim, b) || pel_body_adheres(sim, b) || pel_body_has_seam(sim, b);
     if (status != PEL_OK || !any)
         return status;
+    if (sim->def.tie_count > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "give stitches a strength, which opens them, or leave toughness, seams and adhesion out",
+                          "attachments and stitches beside tears");
     sim->tear = pel_allocate(1, sizeof *sim->tear);
     if (sim->tear == NULL)
         return pel_fail_memory(error);
