@@ -35,7 +35,8 @@ static const bad_scene bad_scenes[] = {
     /* a key that belongs elsewhere is told with its place, the near ones first */
     {BALL "    gas: {}\n", NULL, "a.yaml:5:5: error: unknown key 'gas'. it is a key of bodies[].pressure"},
     {BALL "    young: 5\n", NULL,
-     "a.yaml:5:5: error: unknown key 'young'. it is a key of bodies[].springs, bodies[].volumetric, bodies[].membrane"},
+     "a.yaml:5:5: error: unknown key 'young'. it is a key of bodies[].springs, bodies[].volumetric, bodies[].volume, "
+     "bodies[].membrane"},
     {BALL "dt: 5\n", NULL, "a.yaml:5:1: error: unknown key 'dt'. it is a key of solver"},
     {BALL "solver: {friction: 1}\n", NULL,
      "a.yaml:5:10: error: unknown key 'friction'. it is a key of bodies[].contact, tools[], contact"},

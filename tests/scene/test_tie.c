@@ -9,6 +9,9 @@
 #define SHEET(name, z, more)                                                                                           \
     "  - name: " name "\n    mesh: { shape: grid, nx: 4, ny: 4, size_x: 1, size_y: 1, translate: [0, 0, " z "] }\n"    \
     "    membrane: { young: 1e5, thickness: 1e-3 }\n" more
+#define TOUGH                                                                                                          \
+    "  - name: a\n    mesh: { shape: grid, nx: 4, ny: 4, size_x: 1, size_y: 1 }\n"                                     \
+    "    membrane: { young: 1e5, thickness: 1e-3, toughness: 10 }\n"
 #define END "duration: 1\nsolver: { method: implicit, dt: 0.02 }\n"
 #define TOP "{ box: { min: [-1, 0.49, -1], max: [1, 1, 1] } }"
 #define LEFT "{ box: { min: [-1, -1, -1], max: [-0.49, 1, 1] } }"
@@ -69,6 +72,12 @@ static void test_refusals(void **unused)
         {TWO "attachments:\n  - { body: c, at: all }\n" END, "unknown body 'c'"},
         {TWO "attachments:\n  - { at: all }\n" END, "the attachment does not say on which body"},
         {TWO "attachments:\n  - { body: a, at: all, to: { body: a } }\n" END, "leads from 'a' to itself"},
+        {HEAD TOUGH SHEET("b", "0.02", "") "attachments:\n  - { body: a, at: " TOP ", to: { body: b } }\n" END,
+         "beside tears"},
+        {TWO "attachments:\n  - { body: a, at: " TOP
+             ", to: { body: b } }\nduration: 1\nsolver: { method: pbd, dt: 0.02 "
+             "}\n",
+         "no attachments"},
         {TWO "attachments:\n  - { body: a, at: all, to: { tool: hook } }\n" END, "unknown tool 'hook'"},
         {TWO "attachments:\n  - { body: a, at: all, from: 1, until: 0.5 }\n" END, "`until` 0.5 is not after `from` 1"},
         {TWO "stitches:\n  - { a: { body: a, at: " TOP " }, b: { body: b, at: all } }\n" END,

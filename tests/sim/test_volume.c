@@ -7,8 +7,10 @@
 #include "math/vec3.h"
 #include "pellicle/observe.h"
 #include "pellicle/shape.h"
+#include "pellicle/sim_adjoint.h"
 #include "pellicle/sim_forces.h"
 #include "pellicle/sim_ledger.h"
+#include "pellicle/tear.h"
 #include "pellicle/volume.h"
 
 static pel_mesh *make_block(double x, double y, double z, double edge)
@@ -372,6 +374,19 @@ static void what_volumes_lack_is_refused(void **state)
     pel_model *model = make_model(&body);
     pel_sim_def def = lone_sim(model, PEL_METHOD_PBD, 0.01);
     check_refusal(&def, 0, "volume", NULL);
+    /* an equilibrium under its weight has no derivatives, and no cut */
+    def = lone_sim(model, PEL_METHOD_STATIC, 0.01);
+    pel_sim *sim = make_sim(&def);
+    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+    double *by_positions = calloc(3 * (size_t)pel_sim_vertex_count(sim, 0), sizeof *by_positions), gravity[3];
+    const pel_adjoint adjoint = {.positions = by_positions, .gravity = gravity};
+    pel_error error;
+    assert_int_equal(pel_sim_adjoint(sim, &adjoint, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "filled bodies"));
+    const int32_t *corners = mesh->triangles[0];
+    assert_int_equal(pel_cut(sim, 0, corners, 2, &error), PEL_BAD_ARGUMENT);
+    free(by_positions);
+    pel_sim_destroy(sim);
     pel_model_destroy(model);
     pel_mesh_destroy(ball);
     pel_mesh_destroy(mesh);
