@@ -10,6 +10,7 @@
 #include "pellicle/sim_adjoint.h"
 #include "pellicle/sim_forces.h"
 #include "pellicle/sim_ledger.h"
+#include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
 #include "pellicle/volume.h"
 
