@@ -212,7 +212,7 @@ bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
         if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
             return false;
-    bool is_tied = sim->minimise->newton->groups == NULL && pel_ties_hold(sim, body);
+    bool is_tied = pel_ties_hold(sim, body) && (sim->minimise == NULL || sim->minimise->newton->groups == NULL);
     return !own->has_volumetric && !pel_holds_has_body(sim, body) && !is_tied;
 }
 

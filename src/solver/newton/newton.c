@@ -430,13 +430,18 @@ static double find_least(energy_point a, energy_point b)
     return pel_min(pel_max(least, LEAST_CUT * b.share), MOST_CUT * b.share);
 }
 
+/* all forces have a potential */
+static bool has_energy(const newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    return run->newton->has_potential && (terms == NULL || terms->add_skew == NULL);
+}
+
 /* where a run stands along its step; forces without a potential have the work of the mean of both ends */
 static energy_point find_point(step_walk *walk, double share, const energy_point *begin)
 {
     energy_point point = {.share = share, .slope = walk_to(walk, share)};
-    const pel_newton_terms *terms = walk->run->problem->terms;
-    bool has_energy = walk->run->newton->has_potential && (terms == NULL || terms->add_skew == NULL);
-    point.energy = has_energy ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
+    point.energy = has_energy(walk->run) ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
     return point;
 }
 
@@ -760,12 +765,12 @@ static bool go_in_parts(newton_run *run)
 /* ---- stability ---- */
 
 /* whether the matrix is positive in double, where it is in float: the lowest curvature of slender bodies is below the
-   rounding of float. The factor in float stays. */
+   rounding of float. The factor in float stays. Forces without a potential have no curvature that could tell more. */
 static bool is_positive_in_double(newton_run *run)
 {
     pel_newton *newton = run->newton;
     double pivot;
-    if (newton->precision == PEL_FACTOR_DOUBLE)
+    if (newton->precision == PEL_FACTOR_DOUBLE || !has_energy(run))
         return true;
     pel_factor **factor = &newton->factors[PEL_FACTOR_DOUBLE];
     if (*factor == NULL)
