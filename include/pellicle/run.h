@@ -87,7 +87,7 @@ typedef struct pel_run_def {
 PEL_API pel_run_def pel_run_def_default(void);
 
 /* Maximum number of warnings of a run: one of each code. */
-enum { PEL_RUN_WARNING_LIMIT = 32 };
+enum { PEL_RUN_WARNING_LIMIT = 40 };
 
 /* Maximum number of modes of an analysis in a summary and in summary.json. */
 enum { PEL_RUN_MODE_LIMIT = 1000 };

@@ -48,6 +48,7 @@ typedef struct pel_tie_reading {
     double longest;  /* m, the largest distance between a vertex and its point */
     int32_t held_count, lost_count; /* vertices that are tied now; that were let go by force */
     double lost_time;               /* s, of the first one; 0 = none yet */
+    double lost_force;              /* N, with which it was let go */
 } pel_tie_reading;
 
 #ifdef __cplusplus

@@ -202,6 +202,63 @@ static void test_surfaces_cross(void **unused)
     assert_null(find_warning(&summary, "surfaces-cross"));
 }
 
+/* two hooks of which one is too weak; the count and the force are kept in checkpoints */
+static void test_lost_tie(void **unused)
+{
+    (void)unused;
+    const char *text = "version: 1\nbodies:\n  - name: cloth\n"
+                       "    mesh: { shape: grid, nx: 6, ny: 6, size_x: 0.3, size_y: 0.3 }\n"
+                       "    membrane: { young: 1e5, thickness: 0.0005 }\n    mass: { density: 400 }\n"
+                       "attachments:\n"
+                       "  - { name: weak, body: cloth, at: { vertices: [42, 43] }, strength: 0.02 }\n"
+                       "  - { name: strong, body: cloth, at: { vertices: [48] }, strength: 50 }\n"
+                       "gravity: [0, 0, -9.81]\nsolver: { method: implicit, dt: 0.01 }\n"
+                       "duration: 0.4\noutput: { every: 0.1 }\n";
+    const char *firm[] = {"attachments.0.strength=50"};
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "tie-lost");
+    assert_non_null(warning);
+    const pel_run_warning whole = *warning;
+    const char *force = strstr(whole.text, " s under ");
+    assert_non_null(strstr(whole.text, "attachment 'weak' let 2 of 2 vertices go, the first at t = 0."));
+    assert_non_null(force);
+    assert_true(strtod(force + strlen(" s under "), NULL) > 0.02 && strtod(force + strlen(" s under "), NULL) < 1);
+    assert_non_null(strstr(whole.text, " N, more than its strength of 0.02 N. "));
+    assert_true(warning->count == 1 || warning->count == 2);
+    run_scene(text, NULL, 0, NULL, 2, &summary);
+    run_scene(text, NULL, 0, "checkpoint", 0, &summary);
+    warning = find_warning(&summary, "tie-lost");
+    assert_true(warning->first_frame == whole.first_frame && warning->count == whole.count);
+    assert_string_equal(warning->text, whole.text);
+    run_scene(text, firm, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "tie-lost"));
+}
+
+/* the same of an animation, whose remedy is a key of the body */
+static void test_lost_follow(void **unused)
+{
+    (void)unused;
+    char text[1000], frames[256], pattern[256];
+    snprintf(text, sizeof text,
+             "version: 1\nbodies:\n  - name: cloth\n    mesh: { file: '%s' }\n"
+             "    membrane: { young: 1e5, thickness: 0.0005 }\n    mass: { density: 400 }\n"
+             "    follow: { file: '%s*.obj', at: { vertices: [0] }, strength: 1e-4 }\n"
+             "gravity: [0, 0, -9.81]\nsolver: { method: implicit, dt: 0.01 }\nduration: 0.1\n",
+             in_folder(frames, ".", "still.obj"), in_folder(pattern, ".", "still"));
+    static const char still[] = "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3\nf 1 3 4\n";
+    FILE *file = fopen(frames, "w");
+    assert_non_null(file);
+    assert_true(fputs(still, file) >= 0 && fclose(file) == 0);
+    pel_run_summary summary;
+    run_scene(text, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "grasp-lost");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "the animation 'cloth_follow' let 1 vertices go at t = 0."));
+    assert_non_null(strstr(warning->text, "exceeded 0.0001 N, its strength. "));
+    assert_non_null(strstr(warning->text, "raise bodies.cloth.follow.strength"));
+}
+
 static int two_threads(void **unused)
 {
     (void)unused;
@@ -216,6 +273,7 @@ int main(void)
         cmocka_unit_test(test_weightless_filling), cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_falls_away),         cmocka_unit_test(test_nothing_acts),
         cmocka_unit_test(test_surfaces_cross),     cmocka_unit_test(test_folds_cross),
+        cmocka_unit_test(test_lost_tie),           cmocka_unit_test(test_lost_follow),
     };
     return cmocka_run_group_tests(tests, two_threads, clear_folder);
 }

@@ -31,6 +31,7 @@ typedef struct pel_run_totals {
     double rise_sum, rise_max; /* of the volume ratio in these */
     pel_warning_tallies warnings;
     int64_t lost_count;             /* vertices that grasps have lost */
+    int64_t tie_lost_count;         /* that attachments, stitches and springs of an animation have lost */
     pel_contact_statistics contact; /* at the last frame */
 } pel_run_totals;
 

@@ -63,6 +63,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_CUT_HELD] = "cut-held-back",
     [PEL_WARN_GRASP_LOST] = "grasp-lost",
     [PEL_WARN_GRASP_EMPTY] = "grasp-empty",
+    [PEL_WARN_TIE_LOST] = "tie-lost",
     [PEL_WARN_UNCOUNTED] = "intersections-not-counted",
     [PEL_WARN_CROSSING] = "surfaces-cross",
     [PEL_WARN_COARSE_CONTACT] = "coarse-contact",
@@ -235,6 +236,20 @@ static void check_tools(pel_run_state *run, int64_t frame)
     run->totals.lost_count = lost_count;
 }
 
+/* steps in which attachments or stitches let vertices go */
+static void check_ties(pel_run_state *run, int64_t frame)
+{
+    int64_t lost_count = 0;
+    for (int32_t t = 0; t < pel_sim_tie_count(run->sim); t++) {
+        pel_tie_reading reading;
+        pel_sim_get_tie(run->sim, t, &reading);
+        lost_count += reading.lost_count;
+    }
+    if (lost_count > run->totals.tie_lost_count)
+        pel_warn(&run->totals.warnings, PEL_WARN_TIE_LOST, frame, (double)lost_count);
+    run->totals.tie_lost_count = lost_count;
+}
+
 void pel_warnings_check_step(pel_run_state *run)
 {
     pel_warning_tallies *tallies = &run->totals.warnings;
@@ -264,6 +279,7 @@ void pel_warnings_check_step(pel_run_state *run)
     pel_warnings_check_mode(run);
     run->contact_before = now;
     check_tools(run, frame);
+    check_ties(run, frame);
 }
 
 /* ---- the end ---- */
@@ -664,6 +680,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_CUT_HELD] = tell_cut,
     [PEL_WARN_GRASP_LOST] = pel_tell_lost_grasp,
     [PEL_WARN_GRASP_EMPTY] = tell_empty_grasp,
+    [PEL_WARN_TIE_LOST] = pel_tell_lost_tie,
     [PEL_WARN_UNCOUNTED] = tell_uncounted,
     [PEL_WARN_CROSSING] = tell_crossing,
     [PEL_WARN_COARSE_CONTACT] = pel_tell_coarse_contact,

@@ -156,13 +156,25 @@ void pel_tell_held_tool(const pel_warning_text *at)
 }
 
 /* a limit of its force by the scene, not by the material */
-static bool has_given_limit(const pel_run_state *run, const char *tool)
+static const pel_tool_def *find_def(const pel_run_state *run, const char *tool)
 {
     const pel_sim_def *def = &run->scene->sim;
     for (int32_t t = 0; t < def->tool_count; t++)
         if (tool != NULL && strcmp(def->tools[t].name, tool) == 0)
-            return def->tools[t].grasp_max_force > 0;
-    return false;
+            return &def->tools[t];
+    return NULL;
+}
+
+/* of vertices that follow an animation */
+static void tell_lost_follow(const pel_warning_text *at, const first_tool *first, const pel_tool_def *def)
+{
+    char others[40];
+    snprintf(at->text, at->size,
+             "the animation '%s'%s let %" PRId64 " vertices go at t = %.6g s%s: their forces exceeded %.3g N, its "
+             "strength. if they should follow on, raise bodies.%s.follow.strength",
+             first->name, others_text(first, others), first->reading.lost_count, first->reading.lost_time,
+             at->tally->count > 1 ? " and later" : "", first->reading.lost_limit,
+             at->run->scene->model.bodies[def->body].name);
 }
 
 void pel_tell_lost_grasp(const pel_warning_text *at)
@@ -170,9 +182,14 @@ void pel_tell_lost_grasp(const pel_warning_text *at)
     char others[40], why[120];
     first_tool first = find_first_tool(at->run->sim, true);
     double limit = first.reading.lost_limit;
+    const pel_tool_def *def = find_def(at->run, first.name);
+    if (def != NULL && def->strength > 0) {
+        tell_lost_follow(at, &first, def);
+        return;
+    }
     if (limit > 0)
         snprintf(why, sizeof why, "their forces exceeded %.3g N, %s", limit,
-                 has_given_limit(at->run, first.name) ? "its max_force" : "what the material bears there");
+                 def != NULL && def->grasp_max_force > 0 ? "its max_force" : "what the material bears there");
     else
         snprintf(why, sizeof why, "contact had stopped it, and no force would have moved it on");
     snprintf(at->text, at->size,
@@ -181,6 +198,41 @@ void pel_tell_lost_grasp(const pel_warning_text *at)
              at->tally->count > 1 ? " and later" : "", why,
              limit > 0 ? "pull more slowly, raise grasp.reach" : "move it around the body", first.name,
              limit > 0 ? " higher" : " to hold on");
+}
+
+static const char *tie_kind(pel_tie_target target)
+{
+    if (target == PEL_TIE_SEQUENCE)
+        return "spring of the animation";
+    return target == PEL_TIE_VERTICES ? "stitch" : "attachment";
+}
+
+/* of the first one; the count is of all */
+void pel_tell_lost_tie(const pel_warning_text *at)
+{
+    const pel_sim *sim = at->run->sim;
+    pel_tie_reading first = {.lost_count = 0}, now;
+    int32_t which = 0, others = 0;
+    for (int32_t t = 0; t < pel_sim_tie_count(sim); t++) {
+        pel_sim_get_tie(sim, t, &now);
+        if (now.lost_count == 0)
+            continue;
+        others += first.lost_count > 0;
+        if (first.lost_count > 0 && !(now.lost_time < first.lost_time))
+            continue;
+        first = now;
+        which = t;
+    }
+    char more[40] = "";
+    if (others > 0)
+        snprintf(more, sizeof more, " (and %d other%s)", (int)others, others > 1 ? "s" : "");
+    const pel_tie_def *def = &at->run->scene->sim.ties[which];
+    snprintf(
+        at->text, at->size,
+        "%s '%s'%s let %d of %d vertices go, the first at t = %.6g s under %.3g N, more than its strength of %.3g N. "
+        "if it should hold, raise strength, or tie more vertices",
+        tie_kind(def->target), pel_sim_tie_name(sim, which), more, (int)first.lost_count, (int)def->vertex_count,
+        first.lost_time, first.lost_force, def->strength);
 }
 
 /* ---- coarse contact ---- */

@@ -1,4 +1,4 @@
-/* Warnings about contact: jams, tools that were held back, grasps that lost vertices, coarse contact. */
+/* Warnings about contact: jams, tools that were held back, grasps and ties that lost vertices, coarse contact. */
 #ifndef PEL_RUN_WARNINGS_CONTACT_H
 #define PEL_RUN_WARNINGS_CONTACT_H
 
@@ -19,6 +19,7 @@ const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t tool);
 void pel_tell_jam(const pel_warning_text *at);
 void pel_tell_held_tool(const pel_warning_text *at);
 void pel_tell_lost_grasp(const pel_warning_text *at);
+void pel_tell_lost_tie(const pel_warning_text *at);
 void pel_tell_coarse_contact(const pel_warning_text *at);
 
 #endif

@@ -138,8 +138,10 @@ static void let_go(pel_ties *ties, pel_tie *tie, double time)
     if (tie->phase != PEL_TIE_HOLDING || !(pel_vec3_length(tie->force) > most))
         return;
     tie->phase = PEL_TIE_OPEN;
-    if (group->lost_count++ == 0)
+    if (group->lost_count++ == 0) {
         group->lost_time = time;
+        group->lost_force = pel_vec3_length(tie->force);
+    }
 }
 
 /* The force on the tool at its point, which does its own work: only the rest of the way of the vertex counts. */
@@ -368,7 +370,8 @@ void pel_sim_get_tie(const pel_sim *sim, int32_t tie, pel_tie_reading *reading)
     if (reading == NULL || tie < 0 || tie >= pel_sim_tie_count(sim))
         return;
     const pel_tie_group *group = &sim->ties->groups[tie];
-    *reading = (pel_tie_reading){.lost_count = group->lost_count, .lost_time = group->lost_time};
+    *reading = (pel_tie_reading){
+        .lost_count = group->lost_count, .lost_time = group->lost_time, .lost_force = group->lost_force};
     for (int32_t i = group->first; i < group->first + group->count; i++) {
         const pel_tie *item = &sim->ties->items[i];
         double sum[3], place[3];
@@ -392,6 +395,7 @@ void pel_ties_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     for (int32_t g = 0; ties != NULL && g < ties->group_count; g++) {
         pel_transfer(at, &ties->groups[g].lost_count, sizeof ties->groups[g].lost_count);
         pel_transfer(at, &ties->groups[g].lost_time, sizeof ties->groups[g].lost_time);
+        pel_transfer(at, &ties->groups[g].lost_force, sizeof ties->groups[g].lost_force);
     }
     for (int32_t i = 0; ties != NULL && i < ties->count; i++) {
         pel_tie *tie = &ties->items[i];

@@ -30,7 +30,7 @@ typedef struct pel_tie_group {
     pel_tie_def def; /* its arrays are not kept */
     double gap;      /* m, that contact keeps between both bodies */
     int32_t lost_count, first, count;
-    double lost_time;
+    double lost_time, lost_force; /* s, N: of the first one */
 } pel_tie_group;
 
 struct pel_ties {
