@@ -17,6 +17,16 @@ typedef struct bad_scene {
 } bad_scene;
 
 static const bad_scene bad_scenes[] = {
+    /* filling gives the surface other vertices, and no fields */
+    {BALL "    volume: {young: 1000}\n    pinned: {vertices: [0]}\n", NULL,
+     "a.yaml:6:25: error: vertex 0 of a body with `volume`, whose surface has other vertices. select by place"},
+    {BALL "    volume: {young: {field: stiff}}\n", NULL,
+     "a.yaml:5:29: error: field 'stiff' of a body with `volume`: filling does not carry fields over. select by place"},
+    {BALL "    volume: {young: 1000}\n    pinned: {group: top}\n", NULL,
+     "a.yaml:6:21: error: group 'top' of a body with `volume`: filling does not carry fields over. select by place"},
+    {BALL "    volume: {young: 1000}\ncuts: [{path: [0, 1]}]\n", NULL,
+     "a.yaml:6:8: error: a cut of a body with `volume`"},
+
     /* unknown keys and words */
     {BALL "    springs: {stifness: 3}\n", NULL,
      "a.yaml:5:15: error: unknown key 'stifness'. did you mean 'stiffness'?"},

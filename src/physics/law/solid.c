@@ -29,7 +29,7 @@ pel_solid_law pel_solid_law_of(pel_volume_kind kind, double poisson, double moon
         law.a4 = -0.5 * c2;
         law.c = -2 * c1 - 4 * c2;
         law.k = lambda + 2 * c1;
-        law.offset = 3 * (c1 + c2);
+        law.shape_k = 2 * c1;
         break;
     }
     }

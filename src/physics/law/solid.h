@@ -12,7 +12,7 @@
 typedef struct pel_solid_law {
     pel_volume_kind kind;
     double a1, a2, b2, a4, c, k; /* for a Young's modulus of 1 */
-    double offset; /* energy that makes the part without J positive at any F, for projection (solve/project_tetra.h) */
+    double shape_k;              /* the part of k that goes with the terms without J (measure/tetra_lanes.h) */
 } pel_solid_law;
 
 /* Numbers of a material whose young is 1. */

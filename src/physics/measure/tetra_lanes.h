@@ -7,12 +7,14 @@
 #include "law/solid.h"
 #include "measure/tetra.h"
 
-/* the law in two parts, both over young: one without J, which is not negative, and k/2 (J - 1 + c/k)^2; of stvk the
-   second is that of tr E = (S2 - 3) / 2 */
+/* the law in two parts, both over young, neither of them negative, and both with their least value 0 at rest: one of
+   Lame's mu, and lambda/2 (J - 1)^2; of stvk the second is that of tr E = (S2 - 3) / 2. With the singular values s of F
+   the first is mu/2 (s.s - 4 J + J^2) for neo-hookean, which is not negative since s.s >= 3 |J|^(2/3); mooney-rivlin
+   adds c2 (II - 4 J + 1) with II >= 3 |J|^(4/3) */
 typedef struct pel_tetra_parts {
     pel_lane shape;           /* energy of the first */
     pel_lane3 shape_slope[3]; /* its derivative by F, by columns */
-    pel_lane size;            /* J - 1 + c/k, or tr E */
+    pel_lane size;            /* J - 1, or tr E */
     pel_lane3 size_slope[3];
     double size_stiffness;
 } pel_tetra_parts;
@@ -99,7 +101,7 @@ PEL_INLINE pel_tetra_parts pel_tetra_parts_of(const pel_solid_law *law, pel_volu
             fourth = fourth + c[a][b] * c[a][b];
     }
     const pel_lane change = square - three, by_square = PEL_CONSTANT(is_stvk ? 0 : law->b2) * change;
-    p.shape = PEL_CONSTANT(law->offset) + (PEL_CONSTANT(law->a2) + PEL_CONSTANT(0.5) * by_square) * change;
+    p.shape = (PEL_CONSTANT(law->a2) + PEL_CONSTANT(0.5) * by_square) * change;
     if (has_fourth)
         p.shape = p.shape + PEL_CONSTANT(law->a4) * (fourth - three);
     const pel_lane linear = PEL_CONSTANT(2 * law->a2) + (by_square + by_square);
@@ -117,11 +119,14 @@ PEL_INLINE pel_tetra_parts pel_tetra_parts_of(const pel_solid_law *law, pel_volu
         for (int b = 0; b < 3; b++)
             p.shape_slope[b] = pel_lane3_add(p.shape_slope[b], pel_lane3_scale(rotation[b], PEL_CONSTANT(law->a1)));
     }
-    p.size_stiffness = is_stvk ? 4 * law->b2 : law->k;
-    if (is_stvk)
-        p.size = PEL_CONSTANT(0.5) * change;
-    else
-        p.size = pel_lane3_dot(f[0], p.size_slope[0]) - PEL_CONSTANT(law->k > 0 ? 1 - law->c / law->k : 1);
+    p.size_stiffness = is_stvk ? 4 * law->b2 : law->k - law->shape_k;
+    p.size = is_stvk ? PEL_CONSTANT(0.5) * change : pel_lane3_dot(f[0], p.size_slope[0]) - pel_lane_splat(1);
+    if (!is_stvk && !is_corotated) {
+        const pel_lane constant = PEL_CONSTANT(law->c), slope = PEL_CONSTANT(law->shape_k) * p.size;
+        p.shape = p.shape + (constant + PEL_CONSTANT(0.5) * slope) * p.size;
+        for (int b = 0; b < 3; b++)
+            p.shape_slope[b] = pel_lane3_add(p.shape_slope[b], pel_lane3_scale(p.size_slope[b], constant + slope));
+    }
     return p;
 }
 
@@ -133,9 +138,7 @@ PEL_INLINE pel_lane pel_tetra_stress(const pel_solid_law *law, pel_volume_kind k
     const pel_lane slope = PEL_CONSTANT(p.size_stiffness) * p.size;
     for (int b = 0; b < 3; b++)
         stress[b] = pel_lane3_add(p.shape_slope[b], pel_lane3_scale(p.size_slope[b], slope));
-    /* both parts are 0 at rest, or their sum is not: then the law's own constant */
-    const double rest = law->k > 0 ? law->offset + 0.5 * law->c * law->c / law->k : law->offset;
-    return p.shape + PEL_CONSTANT(0.5) * slope * p.size - PEL_CONSTANT(rest);
+    return p.shape + PEL_CONSTANT(0.5) * slope * p.size;
 }
 
 #endif

@@ -404,7 +404,8 @@ void pel_warnings_tell_load(const pel_run_state *run, char *text, size_t size)
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_LOAD];
     bool is_known = flagged->body < run->sim->loads->count;
     const pel_load *load = is_known ? &run->sim->loads->items[flagged->body] : NULL;
-    bool can_refine = is_known && !pel_scene_is_fine(run->scene, load->body);
+    bool can_refine =
+        is_known && !run->scene->model.bodies[load->body].volume.on && !pel_scene_is_fine(run->scene, load->body);
     snprintf(text, size,
              "the edges of body '%s' are %.2g m long under load '%s', too long for so small a load: the dent is too "
              "deep. %s%s%sedges of about %.2g m there, or distribute the load over a larger region",

@@ -99,6 +99,10 @@ static pel_status find_owner(pel_scene_reader *reader, const pel_scene_value *va
     char text[80];
     const pel_scene_value *owner = pel_scene_value_entry(value, "body");
     *is_own = owner == NULL || strcmp(owner->text, of->name) == 0;
+    if (*is_own && of->mesh->tetrahedron_count > 0) {
+        snprintf(text, sizeof text, "a %s of a body with `volume`, which cannot be opened", what);
+        return fail_value(reader, value, text, "leave it out, or the volume");
+    }
     if (owner != NULL || of->count == 1)
         return PEL_OK;
     snprintf(text, sizeof text, "the %s does not say which body it opens", what);

@@ -213,10 +213,20 @@ static pel_status fail_field(pel_scene_reader *reader, const pel_scene_value *na
     return pel_scene_fail_name(reader, &name->place, "scalar field of the mesh", name->text, names, count);
 }
 
+pel_status pel_scene_fail_filled(pel_scene_reader *reader, const pel_scene_value *name, const char *what)
+{
+    pel_scene_fail(reader, &name->place, "%s '%s' of a body with `volume`: filling does not carry fields over", what,
+                   name->text);
+    pel_fail_remedy(reader->error, "select by place: nearest, a sphere, a box or a ray; or give a number");
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,
                            const double **values)
 {
     const pel_field *field = pel_mesh_field(mesh, name->text);
+    if (field == NULL && mesh->tetrahedron_count > 0)
+        return pel_scene_fail_filled(reader, name, "field");
     if (field == NULL || field->component_count != 1)
         return fail_field(reader, name, mesh);
     *values = field->values;

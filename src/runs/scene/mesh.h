@@ -24,6 +24,9 @@ pel_status pel_scene_keep_welding(pel_scene_reader *reader, const pel_mesh *mesh
 pel_status pel_scene_field(pel_scene_reader *reader, const pel_scene_value *name, const pel_mesh *mesh,
                            const double **values);
 
+/* PEL_BAD_SCENE at the name of a field or group that a filled mesh has no more. */
+pel_status pel_scene_fail_filled(pel_scene_reader *reader, const pel_scene_value *name, const char *what);
+
 /* The rotation { axis, angle } as a quaternion x, y, z, w; null means none. */
 pel_status pel_scene_rotation(pel_scene_reader *reader, const pel_scene_value *value, double rotation[4]);
 /* The same as a rotation vector [rad], with whole turns kept. */

@@ -62,6 +62,12 @@ static double diagonal_of(const pel_model_def *model)
 pel_status pel_scene_vertex(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
                             int32_t *vertex)
 {
+    if (mesh->tetrahedron_count > 0) {
+        pel_scene_fail(reader, &value->place, "vertex %.0f of a body with `volume`, whose surface has other vertices",
+                       value->number);
+        pel_fail_remedy(reader->error, "select by place: nearest, a sphere, a box or a ray");
+        return PEL_BAD_SCENE;
+    }
     const pel_scene_welding *welding = reader->weldings;
     while (welding != NULL && welding->mesh != mesh)
         welding = welding->next;

@@ -46,6 +46,8 @@ static pel_status read_group(pel_scene_reader *reader, const pel_scene_value *gr
     region->above = 0.5;
     if (pel_mesh_field(mesh, field) != NULL)
         return PEL_OK;
+    if (mesh->tetrahedron_count > 0)
+        return pel_scene_fail_filled(reader, group, "group");
     for (int32_t f = 0; f < mesh->field_count && count < MOST_NAMES; f++)
         if (strncmp(mesh->fields[f].name, word, prefix) == 0)
             names[count++] = mesh->fields[f].name + prefix;

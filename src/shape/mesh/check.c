@@ -112,6 +112,8 @@ static pel_status find_duplicate_vertices(inspection *it)
 static pel_status find_isolated_vertices(inspection *it)
 {
     int32_t *used = it->scratch;
+    if (it->mesh->tetrahedron_count > 0)
+        return PEL_OK; /* tetrahedra have the vertices inside */
     memset(used, 0, (size_t)it->mesh->vertex_count * sizeof *used);
     for (int32_t t = 0; t < it->mesh->triangle_count; t++)
         if (bad_corner(it, t) < 0)

@@ -5,7 +5,9 @@
        [ G_AA + a   G_AB       ] [ dl_A ]     [ A + a l_A       ]
        [ G_AB       G_BB + a/k ] [ dl_B ] = - [ B + (a / k) l_B ],     G_XY = sum_k w_k (grad_k X) . (grad_k Y)
 
-   At rest the two of neo-Hookean pull against each other, and the pair is in balance. Part of project_kernel.h. */
+   Both are 0 at rest. With parts that pull against each other there, such as |F|^2 and (J - 1 - mu/lambda)^2, the
+   system lacks the stiffness of shear, which is then in the second derivatives: bodies at rest explode where a substep
+   is long beside the vibrations of a tetrahedron. Part of project_kernel.h. */
 
 /* k of a law that does not resist a change of size: so soft that it does not matter */
 #define PEL_LEAST_SIZE_STIFFNESS 1e-9

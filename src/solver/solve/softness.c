@@ -338,6 +338,58 @@ static sample sample_fibre(const pel_model *model, const pel_shell *shell, const
     return make_sample(stiffness, stiffness * mobility);
 }
 
+/* ---- tetrahedra ---- */
+
+/* H x = 2 mu x + lambda tr(x) 1 for a strain x, for a Young's modulus of 1: all laws have it at rest */
+static void solid_stress(const pel_solid_law *law, const double x[9], double y[9])
+{
+    const double lambda = law->kind == PEL_VOLUME_STVK ? 4 * law->b2 : law->k - law->shape_k;
+    const double shear = 2 * law->a2 + 12 * law->a4 - law->c, trace = lambda * (x[0] + x[4] + x[8]);
+    for (int i = 0; i < 9; i++)
+        y[i] = shear * x[i] + (i % 4 == 0 ? trace : 0);
+}
+
+/* Largest eigenvalue of H G by power iteration, with G x = (M x + x M) / 2 of the strains x, and M the sum over the
+   corners of 1 / m times the gradient by the gradient. */
+static double largest_solid_product(const pel_solid_law *law, const double m[9])
+{
+    double x[9] = {1, 0.1, 0.2, 0.1, 0.9, 0.3, 0.2, 0.3, 0.8}, y[9], value = 0;
+    for (int n = 0; n < POWER_STEPS; n++) {
+        double energy = 0, work = 0, size = 0;
+        solid_stress(law, x, y);
+        for (int i = 0; i < 9; i++) {
+            energy += x[i] * y[i];
+            size += x[i] * x[i];
+        }
+        for (int i = 0; i < 9; i++) {
+            const int row = i / 3, column = i % 3;
+            x[i] = 0;
+            for (int k = 0; k < 3; k++)
+                x[i] += 0.5 * (m[3 * row + k] * y[3 * k + column] + y[3 * row + k] * m[3 * k + column]);
+            work += x[i] * y[i];
+        }
+        if (!(energy > 0))
+            return value;
+        value = work / energy;
+        for (int i = 0; i < 9; i++)
+            x[i] /= value * sqrt(size);
+    }
+    return value;
+}
+
+/* at rest */
+static sample sample_tetra(const pel_model *model, const pel_shell *shell, int32_t t)
+{
+    pel_rest_tetra rest;
+    const double scale = pel_filled_rest(shell, model->rest, t, &rest);
+    double m[9] = {0};
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < 9; i++)
+            m[i] += (double)model->inverse_mass[shell->tetrahedra[t][k]] * rest.gradients[k][i / 3] *
+                    rest.gradients[k][i % 3];
+    return make_sample(scale, scale * largest_solid_product(&shell->solid, m));
+}
+
 /* ---- pressure ---- */
 
 /* a pressure p(V) has the stiffness -p' g g^T with the gradient g of the volume; its only eigenvalue over the mass */
@@ -371,7 +423,7 @@ static double pressure_rate(const pel_model *model, int32_t body, const pel_reco
 /* ---- looks ---- */
 
 /* kinds of elements of a body, each with means of its own; from FIBRES on one for each region */
-enum { SPRINGS, MEMBRANE, BENDING, FIBRES };
+enum { SPRINGS, MEMBRANE, BENDING, TETRAHEDRA, FIBRES };
 
 static int32_t kind_count(const pel_model *model, int32_t body)
 {
@@ -390,6 +442,8 @@ static int32_t element_count(const pel_model *model, int32_t body, int32_t kind)
         return b->shell->has_membrane ? b->shell->triangle_count : 0;
     if (kind == BENDING)
         return b->shell->hinge_count;
+    if (kind == TETRAHEDRA)
+        return b->shell->tetrahedron_count;
     const pel_shell_region *region = &b->shell->regions[kind - FIBRES];
     return pel_shell_region_is_elastic(region) ? region->fibre_count : 0;
 }
@@ -412,6 +466,8 @@ static sample take_sample(const sample_job *job, int32_t i)
         return sample_membrane(job->model, b->shell, i, job->positions);
     if (job->kind == BENDING)
         return sample_hinge(job->model, b->shell, i, job->positions);
+    if (job->kind == TETRAHEDRA)
+        return sample_tetra(job->model, b->shell, i);
     return sample_fibre(job->model, b->shell, &b->shell->regions[job->kind - FIBRES], i);
 }
 
@@ -437,6 +493,9 @@ static int vertices_of(const sample_job *job, int32_t i, int32_t vertices[4])
     if (job->kind == BENDING) {
         hinge = pel_shell_hinge_of(b->shell, i);
         corners = hinge.vertices;
+        count = 4;
+    } else if (job->kind == TETRAHEDRA) {
+        corners = b->shell->tetrahedra[i];
         count = 4;
     } else if (job->kind == MEMBRANE) {
         corners = b->shell->corners[i];
