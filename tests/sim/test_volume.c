@@ -312,9 +312,14 @@ static void falling_plates_stay_at_rest(void **state)
         for (int32_t v = 0; v < mesh->vertex_count; v++)
             mesh->positions[v][2] *= 0.1;
         pel_body_def body = solid_body(mesh, (pel_volume_kind)kind, 2e4, 0.3);
-        stage s = {.mesh = mesh, .model = make_model(&body)};
+        pel_model_def model = pel_model_def_default();
+        model.bodies = &body;
+        model.body_count = 1;
+        model.gravity[2] = -9.81;
+        stage s = {.mesh = mesh};
+        assert_int_equal(pel_model_create(&model, &s.model, NULL), PEL_OK);
         pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, 0.01);
-        def.gravity[2] = -9.81;
+        def.solver.substeps = 4;
         s.sim = make_sim(&def);
         run_steps(s.sim, 20);
         pel_sim_measures measures;
@@ -322,6 +327,29 @@ static void falling_plates_stay_at_rest(void **state)
         assert_true(measures.elastic_energy < 1e-6 * measures.kinetic_energy);
         end_stage(&s);
     }
+}
+
+/* automatic substeps follow the tetrahedra: they grow as the root of the stiffness */
+static void substeps_follow_the_stiffness(void **state)
+{
+    (void)state;
+    const double moduli[] = {1e5, 4e5, 1e5}, ratios[] = {0, 0, 0.45};
+    double counts[3];
+    for (int i = 0; i < 3; i++) {
+        pel_mesh *mesh = make_block(1, 1, 1, 0.1);
+        const pel_body_def body = solid_body(mesh, PEL_VOLUME_NEO_HOOKEAN, moduli[i], ratios[i]);
+        pel_model *model = make_model(&body);
+        const pel_sim_def def = lone_sim(model, PEL_METHOD_XPBD, 0.1);
+        int32_t count = 0;
+        assert_int_equal(pel_sim_needed_substeps(&def, &count, NULL), PEL_OK);
+        counts[i] = count;
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
+    assert_true(counts[0] > 30);
+    assert_near(counts[1] / counts[0], 2, 0.05);
+    /* by the root of 10 for tetrahedra with the same mobility in all directions, of a third of it for one direction */
+    assert_true(counts[2] / counts[0] > 1.8 && counts[2] / counts[0] < 3.2);
 }
 
 static void threads_change_nothing(void **state)
@@ -445,11 +473,11 @@ static void memory_may_run_out(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(uniform_strain_is_exact),    cmocka_unit_test(a_bar_stretches_by_its_stiffness),
-        cmocka_unit_test(bodies_keep_their_momentum), cmocka_unit_test(bodies_fall_freely),
-        cmocka_unit_test(crushed_cubes_recover),      cmocka_unit_test(falling_plates_stay_at_rest),
-        cmocka_unit_test(threads_change_nothing),     cmocka_unit_test(what_volumes_lack_is_refused),
-        cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(uniform_strain_is_exact),       cmocka_unit_test(a_bar_stretches_by_its_stiffness),
+        cmocka_unit_test(bodies_keep_their_momentum),    cmocka_unit_test(bodies_fall_freely),
+        cmocka_unit_test(crushed_cubes_recover),         cmocka_unit_test(falling_plates_stay_at_rest),
+        cmocka_unit_test(substeps_follow_the_stiffness), cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(what_volumes_lack_is_refused),  cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

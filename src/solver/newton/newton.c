@@ -441,7 +441,8 @@ static bool has_energy(const newton_run *run)
 static energy_point find_point(step_walk *walk, double share, const energy_point *begin)
 {
     energy_point point = {.share = share, .slope = walk_to(walk, share)};
-    point.energy = has_energy(walk->run) ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
+    point.energy =
+        has_energy(walk->run) ? merit_of(walk->run) : begin->energy + 0.5 * share * (begin->slope + point.slope);
     return point;
 }
 
