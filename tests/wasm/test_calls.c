@@ -271,7 +271,7 @@ static void test_cut(void **unused)
         const double *tip = tips + 1 + 12 * t;
         assert_true(tip[0] >= 0 && tip[0] < BALL_VERTICES);
         for (int c = 0; c < 3; c++)
-            assert_near(tip[1 + c], pel_wasm_sim_positions(sim, 0)[3 * (int32_t)tip[0] + c], 1e-6);
+            assert_near(tip[1 + c], (double)pel_wasm_sim_positions(sim, 0)[3 * (int32_t)tip[0] + c], 1e-6);
         assert_near(pel_vec3_length(tip + 4), 1, 1e-12);
         assert_near(tip[10], pel_vec3_length(tip + 7), 1e-12);
     }
