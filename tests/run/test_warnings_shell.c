@@ -156,7 +156,12 @@ static void test_coarse_mode(void **unused)
                             "bodies.0.mesh={ shape: grid, nx: 4, ny: 4 }"};
     assert_false(warns(TUBE, plate, 4, "coarse-mode"));
     text = warning_of(TUBE, coarse, 4, "coarse-mode", &summary);
-    assert_true(text != NULL && strstr(text, "frequencies") != NULL);
+    assert_true(text != NULL && strstr(text, "frequencies") != NULL && strstr(text, "subdivide") != NULL);
+    /* of a filled body */
+    text = warning_of("version: 1\nbodies: [{mesh: {shape: geodesic-sphere, frequency: 2}, volume: {young: 1000}}]\n"
+                      "solver: {method: static, analysis: modal, modes: 8}\n",
+                      no_change, 0, "coarse-mode", &summary);
+    assert_true(text != NULL && strstr(text, "volume.edge smaller by a factor of 2") != NULL);
 }
 
 int main(void)

@@ -309,11 +309,18 @@ void pel_warnings_tell_mode(const pel_run_state *run, char *text, size_t size)
 {
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_MODE];
     bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
+    const double levels = pel_max(ceil(pel_log2(flagged->limit / flagged->value)), 1);
+    bool is_filled = run->scene->model.body_count > 0 && run->scene->model.bodies[0].volume.on;
+    char remedy[80];
+    if (is_filled)
+        snprintf(remedy, sizeof remedy, "use a volume.edge smaller by a factor of %.0f", ldexp(1, (int)levels));
+    else
+        snprintf(remedy, sizeof remedy, "subdivide the mesh (pellicle subdivide -n %.0f)", levels);
     snprintf(text, size,
              "the mesh is too coarse for mode %d: its waves are %.2g edges long, and %s from fewer than %.0f are not "
-             "those of the shell. subdivide the mesh (pellicle subdivide -n %.0f)",
+             "those of the %s. %s",
              (int)flagged->body + 1, flagged->value, buckles ? "load factors" : "frequencies", flagged->limit,
-             pel_max(ceil(pel_log2(flagged->limit / flagged->value)), 1));
+             is_filled ? "body" : "shell", remedy);
 }
 
 /* ---- loads ---- */
