@@ -461,6 +461,22 @@ static void test_divergence(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* the pressure goes on acting on a balloon that has burst */
+static void test_burst(void **unused)
+{
+    (void)unused;
+    pel_scene *scene = load_scene("version: 1\nbodies:\n  - name: balloon\n"
+                                  "    mesh: { shape: geodesic-sphere, radius: 0.1, frequency: 4 }\n"
+                                  "    membrane: { young: 1e6, thickness: 0.001, toughness: 300, strength: 3e5 }\n"
+                                  "    pressure: { inside: 6000 }\ntear: { start: anywhere }\n"
+                                  "solver: { dt: 0.0005 }\nduration: 1\n",
+                                  NULL, 0);
+    run_case test = {.run = "burst"};
+    check_run(scene, &test, PEL_DIVERGED);
+    assert_non_null(strstr(test.error.remedy, "when the body has opened (inside: { keys: [[0, 6000], [T, 0]] })"));
+    pel_scene_destroy(scene);
+}
+
 /* existing files are complete; with free space again, the run continues from its checkpoint */
 static void check_after_failure(const pel_scene *scene, const run_case *test)
 {
@@ -692,6 +708,7 @@ int main(void)
         cmocka_unit_test(test_own_scene),
         cmocka_unit_test(test_own_mesh),
         cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_burst),
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_full_disk_at_frame),
         cmocka_unit_test(test_frame_fails_before_divergence),

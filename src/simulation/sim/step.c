@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "force/pressure.h"
 #include "method/bending_weight.h"
+#include "pellicle/tear.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
 #include "stage/shells.h"
@@ -23,6 +24,18 @@
 /* Of the largest pressure that a sphere balances: what swings past it if applied at once. There the work p (V - V0)
    equals the energy at rest for a moment; a neo-Hookean sphere gives 1.11 / 1.24 = .89. */
 #define SUDDEN_SHARE .85
+
+/* a prescribed pressure goes on acting on what is left of a body that has opened */
+static void advise_after_burst(const pel_sim *sim, int32_t body, double given, pel_error *error)
+{
+    pel_cut_reading cuts;
+    pel_sim_get_cuts(sim, body, &cuts, NULL);
+    if (cuts.length > 0)
+        pel_fail_remedy(error,
+                        "let the pressure fall when the body has opened (inside: { keys: [[0, %g], [T, 0]] }), or end "
+                        "the run there (stop: { time: T })",
+                        given);
+}
 
 static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
@@ -48,6 +61,8 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
                         "let the pressure grow in time (inside: { keys: [[0, 0], [1, %g]] }): at once it swings past "
                         "%.4g Pa, the largest that the body balances",
                         given, largest);
+    else if (given > 0)
+        advise_after_burst(sim, (int32_t)(body - model->bodies), given, error);
     return PEL_DIVERGED;
 }
 
