@@ -311,7 +311,7 @@ static void falling_plates_stay_at_rest(void **state)
         pel_mesh *mesh = make_block(1, 1, 1, 0.1);
         for (int32_t v = 0; v < mesh->vertex_count; v++)
             mesh->positions[v][2] *= 0.1;
-        pel_body_def body = solid_body(mesh, (pel_volume_kind)kind, 2e4, 0.3);
+        pel_body_def body = solid_body(mesh, kind, 2e4, 0.3);
         pel_model_def model = pel_model_def_default();
         model.bodies = &body;
         model.body_count = 1;
