@@ -10,6 +10,12 @@
 /* PEL_BAD_ARGUMENT with the body and the vertex. */
 pel_status pel_origins_check(const pel_body_def *def, int32_t body, pel_error *error);
 
+/* The vertex before all cuts that a vertex of the body was. */
+static inline int32_t pel_origin_of(const pel_body_def *def, int32_t vertex)
+{
+    return def->origins != NULL ? def->origins[vertex] : vertex;
+}
+
 /* The vertices before all cuts: copies come after them. */
 int32_t pel_origins_base_count(const pel_body_def *def);
 

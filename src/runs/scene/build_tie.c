@@ -163,20 +163,13 @@ static pel_status pair_borders(pel_scene_reader *reader, const border *a, const 
 static pel_status read_stitch(pel_scene_reader *reader, const pel_scene_value *value, const pel_scene *scene,
                               pel_tie_def *tie)
 {
-    const pel_scene_value *until = pel_scene_value_entry(value, "until");
-    const pel_scene_value *strength = pel_scene_value_entry(value, "strength");
-    const pel_scene_value *stiffness = pel_scene_value_entry(value, "stiffness");
     border a, b;
     *tie = pel_tie_def_default();
-    tie->name = pel_scene_value_entry(value, "name")->text;
     tie->target = PEL_TIE_VERTICES;
-    tie->from = pel_scene_value_number(value, "from");
-    tie->close = pel_scene_value_number(value, "close");
-    if (until->form != PEL_FORM_WORD)
-        tie->until = until->number;
-    tie->strength = strength != NULL ? strength->number : 0;
-    tie->stiffness = stiffness != NULL ? stiffness->number : 0;
-    pel_status status = read_border(reader, value, "a", scene, &a);
+    const pel_scene_part part = {reader, value, NULL};
+    pel_status status = pel_scene_read_members(&part, PEL_DEF_TIE, tie);
+    if (status == PEL_OK)
+        status = read_border(reader, value, "a", scene, &a);
     if (status == PEL_OK)
         status = read_border(reader, value, "b", scene, &b);
     if (status == PEL_OK)

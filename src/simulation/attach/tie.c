@@ -276,7 +276,7 @@ void pel_ties_apply(pel_sim *sim, double ratio)
         force_at(sim, tie, time, sim->state->position, own);
         for (int j = 0; j < tie->count; j++) {
             int32_t v = tie->vertices[j];
-            double gain = sim->held != NULL && sim->held[v] ? 0 : (double)sim->model->inverse_mass[v] * sim->step.dt;
+            double gain = pel_tool_mobility(sim, v) * sim->step.dt;
             for (int k = 0; k < 3; k++) {
                 double change = gain * tie->weights[j] * own[k];
                 sim->state->velocity_next[v][k] += (pel_real)change;
@@ -294,16 +294,11 @@ void pel_ties_begin_substep(pel_sim *sim)
         pel_vec3_set(sim->ties->items[i].multiplier, 0, 0, 0);
 }
 
-static double mobility(const pel_sim *sim, int32_t v)
-{
-    return sim->held != NULL && sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
-}
-
 static void project(pel_sim *sim, pel_tie *tie, double time, double tau, pel_record *positions)
 {
     double sum[3], n[3], excess, distance, w = 0, compliance = 1 / (tie->stiffness * tau * tau);
     for (int j = 0; j < tie->count; j++)
-        w += tie->weights[j] * tie->weights[j] * mobility(sim, tie->vertices[j]);
+        w += tie->weights[j] * tie->weights[j] * pel_tool_mobility(sim, tie->vertices[j]);
     sum_records(tie, positions, sum);
     bool is_taut = stretch(sim, tie, time, sum, n, &excess, &distance);
     if (!(w > 0))
@@ -314,7 +309,7 @@ static void project(pel_sim *sim, pel_tie *tie, double time, double tau, pel_rec
         tie->multiplier[k] += change;
         for (int j = 0; j < tie->count; j++) {
             int32_t v = tie->vertices[j];
-            positions[v][k] += (pel_real)(change * tie->weights[j] * mobility(sim, v));
+            positions[v][k] += (pel_real)(change * tie->weights[j] * pel_tool_mobility(sim, v));
         }
     }
 }
@@ -332,7 +327,7 @@ void pel_ties_tally(pel_sim *sim, double tau, pel_record *reaction)
         pel_tie *tie = &sim->ties->items[i];
         pel_vec3_along(tie->sum, 1 / (tau * tau), tie->multiplier, tie->sum);
         for (int j = 0; reaction != NULL && j < tie->count; j++) {
-            if (mobility(sim, tie->vertices[j]) > 0)
+            if (pel_tool_mobility(sim, tie->vertices[j]) > 0)
                 continue;
             for (int k = 0; k < 3; k++)
                 reaction[tie->vertices[j]][k] += (pel_real)(tie->weights[j] * tie->multiplier[k] / (tau * tau));
@@ -405,10 +400,8 @@ void pel_ties_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     }
 }
 
-pel_status pel_ties_refuse(const pel_sim *sim, const char *what, pel_error *error)
+pel_status pel_ties_refuse(const char *what, pel_error *error)
 {
-    if (sim->ties == NULL)
-        return PEL_OK;
     return pel_refuse(error, PEL_BAD_ARGUMENT, "leave attachments and stitches out",
                       "%s does not support attachments and stitches", what);
 }

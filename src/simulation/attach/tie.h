@@ -74,7 +74,7 @@ bool pel_ties_hold(const pel_sim *sim, int32_t body);
 /* a pel_transfer_part */
 void pel_ties_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
 
-/* PEL_BAD_ARGUMENT if there are any: `what` does not support them. */
-pel_status pel_ties_refuse(const pel_sim *sim, const char *what, pel_error *error);
+/* PEL_BAD_ARGUMENT: `what` does not support ties. */
+pel_status pel_ties_refuse(const char *what, pel_error *error);
 
 #endif

@@ -6,6 +6,7 @@
    first one, which has a solution of its own. */
 #include "gradient/adjoint.h"
 
+#include "attach/tie.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/edge_load.h"
@@ -76,8 +77,7 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
     if (sim->loads->wind != NULL)
         return pel_wind_refuse(sim, "a derivative", error);
     if (sim->ties != NULL)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave attachments and stitches out",
-                          "derivatives exist only without attachments and stitches");
+        return pel_ties_refuse("a derivative", error);
     if (sim->loads->follower_count > 0)
         return pel_followers_refuse(sim, "derivatives need", error);
     return def->rest_positions != NULL ? check_rest(sim, error) : PEL_OK;

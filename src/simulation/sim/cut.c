@@ -1,5 +1,6 @@
 #include "sim/cut.h"
 
+#include "attach/tie.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
@@ -11,14 +12,12 @@
 #include "pellicle/geometry.h"
 #include "pellicle/tear.h"
 #include "sim/change.h"
+#include "stage/accessors.h"
 #include "tear/growth.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* s, over dt: times that differ by less are equal */
-#define TIME_ROUNDING 1e-6
 
 /* ---- the edges of a path ---- */
 
@@ -196,9 +195,8 @@ static pel_status open_path(pel_sim *sim, int32_t body, const int32_t *vertices,
                             int32_t cuts_done, pel_error *error)
 {
     const pel_body_def *def = &sim->given->def.bodies[body];
-    if (sim->def.tie_count > 0)
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "cut in a scene without them",
-                          "attachments and stitches beside cuts");
+    if (sim->ties != NULL)
+        return pel_ties_refuse("a cut", error);
     sim->cut_is_held = false;
     cut c = {.sim = sim, .body = body, .origins = def->origins, .base_count = pel_origins_base_count(def)};
     pel_opening opening = {0};
@@ -246,7 +244,7 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
         int32_t number = sim->cuts_done;
         const pel_cut_def *next = &sim->def.cuts[number];
         double at = next->at;
-        if (at > pel_sim_time(sim) + TIME_ROUNDING * sim->solver.dt)
+        if (!pel_sim_has_come(sim, at))
             return PEL_OK;
         status = open_path(sim, next->body, next->vertices, next->vertex_count, number + 1, error);
         /* once more before the next step */
@@ -419,5 +417,5 @@ void pel_sim_get_origins(const pel_sim *sim, int32_t body, int32_t *origins)
         return;
     const pel_body_def *def = &sim->given->def.bodies[body];
     for (int32_t v = 0; v < def->mesh->vertex_count; v++)
-        origins[v] = def->origins != NULL ? def->origins[v] : v;
+        origins[v] = pel_origin_of(def, v);
 }

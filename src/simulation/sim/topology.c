@@ -167,7 +167,7 @@ static pel_status set_surface(pel_surfaces *surfaces, const pel_sim *sim, int32_
     if (surfaces->origins[body] == NULL)
         return pel_fail_memory(error);
     for (int32_t v = 0; v < vertex_count; v++)
-        surfaces->origins[body][v] = def->origins != NULL ? def->origins[sources[v]] : sources[v];
+        surfaces->origins[body][v] = pel_origin_of(def, sources[v]);
     if (rest == NULL)
         rest = (const double(*)[3])def->mesh->positions;
     return make_mesh(def->mesh, rest, vertex_count, sources, triangles, &surfaces->meshes[body], error);
@@ -218,7 +218,7 @@ static bool read_corners(const pel_sim *sim, int32_t body, pel_cursor *at, const
     int32_t base_count = pel_origins_base_count(def), corner_count = 3 * def->mesh->triangle_count;
     for (int32_t c = 0; c < corner_count; c++) {
         int32_t v = def->mesh->triangles[c / 3][c % 3];
-        triangles[c / 3][c % 3] = def->origins != NULL ? def->origins[v] : v;
+        triangles[c / 3][c % 3] = pel_origin_of(def, v);
     }
     for (int32_t left = count > base_count ? take(at) : 0; left > 0; left--) {
         int32_t c = take(at), v = take(at);

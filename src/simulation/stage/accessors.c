@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* s, over dt: times that differ by less are equal */
+#define TIME_ROUNDING 1e-6
+
 double pel_sim_time(const pel_sim *sim)
 {
     if (sim == NULL)
@@ -19,6 +22,11 @@ double pel_sim_part_time(const pel_sim *sim, double share)
 {
     double at = (sim->part.at + share * sim->part.step_size) / PEL_PART_LIMIT;
     return ((double)sim->state->step + at) * sim->solver.dt;
+}
+
+bool pel_sim_has_come(const pel_sim *sim, double time)
+{
+    return time <= pel_sim_time(sim) + TIME_ROUNDING * sim->solver.dt;
 }
 
 int64_t pel_sim_step_count(const pel_sim *sim)

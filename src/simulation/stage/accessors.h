@@ -8,6 +8,8 @@
 double pel_sim_next_time(const pel_sim *sim);
 /* s, at a share of the present part of the step */
 double pel_sim_part_time(const pel_sim *sim, double share);
+/* whether a time [s] is that of the present state or before it; times that differ by a millionth of dt are equal */
+bool pel_sim_has_come(const pel_sim *sim, double time);
 
 /* keyed material numbers at a time */
 void pel_sim_update_factors(pel_sim *sim, double time);

@@ -15,13 +15,11 @@
 #include "math/vec3.h"
 #include "mesh/opening.h"
 #include "model/origin.h"
+#include "stage/accessors.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* s, over dt: times that differ by less are equal */
-#define TIME_ROUNDING 1e-6
 
 pel_seam_def pel_seam_def_default(void)
 {
@@ -79,11 +77,6 @@ static bool is_named(const edge_names *names, int32_t a, int32_t b)
         return true;
     return names->pair_count > 0 &&
            bsearch(&pair, names->pairs, (size_t)names->pair_count, sizeof pair, by_value) != NULL;
-}
-
-static int32_t origin_of(const pel_body_def *def, int32_t v)
-{
-    return def->origins != NULL ? def->origins[v] : v;
 }
 
 /* a path through edges of the mesh, before anything is cut */
@@ -163,8 +156,8 @@ static pel_status add_seam(pel_seams *seams, int32_t seam, size_t *room, pel_err
     for (int32_t e = 0; status == PEL_OK && e < topology->edge_count; e++) {
         int32_t h = topology->half_edge_of_edge[e];
         if (topology->twin[h] >= 0 &&
-            is_named(&names, origin_of(body, pel_half_edge_origin(topology, h)),
-                     origin_of(body, pel_half_edge_target(topology, h))) &&
+            is_named(&names, pel_origin_of(body, pel_half_edge_origin(topology, h)),
+                     pel_origin_of(body, pel_half_edge_target(topology, h))) &&
             !add_edge(seams, room, e, seam))
             status = pel_fail_memory(error);
     }
@@ -244,7 +237,7 @@ static bool is_due(const pel_seams *seams, const pel_seam_edge *edge)
 {
     const pel_sim *sim = seams->survey.sim;
     const pel_seam_def *def = &sim->def.seams[edge->seam];
-    if (def->opens_at >= 0 && def->opens_at <= pel_sim_time(sim) + TIME_ROUNDING * sim->solver.dt)
+    if (def->opens_at >= 0 && pel_sim_has_come(sim, def->opens_at))
         return true;
     return def->strength > 0 && pel_seams_load(seams, edge->edge) >= def->strength;
 }

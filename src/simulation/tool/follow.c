@@ -7,16 +7,12 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/extremes.h"
+#include "model/origin.h"
 
 /* of the size of the body: a sequence that starts farther from the body at rest is another mesh, or in other units */
 #define FAR_SHARE 0.5
 
 /* ---- creation ---- */
-
-static int32_t row_of(const pel_body_def *def, int32_t mesh_vertex)
-{
-    return def->origins != NULL ? def->origins[mesh_vertex] : mesh_vertex;
-}
 
 static pel_status check_start(const pel_sim *sim, const pel_tool_def *def, int32_t index, pel_error *error)
 {
@@ -24,7 +20,7 @@ static pel_status check_start(const pel_sim *sim, const pel_tool_def *def, int32
     pel_sequence_moment start = pel_sequence_find(def->sequence, pel_max(def->grasp_from, 0));
     for (int32_t i = 0; i < def->vertex_count && !sim->goes_on && !(def->grasp_from > 0); i++) {
         double point[3], rest[3];
-        pel_sequence_point(&start, row_of(&sim->given->def.bodies[def->body], def->vertices[i]), point);
+        pel_sequence_point(&start, pel_origin_of(&sim->given->def.bodies[def->body], def->vertices[i]), point);
         pel_vertex_position(sim->model->rest, body->model_index[def->vertices[i]], rest);
         double way = pel_vec3_distance(point, rest);
         if (way > FAR_SHARE * body->diameter)
@@ -44,7 +40,7 @@ static pel_status check(const pel_sim *sim, const pel_tool_def *def, int32_t ind
                                   "a body that refines follows a sequence");
     int32_t most = 0;
     for (int32_t v = 0; v < body->mesh->vertex_count; v++)
-        most = row_of(body, v) > most ? row_of(body, v) : most;
+        most = pel_origin_of(body, v) > most ? pel_origin_of(body, v) : most;
     if (def->sequence->vertex_count != most + 1)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", index,
                                   "use a sequence of the same mesh, with the same order of vertices",
@@ -67,7 +63,7 @@ pel_status pel_tool_follow_create(pel_sim *sim, const pel_tool_def *def, int32_t
         return pel_fail_memory(error);
     const int32_t *places = sim->model->bodies[def->body].model_index;
     for (int32_t i = 0; i < def->vertex_count; i++)
-        tool->rows[places[def->vertices[i]]] = row_of(&sim->given->def.bodies[def->body], def->vertices[i]);
+        tool->rows[places[def->vertices[i]]] = pel_origin_of(&sim->given->def.bodies[def->body], def->vertices[i]);
     tool->sequence = pel_sequence_share(def->sequence);
     return PEL_OK;
 }

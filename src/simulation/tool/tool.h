@@ -199,7 +199,8 @@ static inline bool pel_tool_acts_on(const pel_tool *tool, int32_t body)
 static inline double pel_tool_mobility(const pel_sim *sim, int32_t v)
 {
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
-    return sim->held[v] ? 0 : (double)sim->model->inverse_mass[v];
+    bool is_held = sim->held != NULL && sim->held[v];
+    return is_held ? 0 : (double)sim->model->inverse_mass[v];
 }
 
 /* the touch of a vertex in this step, new if need be */
