@@ -370,37 +370,36 @@ static void place_hemisphere(double u, double v, double x[3])
     x[2] = 10 * sin(height);
 }
 
+/* pulled by a load [N] along x, and pressed by it along y */
+static pel_status write_loaded_hemisphere(const lab_experiment *experiment, int n, const char *mesh, const char *model,
+                                          double load, char *text)
+{
+    char keys[900];
+    snprintf(keys, sizeof keys,
+             "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
+             "    mass: { density: 1000 }\n"
+             "    supports:\n"
+             "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
+             "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
+             "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
+             "loads:\n"
+             "  - { force: [%g, 0, 0], at: { nearest: [10, 0, 0] } }\n"
+             "  - { force: [0, %g, 0], at: { nearest: [0, 10, 0] } }\n",
+             load, -load);
+    return own_write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere, keys, text);
+}
+
 /* a hundredth of the load, so that the answer is linear */
 static pel_status write_hemisphere(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                    char *text)
 {
-    return own_write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                           "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
-                           "    mass: { density: 1000 }\n"
-                           "    supports:\n"
-                           "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
-                           "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
-                           "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
-                           "loads:\n"
-                           "  - { force: [0.01, 0, 0], at: { nearest: [10, 0, 0] } }\n"
-                           "  - { force: [0, -0.01, 0], at: { nearest: [0, 10, 0] } }\n",
-                           text);
+    return write_loaded_hemisphere(experiment, n, mesh, model, 0.01, text);
 }
 
 static pel_status write_deep_hemisphere(const lab_experiment *experiment, int n, const char *mesh, const char *model,
                                         char *text)
 {
-    return own_write_shell(experiment, "hemisphere", n, n, mesh, model, place_hemisphere,
-                           "    membrane: { material: stvk, young: 6.825e7, poisson: 0.3, thickness: 0.04 }\n"
-                           "    mass: { density: 1000 }\n"
-                           "    supports:\n"
-                           "      - { at: { box: { min: [-1, -99, -99], max: [1.0e-5, 99, 99] } }, symmetry: x }\n"
-                           "      - { at: { box: { min: [-99, -1, -99], max: [99, 1.0e-5, 99] } }, symmetry: y }\n"
-                           "      - { at: { nearest: [10, 0, 0] }, fix: [z] }\n"
-                           "loads:\n"
-                           "  - { force: [200, 0, 0], at: { nearest: [10, 0, 0] } }\n"
-                           "  - { force: [0, -200, 0], at: { nearest: [0, 10, 0] } }\n",
-                           text);
+    return write_loaded_hemisphere(experiment, n, mesh, model, 200, text);
 }
 
 /* once around, but for a slit of a thousandth of the width */
