@@ -51,6 +51,28 @@ static double angle_at(const double x[4][3], int a, int b, int c, int d)
     return acos(pel_vec3_dot(first, second) / (pel_vec3_length(first) * pel_vec3_length(second))) * 57.29577951308232;
 }
 
+static const int sides[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
+
+/* tetrahedra without a vertex on the surface are those of the body-centred lattice: angles of 60 and 90 degrees */
+static void check_inside(const pel_mesh *mesh, int32_t surface_count)
+{
+    int count = 0;
+    for (int32_t t = 0; t < mesh->tetrahedron_count; t++) {
+        const int32_t *v = mesh->tetrahedra[t];
+        double x[4][3];
+        bool is_inside = true;
+        for (int k = 0; k < 4; k++)
+            is_inside &= v[k] >= surface_count;
+        load(mesh, t, x);
+        for (int i = 0; is_inside && i < 6; i++) {
+            double angle = angle_at((const double(*)[3])x, sides[i][0], sides[i][1], sides[i][2], sides[i][3]);
+            assert_near(fmin(fabs(angle - 60), fabs(angle - 90)), 0, 0.5);
+        }
+        count += is_inside;
+    }
+    assert_true(count > 100);
+}
+
 typedef struct figures {
     double volume, least_angle, most_angle;
     int32_t surface_count; /* vertices in triangles */
@@ -59,7 +81,6 @@ typedef struct figures {
 /* whole: positive tetrahedra that fill the surface, vertices of which come first */
 static figures check_whole(const pel_mesh *mesh)
 {
-    static const int edges[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
     figures found = {.least_angle = 180};
     for (int32_t t = 0; t < mesh->tetrahedron_count; t++) {
         double x[4][3];
@@ -68,7 +89,7 @@ static figures check_whole(const pel_mesh *mesh)
         assert_true(volume > 0);
         found.volume += volume;
         for (int i = 0; i < 6; i++) {
-            const double angle = angle_at((const double(*)[3])x, edges[i][0], edges[i][1], edges[i][2], edges[i][3]);
+            const double angle = angle_at((const double(*)[3])x, sides[i][0], sides[i][1], sides[i][2], sides[i][3]);
             found.least_angle = fmin(found.least_angle, angle);
             found.most_angle = fmax(found.most_angle, angle);
         }
@@ -136,6 +157,7 @@ static void balls_converge(void **state)
         assert_true(missing[i] > 0);
         /* the promise of pellicle/volume.h */
         assert_true(found.least_angle > 10 && found.most_angle < 165);
+        check_inside(filled, found.surface_count);
         for (int32_t v = 0; v < found.surface_count; v++)
             assert_near(pel_vec3_length(filled->positions[v]), 1, 2e-3);
         pel_mesh_destroy(filled);
