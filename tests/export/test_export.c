@@ -3,30 +3,11 @@
 
 #include "base/memory.h"
 #include "export/export.h"
+#include "export_folder.h"
 #include "failing_malloc.h"
 #include "io/file.h"
 #include "pellicle/export.h"
-#include "results/run_folder.h"
 #include "source_dir.h"
-
-static char folder[FOLDER_SIZE];
-static pel_frames *frames;
-
-static int set_up(void **unused)
-{
-    (void)unused;
-    strcpy(folder, "export_XXXXXX");
-    folder_make(folder);
-    return pel_frames_open(folder, &frames, NULL) != PEL_OK;
-}
-
-static int tear_down(void **unused)
-{
-    (void)unused;
-    pel_frames_close(frames);
-    folder_remove(folder);
-    return 0;
-}
 
 static int32_t word(const char *bytes)
 {

@@ -1,29 +1,10 @@
 /* USD as text; check_usd.py reads the files by the grammar and the schema of meshes. */
 #include "check.h"
 
+#include "export_folder.h"
 #include "failing_malloc.h"
 #include "pellicle/export.h"
-#include "results/run_folder.h"
 #include "source_dir.h"
-
-static char folder[FOLDER_SIZE];
-static pel_frames *frames;
-
-static int set_up(void **unused)
-{
-    (void)unused;
-    strcpy(folder, "usd_XXXXXX");
-    folder_make(folder);
-    return pel_frames_open(folder, &frames, NULL) != PEL_OK;
-}
-
-static int tear_down(void **unused)
-{
-    (void)unused;
-    pel_frames_close(frames);
-    folder_remove(folder);
-    return 0;
-}
 
 /* what the independent reader says of a file */
 static const char *ask(const char *path, const char *question)
