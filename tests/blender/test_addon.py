@@ -359,6 +359,53 @@ def test_write():
     assert text.startswith('a: [1, 2.5]\nb: { c: "x: y", d: true }\ne:\n  - f: [0, 1,') and 'g: "true"' in text and text.endswith("h: {}\n")
 
 
+def test_figure():
+    """Bones and a shape key of a glTF file that Blender writes: `follow` has the places that Blender has."""
+    scene = clear()
+    arm = add("cylinder", "NONE", vertices=16, radius=0.1, depth=2, location=(0, 0, 1))
+    arm.shape_key_add(name="Basis")
+    thick = arm.shape_key_add(name="thick")
+    for point in thick.data:
+        point.co.x *= 1.5
+    bpy.ops.object.armature_add(location=(0, 0, 0))
+    bones = bpy.context.object
+    bones.rotation_euler, bones.scale = (0.3, 0.2, 0.1), (1.5, 1.5, 1.5)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones.data.edit_bones[0].tail = (0, 0, 1)
+    upper = bones.data.edit_bones.new("upper")
+    upper.head, upper.tail, upper.parent = (0, 0, 1), (0, 0, 2), bones.data.edit_bones[0]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    arm.select_set(True)
+    bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    pose = bones.pose.bones["upper"]
+    pose.rotation_mode = "QUATERNION"
+    for frame, angle, value in ((1, 0, 0), (5, 1.2, 0.3), (11, -0.8, 1)):
+        pose.rotation_quaternion = (numpy.cos(angle / 2), numpy.sin(angle / 2), 0, 0)
+        pose.keyframe_insert("rotation_quaternion", frame=frame)
+        bones.location = (frame / 11, 0, 0)
+        bones.keyframe_insert("location", frame=frame)
+        thick.value = value
+        thick.keyframe_insert("value", frame=frame)
+    os.makedirs(os.path.join(FOLDER, "figure"), exist_ok=True)
+    bpy.ops.export_scene.gltf(filepath=os.path.join(FOLDER, "figure", "arm.glb"))
+    path = os.path.join(FOLDER, "figure", "scene.yaml")
+    with open(path, "w") as file:
+        file.write("""{ version: 1, bodies: [ { name: arm, mesh: { file: arm.glb }, follow: { file: arm.glb } },
+            { name: sheet, mesh: { shape: grid, size_x: 1, size_y: 1, translate: [0, 0, -9] }, membrane: { preset: rubber } } ],
+            solver: { dt: 0.0416666666666666 }, duration: 0.45, output: { every_frame: 1 } }""")
+    folder = os.path.join(FOLDER, "figure", "run")
+    assert os.system(f"'{arguments.program}' run '{path}' -q -o '{folder}'") == 0
+    # Blender writes frame 1 at 1 / 24 s
+    for frame in range(1, 11):
+        name = os.path.join(FOLDER, "figure", f"{frame}.obj")
+        assert os.system(f"'{arguments.program}' convert '{folder}/frames/f{frame:05}.vtp' '{name}' -q") == 0
+        with open(name) as file:
+            places = numpy.array([line.split()[1:4] for line in file if line.startswith("v ")], dtype=float)
+        wanted = shown(arm, frame)[:, [0, 2, 1]] * (1, 1, -1)
+        apart = numpy.linalg.norm(wanted[:, None] - places[None], axis=2).min(axis=1)
+        assert apart.max() < 2e-6, (frame, apart.max())
+
+
 def test_package():
     """The manifest of Blender 4.2 agrees with bl_info and the program; the panels draw; the add-on can be removed."""
     with open(os.path.join(ROOT, "blender", "pellicle", "blender_manifest.toml")) as file:

@@ -8,7 +8,7 @@
 
 typedef struct gltf_text {
     size_t size; /* bytes of the one buffer */
-    char bytes[300];
+    char bytes[2400];
     char text[80000];
 } gltf_text;
 
@@ -28,7 +28,7 @@ static inline void gltf_base64(const char *bytes, size_t size, char *text)
 /* `middle`, which begins with the bracket of the file, and the buffer; lives as long as the file */
 static inline const char *gltf_text_end(gltf_text *file, const char *middle)
 {
-    char numbers[500];
+    char numbers[3300];
     gltf_base64(file->bytes, file->size, numbers);
     snprintf(file->text, sizeof file->text,
              "%s,\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:application/octet-stream;base64,%s\"}]}", middle,

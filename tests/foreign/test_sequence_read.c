@@ -88,7 +88,7 @@ static void test_meshes(void **unused)
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         pel_sequence *sequence;
         double x[VERTICES][3];
-        assert_int_equal(pel_sequence_read(path_of(names[n]), 10, &sequence, NULL), PEL_OK);
+        assert_int_equal(pel_sequence_read(path_of(names[n]), NULL, 10, &sequence, NULL), PEL_OK);
         assert_int_equal(pel_sequence_frame_count(sequence), FRAMES);
         assert_int_equal(pel_sequence_vertex_count(sequence), VERTICES);
         for (int f = 0; f < FRAMES; f++) {
@@ -107,7 +107,7 @@ static void test_cache(void **unused)
     pel_sequence *sequence;
     double x[VERTICES][3];
     write_cache("a.pc2", VERTICES, 0.5F, FRAMES, 0);
-    assert_int_equal(pel_sequence_read(path_of("a.pc2"), 24, &sequence, NULL), PEL_OK);
+    assert_int_equal(pel_sequence_read(path_of("a.pc2"), NULL, 24, &sequence, NULL), PEL_OK);
     assert_int_equal(pel_sequence_frame_count(sequence), FRAMES);
     for (int f = 0; f < FRAMES; f++) {
         assert_near(pel_sequence_time(sequence, f), f * 0.5 / 24, 1e-15);
@@ -124,7 +124,7 @@ static void refuse(const char *name, double fps, pel_status expected, const char
     pel_sequence *sequence = (pel_sequence *)(uintptr_t)1;
     pel_error error = {0};
     char said[1000];
-    pel_status status = pel_sequence_read(path_of(name), fps, &sequence, &error);
+    pel_status status = pel_sequence_read(path_of(name), NULL, fps, &sequence, &error);
     pel_error_text(&error, said, sizeof said);
     if (status != expected || sequence != NULL || strstr(said, words) == NULL || error.remedy[0] == '\0')
         fail_msg("expected '%s', got '%s'", words, said);
@@ -145,7 +145,7 @@ static void test_refusals(void **unused)
     write_mesh("step_0.obj", 0, "f 1 2 3\nf 4 3 1\n", VERTICES);
     write_mesh("step_7.obj", 7, "f 4 3 1\nf 1 2 4\n", VERTICES);
     pel_sequence *sequence;
-    assert_int_equal(pel_sequence_read(path_of("step_*.obj"), 24, &sequence, NULL), PEL_OK);
+    assert_int_equal(pel_sequence_read(path_of("step_*.obj"), NULL, 24, &sequence, NULL), PEL_OK);
     pel_sequence_destroy(sequence);
     write_cache("b.pc2", VERTICES, 1, FRAMES, 1);
     refuse("b.pc2", 24, PEL_BAD_FORMAT, "ends before its 12 samples of 4 points");
@@ -169,7 +169,7 @@ static void test_other_order(void **unused)
 static pel_status read_pattern(const void *path, pel_error *error)
 {
     pel_sequence *sequence;
-    pel_status status = pel_sequence_read(path, 24, &sequence, error);
+    pel_status status = pel_sequence_read(path, NULL, 24, &sequence, error);
     assert_true((status == PEL_OK) == (sequence != NULL));
     pel_sequence_destroy(sequence);
     return status;

@@ -746,9 +746,9 @@ static void test_scenes(void **unused)
     REFUSED("mesh", pel_mesh_import("a.obj", NULL, NULL, &error));
     pel_sequence *sequence;
     const int32_t row = 0;
-    REFUSED("path", pel_sequence_read(NULL, 24, &sequence, &error));
-    REFUSED("sequence", pel_sequence_read("a", 24, NULL, &error));
-    REFUSED("fps", pel_sequence_read("a", -1, &sequence, &error));
+    REFUSED("path", pel_sequence_read(NULL, NULL, 24, &sequence, &error));
+    REFUSED("sequence", pel_sequence_read("a", NULL, 24, NULL, &error));
+    REFUSED("fps", pel_sequence_read("a", NULL, -1, &sequence, &error));
     REFUSED("positions", pel_sequence_create(NULL, zero3, 1, 1, &sequence, &error));
     REFUSED("times", pel_sequence_create(zero3, NULL, 1, 1, &sequence, &error));
     REFUSED("sequence", pel_sequence_create(zero3, zero3, 1, 1, NULL, &error));

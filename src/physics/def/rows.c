@@ -215,8 +215,11 @@ static const pel_def_row rows[] = {
      .doc = "vertices that follow an animation, linear in time between its frames; a body that follows as a whole and "
             "has no material is an obstacle that moves. Optional"},
     {"bodies[].follow.file", TEXT, REQUIRED,
-     .doc = "point cache (.pc2); folder of meshes, in the order of their names; or a pattern with one *, such as "
-            "walk/step_*.obj. The frames have the vertices of `mesh.file`, and are moved like the mesh"},
+     .doc = "animated .glb or .gltf; point cache (.pc2); folder of meshes, in the order of their names; or a pattern "
+            "with one *, such as walk/step_*.obj. The frames have the vertices of `mesh.file`, and are moved like the "
+            "mesh"},
+    {"bodies[].follow.animation", TEXT,
+     .doc = "name or number, from 0, of an animation of a glTF file; default: all together"},
     {"bodies[].follow.fps", NUMBER, .unit = "1/s", POSITIVE, .preset = "24", .doc = "frames per second"},
     {"bodies[].follow.start", NUMBER, .unit = "s", .preset = "0",
      .doc = "time of the first frame; before it and after the last the positions are constant"},

@@ -5,28 +5,38 @@
 #include "io/file.h"
 #include "io/polygon_soup.h"
 #include "mesh/seam.h"
+#include "sequence/sequence.h"
 
 #include <math.h>
 #include <string.h>
 
 static const char *const again = "export the file again, or as PLY or OBJ";
 
-/* a node of the scene with its place in the world: x -> linear x + shift */
-typedef struct placed_node {
+/* a primitive of a mesh of the scene */
+typedef struct primitive {
     const pel_json_node *node;
-    double linear[3][3];
-    double shift[3];
-} placed_node;
+    int32_t owner; /* its node; -1 = without a scene */
+    int32_t skin;  /* of the reader; -1 = none */
+    int64_t mode;
+    double *rest, *indices; /* (count x 3), (corner_count) or null: 0, 1, 2, ... */
+    size_t count, corner_count;
+    double **moves;  /* (target_count) of (count x 3); null where a target moves nothing */
+    double *weights; /* (target_count) of the file */
+    int32_t target_count;
+    pel_gltf_influences influences;
+    double *positions;  /* (count x 3) in the world */
+    int32_t *number_of; /* (count) number + 1 in the soup; 0 = not taken */
+} primitive;
 
 typedef struct gltf_reader {
     pel_gltf g;
+    pel_gltf_nodes nodes;
+    pel_gltf_skin *skins;  /* (counts of skins) those that are used are read */
+    primitive *primitives; /* (primitive_count) of triangles */
+    size_t primitive_count, primitive_capacity;
     pel_polygon_soup soup;
-    placed_node *stack; /* nodes still to visit */
-    size_t stack_count, stack_capacity;
-    bool *seen;         /* (nodes) */
     size_t mesh_count;  /* meshes taken, those used several times counted each time */
     size_t other_count; /* primitives of points and lines */
-    size_t skin_count;  /* nodes whose mesh is deformed by bones */
 } gltf_reader;
 
 /* ---- triangles ---- */
@@ -42,15 +52,6 @@ static size_t corner_of(int64_t mode, size_t t, size_t i)
         return i == 0 ? 0 : t + i;
     return t % 2 == 1 && i > 0 ? t + 3 - i : t + i;
 }
-
-/* a primitive: its positions in the world, and the vertices of its corners */
-typedef struct primitive {
-    const pel_json_node *node;
-    int64_t mode;
-    double *positions, *indices; /* (count x 3), (corner_count) or null: 0, 1, 2, ... */
-    size_t count, corner_count;
-    int32_t *number_of; /* (count) number + 1 in the soup; 0 = not taken yet */
-} primitive;
 
 static pel_status take_corner(gltf_reader *reader, const primitive *p, size_t corner, int32_t *vertex, pel_error *error)
 {
@@ -101,292 +102,189 @@ static pel_status add_triangles(gltf_reader *reader, const primitive *p, bool is
     return PEL_OK;
 }
 
-/* ---- positions ---- */
+/* ---- reading primitives ---- */
 
-/* adds a target's displacements, times its weight */
-static pel_status add_target(gltf_reader *reader, const primitive *p, const pel_json_node *target, double weight,
-                             pel_error *error)
+static pel_status read_target(gltf_reader *reader, const primitive *p, const pel_json_node *target, double **moves,
+                              pel_error *error)
 {
     const pel_json_node *accessor;
-    double *moves = NULL;
-    size_t count;
+    size_t count = p->count;
     pel_status status = pel_gltf_named(&reader->g, target, "POSITION", PEL_GLTF_ACCESSORS, &accessor, error);
-    if (status == PEL_OK && accessor != NULL && weight != 0)
-        status = pel_gltf_numbers(&reader->g, accessor, 3, &moves, &count, error);
-    if (status != PEL_OK || moves == NULL)
-        return status;
-    if (count != p->count)
-        status = pel_gltf_fail(&reader->g, target, error, again, "a target moves %zu vertices of %zu", count, p->count);
-    for (size_t i = 0; i < 3 * p->count && status == PEL_OK; i++)
-        p->positions[i] += weight * moves[i];
-    pel_free(moves);
+    if (status == PEL_OK && accessor != NULL)
+        status = pel_gltf_numbers(&reader->g, accessor, 3, moves, &count, error);
+    if (status == PEL_OK && count != p->count)
+        return pel_gltf_fail(&reader->g, target, error, again, "a target moves %zu vertices of %zu", count, p->count);
     return status;
 }
 
-/* the shape that the default weights of node or mesh make */
-static pel_status add_targets(gltf_reader *reader, const primitive *p, const pel_json_node *weights, pel_error *error)
+/* the targets, and their weights by the node or the mesh */
+static pel_status read_targets(gltf_reader *reader, primitive *p, const pel_json_node *weights, pel_error *error)
 {
     const pel_json_tree *tree = &reader->g.tree;
-    const pel_json_node *target = pel_json_first(tree, pel_json_member(tree, p->node, "targets"));
+    const pel_json_node *targets = pel_json_member(tree, p->node, "targets");
     const pel_json_node *weight = pel_json_first(tree, weights);
+    const int32_t count = targets != NULL ? targets->count : 0;
     pel_status status = PEL_OK;
-    while (target != NULL && weight != NULL && status == PEL_OK) {
-        if (weight->kind != PEL_JSON_IS_NUMBER || !isfinite(weight->number))
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(p->moves, count), PEL_ROOM(p->weights, count)))
+        return pel_fail_memory(error);
+    for (const pel_json_node *at = pel_json_first(tree, targets); at != NULL && status == PEL_OK;
+         at = pel_json_after(tree, at), p->target_count++) {
+        status = read_target(reader, p, at, &p->moves[p->target_count], error);
+        if (status == PEL_OK && weight != NULL && (weight->kind != PEL_JSON_IS_NUMBER || !isfinite(weight->number)))
             return pel_gltf_fail(&reader->g, weight, error, again, "a weight of a target is no number");
-        status = add_target(reader, p, target, weight->number, error);
-        target = pel_json_after(tree, target);
-        weight = pel_json_after(tree, weight);
+        p->weights[p->target_count] = weight != NULL ? weight->number : 0;
+        weight = weight != NULL ? pel_json_after(tree, weight) : NULL;
     }
     return status;
 }
 
-static pel_status place_positions(const gltf_reader *reader, const primitive *p, const placed_node *placed,
-                                  pel_error *error)
+static pel_status read_skin(gltf_reader *reader, primitive *p, const pel_json_node *attributes, pel_error *error)
 {
-    for (size_t v = 0; v < p->count; v++) {
-        double *x = p->positions + 3 * v, local[3];
-        memcpy(local, x, sizeof local);
-        for (int i = 0; i < 3; i++) {
-            x[i] = placed->shift[i];
-            for (int k = 0; k < 3; k++)
-                x[i] += placed->linear[i][k] * local[k];
-            if (!isfinite(x[i]))
-                return pel_gltf_fail(&reader->g, p->node, error, "repair the mesh in the program that wrote it",
-                                     "a coordinate is not finite");
-        }
-    }
-    return PEL_OK;
+    if (p->skin < 0)
+        return PEL_OK;
+    pel_status status = pel_gltf_influences_read(&reader->g, attributes, p->count, reader->skins[p->skin].joint_count,
+                                                 &p->influences, error);
+    /* without bones its vertices stand where the node stands */
+    if (p->influences.sets == 0)
+        p->skin = -1;
+    return status;
 }
 
-static pel_status read_primitive(gltf_reader *reader, primitive *p, const pel_json_node *weights,
-                                 const placed_node *placed, pel_error *error)
+static pel_status read_primitive(gltf_reader *reader, primitive *p, const pel_json_node *weights, pel_error *error)
 {
     pel_gltf *g = &reader->g;
-    const pel_json_node *positions, *indices;
-    pel_status status = pel_gltf_named(g, pel_json_member(&g->tree, p->node, "attributes"), "POSITION",
-                                       PEL_GLTF_ACCESSORS, &positions, error);
+    const pel_json_node *attributes = pel_json_member(&g->tree, p->node, "attributes"), *positions, *indices;
+    pel_status status = pel_gltf_named(g, attributes, "POSITION", PEL_GLTF_ACCESSORS, &positions, error);
     if (status == PEL_OK)
         status = pel_gltf_named(g, p->node, "indices", PEL_GLTF_ACCESSORS, &indices, error);
     /* without positions a primitive is not drawn */
     if (status != PEL_OK || positions == NULL)
         return status;
-    status = pel_gltf_numbers(g, positions, 3, &p->positions, &p->count, error);
+    status = pel_gltf_numbers(g, positions, 3, &p->rest, &p->count, error);
     p->corner_count = p->count;
     if (status == PEL_OK && indices != NULL)
-        status = pel_gltf_numbers(g, indices, 1, &p->indices, &p->corner_count, error);
+        status = pel_gltf_indices(g, indices, &p->indices, &p->corner_count, error);
     if (status == PEL_OK)
-        status = add_targets(reader, p, weights, error);
+        status = read_targets(reader, p, weights, error);
     if (status == PEL_OK)
-        status = place_positions(reader, p, placed, error);
-    if (status == PEL_OK) {
-        p->number_of = pel_allocate(p->count, sizeof *p->number_of);
-        status = p->number_of != NULL ? PEL_OK : pel_fail_memory(error);
-    }
+        status = read_skin(reader, p, attributes, error);
+    if (status == PEL_OK && !PEL_ALLOCATE_ALL(PEL_ROOM(p->positions, 3 * p->count), PEL_ROOM(p->number_of, p->count)))
+        status = pel_fail_memory(error);
     return status;
-}
-
-static bool mirrors(const placed_node *placed)
-{
-    const double(*m)[3] = placed->linear;
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) <
-           0;
 }
 
 static pel_status add_primitive(gltf_reader *reader, const pel_json_node *node, const pel_json_node *weights,
-                                const placed_node *placed, pel_error *error)
+                                int32_t owner, int32_t skin, pel_error *error)
 {
-    primitive p = {.node = node};
-    pel_status status = pel_gltf_integer(&reader->g, node, "mode", TRIANGLES, 0, FAN, &p.mode, error);
-    if (status == PEL_OK && p.mode < TRIANGLES) {
+    int64_t mode;
+    pel_status status = pel_gltf_integer(&reader->g, node, "mode", TRIANGLES, 0, FAN, &mode, error);
+    if (status == PEL_OK && mode < TRIANGLES)
         reader->other_count++;
-        return PEL_OK;
-    }
-    if (status == PEL_OK)
-        status = read_primitive(reader, &p, weights, placed, error);
-    if (status == PEL_OK && p.positions != NULL)
-        status = add_triangles(reader, &p, mirrors(placed), error);
-    PEL_FREE_ALL(p.positions, p.indices, p.number_of);
-    return status;
-}
-
-/* ---- nodes ---- */
-
-static pel_status add_mesh(gltf_reader *reader, const placed_node *placed, const pel_json_node *mesh, pel_error *error)
-{
-    const pel_json_tree *tree = &reader->g.tree;
-    const pel_json_node *weights = pel_json_member(tree, placed->node, "weights");
-    if (weights == NULL)
-        weights = pel_json_member(tree, mesh, "weights");
-    reader->mesh_count++;
-    pel_status status = pel_gltf_work(&reader->g, mesh, 1, error);
-    for (const pel_json_node *at = pel_json_first(tree, pel_json_member(tree, mesh, "primitives"));
-         at != NULL && status == PEL_OK; at = pel_json_after(tree, at))
-        status = add_primitive(reader, at, weights, placed, error);
-    return status;
-}
-
-/* x -> R (s x) + t of a quaternion x, y, z, w of any length */
-static bool place_by_parts(const double t[3], const double q[4], const double s[3], double local[3][4])
-{
-    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(length > 0))
-        return false;
-    const double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
-    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                            {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++)
-            local[i][k] = r[i][k] * s[k];
-        local[i][3] = t[i];
-    }
-    return true;
-}
-
-/* a member with exactly `most` numbers, or as it is when there is none */
-static pel_status read_vector(const gltf_reader *reader, const pel_json_node *node, const char *key, double *numbers,
-                              int32_t most, bool *is_there, pel_error *error)
-{
-    int32_t count;
-    const pel_json_node *list = pel_json_member(&reader->g.tree, node, key);
-    *is_there = list != NULL;
-    if (list == NULL)
-        return PEL_OK;
-    pel_status status = pel_gltf_list_numbers(&reader->g, list, numbers, most, &count, error);
-    if (status == PEL_OK && count != most)
-        return pel_gltf_fail(&reader->g, list, error, again, "'%s' of a node has not %d numbers", key, (int)most);
-    return status;
-}
-
-static pel_status read_place(const gltf_reader *reader, const pel_json_node *node, double local[3][4], pel_error *error)
-{
-    double m[16], t[3] = {0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-    bool has_matrix, has_part;
-    pel_status status = read_vector(reader, node, "matrix", m, 16, &has_matrix, error);
-    if (status == PEL_OK)
-        status = read_vector(reader, node, "translation", t, 3, &has_part, error);
-    if (status == PEL_OK)
-        status = read_vector(reader, node, "rotation", q, 4, &has_part, error);
-    if (status == PEL_OK)
-        status = read_vector(reader, node, "scale", s, 3, &has_part, error);
-    if (status != PEL_OK)
+    if (status != PEL_OK || mode < TRIANGLES)
         return status;
-    for (int i = 0; has_matrix && i < 3; i++)
-        for (int k = 0; k < 4; k++)
-            local[i][k] = m[4 * k + i];
-    if (!has_matrix && !place_by_parts(t, q, s, local))
-        return pel_gltf_fail(&reader->g, node, error, again, "the rotation of a node has no length");
-    return PEL_OK;
-}
-
-static pel_status place_node(const gltf_reader *reader, const placed_node *parent, placed_node *placed,
-                             pel_error *error)
-{
-    double local[3][4] = {{0}};
-    pel_status status = read_place(reader, placed->node, local, error);
-    for (int i = 0; i < 3 && status == PEL_OK; i++) {
-        placed->shift[i] = parent->shift[i];
-        for (int k = 0; k < 3; k++) {
-            placed->shift[i] += parent->linear[i][k] * local[k][3];
-            placed->linear[i][k] = 0;
-            for (int j = 0; j < 3; j++)
-                placed->linear[i][k] += parent->linear[i][j] * local[j][k];
-        }
-    }
-    return status;
-}
-
-/* a child of the parent, or a root */
-static pel_status push_node(gltf_reader *reader, const placed_node *parent, const pel_json_node *number,
-                            pel_error *error)
-{
-    pel_gltf *g = &reader->g;
-    const double index = number->kind == PEL_JSON_IS_NUMBER ? number->number : -1;
-    if (!(index >= 0 && index < (double)g->counts[PEL_GLTF_NODES] && index == floor(index)))
-        return pel_gltf_fail(g, number, error, again, "there is no such node");
-    if (reader->seen[(size_t)index])
-        return pel_gltf_fail(g, number, error, again, "node %.0f stands twice in the tree of nodes", index);
-    reader->seen[(size_t)index] = true;
-    void *stack = reader->stack;
-    if (!pel_reserve(&stack, &reader->stack_capacity, reader->stack_count + 1, sizeof *reader->stack))
+    if (!pel_reserve((void **)&reader->primitives, &reader->primitive_capacity, reader->primitive_count + 1,
+                     sizeof *reader->primitives))
         return pel_fail_memory(error);
-    reader->stack = stack;
-    placed_node *placed = &reader->stack[reader->stack_count];
-    placed->node = g->lists[PEL_GLTF_NODES][(size_t)index];
-    pel_status status = place_node(reader, parent, placed, error);
-    reader->stack_count += status == PEL_OK;
-    return status;
+    primitive *p = &reader->primitives[reader->primitive_count++];
+    *p = (primitive){.node = node, .owner = owner, .skin = skin, .mode = mode};
+    return read_primitive(reader, p, weights, error);
 }
 
-static pel_status push_nodes(gltf_reader *reader, const placed_node *parent, const pel_json_node *list,
-                             pel_error *error)
+static void free_primitive(primitive *p)
 {
-    const pel_json_tree *tree = &reader->g.tree;
-    const size_t first = reader->stack_count;
-    pel_status status = PEL_OK;
-    for (const pel_json_node *at = pel_json_first(tree, list); at != NULL && status == PEL_OK;
-         at = pel_json_after(tree, at))
-        status = push_node(reader, parent, at, error);
-    /* the first one is visited first */
-    for (size_t i = first, k = reader->stack_count; status == PEL_OK && i + 1 < k; i++, k--) {
-        const placed_node one = reader->stack[i];
-        reader->stack[i] = reader->stack[k - 1];
-        reader->stack[k - 1] = one;
-    }
+    for (int32_t t = 0; t < p->target_count; t++)
+        pel_free(p->moves[t]);
+    pel_gltf_influences_free(&p->influences);
+    PEL_FREE_ALL(p->rest, p->indices, p->moves, p->weights, p->positions, p->number_of);
+}
+
+/* ---- poses ---- */
+
+/* the shape by targets, then the place by bones or the node */
+static pel_status pose_vertex(const gltf_reader *reader, const primitive *p, size_t v, pel_error *error)
+{
+    const pel_gltf_node *node = p->owner >= 0 ? &reader->nodes.nodes[p->owner] : NULL;
+    const bool is_animated = node != NULL && node->weights != NULL;
+    const double *weights = is_animated ? node->weights : p->weights;
+    const int32_t weight_count = is_animated ? node->weight_count : p->target_count;
+    double x[3] = {p->rest[3 * v], p->rest[3 * v + 1], p->rest[3 * v + 2]}, *placed = p->positions + 3 * v;
+    for (int32_t t = 0; t < p->target_count && t < weight_count; t++)
+        for (int k = 0; k < 3 && p->moves[t] != NULL; k++)
+            x[k] += weights[t] * p->moves[t][3 * v + (size_t)k];
+    if (p->skin >= 0)
+        pel_gltf_skin_point(&reader->skins[p->skin], &p->influences, p->count, v, x, placed);
+    else if (node != NULL)
+        pel_gltf_place_point(&node->world, x, placed);
+    else
+        memcpy(placed, x, sizeof x);
+    if (isfinite(placed[0]) && isfinite(placed[1]) && isfinite(placed[2]))
+        return PEL_OK;
+    return pel_gltf_fail(&reader->g, p->node, error, "repair the mesh in the program that wrote it",
+                         "a coordinate is not finite");
+}
+
+/* all vertices where the nodes have them now */
+static pel_status pose_all(gltf_reader *reader, pel_error *error)
+{
+    pel_status status = pel_gltf_nodes_place(&reader->g, &reader->nodes, error);
+    for (int32_t s = 0; s < reader->g.counts[PEL_GLTF_SKINS]; s++)
+        pel_gltf_skin_pose(&reader->skins[s], &reader->nodes);
+    for (size_t i = 0; i < reader->primitive_count; i++)
+        for (size_t v = 0; v < reader->primitives[i].count && status == PEL_OK; v++)
+            status = pose_vertex(reader, &reader->primitives[i], v, error);
     return status;
 }
 
-/* the mesh of a node; then its children in their order */
-static pel_status visit_node(gltf_reader *reader, const placed_node *placed, pel_error *error)
+static bool mirrors(const gltf_reader *reader, const primitive *p)
+{
+    if (p->skin >= 0)
+        return pel_gltf_place_mirrors(&reader->skins[p->skin].bones[(size_t)p->influences.joints[0]]);
+    return p->owner >= 0 && pel_gltf_place_mirrors(&reader->nodes.nodes[p->owner].world);
+}
+
+/* ---- meshes ---- */
+
+static pel_status add_mesh(gltf_reader *reader, const pel_json_node *mesh, int32_t owner, pel_error *error)
 {
     pel_gltf *g = &reader->g;
-    const pel_json_node *mesh, *extensions = pel_json_member(&g->tree, placed->node, "extensions");
-    const pel_json_node *copies = pel_json_member(&g->tree, extensions, "EXT_mesh_gpu_instancing");
-    if (copies != NULL)
-        return pel_gltf_fail(g, copies, error, "export the copies as nodes",
-                             "a node has copies by the extension EXT_mesh_gpu_instancing, which is not read");
-    pel_status status = pel_gltf_named(g, placed->node, "mesh", PEL_GLTF_MESHES, &mesh, error);
-    reader->skin_count += mesh != NULL && pel_json_member(&g->tree, placed->node, "skin") != NULL;
-    if (status == PEL_OK && mesh != NULL)
-        status = add_mesh(reader, placed, mesh, error);
-    return status == PEL_OK ? push_nodes(reader, placed, pel_json_member(&g->tree, placed->node, "children"), error)
-                            : status;
+    const pel_json_node *node = owner >= 0 ? reader->nodes.nodes[owner].node : NULL, *skin = NULL;
+    const pel_json_node *weights = pel_json_member(&g->tree, node, "weights");
+    int64_t number = -1;
+    if (weights == NULL)
+        weights = pel_json_member(&g->tree, mesh, "weights");
+    reader->mesh_count++;
+    pel_status status = pel_gltf_work(g, mesh, 1, error);
+    if (status == PEL_OK)
+        status = pel_gltf_named(g, node, "skin", PEL_GLTF_SKINS, &skin, error);
+    if (status == PEL_OK && skin != NULL) {
+        status = pel_gltf_integer(g, node, "skin", -1, 0, g->counts[PEL_GLTF_SKINS], &number, error);
+        if (status == PEL_OK && reader->skins[number].joint_count == 0)
+            status = pel_gltf_skin_read(g, &reader->nodes, skin, &reader->skins[number], error);
+    }
+    for (const pel_json_node *at = pel_json_first(&g->tree, pel_json_member(&g->tree, mesh, "primitives"));
+         at != NULL && status == PEL_OK; at = pel_json_after(&g->tree, at))
+        status = add_primitive(reader, at, weights, owner, (int32_t)number, error);
+    return status;
+}
+
+/* those of the scene in the order of its tree; without scenes every mesh, where it is */
+static pel_status add_meshes(gltf_reader *reader, pel_error *error)
+{
+    pel_gltf *g = &reader->g;
+    pel_status status = PEL_OK;
+    for (int32_t i = 0; i < reader->nodes.order_count && status == PEL_OK; i++) {
+        const int32_t n = reader->nodes.order[i];
+        const pel_json_node *mesh;
+        status = pel_gltf_named(g, reader->nodes.nodes[n].node, "mesh", PEL_GLTF_MESHES, &mesh, error);
+        if (status == PEL_OK && mesh != NULL)
+            status = add_mesh(reader, mesh, n, error);
+    }
+    for (int32_t m = 0; m < g->counts[PEL_GLTF_MESHES] && !reader->nodes.has_scene && status == PEL_OK; m++)
+        status = add_mesh(reader, g->lists[PEL_GLTF_MESHES][m], -1, error);
+    return status;
 }
 
 /* ---- the whole ---- */
-
-/* without scenes: every mesh, where it is */
-static pel_status visit_meshes(gltf_reader *reader, const placed_node *world, pel_error *error)
-{
-    pel_status status = PEL_OK;
-    for (int32_t m = 0; m < reader->g.counts[PEL_GLTF_MESHES] && status == PEL_OK; m++)
-        status = add_mesh(reader, world, reader->g.lists[PEL_GLTF_MESHES][m], error);
-    return status;
-}
-
-static pel_status visit_scene(gltf_reader *reader, pel_error *error)
-{
-    pel_gltf *g = &reader->g;
-    const placed_node world = {.linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    const pel_json_node *scene;
-    pel_status status = pel_gltf_named(g, g->tree.nodes, "scene", PEL_GLTF_SCENES, &scene, error);
-    if (status != PEL_OK)
-        return status;
-    if (scene == NULL && g->counts[PEL_GLTF_SCENES] > 0)
-        scene = g->lists[PEL_GLTF_SCENES][0];
-    if (scene == NULL)
-        return visit_meshes(reader, &world, error);
-    reader->seen = pel_allocate((size_t)g->counts[PEL_GLTF_NODES], sizeof *reader->seen);
-    if (reader->seen == NULL)
-        return pel_fail_memory(error);
-    status = push_nodes(reader, &world, pel_json_member(&g->tree, scene, "nodes"), error);
-    while (reader->stack_count > 0 && status == PEL_OK) {
-        const placed_node placed = reader->stack[--reader->stack_count];
-        status = visit_node(reader, &placed, error);
-    }
-    return status;
-}
 
 static void log_counts(const gltf_reader *reader, const pel_log *log)
 {
@@ -394,38 +292,134 @@ static void log_counts(const gltf_reader *reader, const pel_log *log)
         pel_log_line(log, "%zu meshes of the scene joined", reader->mesh_count);
     if (reader->other_count > 0)
         pel_log_line(log, "%zu sets of points or lines ignored", reader->other_count);
-    if (reader->skin_count > 0)
-        pel_log_line(log, "bones ignored: %zu meshes stand as they are without them", reader->skin_count);
 }
 
-static pel_status read_all(gltf_reader *reader, const pel_log *log, pel_mesh **mesh, pel_error *error)
+/* the mesh where the nodes stand in the file; new_number_of as of pel_seams_weld */
+static pel_status read_mesh(gltf_reader *reader, const pel_log *log, pel_mesh **mesh, int32_t **new_number_of,
+                            pel_error *error)
 {
     const pel_text_cursor nowhere = {.name = reader->g.path, .begin = "", .at = "", .end = ""};
     pel_status status = pel_gltf_open(&reader->g, error);
     if (status == PEL_OK)
-        status = visit_scene(reader, error);
+        status = pel_gltf_nodes_read(&reader->g, &reader->nodes, error);
+    reader->skins = pel_allocate((size_t)reader->g.counts[PEL_GLTF_SKINS], sizeof *reader->skins);
+    if (status == PEL_OK && reader->skins == NULL)
+        status = pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = add_meshes(reader, error);
+    if (status == PEL_OK)
+        status = pose_all(reader, error);
+    for (size_t i = 0; i < reader->primitive_count && status == PEL_OK; i++)
+        status = add_triangles(reader, &reader->primitives[i], mirrors(reader, &reader->primitives[i]), error);
     if (status != PEL_OK)
         return status;
     log_counts(reader, log);
     status = pel_polygon_soup_finish(&reader->soup, &nowhere, log, mesh, error);
-    return status == PEL_OK ? pel_seams_weld(*mesh, NULL, log, error) : status;
+    return status == PEL_OK ? pel_seams_weld(*mesh, new_number_of, log, error) : status;
 }
 
-static pel_status parse(gltf_reader *reader, const char *name, const void *bytes, size_t size, const pel_log *log,
-                        pel_mesh **mesh, pel_error *error)
+/* `copy` receives the places of the mesh's vertices; new_number_of null: none were welded */
+static void copy_positions(const gltf_reader *reader, const int32_t *new_number_of, double (*copy)[3])
+{
+    for (size_t i = 0; i < reader->primitive_count; i++) {
+        const primitive *p = &reader->primitives[i];
+        for (size_t v = 0; v < p->count; v++) {
+            const int32_t number = p->number_of != NULL ? p->number_of[v] - 1 : -1;
+            if (number >= 0)
+                memcpy(copy[new_number_of != NULL ? new_number_of[number] : number], p->positions + 3 * v,
+                       sizeof *copy);
+        }
+    }
+}
+
+/* of all frames together: 1.5 GB */
+#define MOST_PLACES 64e6
+
+static pel_status count_frames(const gltf_reader *reader, double duration, double fps, int32_t vertex_count,
+                               int32_t *count, pel_error *error)
+{
+    const double whole = floor(duration * fps * (1 + 1e-9)), rest = duration * fps - whole;
+    if (!((whole + 2) * vertex_count < MOST_PLACES))
+        return pel_gltf_fail(&reader->g, NULL, error, "use fewer frames per second, or a shorter animation",
+                             "the animation of %g s at %g frames per second has more than %g places of vertices",
+                             duration, fps, MOST_PLACES);
+    *count = (int32_t)whole + 1 + (rest > 1e-6);
+    return PEL_OK;
+}
+
+static pel_status pose_frames(gltf_reader *reader, pel_gltf_animation *animation, double fps,
+                              const int32_t *new_number_of, int32_t vertex_count, pel_sequence **sequence,
+                              pel_error *error)
+{
+    int32_t count = 0;
+    pel_status status = count_frames(reader, animation->duration, fps, vertex_count, &count, error);
+    if (status == PEL_OK)
+        status = pel_sequence_allocate(count, vertex_count, sequence, error);
+    for (int32_t f = 0; f < count && status == PEL_OK; f++) {
+        const double time = f / fps < animation->duration ? f / fps : animation->duration;
+        (*sequence)->times[f] = time;
+        pel_gltf_animation_pose(animation, time, &reader->nodes);
+        status = pose_all(reader, error);
+        copy_positions(reader, new_number_of, (*sequence)->positions + (size_t)f * (size_t)vertex_count);
+    }
+    if (status == PEL_OK)
+        pel_sequence_finish(*sequence);
+    return status;
+}
+
+static pel_status read_sequence(gltf_reader *reader, const char *name, double fps, pel_sequence **sequence,
+                                pel_error *error)
+{
+    pel_gltf_animation animation = {0};
+    pel_mesh *mesh = NULL;
+    int32_t *new_number_of = NULL;
+    pel_status status = read_mesh(reader, NULL, &mesh, &new_number_of, error);
+    if (status == PEL_OK)
+        status = pel_gltf_animation_read(&reader->g, &reader->nodes, name, &animation, error);
+    if (status == PEL_OK)
+        status = pose_frames(reader, &animation, fps, new_number_of, mesh->vertex_count, sequence, error);
+    if (status != PEL_OK) {
+        pel_sequence_destroy(*sequence);
+        *sequence = NULL;
+    }
+    pel_gltf_animation_free(&animation);
+    pel_mesh_destroy(mesh);
+    pel_free(new_number_of);
+    return status;
+}
+
+/* ---- files ---- */
+
+static void begin(gltf_reader *reader, const char *name, const void *bytes, size_t size)
 {
     reader->g.path = name;
     reader->g.bytes = bytes;
     reader->g.size = size;
     pel_polygon_soup_init(&reader->soup, 0);
-    pel_status status = read_all(reader, log, mesh, error);
+}
+
+static void end(gltf_reader *reader)
+{
+    pel_polygon_soup_free(&reader->soup);
+    for (size_t i = 0; i < reader->primitive_count; i++)
+        free_primitive(&reader->primitives[i]);
+    for (int32_t s = 0; reader->skins != NULL && s < reader->g.counts[PEL_GLTF_SKINS]; s++)
+        pel_gltf_skin_free(&reader->skins[s]);
+    PEL_FREE_ALL(reader->primitives, reader->skins);
+    pel_gltf_nodes_free(&reader->nodes);
+    pel_gltf_free(&reader->g);
+}
+
+static pel_status parse(gltf_reader *reader, const char *name, const void *bytes, size_t size, const pel_log *log,
+                        pel_mesh **mesh, pel_error *error)
+{
+    begin(reader, name, bytes, size);
+    pel_status status = read_mesh(reader, log, mesh, NULL, error);
     if (status != PEL_OK) {
         pel_mesh_destroy(*mesh);
         *mesh = NULL;
     }
-    pel_polygon_soup_free(&reader->soup);
-    PEL_FREE_ALL(reader->seen, reader->stack);
-    pel_gltf_free(&reader->g);
+    end(reader);
     return status;
 }
 
@@ -439,13 +433,41 @@ pel_status pel_gltf_parse(const char *name, const void *bytes, size_t size, cons
 
 pel_status pel_gltf_read(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
-    gltf_reader reader = {.seen = NULL};
+    gltf_reader reader = {.mesh_count = 0};
     char *bytes;
     size_t size;
     *mesh = NULL;
     pel_status status = pel_file_read(path, &bytes, &size, error);
     if (status == PEL_OK)
         status = parse(&reader, path, bytes, size, log, mesh, error);
+    pel_free(bytes);
+    return status;
+}
+
+pel_status pel_gltf_parse_sequence(const char *name, const void *bytes, size_t size, const char *animation, double fps,
+                                   pel_sequence **sequence, pel_error *error)
+{
+    gltf_reader reader = {.g.is_alone = true};
+    *sequence = NULL;
+    begin(&reader, name, bytes, size);
+    pel_status status = read_sequence(&reader, animation, fps, sequence, error);
+    end(&reader);
+    return status;
+}
+
+pel_status pel_gltf_read_sequence(const char *path, const char *animation, double fps, pel_sequence **sequence,
+                                  pel_error *error)
+{
+    gltf_reader reader = {.mesh_count = 0};
+    char *bytes;
+    size_t size;
+    *sequence = NULL;
+    pel_status status = pel_file_read(path, &bytes, &size, error);
+    if (status == PEL_OK) {
+        begin(&reader, path, bytes, size);
+        status = read_sequence(&reader, animation, fps, sequence, error);
+        end(&reader);
+    }
     pel_free(bytes);
     return status;
 }

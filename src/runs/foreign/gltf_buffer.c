@@ -164,7 +164,8 @@ static pel_status check_asset(const pel_gltf *g, pel_error *error)
 
 static pel_status find_lists(pel_gltf *g, pel_error *error)
 {
-    static const char *const keys[] = {"scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers"};
+    static const char *const keys[] = {"scenes",      "nodes",   "meshes",     "accessors",
+                                       "bufferViews", "buffers", "animations", "skins"};
     for (int i = 0; i < PEL_GLTF_LIST_COUNT; i++) {
         const pel_json_node *array = pel_json_member(&g->tree, g->tree.nodes, keys[i]);
         if (array == NULL)

@@ -137,7 +137,8 @@ pel_status pel_gltf_count(pel_gltf *g, const pel_json_node *accessor, size_t *co
 static pel_status read_head(pel_gltf *g, const pel_json_node *accessor, int32_t width, number_row *row,
                             pel_error *error)
 {
-    static const char *const words[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    static const char *const words[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT4"};
+    const char *word = words[width == 16 ? 4 : width - 1];
     const pel_json_node *normalised = pel_json_member(&g->tree, accessor, "normalized");
     int64_t type;
     pel_status status = pel_gltf_integer(g, accessor, "componentType", 0, BYTE, FLOAT, &type, error);
@@ -145,12 +146,12 @@ static pel_status read_head(pel_gltf *g, const pel_json_node *accessor, int32_t 
         return status;
     if (type < BYTE || type == UNSIGNED_INT - 1)
         return pel_gltf_fail(g, accessor, error, again, "an accessor has no component type of glTF");
-    if (!pel_json_is(pel_json_member(&g->tree, accessor, "type"), words[width - 1]))
+    if (!pel_json_is(pel_json_member(&g->tree, accessor, "type"), word))
         return pel_gltf_fail(g, accessor, error, again, "an accessor does not have the type %s that its use asks for",
-                             words[width - 1]);
+                             word);
     *row = (number_row){.type = (int)type, .width = width};
     row->is_normalised = normalised != NULL && normalised->kind == PEL_JSON_IS_BOOL && normalised->number > 0;
-    return width == 1 ? check_index_type(g, accessor, type, error) : PEL_OK;
+    return PEL_OK;
 }
 
 /* Where the numbers are; without a view they are all 0. */
@@ -180,14 +181,12 @@ static void load_all(const number_row *row, double *numbers, size_t count)
             numbers[i * width + k] = load(row->bytes + i * row->stride + k * size, row->type, row->is_normalised);
 }
 
-pel_status pel_gltf_numbers(pel_gltf *g, const pel_json_node *accessor, int32_t width, double **numbers, size_t *count,
-                            pel_error *error)
+/* the numbers of a row of which only the place is unknown */
+static pel_status read_numbers(pel_gltf *g, const pel_json_node *accessor, number_row row, double **numbers,
+                               size_t *count, pel_error *error)
 {
-    number_row row;
-    *numbers = NULL;
-    pel_status status = read_head(g, accessor, width, &row, error);
-    if (status == PEL_OK)
-        status = pel_gltf_count(g, accessor, count, error);
+    const int32_t width = row.width;
+    pel_status status = pel_gltf_count(g, accessor, count, error);
     if (status == PEL_OK)
         status = find_dense(g, accessor, &row, *count, error);
     if (status != PEL_OK)
@@ -208,4 +207,24 @@ pel_status pel_gltf_numbers(pel_gltf *g, const pel_json_node *accessor, int32_t 
     else
         *numbers = made;
     return status;
+}
+
+pel_status pel_gltf_numbers(pel_gltf *g, const pel_json_node *accessor, int32_t width, double **numbers, size_t *count,
+                            pel_error *error)
+{
+    number_row row;
+    *numbers = NULL;
+    pel_status status = read_head(g, accessor, width, &row, error);
+    return status == PEL_OK ? read_numbers(g, accessor, row, numbers, count, error) : status;
+}
+
+pel_status pel_gltf_indices(pel_gltf *g, const pel_json_node *accessor, double **indices, size_t *count,
+                            pel_error *error)
+{
+    number_row row;
+    *indices = NULL;
+    pel_status status = read_head(g, accessor, 1, &row, error);
+    if (status == PEL_OK)
+        status = check_index_type(g, accessor, row.type, error);
+    return status == PEL_OK ? read_numbers(g, accessor, row, indices, count, error) : status;
 }

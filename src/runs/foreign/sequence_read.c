@@ -1,9 +1,10 @@
-/* Positions over time from files: point caches and folders of meshes.
+/* Positions over time from files: animations of glTF, point caches and folders of meshes.
 
    A point cache (PC2) is "POINTCACHE2" and a zero byte, then as little-endian numbers of 4 bytes: version 1, number of
    points, start frame, sample rate, number of samples; then the points of all samples as floats. */
 #include "base/memory.h"
 #include "base/status.h"
+#include "foreign/gltf.h"
 #include "io/bytes.h"
 #include "io/file.h"
 #include "pellicle/import.h"
@@ -135,7 +136,7 @@ static bool matches(const char *name, const char *pattern)
     if (name[0] == '.' && (pattern == NULL || pattern[0] != '.'))
         return false;
     if (star == NULL)
-        return pel_mesh_format_of_path(name) != PEL_FORMAT_AUTO || ends_with(name, ".glb") || ends_with(name, ".gltf");
+        return pel_mesh_format_of_path(name) != PEL_FORMAT_AUTO || pel_gltf_is(name);
     size_t head = (size_t)(star - pattern);
     return strlen(name) >= strlen(pattern) - 1 && strncmp(name, pattern, head) == 0 && ends_with(name, star + 1);
 }
@@ -246,14 +247,19 @@ static bool is_folder(const char *path)
     return stat(path, &found) == 0 && S_ISDIR(found.st_mode);
 }
 
-static pel_status read_any(const char *path, double fps, pel_sequence **sequence, pel_error *error)
+static pel_status read_any(const char *path, const char *animation, double fps, pel_sequence **sequence,
+                           pel_error *error)
 {
     const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    const bool is_pattern = strchr(name, '*') != NULL, is_many = is_pattern || is_folder(path);
     char folder[PATH_MAX];
-    if (is_folder(path))
-        return read_meshes(path, NULL, fps, sequence, error);
-    if (strchr(name, '*') == NULL)
-        return read_cache(path, fps, sequence, error);
+    if (!is_many && pel_gltf_is(path))
+        return pel_gltf_read_sequence(path, animation, fps, sequence, error);
+    if (animation != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "remove `animation`, or give a .glb or .gltf file",
+                          "only a glTF file has named animations");
+    if (!is_pattern)
+        return is_many ? read_meshes(path, NULL, fps, sequence, error) : read_cache(path, fps, sequence, error);
     int length = slash == NULL ? 1 : slash == path ? 1 : (int)(slash - path);
     if (length >= (int)sizeof folder)
         return pel_refuse(error, PEL_BAD_FILE, "use a shorter path", "the path of a sequence is too long");
@@ -261,14 +267,15 @@ static pel_status read_any(const char *path, double fps, pel_sequence **sequence
     return read_meshes(folder, name, fps, sequence, error);
 }
 
-pel_status pel_sequence_read(const char *path, double fps, pel_sequence **sequence, pel_error *error)
+pel_status pel_sequence_read(const char *path, const char *animation, double fps, pel_sequence **sequence,
+                             pel_error *error)
 {
     PEL_REFUSE_NULL(path, error);
     PEL_REFUSE_NULL(sequence, error);
     *sequence = NULL;
     if (!(fps > 0 && isfinite(fps)))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number of frames per second above 0", "fps is %g", fps);
-    pel_status status = read_any(path, fps, sequence, error);
+    pel_status status = read_any(path, animation, fps, sequence, error);
     if (status == PEL_OK) {
         pel_sequence_finish(*sequence);
         return PEL_OK;

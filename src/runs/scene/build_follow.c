@@ -58,6 +58,7 @@ static pel_status read_sequence(pel_scene_reader *reader, const pel_scene_value 
                                 const pel_mesh *mesh, pel_sequence **sequence)
 {
     const pel_scene_value *follow = pel_scene_value_entry(value, "follow");
+    const pel_scene_value *animation = pel_scene_value_entry(follow, "animation");
     pel_scene_value *file = pel_scene_value_entry(follow, "file");
     pel_sequence *read = NULL;
     pel_transform transform;
@@ -67,10 +68,11 @@ static pel_status read_sequence(pel_scene_reader *reader, const pel_scene_value 
         status = pel_scene_transform(reader, pel_scene_value_entry(value, "mesh"), &transform);
     if (status != PEL_OK)
         return status;
-    status = pel_sequence_read(file->text, pel_scene_value_number(follow, "fps"), &read, reader->error);
+    status = pel_sequence_read(file->text, animation != NULL ? animation->text : NULL,
+                               pel_scene_value_number(follow, "fps"), &read, reader->error);
     /* errors inside a file have their own place */
-    if (status == PEL_BAD_FILE)
-        return pel_scene_fail_at(reader, &file->place);
+    if (status == PEL_BAD_FILE || status == PEL_BAD_ARGUMENT)
+        return pel_scene_fail_at(reader, status == PEL_BAD_FILE ? &file->place : &animation->place);
     if (status == PEL_OK)
         status = find_rows(reader, file, mesh, pel_sequence_vertex_count(read), &rows);
     if (status == PEL_OK)
