@@ -211,6 +211,27 @@ static bool read_choices(const cli_call *call, pel_render_def *def)
            read_pair(call, "size", &def->width, &def->height) && read_pair(call, "sheet", &def->columns, &def->rows);
 }
 
+/* "d9b4a0,4a7cb2", also with # before each */
+static bool read_body_colors(const cli_call *call, uint8_t (*colors)[3], pel_render_def *def)
+{
+    const char *text = cli_value(call, "body-colors");
+    for (const char *at = text; at != NULL; at = *at == ',' ? at + 1 : NULL) {
+        at += *at == '#';
+        if (strspn(at, "0123456789abcdefABCDEF") != 6 || (at[6] != ',' && at[6] != '\0') ||
+            def->body_color_count == PEL_RENDER_COLOR_LIMIT)
+            return cli_complain("option '--body-colors' is '%s'. write up to %d colors as RRGGBB with commas between, "
+                                "such as d9b4a0,4a7cb2",
+                                text, (int)PEL_RENDER_COLOR_LIMIT),
+                   false;
+        for (int i = 0; i < 3; ++i, at += 2)
+            colors[def->body_color_count][i] = (uint8_t)strtoul((char[]){at[0], at[1], '\0'}, NULL, 16);
+        def->body_color_count++;
+    }
+    if (text != NULL)
+        def->body_colors = (const uint8_t(*)[3])colors;
+    return true;
+}
+
 /* labels for all inputs or none */
 static bool read_labels(const cli_call *call, const char **labels, pel_render_def *def)
 {
@@ -299,6 +320,7 @@ int cli_render(const cli_call *call)
     pel_frame_range ranges[RANGES];
     char output[4096];
     const char *labels[CLI_ARGUMENTS + 1];
+    uint8_t colors[PEL_RENDER_COLOR_LIMIT][3];
     def.inputs = call->arguments;
     def.input_count = call->argument_count;
     def.output = choose_output(call, output, sizeof output);
@@ -311,7 +333,7 @@ int cli_render(const cli_call *call)
             "'%s' is not a picture format that can be written. end the name in .png, .mp4 or .gif, or name a folder",
             def.output);
     if (!read_choices(call, &def) || !read_frames(call, ranges, &def.frame_range_count) ||
-        !read_labels(call, labels, &def))
+        !read_labels(call, labels, &def) || !read_body_colors(call, colors, &def))
         return CLI_BAD_INPUT;
     pel_render_summary summary;
     pel_error error;

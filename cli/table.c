@@ -359,6 +359,11 @@ static const cli_command commands[] = {
               .kind = CLI_TEXT,
               .value = "FIELD",
               .doc = "draw this vector field as arrows, such as force; arrows that point into the surface end on it"},
+             {.name = "body-colors",
+              .kind = CLI_TEXT,
+              .value = "LIST",
+              .doc = "colors of the bodies where no field colors them, as RRGGBB, such as d9b4a0,4a7cb2; default: the "
+                     "color of tissue, and others for further bodies"},
              {.name = "edges", .kind = CLI_FLAG, .doc = "draw the edges of the triangles"},
              {.name = "outline", .kind = CLI_FLAG, .doc = "draw a dark line along the silhouette"},
              {.name = "flat", .kind = CLI_FLAG, .doc = "shade each triangle flat, not smoothly"},

@@ -411,6 +411,12 @@ const char *view_gl_target_renderer(const view_gl_target *canvas)
     return canvas->renderer;
 }
 
+static void set_colors(view_gl_target *canvas, uint8_t table[COLOR_STEPS][4])
+{
+    glBindTexture(GL_TEXTURE_2D, canvas->color_map);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOR_STEPS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, table);
+}
+
 void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map)
 {
     uint8_t table[COLOR_STEPS][4];
@@ -418,8 +424,17 @@ void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map)
         pel_color_map_sample(map, i / (COLOR_STEPS - 1.0), table[i]);
         table[i][3] = 255;
     }
-    glBindTexture(GL_TEXTURE_2D, canvas->color_map);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, COLOR_STEPS, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, table);
+    set_colors(canvas, table);
+}
+
+void view_gl_target_set_palette(view_gl_target *canvas, const uint8_t (*colors)[3], int32_t count)
+{
+    uint8_t table[COLOR_STEPS][4];
+    for (int i = 0; i < COLOR_STEPS; ++i) {
+        memcpy(table[i], colors[i * count / COLOR_STEPS], sizeof *colors);
+        table[i][3] = 255;
+    }
+    set_colors(canvas, table);
 }
 
 /* ---- drawing ---- */

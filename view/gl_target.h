@@ -26,7 +26,9 @@ pel_status view_gl_target_create(int32_t width, int32_t height, view_gl_target *
 void view_gl_target_destroy(view_gl_target *canvas);
 
 const char *view_gl_target_renderer(const view_gl_target *canvas);
+/* The colors of values from 0 to 1: a map, or `count` colors side by side, up to 64. */
 void view_gl_target_set_color_map(view_gl_target *canvas, pel_color_map map);
+void view_gl_target_set_palette(view_gl_target *canvas, const uint8_t (*colors)[3], int32_t count);
 /* Calls `wanted` (nullable) while many triangles are drawn. After it returns false nothing is drawn, and
    view_gl_target_read returns PEL_STOPPED. */
 void view_gl_target_watch(view_gl_target *canvas, bool (*wanted)(void *user), void *user);

@@ -108,6 +108,9 @@ static pel_status check_def(const pel_render_def *def, pel_error *error)
     if (view_output_kind(def->output) == VIEW_FILM && def->background == PEL_BACKGROUND_TRANSPARENT)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "choose a white or dark background, or write pictures",
                           "a film cannot be transparent");
+    if (def->body_colors != NULL && (def->body_color_count < 1 || def->body_color_count > PEL_RENDER_COLOR_LIMIT))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "give 1 to 16 colors",
+                          "the number of colors of bodies is out of range");
     return check_numbers(def, error);
 }
 
@@ -476,11 +479,45 @@ typedef struct parts {
     size_t surface, arrows, tools, large_tools, ground; /* where each ends */
 } parts;
 
+/* tissue first: a single body has it */
+static const uint8_t body_colors[][3] = {{217, 180, 160}, {74, 124, 178},  {196, 92, 78},  {118, 158, 104},
+                                         {222, 176, 84},  {138, 112, 170}, {96, 164, 168}, {150, 150, 150}};
+
+/* the colors of bodies that no field colors */
+static int32_t palette(const job *j, const uint8_t (**colors)[3])
+{
+    const bool is_given = j->def.body_colors != NULL;
+    *colors = is_given ? j->def.body_colors : body_colors;
+    return is_given ? j->def.body_color_count : (int32_t)(sizeof body_colors / sizeof *body_colors);
+}
+
+/* whether bodies have several colors or one that is given; false = plain */
+static bool has_palette(const job *j, const pel_mesh *mesh)
+{
+    return j->def.body_colors != NULL || pel_mesh_field(mesh, "body") != NULL;
+}
+
+/* the place of each vertex's body in the palette */
+static void take_bodies(job *j, const pel_mesh *mesh)
+{
+    const uint8_t(*colors)[3];
+    const int32_t count = palette(j, &colors);
+    const pel_field *body = pel_mesh_field(mesh, "body");
+    for (int32_t v = 0; v < mesh->vertex_count; ++v) {
+        const double number = body != NULL ? body->values[(size_t)v * (size_t)body->component_count] : 0;
+        j->values[v] = (fmod(number >= 0 ? number : 0, count) + 0.5) / count;
+    }
+}
+
 static pel_status add_surface(job *j, const pel_mesh *mesh, view_shot shot, pel_error *error)
 {
     const shown_field *shown = &j->fields[shot.field];
     double unused[2] = {0, 0}, low = shown->range[0], high = shown->range[1];
     bool colored = shown->name[0] != '\0';
+    if (!colored && has_palette(j, mesh)) {
+        take_bodies(j, mesh);
+        return view_triangle_list_add_mesh(&j->soup, &j->camera, mesh, j->values, j->def.flat, error);
+    }
     if (colored) {
         pel_status status =
             view_field_take(mesh, shown->name, j->def.component, frame_path(j, shot), j->values, unused, error);
@@ -538,11 +575,13 @@ static pel_status add_parts(job *j, const pel_mesh *mesh, view_shot shot, parts 
 }
 
 /* fields keep their colors: shadows on them are weaker */
-static void draw_parts(job *j, const shown_field *shown, const parts *ends)
+static void draw_parts(job *j, const pel_mesh *mesh, const shown_field *shown, const parts *ends)
 {
     bool colored = shown->name[0] != '\0';
-    const view_look surface = {.colored = colored,
-                               .plain = {{217, 180, 160, 255}},
+    const uint8_t(*colors)[3];
+    const int32_t color_count = palette(j, &colors);
+    const view_look surface = {.colored = colored || has_palette(j, mesh),
+                               .plain = {{colors[0][0], colors[0][1], colors[0][2], 255}},
                                .edge_width = j->def.edges ? fmax(0.9, j->page.text_size / 18.0) : 0,
                                .edge_strength = 0.4,
                                .highlight = colored ? 0.015 : 0.05,
@@ -557,6 +596,8 @@ static void draw_parts(job *j, const shown_field *shown, const parts *ends)
     view_camera_turn(&j->camera, middle, center);
     if (colored)
         view_gl_target_set_color_map(j->canvas, shown->color_map);
+    else
+        view_gl_target_set_palette(j->canvas, colors, color_count);
     /* colors stay readable under tools, which are transparent: only on a plain surface they cast shadows */
     view_gl_target_load(j->canvas, &j->soup, colored ? ends->arrows : ends->tools, center,
                         fmax(0.6 * body_size(j), 1e-30));
@@ -620,7 +661,7 @@ static pel_status draw_cell(job *j, view_shot shot, int32_t cell, pel_error *err
     view_gl_target_begin(j->canvas, &j->camera, j->page.background);
     status = add_parts(j, mesh, shot, &ends, error);
     if (status == PEL_OK) {
-        draw_parts(j, &j->fields[shot.field], &ends);
+        draw_parts(j, mesh, &j->fields[shot.field], &ends);
         status = view_gl_target_read(j->canvas, &j->image, x, y, error);
     }
     if (status == PEL_OK && !j->def.hide_labels)

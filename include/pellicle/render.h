@@ -57,7 +57,7 @@ typedef struct pel_frame_range {
     int32_t first, last, step; /* step >= 1 */
 } pel_frame_range;
 
-enum { PEL_RENDER_FIELD_LIMIT = 8 };
+enum { PEL_RENDER_FIELD_LIMIT = 8, PEL_RENDER_COLOR_LIMIT = 16 };
 
 typedef struct pel_render_def {
     const char *const *inputs; /* (input_count) run folders, .vtp or mesh files */
@@ -81,6 +81,11 @@ typedef struct pel_render_def {
     double range[2];    /* low < high, in the unit of the field */
     const char *unit;   /* of a single coloured field; null = SI unit of known quantities, "" = none */
     const char *arrows; /* vector field drawn as arrows with lengths proportional to its values; null = none */
+
+    /* (body_color_count, up to PEL_RENDER_COLOR_LIMIT) red, green, blue of each body where no field colours it, from
+       the first one again after the last; null = colours that differ, a single body the colour of tissue */
+    const uint8_t (*body_colors)[3];
+    int32_t body_color_count;
 
     pel_camera_angle angle;
     int32_t up; /* axis that points up: 0 x, 1 y, 2 z, -1 (default) that of the first input's scene, else z */

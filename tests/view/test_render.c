@@ -205,6 +205,58 @@ static void test_fields(void **unused)
     assert_true(dark[1] > 50);
 }
 
+/* the pixel in the middle of a half of the picture: 0 left, 1 right */
+static void check_half(const char *path, int half, int red, int green, int blue)
+{
+    size_t size = 0;
+    uint8_t *pixels = read_png(path, &size);
+    const uint8_t *at = pixels + 4 * (size_t)(HEIGHT / 2 * WIDTH + WIDTH / 4 + half * WIDTH / 2);
+    const int wanted[3] = {red, green, blue};
+    /* the light from above changes the brightness, not the hue */
+    for (int i = 0; i < 3; ++i)
+        assert_true(abs(at[i] * wanted[0] - wanted[i] * at[0]) < 12 * 255);
+    free(pixels);
+}
+
+/* bodies that no field colors have a color each; a single one may have a given color */
+static void test_body_colors(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    static const uint8_t green_and_blue[2][3] = {{40, 160, 40}, {40, 40, 160}};
+    const char *path = "render-bodies.vtp";
+    const double positions[24] = {-2.1, -1, 0, -0.1, -1, 0, -2.1, 1, 0, -0.1, 1, 0,
+                                  0.1,  -1, 0, 2.1,  -1, 0, 0.1,  1, 0, 2.1,  1, 0};
+    const double numbers[8] = {0, 0, 0, 0, 9, 9, 9, 9};
+    const int32_t triangles[12] = {0, 1, 2, 1, 3, 2, 4, 5, 6, 5, 7, 6};
+    const pel_vtp_field body = {"body", 1, numbers};
+    pel_vtp vtp = {.vertex_count = 8,
+                   .triangle_count = 4,
+                   .positions = positions,
+                   .triangles = triangles,
+                   .fields = &body,
+                   .field_count = 1};
+    assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    pel_render_def def = make_def(&path, 1, "render-bodies.png");
+    def.field = "none";
+    def.angle = (pel_camera_angle){0, 90, 1};
+    draw(&def);
+    check_half("render-bodies.png", 0, 217, 180, 160);
+    /* after the eighth color comes the first one: body 9 has the second */
+    check_half("render-bodies.png", 1, 74, 124, 178);
+    def.body_colors = green_and_blue;
+    def.body_color_count = 2;
+    draw(&def);
+    check_half("render-bodies.png", 0, 40, 160, 40);
+    check_half("render-bodies.png", 1, 40, 40, 160);
+    /* one body */
+    vtp.field_count = 0;
+    assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
+    draw(&def);
+    check_half("render-bodies.png", 1, 40, 160, 40);
+}
+
 /* a field that is 0 everywhere is grey, as zero is in every other picture */
 static void test_zero_field(void **unused)
 {
@@ -389,6 +441,10 @@ static void test_bad_defs(void **unused)
     bad = def;
     bad.fixed_range = true;
     check_refused(&bad, PEL_BAD_ARGUMENT, "range");
+    bad = def;
+    bad.body_colors = (const uint8_t[17][3]){{0}};
+    bad.body_color_count = 17;
+    check_refused(&bad, PEL_BAD_ARGUMENT, "number of colors");
     bad = def;
     bad.width = 0;
     check_refused(&bad, PEL_BAD_ARGUMENT, "size");
@@ -606,14 +662,21 @@ static void test_stops(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_golden),        cmocka_unit_test(test_fields),
-        cmocka_unit_test(test_peak),          cmocka_unit_test(test_zero_field),
-        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_folder),
-        cmocka_unit_test(test_bad_defs),      cmocka_unit_test(test_film),
-        cmocka_unit_test(test_ground),        cmocka_unit_test(test_ground_of_narrow_picture),
-        cmocka_unit_test(test_plate),         cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),
+                                       cmocka_unit_test(test_fields),
+                                       cmocka_unit_test(test_peak),
+                                       cmocka_unit_test(test_zero_field),
+                                       cmocka_unit_test(test_body_colors),
+                                       cmocka_unit_test(test_deterministic),
+                                       cmocka_unit_test(test_folder),
+                                       cmocka_unit_test(test_bad_defs),
+                                       cmocka_unit_test(test_film),
+                                       cmocka_unit_test(test_ground),
+                                       cmocka_unit_test(test_ground_of_narrow_picture),
+                                       cmocka_unit_test(test_plate),
+                                       cmocka_unit_test(test_not_finite),
+                                       cmocka_unit_test(test_out_of_memory),
+                                       cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");
