@@ -7,6 +7,13 @@
     "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
     "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n    membrane: { preset: steel-sheet }\n"     \
     "    supports: [ { at: { box: { min: [-0.1001, -1, -1], max: [-0.0999, 1, 1] } }, rotation: fixed } ]\n"
+#define SHAKEN                                                                                                         \
+    "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
+    "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n    membrane: { preset: steel-sheet }\n"     \
+    "    pinned: { box: { min: [-1, -1, -1], max: [-0.08, 1, 1] } }\n"
+#define PINCH(until)                                                                                                   \
+    "tools: [ { shape: sphere, radius: 0.01, press: false, grasp: { reach: 0.001, until: " until                       \
+    " }, motion: [ { position: [0.1, 0, 0] } ] } ]\n"
 #define BALL                                                                                                           \
     "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
     "    membrane: { preset: steel-sheet }\n    bending: {}\n    pressure: { inside: 1000 }\n"
@@ -31,6 +38,20 @@ static void test_choice(void **unused)
         {RULER "stop: { frames: 3 }\n", 0.01, NULL},
         {RULER "duration: 1\ntools: [ { shape: sphere, radius: 0.01, motion: [ { position: [0, 0, 1] } ] } ]\n", 0.01,
          NULL},
+        /* what holds the ruler lets go, or pins of it move */
+        {RULER "duration: 1\n" PINCH("0.5"), 0.002, "vibration of body 'ruler', 10."},
+        {RULER "duration: 1\n" PINCH("1"), 0.01, NULL},
+        {SHAKEN "    support: { motion: [ { time: 0 }, { time: 1, position: [0, 0, 1] } ] }\nduration: 2\n", 0.002,
+         "vibration of body 'ruler', 11."},
+        {SHAKEN "    support: { motion: [ { time: 0 }, { time: 0.002, position: [0, 0, 0.01] } ] }\nduration: 2\n",
+         0.0005, "4 steps in what ruler_support does in 0.002 s"},
+        /* motion at the start, contact with nothing, and ties that open change nothing */
+        {RULER "    velocity: [0, 0, 1]\n    angular_velocity: [0, 1, 0]\nduration: 1\n", 0.002,
+         "vibration of body 'ruler', 10."},
+        {RULER "duration: 0.1\ncontact: {}\n", 0.002, "vibration of body 'ruler', 10."},
+        {RULER "duration: 1\nattachments: [ { at: { nearest: [0.1, 0, 0] }, until: 0.1 } ]\n", 0.002,
+         "vibration of body 'ruler', 10."},
+        {RULER "duration: 1\nwind: { velocity: [0, 0, 1] }\n", 0.002, "vibration of body 'ruler', 10."},
         {RULER "duration: 1000\n", 0.01, NULL},
         {RULER "  - name: far\n    mesh: { shape: grid, nx: 2, ny: 2, translate: [0, 0, 9] }\n    membrane: { preset: "
                "steel-sheet }\n    pinned: all\nduration: 1\n",
@@ -38,6 +59,14 @@ static void test_choice(void **unused)
         {RULER "duration: 150\n", 0.01, "it is damped"},
         {RULER "duration: 1\nloads: [ { name: flick, force: [0, 0, 1], from: 0.1, until: 0.104 } ]\n", 0.0004,
          "load 'flick' does in 0.004 s"},
+        {RULER "duration: 0.5\nloads: [ { name: tick, force: [0, 0, 1], until: 0.0004 } ]\n", 5e-5,
+         "load 'tick' does in 0.0004 s"},
+        /* what would cost too much is told, and the rest resolved */
+        {RULER "duration: 2\nloads: [ { name: tick, force: [0, 0, 1], until: 0.0001 } ]\n", 0.002,
+         "load 'tick' does in 0.0001 s would take 1.25e-05 s"},
+        /* no step is longer than the time between frames */
+        {RULER "duration: 0.1\nsolver: { drag: 5 }\noutput: { every: 0.004 }\n", 0.004, "output.every"},
+        {RULER "duration: 0.1\nsolver: { dt: 0.01 }\noutput: { every: 0.004 }\n", 0.01, "each step is a frame"},
         {RULER "duration: 1\nloads: [ { force: [0, 0, 1], keys: [[0, 0], [0.1, 1], [0.108, 1], [0.15, 0]] } ]\n", 0.002,
          "vibration of body 'ruler', 10."},
         {BALL "duration: 1\n", 0.01, NULL},

@@ -1,8 +1,8 @@
 /* The longest step, of those that the default is a multiple of, that resolves what moves: the lowest vibration of each
-   body at rest, by a modal analysis, and the times between the keys of loads and pressures. 40 steps in a vibration
-   give its frequency within 0.2 % and keep its amplitude, 8 in a load the motion that it starts (docs/solvers.md);
-   supports are where they are at the end of the run. Where that would cost too much the default stays, which damps what
-   it does not resolve. */
+   body at rest, by a modal analysis, and the times between the keys of loads, pressures and moving pins. 40 steps in a
+   vibration give its frequency within 0.2 % and keep its amplitude, 8 in a load the motion that it starts
+   (docs/solvers.md); supports are where they are at the end of the run. What would cost too much is left out: longer
+   steps damp what they do not resolve. */
 #include "choice/time_step.h"
 
 #include "base/memory.h"
@@ -19,7 +19,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8 };
+enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8, STEPS_A_POSE = 4 };
 /* s of one core, for a whole run */
 #define MOST_COST 10
 /* those of a free body and one that is none */
@@ -27,7 +27,8 @@ enum { MODE_COUNT = 7 };
 /* of the largest of these: lower frequencies are rigid motions */
 #define RIGID_SHARE 1e-3
 
-static const int32_t divisors[] = {1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 80, 100};
+static const int32_t divisors[] = {1,  2,  4,   5,   8,   10,  16,  20,  25,  32,  40,  50,
+                                   64, 80, 100, 125, 160, 200, 250, 320, 400, 500, 800, 1000};
 
 static bool is_damped(const pel_body_def *body)
 {
@@ -40,11 +41,21 @@ static bool is_damped(const pel_body_def *body)
 
 bool pel_scene_is_undamped(const pel_scene *scene)
 {
-    bool any = scene->sim.tool_count > 0 || scene->sim.solver.drag > 0;
-    any |= scene->sim.contact.enabled && !scene->contact_is_implied;
+    bool any = scene->sim.solver.drag > 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
         any |= is_damped(&scene->model.bodies[b]);
     return !any;
+}
+
+/* not by pins that move, nor in the end by grasps that open */
+static bool is_held_by_tools(const pel_scene *scene)
+{
+    bool any = false;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        any |= tool->shape != PEL_TOOL_SUPPORT && !(tool->grasp && tool->grasp_until < scene->duration);
+    }
+    return any;
 }
 
 /* the program may choose, and motion goes on */
@@ -52,6 +63,7 @@ static bool is_open(const pel_scene_value *root, const pel_scene *scene)
 {
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
     bool vibrates = stepper->minimises && stepper->has_velocity && pel_scene_is_undamped(scene);
+    vibrates &= !is_held_by_tools(scene);
     bool counts = !(scene->output.every > 0) || scene->frame_limit > 0 || scene->sim.solver.budget > 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
         vibrates &= scene->model.bodies[b].refine.levels == 0;
@@ -60,36 +72,51 @@ static bool is_open(const pel_scene_value *root, const pel_scene *scene)
 
 /* ---- loads ---- */
 
-static void take(pel_fastest_motion *most, double dt, const char *format, const char *name, double number)
+static void take(pel_motions *motions, double dt, const char *format, const char *name, double number)
 {
-    if (!(dt > 0 && dt < most->dt))
-        return;
-    most->dt = dt;
-    snprintf(most->reason, sizeof most->reason, format, name, number);
+    pel_fastest_motion *places[] = {&motions->fastest, &motions->chosen};
+    for (int i = 0; i < 2; i++) {
+        if (!(dt > 0 && dt < places[i]->dt) || (i == 1 && dt < motions->shortest))
+            continue;
+        places[i]->dt = dt;
+        snprintf(places[i]->reason, sizeof places[i]->reason, format, name, number);
+    }
 }
 
-static void take_keys(pel_fastest_motion *most, const pel_key *keys, int32_t count, const char *name)
+/* by a factor over time */
+static void take_keys(pel_motions *motions, const pel_key *keys, int32_t count, const char *name)
 {
     for (int32_t k = 1; k < count; k++)
         if (keys[k].value != keys[k - 1].value)
-            take(most, (keys[k].time - keys[k - 1].time) / STEPS_A_LOAD, "8 steps in what %s does in %.3g s", name,
+            take(motions, (keys[k].time - keys[k - 1].time) / STEPS_A_LOAD, "8 steps in what %s does in %.3g s", name,
                  keys[k].time - keys[k - 1].time);
 }
 
-static void take_loads(pel_fastest_motion *most, const pel_scene *scene)
+static void take_loads(pel_motions *motions, const pel_scene *scene)
 {
     for (int32_t l = 0; l < scene->sim.load_count; l++) {
         const pel_load_def *load = &scene->sim.loads[l];
         char name[PEL_NAME_SIZE + 8];
         snprintf(name, sizeof name, "load '%s'", load->name);
         if (isfinite(load->until))
-            take(most, (load->until - pel_max(load->from, 0)) / STEPS_A_LOAD, "8 steps in what %s does in %.3g s", name,
-                 load->until - pel_max(load->from, 0));
-        take_keys(most, load->keys, load->key_count, name);
+            take(motions, (load->until - pel_max(load->from, 0)) / STEPS_A_LOAD, "8 steps in what %s does in %.3g s",
+                 name, load->until - pel_max(load->from, 0));
+        take_keys(motions, load->keys, load->key_count, name);
     }
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         const pel_quantity *outside = &scene->model.bodies[b].shell.pressure.outside;
-        take_keys(most, outside->keys, outside->key_count, "a pressure");
+        take_keys(motions, outside->keys, outside->key_count, "a pressure");
+    }
+}
+
+/* of pins */
+static void take_poses(pel_motions *motions, const pel_scene *scene)
+{
+    for (int32_t t = 0; t < scene->sim.tool_count; t++) {
+        const pel_tool_def *tool = &scene->sim.tools[t];
+        for (int32_t k = 1; tool->shape == PEL_TOOL_SUPPORT && k < tool->key_count; k++)
+            take(motions, (tool->keys[k].time - tool->keys[k - 1].time) / STEPS_A_POSE,
+                 "4 steps in what %s does in %.3g s", tool->name, tool->keys[k].time - tool->keys[k - 1].time);
     }
 }
 
@@ -108,10 +135,43 @@ static bool mark_damped(pel_body_def *body)
     return any;
 }
 
+/* moves pins, and holds them to the end */
+static bool is_pin(const pel_tool_def *tool, int32_t b)
+{
+    return tool->shape == PEL_TOOL_SUPPORT && tool->body == b && !(tool->grasp_from > 0) &&
+           !isfinite(tool->grasp_until);
+}
+
+/* The pinned vertices of a body, those that move among them: (count), to be freed. Null when out of memory. */
+static int32_t *join_pins(const pel_scene *scene, int32_t b, int32_t *count)
+{
+    const pel_body_def *body = &scene->model.bodies[b];
+    size_t room = (size_t)body->pinned_count + 1;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        room += is_pin(&scene->sim.tools[t], b) ? (size_t)scene->sim.tools[t].vertex_count : 0;
+    int32_t *pins = pel_allocate(room, sizeof *pins);
+    *count = 0;
+    if (pins == NULL)
+        return NULL;
+    for (int32_t i = 0; i < body->pinned_count; i++)
+        pins[(*count)++] = body->pinned[i];
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        for (int32_t i = 0; is_pin(&scene->sim.tools[t], b) && i < scene->sim.tools[t].vertex_count; i++)
+            pins[(*count)++] = scene->sim.tools[t].vertices[i];
+    return pins;
+}
+
 /* by a modal analysis of def; 0 where there is none */
 static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, pel_vibration *found)
 {
     pel_body_def body = scene->model.bodies[b];
+    int32_t *pins = join_pins(scene, b, &body.pinned_count);
+    if (pins == NULL)
+        return PEL_OUT_OF_MEMORY;
+    body.pinned = pins;
+    /* of a state of rest */
+    for (int i = 0; i < 3; i++)
+        body.velocity[i] = body.angular_velocity[i] = 0;
     pel_model_def own = scene->model;
     double values[MODE_COUNT];
     pel_model *model = NULL;
@@ -136,6 +196,7 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, p
         status = PEL_OUT_OF_MEMORY;
     pel_sim_destroy(sim);
     pel_model_destroy(model);
+    pel_free(pins);
     return status;
 }
 
@@ -165,7 +226,8 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
     *vibration = (pel_vibration){0};
     if (supports == NULL)
         return PEL_OUT_OF_MEMORY;
-    def.load_count = def.tool_count = def.cut_count = def.seam_count = 0;
+    def.load_count = def.tool_count = def.cut_count = def.seam_count = def.tie_count = 0;
+    def.wind = pel_sim_def_default().wind;
     def.contact.enabled = false;
     def.supports = supports;
     def.support_count = 0;
@@ -184,7 +246,7 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
     return status;
 }
 
-static pel_status take_vibrations(pel_fastest_motion *most, const pel_scene *scene)
+static pel_status take_vibrations(pel_motions *motions, const pel_scene *scene)
 {
     for (int32_t b = 0; b < scene->model.body_count; b++) {
         double frequency;
@@ -192,17 +254,18 @@ static pel_status take_vibrations(pel_fastest_motion *most, const pel_scene *sce
             return PEL_OUT_OF_MEMORY;
         char name[PEL_NAME_SIZE + 8];
         snprintf(name, sizeof name, "'%s'", scene->model.bodies[b].name);
-        take(most, frequency > 0 ? 1 / (STEPS_A_PERIOD * frequency) : 0,
+        take(motions, frequency > 0 ? 1 / (STEPS_A_PERIOD * frequency) : 0,
              "40 steps in the slowest vibration of body %s, %.3g Hz", name, frequency);
     }
     return PEL_OK;
 }
 
-pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most)
+pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shortest, pel_motions *motions)
 {
-    most->reason[0] = '\0';
-    take_loads(most, scene);
-    return take_vibrations(most, scene);
+    *motions = (pel_motions){.shortest = shortest, .fastest.dt = dt, .chosen.dt = dt};
+    take_loads(motions, scene);
+    take_poses(motions, scene);
+    return take_vibrations(motions, scene);
 }
 
 /* ---- choice ---- */
@@ -217,30 +280,50 @@ static pel_status set_dt(pel_scene_reader *reader, const pel_scene_value *root, 
     return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
 }
 
+/* the first of the divisors from which dt is short enough; the last where none is */
+static int32_t divisor_of(double dt, double enough)
+{
+    int32_t last = (int32_t)(sizeof divisors / sizeof *divisors) - 1, i = 0;
+    while (i < last && dt / divisors[i] > enough)
+        i++;
+    return divisors[i];
+}
+
+/* a frame shows a step, so steps are no longer than the time between frames */
+static pel_status follow_frames(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+{
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    const double every = scene->output.every, dt = scene->sim.solver.dt;
+    if (!(every > 0 && every < dt) || !stepper->has_velocity)
+        return PEL_OK;
+    bool may = pel_scene_value_at(root, "solver.dt")->is_implied && pel_stepper_knows_material(stepper);
+    pel_log_line(reader->log, "dt %.4g s: %s", may ? every : dt,
+                 may ? "output.every" : "longer than output.every, so each step is a frame");
+    return may ? set_dt(reader, root, scene, every) : PEL_OK;
+}
+
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
-    double dt = scene->sim.solver.dt, cost = 1e-3 * pel_scene_step_cost(scene) * scene->duration / dt;
-    pel_fastest_motion most = {.dt = dt};
-    int32_t last = (int32_t)(sizeof divisors / sizeof *divisors) - 1, chosen = 0;
+    pel_status status = follow_frames(reader, root, scene);
+    if (status != PEL_OK)
+        return status;
+    const double dt = scene->sim.solver.dt, cost = 1e-3 * pel_scene_step_cost(scene) * scene->duration / dt;
+    pel_motions motions;
     if (!is_open(root, scene) || divisors[1] * cost > MOST_COST)
         return PEL_OK;
-    pel_status status = pel_scene_find_motion(scene, &most);
-    while (status == PEL_OK && chosen < last && dt / divisors[chosen] > most.dt)
-        chosen++;
-    if (status != PEL_OK)
+    if (pel_scene_find_motions(scene, dt, dt * cost / MOST_COST, &motions) != PEL_OK)
         return pel_fail_memory(reader->error);
-    if (chosen == 0)
-        return PEL_OK;
-    double shorter = dt / divisors[chosen];
-    cost *= divisors[chosen];
+    const int32_t needed = divisor_of(dt, motions.fastest.dt);
+    int32_t chosen = divisor_of(dt, motions.chosen.dt);
+    if (chosen * cost > MOST_COST)
+        chosen = 1;
     /* far from what steps could resolve: nobody waits for that */
-    if (shorter > most.dt)
+    if (needed > chosen && dt / needed <= motions.fastest.dt)
+        pel_log_line(reader->log, "dt %.4g s: %s would take %.4g s, about %.2g s of one core; it is damped",
+                     dt / chosen, motions.fastest.reason, dt / needed, needed * cost);
+    if (chosen == 1)
         return PEL_OK;
-    if (cost > MOST_COST) {
-        pel_log_line(reader->log, "dt %.4g s: %s would take %.4g s, about %.2g s of one core; it is damped", dt,
-                     most.reason, shorter, cost);
-        return PEL_OK;
-    }
-    pel_log_line(reader->log, "dt %.4g s: %s; about %.2g s of one core", shorter, most.reason, cost);
-    return set_dt(reader, root, scene, shorter);
+    pel_log_line(reader->log, "dt %.4g s: %s; about %.2g s of one core", dt / chosen, motions.chosen.reason,
+                 chosen * cost);
+    return set_dt(reader, root, scene, dt / chosen);
 }

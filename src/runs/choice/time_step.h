@@ -11,7 +11,14 @@ typedef struct pel_fastest_motion {
     char reason[160]; /* empty = nothing does */
 } pel_fastest_motion;
 
-/* neither tools, contact, drag nor damping: what moves goes on moving */
+/* of those of a scene */
+typedef struct pel_motions {
+    double shortest;            /* s; what asks for less is not chosen */
+    pel_fastest_motion fastest; /* of all */
+    pel_fastest_motion chosen;
+} pel_motions;
+
+/* neither drag nor damping of vertices: what nothing touches goes on moving */
 bool pel_scene_is_undamped(const pel_scene *scene);
 /* The lowest vibration of a body, see pel_scene_frequency. */
 typedef struct pel_vibration {
@@ -20,12 +27,13 @@ typedef struct pel_vibration {
 } pel_vibration;
 pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vibration *vibration);
 
-/* Lowers dt to what resolves the vibrations and loads of a scene. PEL_OUT_OF_MEMORY. */
-pel_status pel_scene_find_motion(const pel_scene *scene, pel_fastest_motion *most);
+/* The steps below dt that resolve the vibrations, loads and moving pins of a scene. PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shortest, pel_motions *motions);
 
 /* Sets dt of the method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
-   of the default would not resolve: neither tools, contact, drag nor damping, and a shorter vibration or load. Only in
-   scenes that give no dt and count no steps. PEL_OUT_OF_MEMORY. */
+   of the default would not resolve: neither tools that stay, drag nor damping, and a shorter vibration or load. Only in
+   scenes that give no dt and count no steps. Before that, dt of methods with velocities and a material is at most the
+   time between frames. PEL_OUT_OF_MEMORY. */
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
 #endif

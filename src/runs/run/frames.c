@@ -177,9 +177,23 @@ static pel_status start_thread(pel_run_frames *frames, const pel_sim *sim, pel_e
 
 /* ---- the caller's side ---- */
 
-/* reset the sums since the last frame */
-static void begin_interval(pel_run_totals *totals, const pel_sim *sim, double *tool_force, int32_t tool_count)
+/* no surface and no tool since the frame before; pins that move take no energy */
+static bool touched_nothing(const pel_run_frames *frames, const double *tool_force)
 {
+    const pel_run_row *row = &frames->frame.row;
+    bool is_free = row->contact.contacts == row->contact_before.contacts;
+    for (int32_t t = 0; t < frames->tool_count; t++)
+        is_free &= !(tool_force[t] > 0) || frames->scene->sim.tools[t].shape == PEL_TOOL_SUPPORT;
+    return is_free;
+}
+
+/* reset the sums since the last frame */
+static void begin_interval(const pel_run_frames *frames, pel_run_totals *totals, const pel_sim *sim, double *tool_force)
+{
+    const int32_t tool_count = frames->tool_count;
+    const double loss = frames->frame.row.ledger.dissipated_solver;
+    totals->free_loss += touched_nothing(frames, tool_force) ? loss - totals->loss : 0;
+    totals->loss = loss;
     totals->frame_count++;
     totals->frame_step = pel_sim_step_count(sim);
     totals->frame_seconds = 0;
@@ -266,12 +280,12 @@ pel_status pel_run_frames_add(pel_run_frames *frames, pel_sim *sim, pel_run_tota
             return pel_fail_memory(error);
         keep_state(frames, sim, totals, tool_force);
         pel_worker_give(frames->worker);
-        begin_interval(totals, sim, tool_force, frames->tool_count);
+        begin_interval(frames, totals, sim, tool_force);
         return PEL_OK;
     }
     status = write_frame(frames, error);
     if (frames->frame_count > totals->frame_count)
-        begin_interval(totals, sim, tool_force, frames->tool_count);
+        begin_interval(frames, totals, sim, tool_force);
     return status;
 }
 
@@ -295,7 +309,7 @@ pel_status pel_run_frames_settle(pel_run_frames *frames, pel_sim *sim, pel_run_t
         memcpy(tool_force, frame->tool_force, PEL_TOOL_NUMBERS * (size_t)frames->tool_count * sizeof *tool_force);
         /* the frame may be there and only the list not */
         if (frames->frame_count > totals->frame_count)
-            begin_interval(totals, sim, tool_force, frames->tool_count);
+            begin_interval(frames, totals, sim, tool_force);
     }
     totals->max_displacement = pel_max(totals->max_displacement, frames->max_displacement);
     totals->unbalanced_force = pel_max(totals->unbalanced_force, frames->unbalanced_force);

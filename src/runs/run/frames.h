@@ -33,6 +33,8 @@ typedef struct pel_run_totals {
     int64_t lost_count;             /* vertices that grasps have lost */
     int64_t tie_lost_count;         /* that attachments, stitches and springs of an animation have lost */
     pel_contact_statistics contact; /* at the last frame */
+    double loss;                    /* J, dissipated_solver at the last frame */
+    double free_loss;               /* J, of it in intervals between frames in which nothing touched */
 } pel_run_totals;
 
 /* A frame that was taken and is to be written. */

@@ -299,7 +299,8 @@ static void check_rest(pel_run_state *run, int64_t frame)
     }
 }
 
-/* Of methods that follow a motion and the material. A volume that is driven is followed, not resolved. */
+/* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
+   followed, not resolved. */
 static void check_motion(pel_run_state *run, int64_t frame)
 {
     const pel_scene *scene = run->scene;
@@ -308,11 +309,8 @@ static void check_motion(pel_run_state *run, int64_t frame)
     bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
     for (int32_t b = 0; b < scene->model.body_count; b++)
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
-    pel_contact_statistics contact;
-    pel_sim_get_contact_statistics(run->sim, &contact);
-    moves &= contact.contacts == 0;
-    if (moves && pel_scene_is_undamped(scene) && ledger->dissipated_solver > ledger->tolerance)
-        pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, ledger->dissipated_solver / ledger->supplied);
+    if (moves && pel_scene_is_undamped(scene) && run->totals.free_loss > ledger->tolerance)
+        pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, run->totals.free_loss / ledger->supplied);
 }
 
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
@@ -629,14 +627,14 @@ static void tell_unresolved(const pel_warning_text *at)
     const pel_scene *scene = at->run->scene;
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
     double dt = scene->sim.solver.dt;
-    pel_fastest_motion most = {.dt = dt};
-    bool is_known = pel_scene_find_motion(scene, &most) == PEL_OK && most.dt < 0.25 * dt;
+    pel_motions motions;
+    bool is_known = pel_scene_find_motions(scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < 0.25 * dt;
     snprintf(
         at->text, at->size,
         "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
         "was supplied. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
-        100 * at->tally->worst, stepper->minimises ? "" : "the method implicit with ", is_known ? most.dt : 0.25 * dt,
-        is_known ? ": " : "", is_known ? most.reason : "");
+        100 * at->tally->worst, stepper->minimises ? "" : "the method implicit with ",
+        is_known ? motions.fastest.dt : 0.25 * dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");
 }
 
 static void tell_row(const pel_warning_text *at)

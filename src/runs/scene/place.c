@@ -232,6 +232,7 @@ static pel_status set_number(pel_scene_reader *reader, pel_scene_value *value, d
     pel_number_print(text, number);
     value->kind = PEL_SCENE_SCALAR;
     value->form = PEL_FORM_NUMBER;
+    value->quoted = false;
     value->number = number;
     value->text = pel_arena_text(reader->arena, text, strlen(text));
     return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
