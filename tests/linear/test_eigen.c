@@ -112,6 +112,26 @@ static void test_rank(void **unused)
     pel_eigen_destroy(eigen);
 }
 
+/* six values far above the others, as those of rigid motions beside vibrations of a solid, hide the others at first */
+static void scale_far(void *context, const double *x, double *y)
+{
+    (void)context;
+    for (int i = 0; i < CHAIN; i++)
+        y[i] = i < 6 ? 1e9 * x[i] : (2 + 5.0 / i) * x[i];
+}
+
+static void test_far(void **unused)
+{
+    (void)unused;
+    pel_eigen *eigen;
+    assert_int_equal(pel_eigen_create(CHAIN, WANTED, &eigen, NULL), PEL_OK);
+    const pel_eigen_def def = {scale_far, copy, NULL, 1e-6, 200, NULL};
+    assert_int_equal(pel_eigen_solve(eigen, &def).count, WANTED);
+    for (int k = 6; k < WANTED; k++)
+        assert_near(pel_eigen_value(eigen, k), 2 + 5.0 / k, 1e-7);
+    pel_eigen_destroy(eigen);
+}
+
 static void test_dense(void **unused)
 {
     (void)unused;
@@ -151,8 +171,8 @@ static void test_allocation_failure(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chain), cmocka_unit_test(test_repeated),           cmocka_unit_test(test_rank),
-        cmocka_unit_test(test_dense), cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_chain), cmocka_unit_test(test_repeated), cmocka_unit_test(test_rank),
+        cmocka_unit_test(test_far),   cmocka_unit_test(test_dense),    cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,6 +38,14 @@ static void test_millimetres(void **unused)
     shell[1] = "bodies.0.membrane={ young: 1e8, thickness: 5e-5 }";
     run_scene(SHELL, shell, 3, NULL, 1, &summary);
     assert_null(find_warning(&summary, "millimetres"));
+    /* a thickness in millimetres beside a size in metres */
+    shell[0] = "bodies.0.mesh.radius=0.05";
+    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.3 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_non_null(strstr(find_warning(&summary, "millimetres")->text, "thickness: 0.0003"));
+    shell[1] = "bodies.0.membrane={ young: 1e6, thickness: 0.01 }";
+    run_scene(SHELL, shell, 3, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "millimetres"));
 }
 
 static void test_poisson(void **unused)

@@ -22,6 +22,7 @@
 #include "run/warnings_bodies.h"
 #include "run/warnings_contact.h"
 #include "run/warnings_shell.h"
+#include "run/warnings_volume.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
 
@@ -73,6 +74,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_TOOL_IDLE] = "tool-touches-nothing",
     [PEL_WARN_CLOSE_START] = "close-start",
     [PEL_WARN_POISSON] = "poisson-above-half",
+    [PEL_WARN_COARSE_VOLUME] = "coarse-volume",
     [PEL_WARN_WEIGHTLESS] = "weightless-filling",
     [PEL_WARN_HOLLOW] = "hollow-body",
     [PEL_WARN_FALLS] = "falls-away",
@@ -189,6 +191,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
         if (status == PEL_OK)
             status = check_seams(run, b, error);
         pel_warnings_check_body(run, b);
+        pel_warnings_check_volume(run, b);
         check_orientation(run, b);
         check_filling(run, b);
     }
@@ -662,6 +665,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_COARSE] = tell_coarseness,
     [PEL_WARN_MILLIMETRES] = pel_tell_millimetres,
     [PEL_WARN_POISSON] = pel_tell_poisson,
+    [PEL_WARN_COARSE_VOLUME] = pel_tell_coarse_volume,
     [PEL_WARN_WEIGHTLESS] = pel_tell_weightless,
     [PEL_WARN_HOLLOW] = pel_tell_hollow,
     [PEL_WARN_FALLS] = pel_tell_falls,
@@ -759,7 +763,7 @@ static bool is_of_scene(int kind)
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
            kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE || kind == PEL_WARN_POISSON ||
-           kind == PEL_WARN_WEIGHTLESS;
+           kind == PEL_WARN_WEIGHTLESS || kind == PEL_WARN_COARSE_VOLUME;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)

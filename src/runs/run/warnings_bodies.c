@@ -18,6 +18,8 @@
 #define THIN_SHARE 1e-4
 #define THINNEST_SHARE 2e-6
 #define THINNEST_SIZE 1.0
+/* thickness over size from which no body is a shell */
+#define SOLID_SHARE 0.25
 /* m: organs are smaller */
 #define LARGE_ORGAN 5.0
 /* of the size of a body: motion below is rounding */
@@ -52,7 +54,7 @@ static void check_size(pel_run_state *run, int32_t b)
     const pel_membrane_def *membrane = &body->shell.membrane;
     double size = pel_mesh_diagonal(body->mesh), share = mean_of(&membrane->thickness, body) / size;
     bool is_thin = (size > PEL_LARGE_BODY && share <= THIN_SHARE) || (size > THINNEST_SIZE && share <= THINNEST_SHARE);
-    if (membrane->on ? is_thin : size > LARGE_ORGAN)
+    if (membrane->on ? is_thin || share > SOLID_SHARE : size > LARGE_ORGAN)
         pel_warn_body(run, PEL_WARN_MILLIMETRES, b, size, 0);
 }
 
@@ -187,6 +189,14 @@ void pel_tell_millimetres(const pel_warning_text *at)
     if (body->shell.membrane.on)
         snprintf(thickness, sizeof thickness, ", and its shell %.3g m thick",
                  mean_of(&body->shell.membrane.thickness, body));
+    if (body->shell.membrane.on && mean_of(&body->shell.membrane.thickness, body) > SOLID_SHARE * flagged->value) {
+        snprintf(at->text, at->size,
+                 "body '%s' is %.3g m across, and its shell %.3g m thick: that is no shell. if the thickness is in "
+                 "millimetres, write membrane: { ..., thickness: %.3g }; a solid body has a `volume`",
+                 name, flagged->value, mean_of(&body->shell.membrane.thickness, body),
+                 1e-3 * mean_of(&body->shell.membrane.thickness, body));
+        return;
+    }
     snprintf(at->text, at->size,
              "body '%s' is %.4g m across%s. if its mesh is in millimetres, write mesh: { ..., "
              "scale: 0.001 }",

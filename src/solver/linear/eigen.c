@@ -191,19 +191,18 @@ static bool take_vector(pel_eigen *eigen, const pel_eigen_def *def)
     return true;
 }
 
-/* vectors that the operator has been applied to: what it takes away has no length in the metric */
-static void begin_basis(pel_eigen *eigen, const pel_eigen_def *def)
+/* Takes a block of random vectors that the operator has been applied to into the basis, what of them it does not
+   contain: what the operator takes away has no length in the metric. */
+static void take_random(pel_eigen *eigen, const pel_eigen_def *def, uint32_t *random, pel_eigen_result *result)
 {
-    uint32_t random = 1;
-    eigen->count = 0;
-    for (int b = 0; b < BLOCK; b++) {
+    for (int b = 0; b < BLOCK && eigen->count < eigen->room; b++) {
         double *image = row(eigen, eigen->image, eigen->count);
         for (int32_t u = 0; u < eigen->unknown_count; u++) {
-            random = random * 1664525u + 1013904223u;
-            image[u] = (double)(random >> 8) / (1 << 23) - 1;
+            *random = *random * 1664525u + 1013904223u;
+            image[u] = (double)(*random >> 8) / (1 << 23) - 1;
         }
         def->apply(def->context, image, row(eigen, eigen->basis, eigen->count));
-        take_vector(eigen, def);
+        result->products += 1 + take_vector(eigen, def);
     }
 }
 
@@ -256,8 +255,9 @@ static void find_residual(const pel_eigen *eigen, int32_t count, int32_t number,
 pel_eigen_result pel_eigen_solve(pel_eigen *eigen, const pel_eigen_def *def)
 {
     pel_eigen_result result = {0};
-    begin_basis(eigen, def);
-    result.products = 2 * BLOCK;
+    uint32_t random = 1;
+    eigen->count = 0;
+    take_random(eigen, def, &random, &result);
     while (eigen->count > 0 && !pel_pool_is_stopped(def->pool)) {
         find_ritz(eigen);
         if (eigen->count + BLOCK > eigen->room)
@@ -272,6 +272,9 @@ pel_eigen_result pel_eigen_solve(pel_eigen *eigen, const pel_eigen_def *def)
             else
                 result.products += take_vector(eigen, def);
         }
+        /* values far above all others, of rigid motions, converge before any vector of the others is there */
+        if (eigen->count == before && ritz < eigen->wanted)
+            take_random(eigen, def, &random, &result);
         /* nothing new: all have converged, or the basis is all that there is */
         if (eigen->count == before || ++result.iterations >= def->iterations) {
             eigen->count = before;

@@ -1,0 +1,63 @@
+/* Warnings about bodies of tetrahedra: slender ones with few edges in their thickness, and ratios that lock. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/warned.h"
+#include "run/warnings_volume.h"
+
+/* a rod of 20 mm and a ball; a box with the rod's inertia is 17 mm thick */
+#define ROD                                                                                                            \
+    "version: 1\nbodies: [ { name: rod, mesh: { shape: cylinder, radius: 0.01, height: 0.1, slices: 12, segments: 12 " \
+    "}, volume: { young: 1e5, edge: 0.01 } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit }\nduration: 0.01\n"
+#define BALL                                                                                                           \
+    "version: 1\nbodies: [ { name: ball, mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }, "               \
+    "volume: { young: 1e5 } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit }\nduration: 0.01\n"
+
+static const pel_run_warning *coarse(const char *text, const char *change, pel_run_summary *summary)
+{
+    run_scene(text, &change, change != NULL, NULL, 1, summary);
+    return find_warning(summary, "coarse-volume");
+}
+
+static void test_slender(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    const pel_run_warning *warning = coarse(ROD, NULL, &summary);
+    assert_true(warning != NULL && warning->first_frame == 0);
+    double thickness, edge, factor, better;
+    const char *text = strstr(warning->text, "body 'rod' is about ");
+    assert_non_null(text);
+    assert_int_equal(sscanf(text,
+                            "body 'rod' is about %lf m thick, and the edges of its tetrahedra are %lf m long: it bends "
+                            "about %lf times too stiffly. use volume: { edge: %lf }",
+                            &thickness, &edge, &factor, &better),
+                     4);
+    /* sqrt(3) radii, less what so large tetrahedra cut off; they have diagonals */
+    assert_near(thickness, 0.0162, 0.0015);
+    assert_near(edge, 0.012, 0.0015);
+    assert_near(factor, 1 + 1.1 * edge * edge / (thickness * thickness), 0.1);
+    assert_near(better, thickness / 4, 1e-4);
+    /* the remedy helps */
+    assert_null(coarse(ROD, "bodies.0.volume.edge=0.0043", &summary));
+    /* a plate of one flat layer */
+    assert_non_null(
+        coarse(ROD, "bodies.0.mesh={ shape: cylinder, radius: 0.1, height: 0.01, slices: 32, segments: 2 }", &summary));
+    /* far from the origin */
+    warning = coarse(ROD, "bodies.0.mesh.translate=[1000, 0, 0]", &summary);
+    assert_true(warning != NULL && strstr(warning->text, "about 0.015 m thick") != NULL);
+}
+
+static void test_locking(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    assert_null(coarse(BALL, NULL, &summary));
+    assert_null(coarse(BALL, "bodies.0.volume.poisson=0.45", &summary));
+    const pel_run_warning *warning = coarse(BALL, "bodies.0.volume.poisson=0.49", &summary);
+    assert_true(warning != NULL && strstr(warning->text, "Poisson's ratio of body 'ball' is 0.49") != NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slender), cmocka_unit_test(test_locking)};
+    return cmocka_run_group_tests(tests, make_folder, clear_folder);
+}
