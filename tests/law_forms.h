@@ -16,7 +16,10 @@ static inline pel_membrane_material law_material(int kind, double young, double 
                                    .thickness = thickness,
                                    .mooney_ratio = 0.2,
                                    .extension_limit = 20,
-                                   .stiffening = 6};
+                                   .stiffening = 6,
+                                   /* without a direction: stvk */
+                                   .weft = young,
+                                   .shear = 0.5 * young / (1 + poisson)};
 }
 
 static inline bool law_is_incompressible(const pel_membrane_material *m)
@@ -36,6 +39,28 @@ static inline double law_thickness(double poisson, double area_ratio)
     return exp(low);
 }
 
+/* square of the width of a neo-Hookean strip that is pulled to the stretch l, by bisection of its lateral stress */
+static inline double law_pulled_width(double poisson, double l)
+{
+    double low = 0, high = 1;
+    for (int i = 0; i < 200 && l > 1; i++) {
+        double w = 0.5 * (low + high);
+        *(w > law_thickness(poisson, l * sqrt(w)) ? &high : &low) = w;
+    }
+    return high;
+}
+
+/* whether a Green strain (e11, e22, 2 e12) is that near to a change of state of a tension field, where its tangent
+ * jumps
+ */
+static inline bool law_is_near_kink(const pel_membrane_material *material, const double strain[3], double near)
+{
+    const double mean = 0.5 * (strain[0] + strain[1]), size = hypot(0.5 * (strain[0] - strain[1]), 0.5 * strain[2]);
+    const double width = 0.5 * (law_pulled_width(material->poisson, sqrt(1 + 2 * (mean + size))) - 1);
+    return material->kind == PEL_MEMBRANE_TENSION_FIELD &&
+           (fabs(mean + size) < near || fabs(mean - size - width) < near || mean - size < -0.45);
+}
+
 /* tension d psi / dl of a sheet with the principal stretches l and m: force per rest width */
 static inline double law_tension(const pel_membrane_material *material, double l, double m)
 {
@@ -44,6 +69,7 @@ static inline double law_tension(const pel_membrane_material *material, double l
     pel_plane_stress_lame(material->young, material->poisson, material->thickness, &mu, &lambda);
     switch (material->kind) {
     case PEL_MEMBRANE_STVK:
+    case PEL_MEMBRANE_ORTHOTROPIC:
         return l * (2 * mu * e1 + lambda * (e1 + e2));
     case PEL_MEMBRANE_MOONEY_RIVLIN: {
         double c1 = stiffness / 6 / (1 + material->mooney_ratio), c2 = material->mooney_ratio * c1;
@@ -51,6 +77,13 @@ static inline double law_tension(const pel_membrane_material *material, double l
     }
     case PEL_MEMBRANE_NEO_HOOKEAN:
         return mu * (l - law_thickness(material->poisson, l * m) / l);
+    case PEL_MEMBRANE_TENSION_FIELD: {
+        double width = law_pulled_width(material->poisson, fmax(l, m)),
+               whole = mu * (l - law_thickness(material->poisson, l * m) / l);
+        if (fmin(l, m) * fmin(l, m) >= width)
+            return whole;
+        return 1e-3 * whole + (l > m && l > 1 ? 0.999 * mu * (l - width / l) : 0);
+    }
     case PEL_MEMBRANE_GENT: {
         double limit = material->extension_limit, invariant = l * l + m * m + 1 / square - 3;
         return stiffness / 3 * (l - 1 / (l * square)) * limit / (limit - invariant);

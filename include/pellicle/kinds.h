@@ -18,7 +18,9 @@ extern "C" {
     ROW(MOONEY_RIVLIN, mooney_rivlin, "mooney-rivlin")                                                                 \
     ROW(NEO_HOOKEAN, neo_hookean, "neo-hookean")                                                                       \
     ROW(GENT, gent, "gent")                                                                                            \
-    ROW(FUNG, fung, "fung")
+    ROW(FUNG, fung, "fung")                                                                                            \
+    ROW(ORTHOTROPIC, orthotropic, "orthotropic")                                                                       \
+    ROW(TENSION_FIELD, tension_field, "tension-field")
 
 typedef enum pel_membrane_kind { /* PEL_MEMBRANE_STVK and so on */
 #define PEL_MEMBRANE_ENUMERATOR(KIND, law, name) PEL_MEMBRANE_##KIND,

@@ -22,8 +22,14 @@
                   incompressible, poisson is not read. Beyond 0.99 Jm the energy continues as its parabola there, beyond
                   2 Jm as its tangent
    fung           E h/b (exp(b w / (E h)) - 1),          w = the energy of stvk, b = stiffening
-   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Ciarlet 1988, Gent 1996, Fung 1967; theory page sections
-   3 and 17.
+   orthotropic    1/2 e^T D e, e = (C - I) / 2 in the axes of warp and weft: woven cloth. With n = 1 - poisson^2 weft /
+                  young, D11 = young h / n, D22 = weft h / n, D12 = poisson weft h / n, D33 = shear h; poisson is the
+                  contraction of the weft over the stretch of a pulled warp, poisson^2 weft < young
+   tension-field  neo-hookean without its compression: a sheet without bending that wrinkles. With the principal
+                  stretches a >= b and the width w(a) of a strip that is pulled by a: b >= w taut, as neo-hookean; b < w
+                  wrinkled, its energy at (a, w), tension along a alone; a <= 1 slack. 0.001 of neo-hookean remains
+   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Ciarlet 1988, Gent 1996, Fung 1967, Pipkin 1986; theory
+   page sections 3 and 17.
 
    Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. Incompressible laws and
    neo-hookean are infinite there: below J = 0.01 they continue as their tangents in J, so that a squeezed triangle is
@@ -46,6 +52,8 @@ typedef struct pel_membrane_material {
     double mooney_ratio;    /* c2 / c1, >= 0; read by mooney-rivlin only */
     double extension_limit; /* Jm, the I1 - 3 at which chains end, > 0; read by gent only */
     double stiffening;      /* b, > 0; read by fung only */
+    double weft;            /* orthotropic: Young's modulus across the warp [Pa], whose own is young; 0 = young */
+    double shear;           /* orthotropic: shear modulus [Pa]; 0 = young / (2 (1 + poisson)) */
 } pel_membrane_material;
 
 /* The name of a law in scene files; "unknown" for any other number. */
@@ -58,8 +66,9 @@ PEL_API pel_status pel_membrane_material_check(const pel_membrane_material *mate
 /* Plane-stress Lame parameters with the thickness included [N/m], theory page section 1. */
 PEL_API void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda);
 
-/* Energy per unit rest area psi [J/m2]; first_piola (3 x 2) row-major, may be null. The stress is the exact derivative
-   of psi, including the rotation of the frame for PEL_MEMBRANE_LINEAR. The material must be valid. */
+/* Energy per unit rest area psi [J/m2], of orthotropic with the warp along the first rest axis; first_piola (3 x 2)
+   row-major, may be null. The stress is the exact derivative of psi, including the rotation of the frame for
+   PEL_MEMBRANE_LINEAR. The material must be valid. */
 PEL_API double pel_membrane_density(const pel_membrane_material *material, const double deformation_gradient[6],
                                     double first_piola[6]);
 

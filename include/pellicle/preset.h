@@ -13,6 +13,7 @@ typedef struct pel_material_preset {
     const char *name; /* "rubber" */
     pel_membrane_material material;
     double density;     /* kg/m3 */
+    double bending[2];  /* N m, flexural rigidity of warp and weft; 0 = that of the material */
     const char *doc;    /* description, one line */
     const char *source; /* of the numbers, one line */
 } pel_material_preset;

@@ -16,12 +16,17 @@ typedef struct pel_membrane_def {
     pel_membrane_kind kind;
     pel_quantity young; /* Pa, > 0; no keys */
     double poisson;
-    pel_quantity thickness; /* m, > 0; no keys */
-    double mooney_ratio;    /* default: 0.2 */
-    double extension_limit; /* gent; default: 50 */
-    double stiffening;      /* fung; default: 10 */
-    double strain_limit;    /* 0 to less than 1; pbd, xpbd: principal stretches differ from 1 by at most this (Provot
-                               1995); 0 = no limit. Other methods refuse it */
+    pel_quantity thickness;   /* m, > 0; no keys */
+    double mooney_ratio;      /* default: 0.2 */
+    double extension_limit;   /* gent; default: 50 */
+    double stiffening;        /* fung; default: 10 */
+    double weft;              /* Pa, orthotropic: Young's modulus across the warp; 0 (default) = young */
+    double shear;             /* Pa, orthotropic: shear modulus; 0 (default) = young / (2 (1 + poisson)) */
+    double direction[3];      /* orthotropic: the warp, projected into each rest triangle; default: x */
+    const double *coordinate; /* (vertex_count) the warp runs along its gradient in each rest triangle, in place of
+                                 `direction`; null = not given */
+    double strain_limit;      /* 0 to less than 1; pbd, xpbd: principal stretches differ from 1 by at most this (Provot
+                                 1995); 0 = no limit. Other methods refuse it */
     double retardation; /* s, >= 0: viscous stress over the stiffness times the rate of strain (Kelvin, Voigt); implicit
                            and xpbd, other methods in time refuse it */
     pel_quantity toughness; /* J/m2, energy per area of a tear, which is its length times the thickness: cuts grow where
@@ -47,7 +52,10 @@ typedef struct pel_bending_def {
                       so that the volume falls without jitter */
     pel_quantity stiffness; /* N m: flexural rigidity D, for all methods except pbd; negative: from young, poisson and
                                thickness of the membrane; no keys */
-    double retardation;     /* s, >= 0: of angles, as that of membranes; models hinge and midedge */
+    double weft; /* N m: flexural rigidity about the warp, so of the weft, where `stiffness` is that of the warp; the
+                    axes are the membrane's. Negative (default): that of an orthotropic membrane whose `stiffness` is
+                    automatic, else equal to `stiffness` */
+    double retardation; /* s, >= 0: of angles, as that of membranes; models hinge and midedge */
 } pel_bending_def;
 
 /* Effect of a region of fibres. */

@@ -11,7 +11,8 @@ extern "C" {
 /* Derivatives of a function f of the positions with respect to one body's material. Those for young, thickness and
    poisson include bending if its stiffness is automatic. */
 typedef struct pel_adjoint_material {
-    double young, thickness; /* for a factor, 1 at present, on the whole body: df/dE = young / E for a uniform E */
+    double young, thickness; /* for a factor, 1 at present, on the whole body: df/dE = young / E for a uniform E; of
+                                orthotropic membranes a factor on young, weft and shear together */
     double poisson;          /* for the ratio */
     double bending;          /* for a factor on the flexural rigidity only */
     double pressure;         /* for a factor on the pressure */

@@ -107,7 +107,8 @@ class Maker:
     def shell(self, body):
         thickness = self.number(0.003, 0.1)
         body["mass"] = {"density": self.number(500, 2000), "thickness": thickness}
-        law = self.chance.choice(("stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean", "gent", "fung"))
+        law = self.chance.choice(("stvk", "corotated", "linear", "mooney-rivlin", "neo-hookean", "gent", "fung",
+                                   "orthotropic", "tension-field"))
         body["membrane"] = {"material": law, "young": self.number(1e4, 1e6), "thickness": thickness,
                             "poisson": round(self.chance.uniform(0, 0.49), 3)}
         if self.maybe(0.8):

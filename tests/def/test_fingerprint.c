@@ -49,7 +49,7 @@ static void fill_body(all_defs *all, pel_body_def *body)
     body->pinned_count = body->refine.region_count = body->origin_count = 3;
     shell->anisotropies = all->anisotropies;
     shell->anisotropy_count = 2;
-    shell->pressure.weights = all->field;
+    shell->pressure.weights = shell->membrane.coordinate = all->field;
 }
 
 static all_defs *make_defs(void)

@@ -122,7 +122,9 @@ static void check_forces(const pel_body_def *body, double shaken, random_state *
         double coarse = difference(&on, v, c, GRADIENT_STEP), fine = difference(&on, v, c, GRADIENT_STEP / 2),
                finest = difference(&on, v, c, GRADIENT_STEP / 4);
         double first = (4 * fine - coarse) / 3, second = (4 * finest - fine) / 3;
-        assert_near(-(16 * second - first) / 15 / scale, (double)on.force[v][c] / scale, GRADIENT_TOLERANCE);
+        /* differences over a change from taut to wrinkled, where the tangent jumps */
+        double tolerance = body->shell.membrane.kind == PEL_MEMBRANE_TENSION_FIELD ? 1e-5 : GRADIENT_TOLERANCE;
+        assert_near(-(16 * second - first) / 15 / scale, (double)on.force[v][c] / scale, tolerance);
     }
     free_forces(&on);
 }

@@ -148,6 +148,8 @@ static void test_small_strain_moduli(void **unused)
         assert_near(p[0] / e, 2 * mu + lambda, 3e-5);
         assert_near(p[3] / e, lambda, 3e-5);
         assert_near(psi / (0.5 * e * e), 2 * mu + lambda, 1e-4);
+        if (kind == PEL_MEMBRANE_TENSION_FIELD)
+            continue; /* a shear compresses it: tests/law/test_cloth.c */
         psi = pel_membrane_density(&material, sheared, p);
         assert_near(p[1] / e, mu, 3e-5);
         assert_near(psi / (0.5 * e * e), mu, 1e-4);
@@ -193,8 +195,9 @@ static void test_uniaxial_closed_forms(void **unused)
             width[kind] = law_width(&material, stretch);
             tension[kind] = law_tension(&material, stretch, width[kind]);
         }
-        width[PEL_MEMBRANE_STVK] = width[PEL_MEMBRANE_FUNG] = sqrt(1 - poisson * (square - 1));
-        tension[PEL_MEMBRANE_STVK] = 0.5 * stiffness * stretch * (square - 1);
+        width[PEL_MEMBRANE_STVK] = width[PEL_MEMBRANE_FUNG] = width[PEL_MEMBRANE_ORTHOTROPIC] =
+            sqrt(1 - poisson * (square - 1));
+        tension[PEL_MEMBRANE_STVK] = tension[PEL_MEMBRANE_ORTHOTROPIC] = 0.5 * stiffness * stretch * (square - 1);
         tension[PEL_MEMBRANE_FUNG] = stiffness * stretch * e * exp(6 * e * e / 2);
         width[PEL_MEMBRANE_COROTATED] = width[PEL_MEMBRANE_LINEAR] = 1 - poisson * (stretch - 1);
         tension[PEL_MEMBRANE_COROTATED] = tension[PEL_MEMBRANE_LINEAR] = stiffness * (stretch - 1);

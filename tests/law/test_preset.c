@@ -2,6 +2,7 @@
    sets only the numbers that its law reads. */
 #include "check.h"
 
+#include "measure/element.h"
 #include "pellicle/preset.h"
 
 /* a source: the range of each number, in SI units */
@@ -41,6 +42,9 @@ static const source sources[] = {
      0},
     {"aluminium-foil", PEL_MEMBRANE_NEO_HOOKEAN, {GPA(69), GPA(71)}, EXACT(0.33), EXACT(UM(16)), EXACT(2700), 0},
     {"steel-sheet", PEL_MEMBRANE_NEO_HOOKEAN, EXACT(GPA(210)), EXACT(0.3), EXACT(UM(500)), {7850, WEIGHT(78.5)}, 0},
+    {"denim", PEL_MEMBRANE_ORTHOTROPIC, {1.26e6, 1.27e6}, {0.0498, 0.0499}, EXACT(8e-4), EXACT(405), 0},
+    {"tablecloth", PEL_MEMBRANE_ORTHOTROPIC, {8.1e6, 8.2e6}, {1.7e-4, 1.8e-4}, EXACT(2.5e-4), EXACT(512), 0},
+    {"rib-knit", PEL_MEMBRANE_ORTHOTROPIC, {6.5e4, 6.6e4}, {-0.0055, -0.0054}, EXACT(1e-3), EXACT(276), 0},
 };
 enum { SOURCE_COUNT = sizeof sources / sizeof *sources };
 
@@ -86,6 +90,30 @@ static void test_materials(void **unused)
         assert_true((m->mooney_ratio > 0) == (m->kind == PEL_MEMBRANE_MOONEY_RIVLIN));
         assert_true((m->extension_limit > 0) == (m->kind == PEL_MEMBRANE_GENT));
         assert_true((m->stiffening > 0) == (m->kind == PEL_MEMBRANE_FUNG));
+        assert_true((m->weft > 0 && m->shear > 0) == (m->kind == PEL_MEMBRANE_ORTHOTROPIC));
+        assert_true((presets[i].bending[0] > 0) == (presets[i].bending[1] > 0));
+    }
+}
+
+/* the sheet of a cloth has the stiffness that was measured: pulled along the warp with the weft held, C11, and so on */
+static void test_cloth(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *name;
+        double c11, c22, c12, c33;
+    } measured[] = {{"denim", 1013.89, 205.352, 10.2341, 53.3872},
+                    {"tablecloth", 2027.49, 2002.09, 0.345588, 19.189},
+                    {"rib-knit", 65.166, 42.871, -0.234556, 83.1756}};
+    for (size_t i = 0; i < sizeof measured / sizeof *measured; i++) {
+        const pel_membrane_law law = pel_membrane_law_of(&pel_material_preset_find(measured[i].name)->material);
+        const double rest[3] = {0, 0, 0};
+        double d[6];
+        pel_membrane_law_response(&law, rest, NULL, d, NULL);
+        assert_near(d[0], measured[i].c11, 1e-9 * d[0]);
+        assert_near(d[3], measured[i].c22, 1e-9 * d[0]);
+        assert_near(d[1], measured[i].c12, 1e-9 * d[0]);
+        assert_near(d[5], measured[i].c33, 1e-9 * d[0]);
     }
 }
 
@@ -103,6 +131,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sources),
         cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_cloth),
         cmocka_unit_test(test_silicone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

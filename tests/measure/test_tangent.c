@@ -250,7 +250,9 @@ static element midedge_element(random_state *random)
 {
     element e = {.name = "midedge", .vertices = 3, .unknowns = 12, .strains = 3, .tangent = tangent_midedge};
     set_rest(&e, random);
-    e.midedge = pel_midedge_setup(&e.rest, 0.8, 0.35);
+    /* an orthotropic plate, turned in the frame of the triangle */
+    const pel_plate plate = {0.4, 0.2, 0.3, {0.6, 0.8}};
+    e.midedge = pel_midedge_setup(&e.rest, 0.8, &plate);
     for (int l = 0; l < 3; l++)
         e.sign[l] = random_bits(random) & 1 ? 1 : -1;
     memcpy(e.reference, e.rest_shape, sizeof e.reference);

@@ -62,6 +62,18 @@ static membrane random_membrane(random_state *random, int variant, double rest[3
     return one;
 }
 
+static bool is_near_kink(const membrane *one, const double x[3][3])
+{
+    double f[6], strain[3] = {-0.5, -0.5, 0};
+    pel_deformation_gradient(&one->triangle, x, f);
+    for (int i = 0; i < 3; i++) {
+        strain[0] += 0.5 * f[2 * i] * f[2 * i];
+        strain[1] += 0.5 * f[2 * i + 1] * f[2 * i + 1];
+        strain[2] += f[2 * i] * f[2 * i + 1];
+    }
+    return law_is_near_kink(&one->material, strain, 0.03);
+}
+
 static void test_gradients(void **unused)
 {
     (void)unused;
@@ -72,6 +84,8 @@ static void test_gradients(void **unused)
             double rest[3][3], x[3][3], gradient[3][3];
             membrane one = random_membrane(&random, variant, rest, x);
             const double(*points)[3] = (const double(*)[3])x;
+            if (variant < KIND_COUNT && is_near_kink(&one, points))
+                continue;
             double energy = energy_of(&one, points, gradient);
             assert_near(energy, energy_of(&one, points, NULL), 0);
             const double(*rows)[3] = (const double(*)[3])gradient;

@@ -142,6 +142,11 @@ static pel_membrane_material material_of(pel_membrane_kind kind)
     return law_material((int)kind, 1, 0.3, 1);
 }
 
+static int numbers_of(int kind)
+{
+    return pel_triangle_numbers(pel_membrane_law_traits((pel_membrane_kind)kind));
+}
+
 static void set_law(pel_batch *batch, pel_membrane_kind kind)
 {
     pel_membrane_material material = material_of(kind);
@@ -158,6 +163,9 @@ static void set_rest_triangles(sample *s, pel_rest_triangle *rest)
         assert_true(pel_rest_triangle_setup((const double(*)[3])s->rest[lane], &rest[lane]));
         for (int j = 0; j < 3; j++)
             s->numbers[j * PEL_BLOCK + lane] = (pel_real)rest[lane].inverse[j];
+        /* of oriented laws: the first axis */
+        s->numbers[PEL_TRIANGLE_NUMBERS * PEL_BLOCK + lane] = 1;
+        s->numbers[(PEL_TRIANGLE_NUMBERS + 1) * PEL_BLOCK + lane] = 0;
     }
 }
 
@@ -169,7 +177,7 @@ static void test_energy_constraints(void **unused)
         for (int n = 0; n < ROUNDS; n++) {
             static sample s;
             pel_rest_triangle rest[PEL_BLOCK];
-            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_MEMBRANE + kind), 3, PEL_TRIANGLE_NUMBERS, 3);
+            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_MEMBRANE + kind), 3, numbers_of(kind), 3);
             random_points(&random, &s, 0.2, n % 2 == 1);
             set_law(&s.batch, (pel_membrane_kind)kind);
             set_rest_triangles(&s, rest);
@@ -226,7 +234,7 @@ static void test_strain_forms_reach_the_stress(void **unused)
         for (int n = 0; n < 20; n++) {
             static sample s;
             pel_rest_triangle rest[PEL_BLOCK];
-            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_STRAIN + kind), 3, 4, 3);
+            make_batch(&s, (pel_constraint)(PEL_CONSTRAINT_STRAIN + kind), 3, numbers_of(kind), 3);
             s.batch.multipliers = s.multipliers;
             memset(s.multipliers, 0, sizeof s.multipliers);
             random_points(&random, &s, 0.12, n % 2 == 1);
@@ -504,6 +512,8 @@ static void test_collapsed(void **unused)
             bool strain = kind >= PEL_CONSTRAINT_STRAIN && kind < PEL_CONSTRAINT_ISOMETRIC;
             bool fibre = kind >= PEL_CONSTRAINT_FIBRE;
             int count = PEL_TRIANGLE_NUMBERS; /* or as many as of a fibre of pbd */
+            if (kind >= PEL_CONSTRAINT_MEMBRANE && kind < PEL_CONSTRAINT_ISOMETRIC)
+                count = numbers_of((kind - PEL_CONSTRAINT_MEMBRANE) % PEL_MEMBRANE_COUNT);
             if (edge)
                 count = 1 + (kind == PEL_CONSTRAINT_SPRING);
             else if (hinge)

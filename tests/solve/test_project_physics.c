@@ -92,6 +92,9 @@ static void rest_stretches(const pel_membrane_material *material, const double p
     pel_body_def body = bare_body(mesh);
     body.mass = 1.0 / SHEET;
     body.shell.membrane = (pel_membrane_def){.on = true,
+                                             .direction = {1},
+                                             .weft = material->weft,
+                                             .shear = material->shear,
                                              .kind = material->kind,
                                              .young.value = material->young,
                                              .poisson = material->poisson,
@@ -145,7 +148,10 @@ static void test_sheet_reaches_closed_forms(void **unused)
         rest_stretches(&material, (const double[2]){pull, 0}, 0.01, 4, stretch);
         print_message(", uniaxial %.6f %.6f\n", stretch[0] - l, stretch[1] - width);
         assert_near(stretch[0], l, tolerance);
-        assert_near(stretch[1], width, tolerance);
+        /* narrower than a pulled strip a tension field resists by a thousandth */
+        assert_true(stretch[1] < width + tolerance);
+        if (kind != PEL_MEMBRANE_TENSION_FIELD)
+            assert_near(stretch[1], width, tolerance);
     }
 }
 

@@ -163,6 +163,8 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
     if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         stiffness *= batch->law.modulus;
     *pel_batch_number(batch, i, 3) = (pel_real)(pel_law_has_compliance(traits) ? 1 / stiffness : stiffness);
+    for (int j = PEL_TRIANGLE_NUMBERS; j < batch->number_count; j++)
+        *pel_batch_number(batch, i, j) = (pel_real)p->body->shell->axes[batch->sources[i]][j - PEL_TRIANGLE_NUMBERS];
 }
 
 static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
@@ -379,7 +381,8 @@ static bool projects_shells(const plan *p)
 static pel_status add_membrane(plan *p, pel_error *error)
 {
     const pel_membrane_law law = p->body->shell->law;
-    pel_batch batch = {.arity = 3, .number_count = PEL_TRIANGLE_NUMBERS, .multiplier_count = 3, .region = -1};
+    pel_batch batch = {.arity = 3, .multiplier_count = 3, .region = -1};
+    batch.number_count = pel_triangle_numbers(pel_membrane_law_traits(law.kind));
     batch.kind = (pel_constraint)((int)(p->literal ? PEL_CONSTRAINT_MEMBRANE : PEL_CONSTRAINT_STRAIN) + (int)law.kind);
     batch.is_projected = projects_shells(p);
     batch.law.modulus = law.modulus;

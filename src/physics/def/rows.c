@@ -62,6 +62,11 @@ CONDITION(reads_poisson, pel_body_def, law_reads(def, PEL_LAW_READS_POISSON))
 CONDITION(reads_mooney_ratio, pel_body_def, law_reads(def, PEL_LAW_READS_MOONEY_RATIO))
 CONDITION(reads_extension_limit, pel_body_def, law_reads(def, PEL_LAW_READS_EXTENSION_LIMIT))
 CONDITION(reads_stiffening, pel_body_def, law_reads(def, PEL_LAW_READS_STIFFENING))
+CONDITION(reads_weft, pel_body_def, law_reads(def, PEL_LAW_READS_WEFT))
+CONDITION(reads_shear, pel_body_def, law_reads(def, PEL_LAW_READS_SHEAR))
+CONDITION(has_warp, pel_body_def,
+          law_reads(def, PEL_LAW_ORIENTED) ||
+              (def->shell.bending.model != PEL_BENDING_NONE && !(def->shell.bending.weft < 0)))
 CONDITION(has_volume, pel_body_def, def->volume.on)
 CONDITION(reads_volume_ratio, pel_body_def, def->volume.on && def->volume.kind == PEL_VOLUME_MOONEY_RIVLIN)
 CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
@@ -289,8 +294,9 @@ static const pel_def_row rows[] = {
     {"bodies[].membrane.material", MEMBRANE(kind), .forms = PEL_FORM_WORD, .words = pel_membrane_words,
      .preset = "neo-hookean", .initial = PEL_MEMBRANE_NEO_HOOKEAN, WHEN(has_membrane), IMPLYING,
      .doc = "constitutive law; default: neo-hookean, which resists compression to any extent"},
-    {"bodies[].membrane.young", MEMBRANE(young), FIELD, .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset",
-     WHEN(has_membrane), IMPLYING, .doc = "Young's modulus"},
+    {"bodies[].membrane.young", MEMBRANE(young), .forms = PEL_FORM_NUMBER | PEL_FORM_MAP | PEL_FORM_PAIR,
+     .like = "<field>", .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset", WHEN(has_membrane), IMPLYING,
+     .doc = "Young's modulus; orthotropic: along the warp, or [warp, weft]"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
      WHEN(reads_poisson),
      .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
@@ -304,6 +310,22 @@ static const pel_def_row rows[] = {
      .doc = "gent: limit of I1 - 3, where the polymer chains are fully extended; 30 to 100 for rubber"},
     {"bodies[].membrane.stiffening", MEMBRANE(stiffening), NUMBER, POSITIVE, DEFAULT(10), WHEN(reads_stiffening),
      .doc = "fung: b in the tangent stiffness, which grows as exp(b e^2 / 2) with the uniaxial strain e"},
+    {"bodies[].membrane.weft", MEMBRANE(weft), NUMBER_OR("auto"), .unit = "Pa", POSITIVE, .needs = "material",
+     .needs_word = "orthotropic", .preset = "auto", AUTO(0), WHEN(reads_weft),
+     .doc = "orthotropic: Young's modulus across the warp, along which it is `young`; auto: `young`"},
+    {"bodies[].membrane.shear", MEMBRANE(shear), NUMBER_OR("auto"), .unit = "Pa", POSITIVE, .needs = "material",
+     .needs_word = "orthotropic", .preset = "auto", AUTO(0), WHEN(reads_shear),
+     .doc = "orthotropic: shear modulus; auto: young / (2 (1 + poisson))"},
+    {"bodies[].membrane.direction", MEMBRANE(direction), .forms = PEL_FORM_VECTOR | PEL_FORM_WORD | PEL_FORM_MAP,
+     WORDS("uv"), .preset = "[1, 0, 0]", .initial = 1, WHEN(has_warp),
+     .doc =
+         "the warp of an orthotropic membrane, and of bending with `weft`: a vector, projected into each triangle at "
+         "rest; uv: along the first texture coordinate, the field u of the mesh; or the direction in which a number "
+         "rises, such as the distance from a point"},
+    {"bodies[].membrane.direction.field", TEXT, ALTERNATIVE,
+     .doc = "scalar field of the mesh: the warp is its gradient in each triangle"},
+    {"bodies[].membrane.direction.center", VECTOR, .unit = "m", ALTERNATIVE,
+     .doc = "point at rest: the warp runs away from it"},
     {"bodies[].membrane.strain_limit", MEMBRANE(strain_limit), NUMBER, .range = {true, true, 0, 0.99}, AUTO(0),
      WHEN(has_membrane),
      .doc = "pbd and xpbd, for cloth: keeps principal stretches between 1 - strain_limit and 1 + strain_limit; "
@@ -346,6 +368,10 @@ static const pel_def_row rows[] = {
      WORDS("auto"), .like = "<field>", .unit = "N m", AT_LEAST(0), .preset = "auto", AUTO(-1), WHEN(has_bending),
      .doc = "flexural rigidity D, for all methods but pbd and pbd-distance; auto: E h^3 / (12 (1 - nu^2)) of the "
             "membrane"},
+    {"bodies[].bending.weft", BENDING(weft), NUMBER_OR("auto"), .unit = "N m", POSITIVE, .preset = "auto", AUTO(-1),
+     WHEN(has_bending),
+     .doc = "flexural rigidity of the weft, where `stiffness` is that of the warp (`membrane.direction`); auto: by the "
+            "moduli of an orthotropic membrane, or equal to a `stiffness` that is given"},
     {"bodies[].bending.damping", MAP,
      .doc = "damping by the rate of bending, as that of `membrane`; models hinge and midedge; optional"},
     {"bodies[].bending.damping.stiffness", BENDING(retardation), NUMBER, .unit = "s", AT_LEAST(0), ALTERNATIVE,
@@ -811,6 +837,7 @@ static const pel_def_row rows[] = {
 
     /* members without a key of their own */
     {NULL, BODY_LIST(origins, origin_count, MESH)},
+    {NULL, MEMBRANE(coordinate)},
     {NULL, BODY_LIST(released, released_count, NONE)},
     {NULL, FIBRES(axis)},
     {NULL, FIBRES(center)},

@@ -52,8 +52,9 @@ PEL_INLINE pel_lane press_membrane(const pel_batch *batch, int32_t block, const 
     PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane law[PEL_LAW_NUMBERS], number[4];
     pel_lane3 x[3], stress[2];
+    const int axis = pel_triangle_numbers(pel_law_traits(kind)) - PEL_TRIANGLE_NUMBERS;
     for (int i = 0; i < PEL_LAW_NUMBERS; i++)
-        law[i] = pel_lane_splat(batch->law.numbers[i]);
+        law[i] = i < axis ? number_of(batch, block, PEL_TRIANGLE_NUMBERS + i) : pel_lane_splat(batch->law.numbers[i]);
     for (int j = 0; j < 4; j++)
         number[j] = number_of(batch, block, j);
     for (int k = 0; k < 3; k++)
@@ -199,7 +200,7 @@ PEL_INLINE pel_lane strain_tetra(const pel_batch *batch, int32_t block, const pe
     }
 
 #define PEL_FORCE_LAW(KIND, law, name)                                                                                 \
-    PEL_FORCE_SWEEP(sweep_##law, 3, PEL_TRIANGLE_NUMBERS,                                                              \
+    PEL_FORCE_SWEEP(sweep_##law, 3, pel_triangle_numbers(pel_law_##law##_traits),                                      \
                     press_membrane(batch, block, position, PEL_MEMBRANE_##KIND, forces))
 PEL_MEMBRANE_LAWS(PEL_FORCE_LAW)
 PEL_FORCE_SWEEP(sweep_angle, 4, PEL_ANGLE_NUMBERS, bend_angle(batch, block, position, forces))

@@ -217,8 +217,10 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
     if (!shell->bending->turns_edges)
         return;
     fill_edges(tangent, own);
-    for (int32_t t = 0; t < shell->triangle_count; t++)
-        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, shell->law.poisson);
+    for (int32_t t = 0; t < shell->triangle_count; t++) {
+        const pel_plate plate = pel_shell_plate(shell, t);
+        own->midedges[t] = pel_midedge_setup(&own->rests[t], shell->parts[t].stiffness, &plate);
+    }
 }
 
 /* ---- springs and points ---- */

@@ -16,7 +16,8 @@
 typedef struct triangle_numbers {
     pel_rest_triangle rest;
     pel_membrane_law law;
-    double stiffness, poisson; /* of bending */
+    double stiffness; /* of bending */
+    pel_plate plate;
 } triangle_numbers;
 
 /* the triangle at hand */
@@ -58,7 +59,7 @@ static triangle_numbers numbers_of(const triangle *at)
     return (triangle_numbers){.rest = at->own->rests[at->t],
                               .law = pel_shell_law(shell, at->t),
                               .stiffness = at->own->midedges != NULL ? shell->parts[at->t].stiffness : 0,
-                              .poisson = shell->law.poisson};
+                              .plate = pel_shell_plate(shell, at->t)};
 }
 
 static double membrane_product(const triangle *at, const triangle_numbers *numbers)
@@ -79,7 +80,7 @@ static double bending_product(const triangle *at, const triangle_numbers *number
     const pel_tangent_sum sum = {.gradient = gradient};
     if (at->own->midedges == NULL)
         return 0;
-    const pel_midedge element = pel_midedge_setup(&numbers->rest, numbers->stiffness, numbers->poisson);
+    const pel_midedge element = pel_midedge_setup(&numbers->rest, numbers->stiffness, &numbers->plate);
     pel_midedge_tangent(&element, alpha, at->sign, at->x, &request, &sum);
     return product(at->m, gradient, PEL_TANGENT_UNKNOWNS);
 }
@@ -104,6 +105,29 @@ static const double places[4] = {-2, -1, 1, 2};
 
 /* ---- Poisson's ratio ---- */
 
+/* The numbers of a material in place of those of a triangle. The stiffness of an isotropic plate keeps its value: its
+   derivative is known. */
+static void move_poisson(const pel_shell *shell, const pel_membrane_material *material, triangle_numbers *numbers)
+{
+    const pel_plate kept = numbers->plate;
+    const pel_membrane_law law = pel_membrane_law_of(material), before = numbers->law;
+    numbers->law = law;
+    if (!pel_law_is_oriented(pel_membrane_law_traits(law.kind)) || !shell->has_membrane) {
+        const double now = shell->law.poisson, poisson = shell->has_membrane ? law.poisson : material->poisson;
+        numbers->plate.coupling = kept.coupling * (now != 0 ? poisson / now : 1) + (now != 0 ? 0 : poisson);
+        numbers->plate.twist = kept.twist * (1 - poisson) / (1 - now);
+        return;
+    }
+    if (shell->bends_as_membrane) {
+        numbers->plate = pel_shell_plate_of(&law);
+        numbers->stiffness *= pel_membrane_law_along(&law) / pel_membrane_law_along(&before);
+    }
+    for (int i = 0; i < PEL_LAW_AXIS; i++)
+        numbers->law.numbers[i] = before.numbers[i];
+    for (int i = 0; i < PEL_LAW_AXIS; i++)
+        numbers->plate.axis[i] = kept.axis[i];
+}
+
 static double poisson_slope(const triangle *at, const triangle_numbers *numbers)
 {
     const pel_shell *shell = at->own->shell;
@@ -115,14 +139,26 @@ static double poisson_slope(const triangle *at, const triangle_numbers *numbers)
         material.poisson += places[i] * STEP;
         material.young = sheet.young;
         material.thickness = sheet.thickness;
-        moved.law = pel_membrane_law_of(&material);
-        moved.poisson = shell->has_membrane ? moved.law.poisson : material.poisson;
+        move_poisson(shell, &material, &moved);
         f[i] = membrane_product(at, &moved) + bending_product(at, &moved, at->alpha);
     }
     return slope_of(f, STEP);
 }
 
 /* ---- rest positions ---- */
+
+/* the warp of a triangle with its corners at x */
+static void move_axis(const triangle *at, const double x[3][3], triangle_numbers *numbers)
+{
+    const pel_shell *shell = at->own->shell;
+    double along[3];
+    if (shell->axes == NULL)
+        return;
+    pel_shell_warp(shell, at->t, x, along);
+    pel_rest_triangle_direction(x, along, numbers->plate.axis);
+    for (int i = 0; i < PEL_LAW_AXIS && pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind)); i++)
+        numbers->law.numbers[i] = numbers->plate.axis[i];
+}
 
 static void rest_slopes(const triangle *at, const triangle_numbers *numbers, double *rest)
 {
@@ -138,6 +174,7 @@ static void rest_slopes(const triangle *at, const triangle_numbers *numbers, dou
                 triangle_numbers moved = *numbers;
                 corners[k][c] = kept + places[i] * h;
                 pel_rest_triangle_setup((const double(*)[3])corners, &moved.rest);
+                move_axis(at, (const double(*)[3])corners, &moved);
                 f[i] = membrane_product(at, &moved) + bending_product(at, &moved, at->alpha);
             }
             corners[k][c] = kept;

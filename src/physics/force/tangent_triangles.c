@@ -85,6 +85,13 @@ static void load_sheet(const pel_tangent_shell *own, const int32_t t[LANES], pel
     sheet->kind = own->shell->law.kind;
     for (int k = 0; k < PEL_LAW_NUMBERS; k++)
         sheet->numbers[k] = pel_lane_splat(own->shell->law.numbers[k]);
+    if (!pel_law_is_oriented(pel_membrane_law_traits(sheet->kind)))
+        return;
+    for (int k = 0; k < PEL_LAW_AXIS; k++) {
+        for (int l = 0; l < LANES; l++)
+            rest[l] = own->shell->axes[t[l]];
+        sheet->numbers[k] = pel_tangent_gather(rest, k);
+    }
 }
 
 static void load_edges(const pel_tangent_loop *loop, const pel_tangent_shell *own, const int32_t t[LANES],

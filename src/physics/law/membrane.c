@@ -25,6 +25,8 @@ static const pel_material_number numbers[] = {
     {"mooney_ratio", PEL_LAW_READS_MOONEY_RATIO, offsetof(pel_membrane_material, mooney_ratio)},
     {"extension_limit", PEL_LAW_READS_EXTENSION_LIMIT, offsetof(pel_membrane_material, extension_limit)},
     {"stiffening", PEL_LAW_READS_STIFFENING, offsetof(pel_membrane_material, stiffening)},
+    {"weft", PEL_LAW_READS_WEFT, offsetof(pel_membrane_material, weft)},
+    {"shear", PEL_LAW_READS_SHEAR, offsetof(pel_membrane_material, shear)},
 };
 
 void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda)

@@ -12,7 +12,7 @@
 
 #include "pellicle/material.h"
 
-enum { PEL_LAW_NUMBERS = 2 };
+enum { PEL_LAW_NUMBERS = 5 };
 
 typedef struct pel_membrane_law {
     pel_membrane_kind kind;
@@ -27,11 +27,14 @@ typedef enum pel_law_trait {
     PEL_LAW_ALIGNED = 2,          /* of the strain of the triangle factor instead of the Green strain */
     PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
     PEL_LAW_COMPLIANT = 128,      /* D has an inverse in closed form (pel_compliance) at any strain */
+    PEL_LAW_ORIENTED = 256,       /* the first two numbers are an axis in the rest frame, of each triangle its own */
     /* numbers of a material that some laws read; all read young and thickness */
     PEL_LAW_READS_POISSON = 8,
     PEL_LAW_READS_MOONEY_RATIO = 16,
     PEL_LAW_READS_EXTENSION_LIMIT = 32,
     PEL_LAW_READS_STIFFENING = 64,
+    PEL_LAW_READS_WEFT = 512,
+    PEL_LAW_READS_SHEAR = 1024,
 } pel_law_trait;
 
 /* a number that some laws read: its key in scenes, and its place in pel_membrane_material */
@@ -57,6 +60,13 @@ int pel_membrane_law_traits(pel_membrane_kind kind);
 static inline bool pel_law_has_compliance(int traits)
 {
     return (traits & (PEL_LAW_CONSTANT_TANGENT | PEL_LAW_COMPLIANT)) != 0;
+}
+
+/* whether each triangle has numbers of its own, the first PEL_LAW_AXIS */
+enum { PEL_LAW_AXIS = 2 };
+static inline bool pel_law_is_oriented(int traits)
+{
+    return (traits & PEL_LAW_ORIENTED) != 0;
 }
 
 /* words of scenes, by kind; null after the last */

@@ -75,8 +75,17 @@ double pel_membrane_law_stiffness(const pel_membrane_law *law)
     const double rest[3] = {0, 0, 0};
     double d[6];
     pel_membrane_law_response(law, rest, NULL, d, NULL);
-    /* isotropic: size, stretch at equal size, shear in the orthonormal basis */
-    return pel_max(pel_max(d[0] + d[1], d[0] - d[1]), 2 * d[5]);
+    /* in the axes of the material: stretches, and shear in the orthonormal basis */
+    const double mean = 0.5 * (d[0] + d[3]), part = 0.5 * (d[0] - d[3]);
+    return pel_max(mean + sqrt(part * part + d[1] * d[1]), 2 * d[5]);
+}
+
+double pel_membrane_law_along(const pel_membrane_law *law)
+{
+    const double rest[3] = {0, 0, 0};
+    double d[6];
+    pel_membrane_law_response(law, rest, NULL, d, NULL);
+    return d[0];
 }
 
 /* ---- fibres ---- */

@@ -22,8 +22,14 @@ double pel_membrane_law_response(const pel_membrane_law *law, const double strai
 /* The largest eigenvalue of d2 psi / dF2 at rest [N/m], from the tangent there. */
 double pel_membrane_law_stiffness(const pel_membrane_law *law);
 
+/* d11 of the tangent at rest, along the first axis of the law [N/m]. */
+double pel_membrane_law_along(const pel_membrane_law *law);
+
 /* The same of fibres over their stiffness, along the fibre. */
 double pel_fibre_law_stiffness(pel_fibre_kind kind);
+
+/* The gradient in space of a linear function on a triangle, from its values at the corners; 0 without area. */
+void pel_triangle_gradient(const double x[3][3], const double values[3], double gradient[3]);
 
 /* The direction of the rest frame in which the triangle is stretched most; the first axis if there is none. */
 void pel_principal_direction(const pel_rest_triangle *triangle, const double x[3][3], double direction[2]);

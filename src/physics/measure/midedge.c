@@ -85,25 +85,43 @@ double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double 
 
 /* ---- mid-edge ---- */
 
-pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, double poisson)
+/* |e| (m1^2, m2^2, 2 m1 m2) of edge i in the axes of a plate; returns |e| */
+static double edge_curvature(const pel_rest_triangle *rest, int i, const pel_plate *plate, double v[3])
 {
     /* corners in the rest frame, from the inverse of [X0 - X2, X1 - X2] */
-    const double *inverse = rest->inverse;
+    const double *inverse = rest->inverse, *axis = plate->axis;
     const double corner[3][2] = {
         {1 / inverse[0], 0}, {-inverse[1] / (inverse[0] * inverse[2]), 1 / inverse[2]}, {0, 0}};
-    double edge[3][2], length[3];
-    for (int i = 0; i < 3; i++) {
-        for (int c = 0; c < 2; c++)
-            edge[i][c] = corner[(i + 1) % 3][c] - corner[i][c];
-        length[i] = pel_hypot(edge[i][0], edge[i][1]);
-    }
+    const double x = corner[(i + 1) % 3][0] - corner[i][0], y = corner[(i + 1) % 3][1] - corner[i][1];
+    const double length = pel_hypot(x, y), along = axis[0] * x + axis[1] * y, across = axis[0] * y - axis[1] * x;
+    v[0] = across * across / length;
+    v[1] = along * along / length;
+    v[2] = -2 * along * across / length;
+    return length;
+}
+
+static double plate_product(const pel_plate *plate, const double v[3], const double w[3])
+{
+    return v[0] * w[0] + plate->across * v[1] * w[1] + plate->coupling * (v[0] * w[1] + v[1] * w[0]) +
+           plate->twist * v[2] * w[2];
+}
+
+pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, const pel_plate *plate)
+{
     pel_midedge element;
+    double v[3][3];
+    for (int i = 0; i < 3; i++)
+        edge_curvature(rest, i, plate, v[i]);
     for (int i = 0, k = 0; i < 3; i++)
-        for (int j = i; j < 3; j++) {
-            double size = length[i] * length[j], cosine = (edge[i][0] * edge[j][0] + edge[i][1] * edge[j][1]) / size;
-            element.stiffness[k++] = stiffness * size / rest->area * ((1 - poisson) * cosine * cosine + poisson);
-        }
+        for (int j = i; j < 3; j++)
+            element.stiffness[k++] = stiffness / rest->area * plate_product(plate, v[i], v[j]);
     return element;
+}
+
+double pel_plate_about_edge(const pel_rest_triangle *rest, int side, const pel_plate *plate)
+{
+    double v[3], length = edge_curvature(rest, side, plate, v);
+    return plate_product(plate, v, v) / (length * length);
 }
 
 void pel_midedge_moments(const pel_midedge *element, const double alpha[3], double moment[3])

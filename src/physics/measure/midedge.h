@@ -39,8 +39,25 @@ typedef struct pel_midedge {
     double stiffness[6]; /* K, N m: 00, 01, 02, 11, 12, 22 */
 } pel_midedge;
 
-/* K of a triangle with the bending stiffness D [N m] and Poisson's ratio nu, -1 < nu < 1. */
-pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, double poisson);
+/* Bending of a sheet in its axes, over its stiffness D along the first: moments (1, coupling; coupling, across; twist)
+   of the curvatures (11, 22, twice 12). The first axis is `axis` of the rest frame. */
+typedef struct pel_plate {
+    double across, coupling, twist;
+    double axis[2];
+} pel_plate;
+
+static inline pel_plate pel_plate_isotropic(double poisson)
+{
+    return (pel_plate){1, poisson, 0.5 * (1 - poisson), {1, 0}};
+}
+
+/* K of a triangle with the bending stiffness D [N m] along the first axis of the plate:
+   K_ij = |e_i| |e_j| / A v_i^T P v_j with v = (m1^2, m2^2, 2 m1 m2) of the normal m of an edge; for an isotropic plate
+   the matrix above. */
+pel_midedge pel_midedge_setup(const pel_rest_triangle *rest, double stiffness, const pel_plate *plate);
+
+/* The stiffness against bending about edge `side` (from corner side to side + 1), over D. */
+double pel_plate_about_edge(const pel_rest_triangle *rest, int side, const pel_plate *plate);
 
 /* Moments t = K alpha. */
 void pel_midedge_moments(const pel_midedge *element, const double alpha[3], double moment[3]);

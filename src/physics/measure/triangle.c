@@ -59,6 +59,19 @@ bool pel_rest_triangle_direction(const double rest[3][3], const double vector[3]
     return true;
 }
 
+void pel_triangle_gradient(const double x[3][3], const double values[3], double gradient[3])
+{
+    double first[3], second[3], normal[3], part[3];
+    pel_vec3_subtract(x[0], x[2], first);
+    pel_vec3_subtract(x[1], x[2], second);
+    pel_vec3_cross(first, second, normal);
+    const double square = pel_vec3_squared_length(normal), scale = square > 0 ? 1 / square : 0;
+    pel_vec3_cross(second, normal, gradient);
+    pel_vec3_scale(gradient, scale * (values[0] - values[2]), gradient);
+    pel_vec3_cross(normal, first, part);
+    pel_vec3_along(gradient, scale * (values[1] - values[2]), part, gradient);
+}
+
 void pel_deformation_gradient(const pel_rest_triangle *triangle, const double x[3][3], double deformation_gradient[6])
 {
     const double *inverse = triangle->inverse;

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "law/membrane.h"
 #include "math/vec3.h"
+#include "measure/element.h"
 #include "model/quantity.h"
 
 #include <math.h>
@@ -72,7 +73,9 @@ static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
                                    .thickness = pel_quantity_at(&def->thickness, v),
                                    .mooney_ratio = def->mooney_ratio,
                                    .extension_limit = def->extension_limit,
-                                   .stiffening = def->stiffening};
+                                   .stiffening = def->stiffening,
+                                   .weft = def->weft,
+                                   .shear = def->shear};
 }
 
 /* refuses the value of an enum outside the first `count` */
@@ -82,6 +85,33 @@ static pel_status check_choice(int value, int count, int32_t body, const char *n
         return PEL_OK;
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give one of the choices of the header",
                               "%s is %d, which is no valid choice", name, value);
+}
+
+/* whether anything of a body has a warp */
+static bool has_warp(const pel_shell_def *def)
+{
+    return (def->membrane.on && pel_law_is_oriented(pel_membrane_law_traits(def->membrane.kind))) ||
+           (def->bending.model != PEL_BENDING_NONE && !(def->bending.weft < 0));
+}
+
+static pel_status check_warp(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    if (!has_warp(&def->shell))
+        return PEL_OK;
+    if (membrane->young.field != NULL && pel_law_is_oriented(pel_membrane_law_traits(membrane->kind)))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "give young one number; the thickness may vary over the body",
+                                  "young of an orthotropic membrane varies over the body, where weft and shear do not");
+    for (int32_t v = 0; membrane->coordinate != NULL && v < def->mesh->vertex_count; v++)
+        if (!isfinite(membrane->coordinate[v]))
+            return pel_body_refuse(error, body, "coordinate of the warp", membrane->coordinate[v],
+                                   "give finite numbers");
+    double length = pel_vec3_length(membrane->direction);
+    if (membrane->coordinate == NULL && !(length > 0 && isfinite(length)))
+        return pel_body_refuse(error, body, "length of the direction of the warp", length,
+                               "give a direction whose length is above 0");
+    return PEL_OK;
 }
 
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
@@ -108,7 +138,7 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
         if (status != PEL_OK)
             pel_fail_element(error, "body", body);
     }
-    return status;
+    return status == PEL_OK ? check_warp(def, body, error) : status;
 }
 
 static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
@@ -126,6 +156,16 @@ static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error
         return status;
     if (!(bending->weight < 0)) {
         status = check_number(bending->weight, 0, 1, body, "bending weight", error);
+        if (status != PEL_OK)
+            return status;
+    }
+    if (!(bending->weft < 0)) {
+        status = check_number(bending->weft, 0, HUGE_VAL, body, "bending weft", error);
+        if (status == PEL_OK && bending->stiffness.field != NULL)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give the bending stiffness one number",
+                                      "bending stiffness of the warp varies over the body, that of the weft does not");
+        if (status == PEL_OK)
+            status = check_warp(def, body, error);
         if (status != PEL_OK)
             return status;
     }
@@ -254,6 +294,40 @@ static pel_status check_areas(const pel_body *body, pel_shell *shell, pel_error 
     return PEL_OK;
 }
 
+void pel_shell_warp(const pel_shell *shell, int32_t t, const double x[3][3], double along[3])
+{
+    double values[3];
+    pel_vec3_copy(shell->direction, along);
+    if (shell->coordinate == NULL)
+        return;
+    for (int k = 0; k < 3; k++)
+        values[k] = shell->coordinate[shell->mesh->triangles[t][k]];
+    pel_triangle_gradient(x, values, along);
+}
+
+static pel_status create_axes(const pel_membrane_def *membrane, pel_shell *shell, pel_error *error)
+{
+    const pel_mesh *mesh = shell->mesh;
+    const size_t vertices = (size_t)mesh->vertex_count;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(shell->axes, (size_t)mesh->triangle_count),
+                          PEL_ROOM_IF(membrane->coordinate != NULL, shell->coordinate, vertices)))
+        return pel_fail_memory(error);
+    pel_vec3_copy(membrane->direction, shell->direction);
+    if (membrane->coordinate != NULL)
+        memcpy(shell->coordinate, membrane->coordinate, vertices * sizeof *shell->coordinate);
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        double x[3][3], along[3];
+        load_corners(mesh, t, x);
+        pel_shell_warp(shell, t, (const double(*)[3])x, along);
+        if (!pel_rest_triangle_direction((const double(*)[3])x, along, shell->axes[t]))
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "triangle", t,
+                "choose a direction within the surface, or a coordinate that rises along the warp",
+                "warp is normal to a triangle, or has no direction there");
+    }
+    return PEL_OK;
+}
+
 static pel_status create_triangles(const pel_body_def *def, const pel_model *model, const pel_body *body,
                                    pel_shell *shell, pel_error *error)
 {
@@ -277,11 +351,16 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
     shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
     shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);
     pel_membrane_material unit = shell->material;
+    unit.weft /= unit.young;
+    unit.shear /= unit.young;
     unit.young = unit.thickness = 1;
     shell->law = pel_membrane_law_of(&unit);
     if (!shell->has_membrane)
         shell->law.poisson = membrane->poisson;
-    return check_areas(body, shell, error);
+    pel_status status = check_areas(body, shell, error);
+    if (status == PEL_OK && has_warp(&def->shell))
+        status = create_axes(membrane, shell, error);
+    return status;
 }
 
 /* D of a triangle by its material; 0 without a membrane */
@@ -291,7 +370,45 @@ static double triangle_bending(const pel_shell *shell, int32_t t)
     if (!shell->has_membrane)
         return 0;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
-    return pel_bending_stiffness(sheet.young, shell->law.poisson, sheet.thickness);
+    if (!pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind)))
+        return pel_bending_stiffness(sheet.young, shell->law.poisson, sheet.thickness);
+    const double cube = sheet.thickness * sheet.thickness * sheet.thickness;
+    return sheet.young * cube / 12 * pel_membrane_law_along(&shell->law);
+}
+
+pel_plate pel_shell_plate_of(const pel_membrane_law *law)
+{
+    double d[6];
+    const double rest[3] = {0, 0, 0};
+    if (!pel_law_is_oriented(pel_membrane_law_traits(law->kind)))
+        return pel_plate_isotropic(law->poisson);
+    pel_membrane_law_response(law, rest, NULL, d, NULL);
+    return (pel_plate){d[3] / d[0], d[1] / d[0], d[5] / d[0], {1, 0}};
+}
+
+/* Bending across the warp: as the membrane where nothing is given, else by Huber's estimate of an orthotropic plate
+   (1923), coupling + 2 twist = sqrt(along across). */
+static void create_plate(const pel_bending_def *bending, pel_shell *shell)
+{
+    const bool is_own = bending->stiffness.field == NULL && bending->stiffness.value < 0 && shell->has_membrane;
+    shell->bends_as_membrane = is_own && bending->weft < 0;
+    shell->plate = shell->bends_as_membrane ? pel_shell_plate_of(&shell->law) : pel_plate_isotropic(shell->law.poisson);
+    if (bending->weft < 0)
+        return;
+    const double along = is_own ? triangle_bending(shell, 0) : bending->stiffness.value;
+    const double ratio = bending->weft / along, root = sqrt(ratio);
+    shell->plate = (pel_plate){ratio, shell->plate.coupling * root, shell->plate.twist * root, {1, 0}};
+}
+
+double pel_shell_hinge_share(const pel_shell *shell, const int32_t sides[2])
+{
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        const pel_rest_triangle rest = pel_shell_rest(shell, sides[i] / 3);
+        const pel_plate plate = pel_shell_plate(shell, sides[i] / 3);
+        sum += 0.5 * pel_plate_about_edge(&rest, sides[i] % 3, &plate);
+    }
+    return sum;
 }
 
 /* bending of triangles: of hinges between their parts, or of mid-edge elements */
@@ -378,7 +495,7 @@ static pel_status allocate_hinges(const pel_body_def *def, const pel_topology *t
 {
     size_t limit = (size_t)topology->edge_count;
     bool keeps = refines || has_curls(def),
-         varies = shell->sheets != NULL || def->shell.bending.stiffness.field != NULL;
+         varies = shell->sheets != NULL || shell->axes != NULL || def->shell.bending.stiffness.field != NULL;
     shell->hinge_sides = pel_allocate(limit, sizeof *shell->hinge_sides);
     shell->rest_angles = keeps ? pel_allocate(limit, sizeof *shell->rest_angles) : NULL;
     shell->hinge_stiffnesses = varies ? pel_allocate(limit, sizeof *shell->hinge_stiffnesses) : NULL;
@@ -392,6 +509,7 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
 {
     shell->bending = pel_bending_traits_of(def->shell.bending.model);
     shell->bending_weight = def->shell.bending.weight;
+    create_plate(&def->shell.bending, shell);
     if (!pel_bending_is_on(shell->bending))
         return PEL_OK;
     pel_status status = allocate_hinges(def, topology, body->detail != NULL, shell, error);
@@ -408,6 +526,8 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
         if (fabs(angle) > FOLDED_ANGLE)
             return fail_folded(sides, error);
         shell->hinge_stiffness = hinge_stiffness(def, shell, sides, ends);
+        if (shell->axes != NULL)
+            shell->hinge_stiffness *= pel_shell_hinge_share(shell, sides);
         memcpy(shell->hinge_sides[i], sides, sizeof sides);
         if (shell->rest_angles != NULL)
             shell->rest_angles[i] = curl(def, ends, angle);
@@ -572,8 +692,9 @@ void pel_shell_destroy(pel_shell *shell)
     for (int32_t i = 0; i < shell->region_count; i++) {
         PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].rest_length.keys);
     }
-    PEL_FREE_ALL(shell->sheets, shell->hinge_sides, shell->hinge_stiffnesses, shell->rest_angles, shell->regions,
-                 shell->parts, shell->outside.keys, shell->target.keys, shell->pressure_weights);
+    PEL_FREE_ALL(shell->sheets, shell->axes, shell->coordinate, shell->hinge_sides, shell->hinge_stiffnesses,
+                 shell->rest_angles, shell->regions, shell->parts, shell->outside.keys, shell->target.keys,
+                 shell->pressure_weights);
     pel_filled_destroy(shell);
     pel_free(shell);
 }

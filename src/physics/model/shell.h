@@ -8,6 +8,7 @@
 #include "base/assert.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
+#include "measure/midedge.h"
 #include "measure/tetra.h"
 #include "model/model.h"
 #include "pellicle/bending.h"
@@ -58,13 +59,18 @@ struct pel_shell {
     const int32_t (*corners)[3];   /* (triangle_count) places; not owned */
     pel_rest_triangle *rests;      /* (triangle_count) of a body that refines, else null */
     pel_shell_sheet *sheets;       /* (triangle_count) null = the material's */
+    double (*axes)[PEL_LAW_AXIS];  /* (triangle_count) the warp in the rest frames; null = nothing depends on it */
+    double direction[3];           /* the warp in space, or along the gradient of: */
+    double *coordinate;            /* (vertices of the mesh) else null */
     pel_shell_part_bending *parts; /* (triangle_count) of a body that can refine or has mid-edge bending, else null */
 
     double strain_limit;                              /* principal stretches stay within 1 +- this; 0 = none */
     double membrane_retardation, bending_retardation; /* s: viscous stress over stiffness times the rate of strain */
 
     const pel_bending_traits *bending;
-    double bending_weight; /* k_B; negative = automatic */
+    pel_plate plate;        /* of all triangles, but for its axis */
+    bool bends_as_membrane; /* no stiffness is given: it follows from the membrane */
+    double bending_weight;  /* k_B; negative = automatic */
     int32_t hinge_count, hinge_limit;
     int32_t (*hinge_sides)[2]; /* (hinge_count) half-edges 3 t + i of the left and the right triangle; by rising edge
                                   number of the topology; none without bending */
@@ -126,8 +132,27 @@ static inline pel_membrane_law pel_shell_law(const pel_shell *shell, int32_t t)
     pel_membrane_law law = shell->law;
     pel_shell_sheet sheet = pel_shell_sheet_of(shell, t);
     law.modulus *= sheet.young * sheet.thickness;
+    if (shell->axes != NULL && pel_law_is_oriented(pel_membrane_law_traits(law.kind)))
+        for (int i = 0; i < PEL_LAW_AXIS; i++)
+            law.numbers[i] = shell->axes[t][i];
     return law;
 }
+/* bending of triangle t over its stiffness along the first axis */
+static inline pel_plate pel_shell_plate(const pel_shell *shell, int32_t t)
+{
+    PEL_ASSERT_INDEX(t, shell->triangle_count);
+    pel_plate plate = shell->plate;
+    for (int i = 0; shell->axes != NULL && i < PEL_LAW_AXIS; i++)
+        plate.axis[i] = shell->axes[t][i];
+    return plate;
+}
+/* The warp in space of triangle t of the mesh, with its corners at x. */
+void pel_shell_warp(const pel_shell *shell, int32_t t, const double x[3][3], double along[3]);
+/* Bending of a sheet of a law over its stiffness along the first axis, and D along it for a thickness [m] for which the
+   law has been made: d11 h^2 / 12. */
+pel_plate pel_shell_plate_of(const pel_membrane_law *law);
+/* The stiffness of a hinge between these half-edges over D, from its direction. */
+double pel_shell_hinge_share(const pel_shell *shell, const int32_t sides[2]);
 pel_rest_triangle pel_shell_rest(const pel_shell *shell, int32_t t);
 
 static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i)

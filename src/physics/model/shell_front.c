@@ -43,6 +43,7 @@ static bool allocate_shell(pel_shell_front *own)
     bool room = PEL_ALLOCATE_ALL(PEL_ROOM(own->corners, triangles), PEL_ROOM(shell->rests, triangles),
                                  PEL_ROOM(shell->hinge_sides, hinges), PEL_ROOM(shell->rest_angles, hinges),
                                  PEL_ROOM_IF(given->sheets != NULL, shell->sheets, triangles),
+                                 PEL_ROOM_IF(given->axes != NULL, shell->axes, triangles),
                                  PEL_ROOM_IF(given->pressure_weights != NULL, shell->pressure_weights, triangles),
                                  PEL_ROOM_IF(has_parts, shell->parts, triangles),
                                  PEL_ROOM_IF(given->hinge_stiffnesses != NULL, shell->hinge_stiffnesses, hinges));
@@ -117,7 +118,7 @@ void pel_shell_front_destroy(pel_shell_front *own)
     if (own->refines) {
         pel_shell *shell = &own->shell;
         clear_regions(own);
-        PEL_FREE_ALL(own->corners, shell->rests, shell->sheets, shell->parts, shell->hinge_sides,
+        PEL_FREE_ALL(own->corners, shell->rests, shell->sheets, shell->axes, shell->parts, shell->hinge_sides,
                      shell->hinge_stiffnesses, shell->rest_angles, shell->regions, shell->pressure_weights,
                      own->fibre_of_triangle, own->hinge_of_half_edge, own->surface, own->base_of_triangle, own->is_base,
                      own->begin, own->half_edges);
@@ -131,6 +132,16 @@ static void load_rest(const pel_front *front, const int32_t *vertices, int count
 {
     for (int k = 0; k < count; k++)
         pel_vec3_copy(front->forest->rest_positions[vertices[k]], x[k]);
+}
+
+/* the warp of a triangle of the mesh, in the frame of a finer one at x */
+static void turn_axis(const pel_shell *given, int32_t base, const double x[3][3], double axis[PEL_LAW_AXIS])
+{
+    double corners[3][3], along[3];
+    for (int k = 0; k < 3; k++)
+        pel_vec3_copy(given->mesh->positions[given->mesh->triangles[base][k]], corners[k]);
+    pel_shell_warp(given, base, (const double(*)[3])corners, along);
+    pel_rest_triangle_direction(x, along, axis);
 }
 
 static void update_triangles(pel_shell_front *own, const pel_front *front, const int32_t *model_index)
@@ -150,6 +161,8 @@ static void update_triangles(pel_shell_front *own, const pel_front *front, const
         pel_rest_triangle_setup((const double(*)[3])x, &shell->rests[t]);
         for (int k = 0; k < 3; k++)
             own->corners[t][k] = model_index[face->vertices[k]];
+        if (shell->axes != NULL)
+            turn_axis(own->given, base, (const double(*)[3])x, shell->axes[t]);
         if (shell->sheets != NULL)
             shell->sheets[t] = own->given->sheets[base];
         if (shell->pressure_weights != NULL)
@@ -249,8 +262,10 @@ static void make_hinge(pel_shell_front *own, const pel_front *front, int32_t h, 
     const pel_shell_part_bending *parts = own->given->parts;
     const pel_shell_part_bending *left = &parts[own->base_of_triangle[h / 3]];
     const pel_shell_part_bending *right = &parts[own->base_of_triangle[twin / 3]];
+    const int32_t sides[2] = {h, twin};
+    double share = own->shell.axes != NULL ? pel_shell_hinge_share(&own->shell, sides) : 1;
     put_hinge(&own->shell, h, twin, stencil.rest_angle * 0.5 * (left->curl + right->curl),
-              0.5 * (left->stiffness + right->stiffness));
+              share * 0.5 * (left->stiffness + right->stiffness));
 }
 
 static void update_hinges(pel_shell_front *own, const pel_front *front)

@@ -1,7 +1,10 @@
 /* Fibres and pressure of a body, with their regions. */
 #include "scene/build.h"
 
+#include "base/status.h"
 #include "keys/table.h"
+#include "math/vec3.h"
+#include "scene/mesh.h"
 #include "scene/region.h"
 
 #include <math.h>
@@ -152,8 +155,50 @@ static pel_status finish_pressure(const pel_scene_part *source, pel_pressure_def
     return status == PEL_OK ? read_weights(source, pel_scene_value_entry(value, "region"), &pressure->weights) : status;
 }
 
+/* ---- the warp ---- */
+
+/* the distance of each vertex from a point */
+static pel_status read_distances(const pel_scene_part *source, const pel_scene_value *center, const double **coordinate)
+{
+    const pel_mesh *mesh = source->mesh;
+    double point[3], *distances = pel_arena_take(source->reader->arena, (size_t)mesh->vertex_count, sizeof *distances);
+    if (distances == NULL)
+        return pel_fail_memory(source->reader->error);
+    pel_scene_value_numbers(center, point);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        distances[v] = pel_vec3_distance(mesh->positions[v], point);
+    *coordinate = distances;
+    return PEL_OK;
+}
+
+/* a direction that is no vector: the number whose gradient it is */
+static pel_status read_warp(const pel_scene_part *source, pel_membrane_def *membrane)
+{
+    const pel_scene_value *value = pel_scene_value_at(source->value, "membrane.direction");
+    if (value == NULL || value->form == PEL_FORM_VECTOR)
+        return PEL_OK;
+    const pel_scene_value *field = pel_scene_value_entry(value, "field"),
+                          *center = pel_scene_value_entry(value, "center");
+    if (field != NULL)
+        return pel_scene_field(source->reader, field, source->mesh, &membrane->coordinate);
+    if (center != NULL)
+        return read_distances(source, center, &membrane->coordinate);
+    const pel_field *u = pel_mesh_field(source->mesh, "u");
+    if (u != NULL && u->component_count == 1) {
+        membrane->coordinate = u->values;
+        return PEL_OK;
+    }
+    pel_scene_fail(source->reader, &value->place, "the mesh has no texture coordinates: no field u");
+    pel_fail_remedy(source->reader->error,
+                    "give the warp as a vector [x, y, z], or as { field: NAME }; an OBJ file has a "
+                    "field u if each vertex has one texture coordinate");
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell)
 {
-    pel_status status = read_anisotropies(source, shell);
+    pel_status status = read_warp(source, &shell->membrane);
+    if (status == PEL_OK)
+        status = read_anisotropies(source, shell);
     return status == PEL_OK ? finish_pressure(source, &shell->pressure) : status;
 }

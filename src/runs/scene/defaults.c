@@ -171,11 +171,29 @@ static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pe
     return status;
 }
 
+/* young: [warp, weft] is short for young and weft */
+static pel_status imply_weft(pel_scene_reader *reader, pel_scene_value *membrane)
+{
+    pel_scene_value *pair = find(membrane, "young");
+    if (pair == NULL || pair->kind != PEL_SCENE_LIST || pel_scene_value_count(pair) != 2 ||
+        pair->first->kind != PEL_SCENE_SCALAR || pair->last->kind != PEL_SCENE_SCALAR || find(membrane, "weft") != NULL)
+        return PEL_OK;
+    pel_status status = set_copy(reader, membrane, "weft", pair->last);
+    pair->kind = PEL_SCENE_SCALAR;
+    pair->text = pair->first->text;
+    pair->quoted = pair->first->quoted;
+    pair->place = pair->first->place;
+    pair->first = pair->last = NULL;
+    return status;
+}
+
 static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane)
 {
     const pel_material_preset *preset;
     pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
-    pel_status status = find_preset(reader, membrane, &preset);
+    pel_status status = imply_weft(reader, membrane);
+    if (status == PEL_OK)
+        status = find_preset(reader, membrane, &preset);
     if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&
         !is_word(mass, "thickness", "auto"))
         status = set_copy(reader, membrane, "thickness", thickness);
@@ -240,6 +258,19 @@ static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
     return set_copy(reader, volumetric, "young", young);
 }
 
+/* the measured rigidity of a preset, unless the scene takes another material or thickness */
+static pel_status imply_rigidity(pel_scene_reader *reader, pel_scene_value *body)
+{
+    pel_scene_value *membrane = find_map(body, "membrane"), *bending = find_map(body, "bending");
+    const pel_scene_value *name = find(membrane, "preset");
+    const pel_material_preset *preset =
+        name != NULL && name->kind == PEL_SCENE_SCALAR ? pel_material_preset_find(name->text) : NULL;
+    if (preset == NULL || bending == NULL || !(preset->bending[0] > 0) || find(bending, "stiffness") != NULL)
+        return PEL_OK;
+    pel_status status = set_number(reader, bending, "stiffness", preset->bending[0]);
+    return status == PEL_OK ? set_number(reader, bending, "weft", preset->bending[1]) : status;
+}
+
 /* A sheet resists bending, unless pbd gives it its own weight. method.c may choose another model once the method is
    known. */
 static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
@@ -250,7 +281,9 @@ static pel_status imply_bending(pel_scene_reader *reader, pel_scene_value *root,
     if (bending == NULL && find_map(body, "membrane") != NULL && !is_weight &&
         (bending = add(reader, body, "bending", PEL_SCENE_MAP)) == NULL)
         return PEL_OUT_OF_MEMORY;
-    return bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
+    pel_status status =
+        bending != NULL && bending->kind == PEL_SCENE_MAP ? set_text(reader, bending, "model", "hinge") : PEL_OK;
+    return status == PEL_OK ? imply_rigidity(reader, body) : status;
 }
 
 /* damping of springs in the words of a membrane's is `viscosity`: a number is that of vertices */

@@ -202,12 +202,9 @@ static void give_loads(const pel_adjoint_work *a)
 /* bending that follows young and thickness, because the def does not set it */
 static bool bending_follows(const pel_shell *shell)
 {
-    const pel_membrane_material *material = &shell->material;
     if (!shell->has_membrane || (shell->parts == NULL && shell->hinge_count == 0))
         return false;
-    double stiffness = shell->parts != NULL ? shell->parts[0].stiffness : pel_shell_hinge_stiffness(shell, 0);
-    double own = pel_bending_stiffness(material->young, shell->law.poisson, material->thickness);
-    return fabs(stiffness - own) <= 1e-9 * own;
+    return shell->bends_as_membrane;
 }
 
 static void give_materials(const pel_adjoint_work *a)
@@ -216,7 +213,9 @@ static void give_materials(const pel_adjoint_work *a)
         const pel_tangent_derivative *sum = &a->bodies[b];
         const pel_shell *shell = a->sim->model->bodies[b].shell;
         bool follows = shell != NULL && bending_follows(shell);
-        double bending = follows ? sum->bending : 0, poisson = follows ? shell->law.poisson : 0;
+        /* of oriented laws the sum by Poisson's ratio has that of bending */
+        bool is_known = follows && !pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind));
+        double bending = follows ? sum->bending : 0, poisson = is_known ? shell->law.poisson : 0;
         pel_adjoint_material *result = &a->def->materials[b];
         result->young -= sum->membrane + bending;
         result->thickness -= sum->membrane + 3 * bending;

@@ -168,12 +168,12 @@ PEL_INLINE triangle_lanes load_triangle(const pel_batch *batch, int32_t block, i
 }
 
 /* viscous part of the strains of a triangle: g (s - s_0) */
-PEL_INLINE pel_symmetric2 viscous_strain(const pel_batch *batch, int32_t block, int32_t lane, pel_symmetric2 strain,
-                                         bool is_aligned)
+PEL_INLINE pel_symmetric2 viscous_strain(const pel_batch *batch, int32_t block, int32_t lane, int count,
+                                         pel_symmetric2 strain, bool is_aligned)
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane share = pel_lane_splat(batch->law.viscosity);
-    const triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, batch->before);
+    const triangle_lanes t = load_triangle(batch, block, lane, count, batch->before);
     const pel_factor f = pel_factor_of(&t.f);
     const pel_symmetric2 old = is_aligned ? pel_factor_strain(&f).strain : pel_green_strain(&t.f).strain;
     return (pel_symmetric2){share * (strain.a - old.a), share * (strain.b - old.b), share * (strain.c - old.c)};
@@ -186,7 +186,7 @@ PEL_INLINE void damp_triangle(const pel_batch *batch, int32_t block, int32_t lan
     PEL_ASSERT_INDEX(block, batch->block_count);
     if (!is_viscous(batch))
         return;
-    const pel_symmetric2 part = viscous_strain(batch, block, lane, *strain, is_aligned);
+    const pel_symmetric2 part = viscous_strain(batch, block, lane, PEL_TRIANGLE_NUMBERS, *strain, is_aligned);
     *strain = (pel_symmetric2){strain->a + part.a, strain->b + part.b, strain->c + part.c};
     *g = scaled(g, pel_lane_splat(1 + batch->law.viscosity));
 }
@@ -206,10 +206,15 @@ PEL_INLINE pel_lane sum_of_squares(const triangle_lanes *t, pel_lane3 a, pel_lan
     return t->pp * pel_lane3_dot(a, a) + (mixed + mixed) + t->qq * pel_lane3_dot(b, b);
 }
 
-PEL_INLINE void load_law(const pel_batch *batch, pel_lane numbers[PEL_LAW_NUMBERS])
+/* the numbers of a law, those of each triangle first */
+PEL_INLINE void load_law(const pel_batch *batch, int32_t block, int32_t lane, pel_membrane_kind kind,
+                         pel_lane numbers[PEL_LAW_NUMBERS])
 {
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const int count = pel_triangle_numbers(pel_law_traits(kind)), axis = count - PEL_TRIANGLE_NUMBERS;
     for (int i = 0; i < PEL_LAW_NUMBERS; i++)
-        numbers[i] = pel_lane_splat(batch->law.numbers[i]);
+        numbers[i] = i < axis ? number_of(batch, block, count, PEL_TRIANGLE_NUMBERS + i, lane)
+                              : pel_lane_splat(batch->law.numbers[i]);
 }
 
 /* pbd: the energy is the constraint. A vertex moves by no more than (w_k / sum w (p^2 + q^2))^(1/2): half an edge of a
@@ -219,8 +224,8 @@ PEL_INLINE void project_membrane(const pel_batch *batch, int32_t block, int32_t 
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane numbers[PEL_LAW_NUMBERS];
-    load_law(batch, numbers);
-    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
+    load_law(batch, block, lane, kind, numbers);
+    triangle_lanes t = load_triangle(batch, block, lane, pel_triangle_numbers(pel_law_traits(kind)), positions);
     pel_lane3 stress[2];
     pel_lane energy = pel_membrane_stress(kind, numbers, &t.f, stress);
     pel_lane bottom = sum_of_squares(&t, stress[0], stress[1]);
@@ -415,14 +420,15 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     pel_lane numbers[PEL_LAW_NUMBERS];
-    load_law(batch, numbers);
-    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
+    load_law(batch, block, lane, kind, numbers);
+    triangle_lanes t = load_triangle(batch, block, lane, pel_triangle_numbers(pel_law_traits(kind)), positions);
     pel_strain s = pel_green_strain(&t.f);
     pel_response r;
     pel_respond(kind, numbers, &s, &r);
     const pel_symmetric3 *h = &r.positive;
     pel_symmetric3 g = mobility_of(&t, &s);
-    pel_lane k = number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.square_time),
+    pel_lane k = number_of(batch, block, pel_triangle_numbers(pel_law_traits(kind)), 3, lane) *
+                 pel_lane_splat(batch->law.square_time),
              old[3];
     /* a crushed triangle counts as 1e15 times stiffer than its points are mobile, so that no product overflows */
     k = pel_lane_min(k, PEL_CONSTANT(1e15) / ((h->a11 + h->a22 + h->a33) * (g.a11 + g.a22 + g.a33)));
@@ -431,7 +437,8 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
     pel_lane change[3] = {old[0] + k * r.stress.a, old[1] + k * r.stress.b, old[2] + k * r.stress.c};
     pel_symmetric3 b = scaled(h, k);
     if (is_viscous(batch)) {
-        const pel_symmetric2 part = viscous_strain(batch, block, lane, s.strain, false);
+        const pel_symmetric2 part =
+            viscous_strain(batch, block, lane, pel_triangle_numbers(pel_law_traits(kind)), s.strain, false);
         const pel_lane strain[3] = {part.a, part.b, part.c};
         multiply_add(&b, strain, change);
         b = scaled(&b, pel_lane_splat(1 + batch->law.viscosity));
@@ -477,16 +484,16 @@ PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, 
     PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane least = PEL_CONSTANT(PEL_LEAST_AREA_RATIO);
     pel_lane numbers[PEL_LAW_NUMBERS], old[3], change[3];
-    load_law(batch, numbers);
-    triangle_lanes t = load_triangle(batch, block, lane, PEL_TRIANGLE_NUMBERS, positions);
+    load_law(batch, block, lane, kind, numbers);
+    triangle_lanes t = load_triangle(batch, block, lane, pel_triangle_numbers(pel_law_traits(kind)), positions);
     pel_strain s = pel_green_strain(&t.f);
     pel_response r;
     pel_respond(kind, numbers, &s, &r);
     const pel_lane_mask is_low = pel_lane_above(least * least, s.area_square);
     const pel_lane wider = pel_lane_where(is_low, least);
     const pel_symmetric2 m = {s.cauchy.a + wider, s.cauchy.b + wider, s.cauchy.c};
-    pel_lane softness =
-        number_of(batch, block, PEL_TRIANGLE_NUMBERS, 3, lane) * pel_lane_splat(batch->law.inverse_square);
+    pel_lane softness = number_of(batch, block, pel_triangle_numbers(pel_law_traits(kind)), 3, lane) *
+                        pel_lane_splat(batch->law.inverse_square);
     pel_symmetric3 g = mobility_of(&t, &s), d = compliance_of(&m, softness * r.compliance.scale, r.compliance.part);
     relaxed_strain(&r, &s, &m, is_low, change);
     for (int i = 0; i < 3; i++)
@@ -494,7 +501,8 @@ PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, 
     if (batch->multipliers != NULL)
         multiply_add(&d, old, change);
     if (is_viscous(batch)) {
-        const pel_symmetric2 part = viscous_strain(batch, block, lane, s.strain, false);
+        const pel_symmetric2 part =
+            viscous_strain(batch, block, lane, pel_triangle_numbers(pel_law_traits(kind)), s.strain, false);
         change[0] = change[0] + part.a;
         change[1] = change[1] + part.b;
         change[2] = change[2] + part.c;
