@@ -110,22 +110,24 @@ static const double places[4] = {-2, -1, 1, 2};
 static void move_poisson(const pel_shell *shell, const pel_membrane_material *material, triangle_numbers *numbers)
 {
     const pel_plate kept = numbers->plate;
-    const pel_membrane_law law = pel_membrane_law_of(material), before = numbers->law;
-    numbers->law = law;
-    if (!pel_law_is_oriented(pel_membrane_law_traits(law.kind)) || !shell->has_membrane) {
-        const double now = shell->law.poisson, poisson = shell->has_membrane ? law.poisson : material->poisson;
-        numbers->plate.coupling = kept.coupling * (now != 0 ? poisson / now : 1) + (now != 0 ? 0 : poisson);
+    const pel_membrane_law before = numbers->law;
+    const bool is_oriented = pel_law_is_oriented(pel_membrane_law_traits(before.kind));
+    numbers->law = pel_membrane_law_of(material);
+    if (is_oriented && shell->bends_as_membrane) {
+        const double along = pel_membrane_law_along(&shell->law) * before.modulus / shell->law.modulus;
+        numbers->plate = pel_shell_plate_of(&numbers->law);
+        numbers->stiffness *= pel_membrane_law_along(&numbers->law) / along;
+    } else {
+        const double now = shell->law.poisson;
+        const double poisson = shell->has_membrane ? numbers->law.poisson : material->poisson;
+        const double root = sqrt(kept.across);
+        numbers->plate.coupling = poisson * root;
         numbers->plate.twist = kept.twist * (1 - poisson) / (1 - now);
-        return;
     }
-    if (shell->bends_as_membrane) {
-        numbers->plate = pel_shell_plate_of(&law);
-        numbers->stiffness *= pel_membrane_law_along(&law) / pel_membrane_law_along(&before);
-    }
-    for (int i = 0; i < PEL_LAW_AXIS; i++)
-        numbers->law.numbers[i] = before.numbers[i];
     for (int i = 0; i < PEL_LAW_AXIS; i++)
         numbers->plate.axis[i] = kept.axis[i];
+    for (int i = 0; is_oriented && i < PEL_LAW_AXIS; i++)
+        numbers->law.numbers[i] = before.numbers[i];
 }
 
 static double poisson_slope(const triangle *at, const triangle_numbers *numbers)

@@ -66,6 +66,11 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
         if (shell != NULL && shell->tetrahedron_count > 0)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "take differences of whole runs",
                                       "filled bodies have no derivatives");
+        if (def->materials != NULL && shell != NULL && shell->bends_as_membrane && shell->bending->has_hinges &&
+            pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind)))
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "use the bending model midedge, or give bending.stiffness",
+                                      "hinges of an orthotropic membrane have no derivative by its moduli");
         if (!pel_shell_has_potential(&sim->model->bodies[b]))
             return pel_refuse(error, PEL_BAD_ARGUMENT,
                               "use the consistent form on a closed body, and fibres of another mode",
