@@ -96,6 +96,43 @@ static void test_hanging(void **unused)
     assert_near(lowest[2], lowest[0], 3e-4);
 }
 
+#define BARE(mesh, more, rest)                                                                                         \
+    "version: 1\nbodies:\n  - name: organ\n    mesh: { " mesh " }\n" more "duration: 1\n" rest
+#define BALL "shape: geodesic-sphere, frequency: 3, radius: 0.05"
+#define FALLING "gravity: [0, 0, -9.81]\n"
+#define TABLE                                                                                                          \
+    "tools:\n  - { name: table, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.101] }] }\ncontact: "    \
+    "{}\n"
+
+/* A mesh alone is tissue that lies on a table without collapsing, and the scene that is written says of what. What
+   gives a material, is held, has no gravity or no volume stays as it was. */
+static void test_bare(void **unused)
+{
+    (void)unused;
+    run r;
+    check_begin(&r, BARE(BALL, "", FALLING TABLE));
+    assert_non_null(strstr(r.told.text, "body 'organ': no material is given"));
+    assert_non_null(strstr(pel_scene_text(r.scene), "bulk: 1.0e5"));
+    for (int s = 0; s < 40; s++)
+        assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+    assert_near(pel_sim_volume_ratio(r.sim), 1, 0.03);
+    end(&r);
+    static const char *const others[] = {
+        BARE(BALL, "", ""),
+        BARE(BALL, "    springs: { young: 5000 }\n", FALLING),
+        BARE(BALL, "    pinned: { box: { min: [-1, -1, 0.04], max: [1, 1, 1] } }\n", FALLING),
+        BARE("shape: grid, nx: 3, ny: 3", "", FALLING),
+        BARE(BALL, "", FALLING "solver: { method: quasi-static }\n"),
+    };
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        check_begin(&r, others[i]);
+        assert_null(strstr(r.told.text, "no material is given"));
+        assert_null(strstr(pel_scene_text(r.scene), "bulk:"));
+        assert_int_equal(r.scene->model.bodies[0].shell.pressure.kind, PEL_PRESSURE_NONE);
+        end(&r);
+    }
+}
+
 /* the forces of a filling are those of its potential, sum to zero, and turn the body as its weight at its centre does
  */
 static void test_potential(void **unused)
@@ -242,9 +279,9 @@ static void test_refusals(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_walls),      cmocka_unit_test(test_hanging),
-                                       cmocka_unit_test(test_potential),  cmocka_unit_test(test_fall),
-                                       cmocka_unit_test(test_ledger),     cmocka_unit_test(test_slopes),
-                                       cmocka_unit_test(test_iterations), cmocka_unit_test(test_refusals)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_walls),     cmocka_unit_test(test_hanging),    cmocka_unit_test(test_bare),
+        cmocka_unit_test(test_potential), cmocka_unit_test(test_fall),       cmocka_unit_test(test_ledger),
+        cmocka_unit_test(test_slopes),    cmocka_unit_test(test_iterations), cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

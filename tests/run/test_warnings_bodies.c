@@ -94,7 +94,8 @@ static void test_hollow(void **unused)
     (void)unused;
     skip_if_slow();
     static const char organ[] =
-        "version: 1\nbodies: [{ name: organ, mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.05 } }]\n"
+        "version: 1\nbodies: [{ name: organ, mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.05 }, springs: {} "
+        "}]\n"
         "tools: [{ name: table, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.101] }] }]\n"
         "gravity: [0, 0, -9.81]\ncontact: {}\nduration: 0.3\noutput: { every: 0.02 }\n";
     const char *const remedies[] = {"bodies.0.volumetric={}", "bodies.0.pressure={ volume: { target: 1, bulk: 1e5 } }"};

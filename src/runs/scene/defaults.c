@@ -315,6 +315,43 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
     return status;
 }
 
+/* modes, or a path of balances */
+static bool is_equilibrium_search(pel_scene_value *solver)
+{
+    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
+    return has_modes || is_word(solver, "path", "arc-length");
+}
+
+/* nothing but a mesh, what it weighs and how it moves at the start */
+static bool is_bare(const pel_scene_value *body)
+{
+    static const char *const keys[] = {"name", "mesh", "mass", "velocity", "angular_velocity"};
+    bool is = body->kind == PEL_SCENE_MAP;
+    for (const pel_scene_value *entry = body->first; is && entry != NULL; entry = entry->next) {
+        bool found = false;
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+            found |= entry->key != NULL && strcmp(entry->key, keys[k]) == 0;
+        is = found;
+    }
+    return is;
+}
+
+/* The tissue that fills a body by its mass keeps its volume: without a filling an organ that lies on a table under its
+   weight is an empty bag. choice/fluid.c takes the filling from surfaces that are open. */
+static pel_status imply_filling(pel_scene_reader *reader, pel_scene_value *root, pel_scene_value *body)
+{
+    if (!is_bare(body) || find(root, "gravity") == NULL || find(find_map(root, "solver"), "method") != NULL ||
+        is_equilibrium_search(find_map(root, "solver")))
+        return PEL_OK;
+    pel_scene_value *pressure = add(reader, body, "pressure", PEL_SCENE_MAP);
+    pel_scene_value *volume = pressure != NULL ? add(reader, pressure, "volume", PEL_SCENE_MAP) : NULL;
+    if (volume == NULL)
+        return PEL_OUT_OF_MEMORY;
+    pressure->is_implied = true;
+    pel_status status = set_text(reader, volume, "target", "1");
+    return status == PEL_OK ? set_text(reader, volume, "bulk", "1.0e5") : status;
+}
+
 static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
 {
     pel_scene_value *solver = find(root, "solver");
@@ -322,13 +359,6 @@ static pel_status imply_method(pel_scene_reader *reader, pel_scene_value *root)
         return PEL_OUT_OF_MEMORY;
     /* method.c may choose another one once the meshes are known */
     return solver->kind == PEL_SCENE_MAP ? set_text(reader, solver, "method", "xpbd") : PEL_OK;
-}
-
-/* modes, or a path of balances */
-static bool is_equilibrium_search(pel_scene_value *solver)
-{
-    bool has_modes = find(solver, "analysis") != NULL && !is_word(solver, "analysis", "none");
-    return has_modes || is_word(solver, "path", "arc-length");
 }
 
 /* ---- contact ---- */
@@ -459,7 +489,9 @@ pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *ro
     if (bodies == NULL || bodies->kind != PEL_SCENE_LIST)
         return PEL_OK;
     for (pel_scene_value *body = bodies->first; status == PEL_OK && body != NULL; body = body->next) {
-        status = imply_body(reader, body, &has_material);
+        status = imply_filling(reader, root, body);
+        if (status == PEL_OK)
+            status = imply_body(reader, body, &has_material);
         if (status == PEL_OK)
             status = imply_bending(reader, root, body);
     }

@@ -179,8 +179,9 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     status = list_mesh_files(reader, root, body_count + tool_count, scene);
     if (status != PEL_OK)
         return status;
-    pel_scene_keep_fillings(reader, scene);
-    status = choose_method(reader, root, scene);
+    status = pel_scene_keep_fillings(reader, root, scene);
+    if (status == PEL_OK)
+        status = choose_method(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_make_imperfect(reader, root, scene, storage->meshes, storage->mesh_count);
     if (status == PEL_OK)
