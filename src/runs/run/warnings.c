@@ -22,6 +22,7 @@
 #include "run/warnings_bodies.h"
 #include "run/warnings_contact.h"
 #include "run/warnings_shell.h"
+#include "run/warnings_springs.h"
 #include "run/warnings_volume.h"
 #include "stage/stepper.h"
 #include "touch/tangle.h"
@@ -83,6 +84,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_OPEN_SEAM] = "open-seam",
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
     [PEL_WARN_COARSE_MODE] = "coarse-mode",
+    [PEL_WARN_SPRING_NET] = "spring-net",
     [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
 };
 
@@ -345,6 +347,7 @@ void pel_warnings_check_end(pel_run_state *run)
     pel_warnings_check_loads(run);
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
+    pel_warnings_check_springs(run, frame);
     check_motion(run, frame);
 }
 
@@ -665,6 +668,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_COARSE] = tell_coarseness,
     [PEL_WARN_MILLIMETRES] = pel_tell_millimetres,
     [PEL_WARN_POISSON] = pel_tell_poisson,
+    [PEL_WARN_SPRING_NET] = pel_tell_springs,
     [PEL_WARN_COARSE_VOLUME] = pel_tell_coarse_volume,
     [PEL_WARN_WEIGHTLESS] = pel_tell_weightless,
     [PEL_WARN_HOLLOW] = pel_tell_hollow,
