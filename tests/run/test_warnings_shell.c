@@ -157,6 +157,15 @@ static void test_coarse_mode(void **unused)
     assert_false(warns(TUBE, plate, 4, "coarse-mode"));
     text = warning_of(TUBE, coarse, 4, "coarse-mode", &summary);
     assert_true(text != NULL && strstr(text, "frequencies") != NULL && strstr(text, "subdivide") != NULL);
+    /* a clamped square of 16 cells: 18 edges a wave and 4.7 % too low, then 13 and 8 % */
+    static const char square[] =
+        "version: 1\nbodies: [{mesh: {shape: grid, nx: 16, ny: 16}, membrane: {preset: steel-sheet}, supports: [{at: "
+        "boundary, rotation: fixed}]}]\nsolver: {method: static, analysis: modal, modes: 1}\n";
+    const char *second[] = {"solver.modes=2"}, *hinged[] = {"bodies.0.supports.0.rotation=free", "solver.modes=3"};
+    assert_false(warns(square, no_change, 0, "coarse-mode"));
+    text = warning_of(square, second, 1, "coarse-mode", &summary);
+    assert_true(text != NULL && strstr(text, "mode 2: its waves are 13 edges long") != NULL);
+    assert_false(warns(square, hinged, 2, "coarse-mode"));
     /* of a filled body */
     text = warning_of("version: 1\nbodies: [{mesh: {shape: geodesic-sphere, frequency: 2}, volume: {young: 1000}}]\n"
                       "solver: {method: static, analysis: modal, modes: 8}\n",
