@@ -121,6 +121,30 @@ static void test_what_stays_open(void **unused)
     assert_true(count == 4 && seams.closed_count == 1);
 }
 
+/* The two sides of a seam differ by the rounding of a file, at any place: sewn. A slit that is wider, or as wide as a
+   detail of the mesh, is a slit. */
+static void test_rounding(void **unused)
+{
+    (void)unused;
+    const struct {
+        double place, gap, detail;
+        int32_t count;
+    } cases[] = {{0, 1e-6, 1, 4},   {0, 1e-5, 1, 6},   {0, 1e-6, 5e-6, 6}, {0, 2e-7, 5e-6, 4},
+                 {1e4, 1e-6, 1, 4}, {1e9, 2e-7, 1, 6}, {0, 0, 0, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double at = cases[i].place, gap = cases[i].gap, detail = cases[i].detail;
+        const double positions[6][3] = {{at, 0, 0},       {at + 1, 0, 0}, {at, detail, 0},
+                                        {at + 1, gap, 0}, {at, gap, 0},   {at, -1, 0}};
+        static const int32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
+        pel_mesh *mesh;
+        assert_int_equal(pel_mesh_create(positions[0], 6, triangles[0], 2, &mesh, NULL), PEL_OK);
+        assert_int_equal(pel_seams_weld(mesh, NULL, NULL, NULL), PEL_OK);
+        if (mesh->vertex_count != cases[i].count)
+            fail_msg("case %zu: %d vertices", i, (int)mesh->vertex_count);
+        pel_mesh_destroy(mesh);
+    }
+}
+
 /* two closed bodies that share a face, and one that touches itself */
 static void test_closed_bodies(void **unused)
 {
@@ -250,6 +274,7 @@ int main(void)
         cmocka_unit_test(test_soups),
         cmocka_unit_test(test_what_stays_open),
         cmocka_unit_test(test_closed_bodies),
+        cmocka_unit_test(test_rounding),
         cmocka_unit_test(test_transitive),
         cmocka_unit_test(test_fields_and_notes),
         cmocka_unit_test(test_allocation_failures),

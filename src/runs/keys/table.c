@@ -73,7 +73,8 @@ static const pel_def_row run_rows[] = {
      .doc = "format of the file; auto: by its extension and content, also glTF, FBX, 3MF and others"},
     {"<mesh>.weld", BOOLEAN, .needs = "file", .preset = "true",
      .doc =
-         "welds the seams of the file: borders that lie exactly on each other and run against each other, where "
+         "welds the seams of the file: borders that lie on each other, within a millionth of the size, and run against "
+         "each other, where "
          "vertices stand twice because texture coordinates or normals differ. Regions name vertices by their numbers "
          "in the file; the field `file_vertex` has the first of each vertex. false: slits stay open"},
     {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",

@@ -35,8 +35,6 @@
 
 /* stretch beyond the material's, as a share */
 #define SOFTNESS_LIMIT 0.05
-/* of the size of a body: borders that are that near are one seam */
-#define SEAM_SHARE 1e-6
 /* share of all vertices that the guard steps back in a step, and number of such steps, from which contact is jammed */
 #define JAM_SHARE 0.1
 /* share from which one step is enough */
@@ -157,25 +155,24 @@ static pel_status check_start(pel_run_state *run, pel_error *error)
     return status;
 }
 
-/* Borders that lie on each other and were not sewn: which belong together is not clear, or they differ by rounding.
-   What would be sewn as it is was left open on purpose (mesh.weld). */
+/* Borders that lie on each other and were not sewn: which belong together is not clear. What would be sewn as it is was
+   left open on purpose (mesh.weld). */
 static pel_status check_seams(pel_run_state *run, int32_t b, pel_error *error)
 {
     const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
     int32_t count, *index_of = pel_allocate((size_t)mesh->vertex_count, sizeof *index_of);
-    pel_seams exact = {0}, near = {0};
-    const double gap = SEAM_SHARE * pel_mesh_diagonal(mesh);
+    const double gap = pel_seams_tolerance(mesh);
+    pel_seams seams;
     pel_status status = index_of != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
-    for (int is_near = 0; is_near < 2 && status == PEL_OK; is_near++)
-        status = pel_seams_find((const double(*)[3])mesh->positions, mesh->vertex_count,
-                                (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, is_near ? gap : 0, index_of,
-                                &count, is_near ? &near : &exact);
+    if (status == PEL_OK)
+        status =
+            pel_seams_find((const double(*)[3])mesh->positions, mesh->vertex_count,
+                           (const int32_t(*)[3])mesh->triangles, mesh->triangle_count, gap, index_of, &count, &seams);
     pel_free(index_of);
     if (status != PEL_OK)
         return pel_fail_memory(error);
-    const int32_t open_count = near.open_count + near.closed_count - exact.closed_count;
-    if (open_count > 0)
-        pel_warn_body(run, PEL_WARN_OPEN_SEAM, b, open_count, gap);
+    if (seams.open_count > 0)
+        pel_warn_body(run, PEL_WARN_OPEN_SEAM, b, seams.open_count, gap);
     return PEL_OK;
 }
 
@@ -389,12 +386,11 @@ static void tell_open_seam(const pel_warning_text *at)
 {
     const char *name;
     const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_OPEN_SEAM, &name);
-    snprintf(
-        at->text, at->size,
-        "body '%s' is open along %.0f edges where borders lie within %.2g m of each other and were not welded: they "
-        "differ, or three or more meet there, or they run alike. weld the mesh: pellicle check FILE --fix OUT "
-        "--tolerance %.2g",
-        name, flagged->value, flagged->limit, flagged->limit);
+    snprintf(at->text, at->size,
+             "body '%s' is open along %.0f edges where borders lie within %.2g m of each other and were not welded: "
+             "three or more meet there, or they run alike. weld the mesh: pellicle check FILE --fix OUT "
+             "--tolerance %.2g",
+             name, flagged->value, flagged->limit, flagged->limit);
 }
 
 static void tell_inverted_mesh(const pel_warning_text *at)

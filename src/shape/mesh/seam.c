@@ -3,10 +3,14 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
+#include "math/vec3.h"
 #include "mesh/edge_table.h"
+#include "mesh/figures.h"
 #include "mesh/union_find.h"
 #include "mesh/weld.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MOST_ROUNDS = 4 };
@@ -249,6 +253,26 @@ static void log_open(const pel_seams *seams, const pel_log *log)
                      (int)seams->open_count);
 }
 
+#define SEAM_SHARE 1e-6
+#define EDGE_SHARE 0.1
+
+double pel_seams_tolerance(const pel_mesh *mesh)
+{
+    double shortest = HUGE_VAL, tolerance;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        for (int i = 0; i < 3; i++) {
+            double edge[3];
+            pel_vec3_subtract(mesh->positions[mesh->triangles[t][i]], mesh->positions[mesh->triangles[t][(i + 1) % 3]],
+                              edge);
+            /* two corners at one place are no edge */
+            const double length = pel_vec3_length(edge);
+            shortest = length > 0 ? pel_min(shortest, length) : shortest;
+        }
+    tolerance = pel_min(SEAM_SHARE * pel_mesh_diagonal(mesh), EDGE_SHARE * shortest);
+    return pel_weld_tolerance_allowed((const double(*)[3])mesh->positions, mesh->vertex_count, tolerance) ? tolerance
+                                                                                                          : 0;
+}
+
 pel_status pel_seams_weld(pel_mesh *mesh, int32_t **index_of, const pel_log *log, pel_error *error)
 {
     pel_seams seams;
@@ -259,7 +283,7 @@ pel_status pel_seams_weld(pel_mesh *mesh, int32_t **index_of, const pel_log *log
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(map, before), PEL_ROOM(first_of, before)))
         return pel_fail_memory(error);
     if (pel_seams_find((const double(*)[3])mesh->positions, before, (const int32_t(*)[3])mesh->triangles,
-                       mesh->triangle_count, 0, map, &count, &seams) != PEL_OK) {
+                       mesh->triangle_count, pel_seams_tolerance(mesh), map, &count, &seams) != PEL_OK) {
         PEL_FREE_ALL(map, first_of);
         return pel_fail_memory(error);
     }

@@ -1,4 +1,4 @@
-/* Seams: borders that lie exactly on each other, where a file gives vertices twice because texture coordinates, normals
+/* Seams: borders that lie on each other, where a file gives vertices twice because texture coordinates, normals
    or colours differ. */
 #ifndef PEL_MESH_SEAM_H
 #define PEL_MESH_SEAM_H
@@ -21,9 +21,14 @@ pel_status pel_seams_find(const double (*positions)[3], int32_t vertex_count, co
                           int32_t triangle_count, double tolerance, int32_t *index_of, int32_t *count,
                           pel_seams *seams);
 
-/* Welds the seams of a mesh, with a note in log (nullable) of what was welded and of what stays open. Fields keep the
-   values of the first vertex. seams is nullable. index_of: nullable; receives a block (vertex_count before), the new
-   number of each vertex; to be freed with pel_free; null where nothing was welded. Right after creation only. */
+/* Borders this far apart belong together: a millionth of the mesh, as far as files round coordinates, and at most a
+   tenth of its shortest edge; 0 = exactly equal where coordinates do not resolve that. */
+double pel_seams_tolerance(const pel_mesh *mesh);
+
+/* Welds the seams of a mesh within that tolerance, with a note in log (nullable) of what was welded and of what stays
+   open. Positions and fields are those of the first vertex. seams is nullable. index_of: nullable; receives a block
+   (vertex_count before), the new number of each vertex; to be freed with pel_free; null where nothing was welded. Right
+   after creation only. */
 pel_status pel_seams_weld(pel_mesh *mesh, int32_t **index_of, const pel_log *log, pel_error *error);
 
 #endif
