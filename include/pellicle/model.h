@@ -58,6 +58,18 @@ typedef struct pel_refine_def {
     size_t memory_limit; /* bytes for the levels of detail; default: 2 GiB; 0 = no limit */
 } pel_refine_def;
 
+/* A rigid body: its mesh never deforms. Masses, springs and volumetric springs of the body are not read. With one pinned
+   vertex it swings about that (a ball joint), with several on a line it turns about the line (a hinge); with others it
+   stands. Methods xpbd, pbd and pbd-distance; no membrane, bending, fibres, pressure, volume, liquid, refinement and
+   cuts. */
+typedef struct pel_rigid_def {
+    bool on;          /* default: false */
+    double density;   /* kg/m3, of the filling of a closed mesh, or of a sheet; default: 1000 */
+    double mass;      /* kg of the body, in place of the density; 0 (default) = by density */
+    double thickness; /* m, of the sheet that the triangles are, also of a closed mesh, which then is hollow; 0
+                         (default) = the mesh is filled, and has to be closed */
+} pel_rigid_def;
+
 /* One body. Arrays are read during pel_model_create only; the mesh is copied. */
 typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
@@ -112,6 +124,7 @@ typedef struct pel_body_def {
                               distribute the mass by volume: a quarter of the adjacent tetrahedra, density [kg/m3]
                               without a thickness. Methods implicit, static, xpbd, explicit and descent; no cuts, no
                               refinement */
+    pel_rigid_def rigid;   /* default: deformable */
     uint32_t cookie;       /* set by pel_body_def_default */
 } pel_body_def;
 

@@ -26,6 +26,7 @@
 #include "sim_forces.h"  /* forces, energies and stresses on vertices and triangles */
 #include "sim_ledger.h"  /* sums over all bodies, energy balance */
 #include "sim_reading.h" /* readings of tools, supports, the solver, modes and paths */
+#include "sim_rigid.h"   /* place and motion of rigid bodies */
 #include "sim_step.h"    /* pel_sim_def, creation, steps, state, setters, snapshots */
 #include "sim_surface.h" /* the present surface, refinement */
 #include "solver.h"      /* the method */

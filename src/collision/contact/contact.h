@@ -11,6 +11,7 @@
 #define PEL_CONTACT_CONTACT_H
 
 #include "math/record.h"
+#include "rigid/rigid.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -38,6 +39,7 @@ typedef struct pel_contact_list {
     int32_t active_count;
     double substep; /* s, whose square is in the multipliers */
     double carried; /* m: the largest way that a load moved its gap by, in the last sweep */
+    pel_rigids *rigids; /* null = all vertices move by themselves */
     bool is_rubbed; /* friction uses much of what it can hold somewhere, since the substep began */
 } pel_contact_list;
 

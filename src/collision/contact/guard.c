@@ -49,10 +49,12 @@ static pel_status allocate(pel_contact_set *set, pel_error *error)
 {
     size_t vertices = (size_t)set->vertex_count, obstacles = (size_t)set->def.obstacle_count;
     size_t nodes = vertices + obstacles, bodies = (size_t)set->def.body_count;
+    size_t rigids = set->def.rigids != NULL ? (size_t)set->def.rigids->count : 0;
     bool made = make_block((void **)&set->solved, vertices, sizeof *set->solved) &&
                 make_block((void **)&set->zones, nodes, sizeof *set->zones) &&
                 make_block((void **)&set->rings, nodes, sizeof *set->rings) &&
                 make_block((void **)&set->wanted, obstacles, sizeof *set->wanted) &&
+                make_block((void **)&set->rigid_wanted, rigids, sizeof *set->rigid_wanted) &&
                 make_block((void **)&set->body_shares, bodies, sizeof *set->body_shares) &&
                 make_block((void **)&set->body_impacts, bodies, sizeof *set->body_impacts);
     return made ? PEL_OK : pel_fail_memory(error);
@@ -94,6 +96,15 @@ static void begin_zones(pel_contact_set *set)
     }
     for (int32_t b = 0; b < set->def.body_count; b++)
         set->body_shares[b] = 1;
+    /* a rigid body goes as a whole, and has no common motion with others: it would turn as well */
+    for (int32_t i = 0; set->def.rigids != NULL && i < set->def.rigids->count; i++) {
+        const pel_rigid *rigid = &set->def.rigids->items[i];
+        set->rigid_wanted[i] = rigid->state;
+        for (int32_t v = rigid->begin; v < rigid->end; v++) {
+            set->zones[v].leader = rigid->begin;
+            set->zones[v].is_held = true;
+        }
+    }
     /* what an obstacle holds goes with it */
     for (int32_t i = 0; i < set->def.obstacle_count; i++)
         for (int32_t k = 0; k < set->obstacles[i].held_count; k++) {
@@ -222,6 +233,28 @@ static void move_vertex(pel_contact_set *set, const pel_contact_motion *motion, 
     }
 }
 
+static void move_rigid(pel_contact_set *set, const pel_contact_motion *motion, int32_t i)
+{
+    pel_rigid *rigid = &set->def.rigids->items[i];
+    const pel_zone *zone = &set->zones[set->zones[rigid->begin].leader];
+    bool is_stopped = zone->is_stopped;
+    for (int32_t v = rigid->begin; v < rigid->end; v++)
+        is_stopped |= set->zones[v].is_stopped;
+    double share = is_stopped ? 0 : zone->share * set->body_shares[set->group_of_point[rigid->begin]];
+    if (share >= 1 || rigid->is_fixed)
+        return;
+    pel_rigid_go_back(rigid, &set->rigid_wanted[i], share);
+    if (share > 0)
+        pel_rigids_place(set->def.rigids, motion->next);
+    rigid->is_moved = false;
+    for (int32_t v = rigid->begin; v < rigid->end; v++)
+        for (int k = 0; k < 3; k++) {
+            if (share <= 0)
+                motion->next[v][k] = motion->position[v][k];
+            set->end[v][k] = (double)motion->next[v][k];
+        }
+}
+
 static void move_obstacle(pel_contact_set *set, int32_t i)
 {
     const pel_zone *zone = &set->zones[set->vertex_count + i];
@@ -239,6 +272,8 @@ static void move_all(pel_contact_set *set, const pel_contact_motion *motion)
 {
     for (int32_t p = 0; p < set->vertex_count; p++)
         move_vertex(set, motion, p);
+    for (int32_t i = 0; set->def.rigids != NULL && i < set->def.rigids->count; i++)
+        move_rigid(set, motion, i);
     for (int32_t i = 0; i < set->def.obstacle_count; i++)
         move_obstacle(set, i);
 }
@@ -285,6 +320,8 @@ static void finish(pel_contact_set *set, const pel_contact_motion *motion)
         if (motion->velocity != NULL)
             set_velocity(set, motion, p, moved);
     }
+    for (int32_t i = 0; motion->velocity != NULL && set->def.rigids != NULL && i < set->def.rigids->count; i++)
+        pel_rigid_place_velocities(&set->def.rigids->items[i], set->def.rigids, motion->next, motion->velocity);
     for (int32_t i = 0; i < set->def.obstacle_count; i++)
         set->statistics.tools_held += set->obstacles[i].is_held_back;
 }

@@ -75,7 +75,8 @@ void pel_contact_heights_set_surface(pel_contact_set *set)
     const double bound = 1.05 * WATCH * LEAST_SHARE;
     for (int32_t t = 0; t < set->triangle_count; t++) {
         double longest, area;
-        if (set->triangles[t][0] >= set->vertex_count)
+        set->heights.bounds[t] = 0;
+        if (set->triangles[t][0] >= set->vertex_count || pel_rigid_of(set->def.rigids, set->triangles[t][0]) != NULL)
             continue;
         measure_squares(set->triangles[t], set->def.rest, &longest, &area);
         set->heights.bounds[t] = (float)(bound * sqrt(area / longest));

@@ -62,6 +62,7 @@ static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def,
     set->vertex_count = def->vertex_count;
     set->obstacles = pel_allocate(obstacle_count, sizeof *set->obstacles);
     set->groups = pel_allocate(group_count, sizeof *set->groups);
+    set->list.rigids = def->rigids;
     set->def.obstacles = set->obstacles;
     set->def.groups = set->groups;
     if (set->obstacles == NULL || set->groups == NULL)
@@ -92,7 +93,7 @@ void pel_contact_set_destroy(pel_contact_set *set)
                  set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
                  set->other_keys, set->calm, set->active, set->owed, set->other_contacts, set->heights.list.contacts,
                  set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
-                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->tangles.pairs, set->tangles.keys,
+                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs, set->tangles.keys,
                  set->body_shares, set->body_impacts);
     pel_travel_destroy(&set->travel);
     pel_free(set);
@@ -243,7 +244,7 @@ static void exchange_lists(pel_contact_set *set, int32_t count)
     pel_contact *list = set->list.contacts;
     pel_contact_key *keys = set->keys;
     size_t capacity = set->capacity, key_capacity = set->key_capacity;
-    set->list = (pel_contact_list){.contacts = set->other_contacts, .count = count, .substep = set->list.substep};
+    set->list = (pel_contact_list){.contacts = set->other_contacts, .count = count, .substep = set->list.substep, .rigids = set->def.rigids};
     set->keys = set->other_keys;
     set->capacity = set->other_capacity;
     set->key_capacity = set->other_key_capacity;
@@ -295,7 +296,8 @@ static double side_mass(const pel_contact_set *set, const pel_collision *pair, i
         int32_t point = pair->vertices[i];
         if (point >= set->vertex_count || !(set->def.inverse_mass[point] > 0))
             continue;
-        mass += (double)set->def.mass[point];
+        const pel_rigid *rigid = pel_rigid_of(set->def.rigids, point);
+        mass += rigid != NULL ? rigid->shape->mass : (double)set->def.mass[point];
         count++;
     }
     return count > 0 ? mass / count : 0;
@@ -806,6 +808,9 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     /* rigid: a compliance over an infinite substep vanishes */
     double substep = set->list.substep;
     set->list.substep = HUGE_VAL;
+    /* velocities are corrected by themselves, below */
+    if (set->def.rigids != NULL)
+        set->def.rigids->rate = 0;
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;

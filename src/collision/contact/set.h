@@ -70,6 +70,7 @@ typedef struct pel_contact_set_def {
     int32_t limit;                   /* the most contacts; others are left to the guard */
     int64_t memory_limit;            /* see pel_collider_def */
     pel_pool *pool;                  /* null = one thread */
+    pel_rigids *rigids;              /* null = no body is rigid */
 } pel_contact_set_def;
 
 /* Where a step goes: from `position` to `next`. */
@@ -218,6 +219,7 @@ typedef struct pel_contact_set {
     int32_t *rings;                     /* (same) scratch */
     double *body_shares, *body_impacts; /* (body_count) of the way of all of a body */
     pel_pose *wanted;                   /* (obstacle_count) poses before they were held back */
+    pel_rigid_state *rigid_wanted;      /* (rigid bodies) states before they were */
     pel_tangles tangles;
     pel_contact_statistics statistics;
 } pel_contact_set;

@@ -233,6 +233,14 @@ pel_mesh pel_contact_mesh(const pel_contact_set *set)
 
 /* ---- creation ---- */
 
+static bool is_rigid(const pel_contact_set *set, int32_t body)
+{
+    for (int32_t i = 0; set->def.rigids != NULL && i < set->def.rigids->count; i++)
+        if (set->def.body_of_slice[set->def.rigids->items[i].begin / PEL_WIDTH] == body)
+            return true;
+    return false;
+}
+
 static void set_groups(pel_contact_set *set)
 {
     int32_t body_count = set->def.body_count, count = body_count + set->def.obstacle_count;
@@ -243,7 +251,7 @@ static void set_groups(pel_contact_set *set)
             set->group_of_point[p] = body_count + i;
     for (int32_t a = 0; a < body_count; a++) {
         for (int32_t b = 0; b < body_count; b++)
-            set->may_meet[a * count + b] = a == b ? set->def.self : set->def.between;
+            set->may_meet[a * count + b] = a == b ? set->def.self && !is_rigid(set, a) : set->def.between;
         for (int32_t i = 0; i < set->def.obstacle_count; i++) {
             bool meets = set->obstacles[i].body < 0 || set->obstacles[i].body == a;
             set->may_meet[a * count + body_count + i] = set->may_meet[(body_count + i) * count + a] = meets;

@@ -15,6 +15,8 @@
    the multipliers: |drag| <= friction multiplier. */
 #include "contact/sweep.h"
 
+#include "contact/sweep_rigid.h"
+
 #include <math.h>
 
 /* of the load of the last substep: the most that the sweeps have to find again */
@@ -93,6 +95,12 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
     double largest = 0, carried = 0, rate = 1 / (list->substep * list->substep);
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
+        if (pel_contact_is_rigid(list->rigids, contact)) {
+            double own, moved = pel_rigid_contact_project(list->rigids, contact, positions, start, rate, &own);
+            largest = moved > largest ? moved : largest;
+            carried = own > carried ? own : carried;
+            continue;
+        }
         double load = (double)contact->multiplier;
         record4 sum = combine(contact, positions), normal = vector_of(contact->normal);
         double gap = dot(sum, normal) - (double)contact->separation;
@@ -115,6 +123,7 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         carried = free * (load + change) > carried ? free * (load + change) : carried;
     }
     list->carried = carried;
+    pel_rigids_place(list->rigids, positions);
     return largest;
 }
 
@@ -167,6 +176,7 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions, double mos
     list->is_rubbed = false;
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
+        bool is_rigid = pel_contact_is_rigid(list->rigids, contact);
         record4 way = {0};
         pel_real last = contact->multiplier, kept = last < contact->earlier ? last : contact->earlier;
         contact->earlier = last;
@@ -175,16 +185,23 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions, double mos
         if (is_rubbed(contact))
             list->is_rubbed = true;
         else
-            kept = last * leave(mobility(contact, positions) * (double)last, most);
+            kept = last * leave((is_rigid ? pel_rigid_contact_mobility(list->rigids, contact, positions)
+                                          : mobility(contact, positions)) *
+                                    (double)last,
+                                most);
         contact->multiplier = kept;
         turn_drag(contact);
         for (int k = 0; k < 3; k++) {
             contact->drag[k] *= kept / last;
             way[k] = (double)(kept * contact->normal[k] + contact->drag[k]);
         }
-        if (kept > 0)
+        const double impulse[3] = {way[0], way[1], way[2]};
+        if (kept > 0 && is_rigid)
+            pel_rigid_contact_move(list->rigids, contact, positions, impulse);
+        else if (kept > 0)
             move(contact, positions, way);
     }
+    pel_rigids_place(list->rigids, positions);
 }
 
 /* one contact that pushed */
@@ -221,7 +238,13 @@ void pel_contacts_stop(pel_contact_list *list, const pel_record *positions, pel_
                        int32_t sweeps)
 {
     for (int32_t sweep = 0; sweep < sweeps; sweep++)
-        for (int32_t c = 0; c < list->count; c++)
-            if (list->contacts[c].multiplier > 0)
-                stop(&list->contacts[c], positions, velocities, dt);
+        for (int32_t c = 0; c < list->count; c++) {
+            pel_contact *contact = &list->contacts[c];
+            if (contact->multiplier > 0 && pel_contact_is_rigid(list->rigids, contact))
+                pel_rigid_contact_stop(list->rigids, contact, positions, velocities, dt);
+            else if (contact->multiplier > 0)
+                stop(contact, positions, velocities, dt);
+        }
+    for (int32_t i = 0; list->rigids != NULL && i < list->rigids->count; i++)
+        pel_rigid_place_velocities(&list->rigids->items[i], list->rigids, positions, velocities);
 }

@@ -86,6 +86,7 @@ typedef enum pel_store {
     ROW(SURFACE, "contact of a body")                                                                                  \
     ROW(REFINEMENT, "refinement")                                                                                      \
     ROW(MEMBRANE, "membrane")                                                                                          \
+    ROW(RIGID, "rigid bodies")                                                                                         \
     ROW(VOLUME, "volume")                                                                                              \
     ROW(BENDING, "bending")                                                                                            \
     ROW(ANISOTROPY, "anisotropy")                                                                                      \

@@ -9,6 +9,7 @@
 #define BODY_LIST(member, count, PART) LIST_OF(BODY, pel_body_def, member, count, PART)
 #define MEMBRANE(member) BODY(shell.membrane.member, MEMBRANE)
 #define VOLUME(member) BODY(volume.member, VOLUME)
+#define RIGID(member) BODY(rigid.member, RIGID)
 #define BENDING(member) BODY(shell.bending.member, BENDING)
 #define PRESSURE(member) BODY(shell.pressure.member, PRESSURE)
 #define REFINE(member) BODY(refine.member, REFINEMENT)
@@ -69,6 +70,9 @@ CONDITION(has_warp, pel_body_def,
               (def->shell.bending.model != PEL_BENDING_NONE && !(def->shell.bending.weft < 0)))
 CONDITION(has_volume, pel_body_def, def->volume.on)
 CONDITION(reads_volume_ratio, pel_body_def, def->volume.on && def->volume.kind == PEL_VOLUME_MOONEY_RIVLIN)
+CONDITION(is_rigid, pel_body_def, def->rigid.on)
+CONDITION(has_rigid_density, pel_body_def, def->rigid.on && !(def->rigid.mass > 0))
+CONDITION(has_rigid_mass, pel_body_def, def->rigid.on && def->rigid.mass > 0)
 CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
 CONDITION(is_pressed, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GIVEN)
 CONDITION(is_gas, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GAS)
@@ -286,6 +290,17 @@ static const pel_def_row rows[] = {
      .doc = "mooney-rivlin: c2 over c1"},
     {"bodies[].volume.edge", NUMBER_OR("auto"), .unit = "m", POSITIVE, .preset = "auto",
      .doc = "length of the edges of the tetrahedra along the axes; auto: the mean edge of the mesh"},
+
+    {"bodies[].rigid", RIGID(on), MAP,
+     .doc = "rigid body: the mesh moves and turns as a whole, with the mass and inertia of its filling. One pinned "
+            "vertex is a ball joint, several on a line are a hinge. Methods xpbd, pbd and pbd-distance; optional"},
+    {"bodies[].rigid.density", RIGID(density), NUMBER, .unit = "kg/m3", POSITIVE, ALTERNATIVE, DEFAULT(1000),
+     WHEN(has_rigid_density), .doc = "density of the filling, or of the sheet"},
+    {"bodies[].rigid.mass", RIGID(mass), NUMBER, .unit = "kg", POSITIVE, ALTERNATIVE, WHEN(has_rigid_mass),
+     .doc = "mass of the body"},
+    {"bodies[].rigid.thickness", RIGID(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(0), WHEN(is_rigid),
+     .doc = "thickness of the sheet that the triangles are, also of a closed mesh, which then is hollow; default: the "
+            "mesh is filled, and must be closed"},
 
     {"bodies[].membrane", MEMBRANE(on), MAP,
      .doc = "thin shell: triangles that stretch like a sheet of a material (paper B, eq. 2); optional"},

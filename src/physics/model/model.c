@@ -12,6 +12,7 @@
 #include "model/orient.h"
 #include "model/origin.h"
 #include "model/quantity.h"
+#include "model/rigid_body.h"
 #include "model/shell.h"
 #include "model/vertex_order.h"
 #include "pellicle/measure.h"
@@ -163,6 +164,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         status = pel_shell_check(b, body, error);
     if (status == PEL_OK)
         status = pel_filled_check(b, body, error);
+    if (status == PEL_OK)
+        status = pel_rigid_body_check(b, body, error);
     return status == PEL_OK ? check_spring_toughness(b, body, error) : status;
 }
 
@@ -256,6 +259,8 @@ static double mass_of(const pel_body_def *def, const pel_body *body, const doubl
     PEL_ASSERT_INDEX(v, def->mesh->vertex_count);
     if (def->volume.on && def->mass_kind != PEL_MASS_PER_VERTEX)
         return def->mass * (def->mass_kind == PEL_MASS_TOTAL ? areas[v] / body->rest_volume : areas[v]);
+    if (body->rigid != NULL)
+        return areas[v];
     if (def->mass_kind == PEL_MASS_TOTAL)
         return def->mass * (areas[v] / body->rest_area);
     if (def->mass_kind == PEL_MASS_DENSITY)
@@ -448,6 +453,7 @@ static pel_status begin_surface(const pel_body_def *given, pel_body *body, build
     pel_status status = copy_mesh(given->mesh, &body->mesh, error);
     scratch->def = *given;
     scratch->def.mesh = body->mesh;
+    pel_rigid_body_stiffen(&scratch->def);
     if (status == PEL_OK)
         status = pel_topology_create(body->mesh, &scratch->topology, error);
     if (status == PEL_OK)
@@ -522,6 +528,8 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     body->closed = scratch->topology->boundary_edge_count == 0;
     if (status == PEL_OK)
         measure_volume(body);
+    if (status == PEL_OK && def->rigid.on)
+        return pel_rigid_body_create(def, body, scratch->areas, error);
     return status == PEL_OK && def->volume.on ? pel_filled_lump(def->mesh, scratch->areas, error) : status;
 }
 
@@ -663,7 +671,7 @@ pel_status pel_model_create(const pel_model_def *def, pel_model **model, pel_err
 /* springs of one stiffness have no array of it, and the order of vertices stays */
 static bool may_refill(const pel_model *model, const pel_body *body, const pel_body_def *def)
 {
-    bool has_parts = body->detail != NULL || body->shell != NULL;
+    bool has_parts = body->detail != NULL || body->shell != NULL || body->rigid != NULL;
     return !has_parts && model->stiffnesses == NULL && same_everywhere(def);
 }
 
@@ -711,7 +719,8 @@ void pel_model_destroy(pel_model *model)
         return;
     for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
         pel_mesh_destroy(model->bodies[b].mesh);
-        PEL_FREE_ALL(model->bodies[b].model_index, model->bodies[b].shares, model->bodies[b].lip_shares);
+        PEL_FREE_ALL(model->bodies[b].model_index, model->bodies[b].shares, model->bodies[b].lip_shares,
+                     model->bodies[b].rigid);
         pel_body_detail_destroy(model->bodies[b].detail);
         pel_shell_destroy(model->bodies[b].shell);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)

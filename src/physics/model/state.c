@@ -5,6 +5,27 @@
 #include "base/status.h"
 #include "math/vec3.h"
 
+/* states at rest */
+static bool make_rigids(const pel_model *model, pel_state *state)
+{
+    static const double still[3] = {0};
+    size_t count = (size_t)model->body_count;
+    bool any = false;
+    for (int32_t b = 0; b < model->body_count; b++)
+        any |= model->bodies[b].rigid != NULL;
+    if (!any)
+        return true;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(state->rigids, count), PEL_ROOM(state->rigids_before, count),
+                          PEL_ROOM(state->rigids_next, count)))
+        return false;
+    for (int32_t b = 0; b < model->body_count; b++) {
+        if (model->bodies[b].rigid != NULL)
+            pel_rigid_state_start(model->bodies[b].rigid, still, still, &state->rigids[b]);
+        state->rigids_before[b] = state->rigids_next[b] = state->rigids[b];
+    }
+    return true;
+}
+
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
     *state = NULL;
@@ -17,6 +38,10 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
                           PEL_ROOM(made->factors, model->body_count), PEL_ROOM(made->bending, model->body_count),
                           PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity, count),
                           PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity_next, count))) {
+        pel_state_destroy(made);
+        return pel_fail_memory(error);
+    }
+    if (!make_rigids(model, made)) {
         pel_state_destroy(made);
         return pel_fail_memory(error);
     }
@@ -33,6 +58,25 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
         }
     *state = made;
     return PEL_OK;
+}
+
+/* of pins and momenta that these leave */
+static void start_rigid(const pel_model *model, int32_t b, pel_state *state)
+{
+    const pel_body *body = &model->bodies[b];
+    double center[3], velocity[3], spin[3];
+    pel_rigid_state_start(body->rigid, body->velocity, body->angular_velocity, &state->rigids[b]);
+    pel_rigid_center(body->rigid, &state->rigids[b], center, velocity, spin, NULL);
+    for (int32_t v = body->slice_begin * PEL_WIDTH; v < body->slice_end * PEL_WIDTH; v++) {
+        double arm[3], turning[3];
+        if (!(model->inverse_mass[v] > 0))
+            continue;
+        pel_vertex_position(state->position, v, arm);
+        pel_vec3_subtract(arm, center, arm);
+        pel_vec3_cross(spin, arm, turning);
+        for (int k = 0; k < 3; k++)
+            state->velocity[v][k] = (pel_real)(velocity[k] + turning[k]);
+    }
 }
 
 static void start_body(const pel_model *model, const pel_body *body, pel_state *state)
@@ -61,7 +105,9 @@ static void start_body(const pel_model *model, const pel_body *body, pel_state *
 void pel_state_start(const pel_model *model, pel_state *state)
 {
     for (int32_t b = 0; b < model->body_count; b++)
-        if (pel_body_moves(&model->bodies[b]))
+        if (pel_body_moves(&model->bodies[b]) && model->bodies[b].rigid != NULL)
+            start_rigid(model, b, state);
+        else if (pel_body_moves(&model->bodies[b]))
             start_body(model, &model->bodies[b], state);
 }
 
@@ -100,5 +146,6 @@ void pel_state_destroy(pel_state *state)
     if (state == NULL)
         return;
     PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
-                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending, state);
+                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending, state->rigids,
+                 state->rigids_before, state->rigids_next, state);
 }

@@ -25,6 +25,8 @@ struct pel_state {
     uint8_t *contact;   /* (vertex_count) 1 = a tool touches or holds it */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) present factor of each keyed parameter */
     pel_bending_control *bending;           /* (body_count) */
+    /* (body_count) of rigid bodies: now, one step ago, and at the end of the step in progress; null = there are none */
+    pel_rigid_state *rigids, *rigids_before, *rigids_next;
     double load_factor, load_factor_before; /* of loads, gravity and given pressure: now and one step ago; 1 but along a
                                                path (PEL_PATH_ARC_LENGTH) */
 };

@@ -297,10 +297,34 @@ static pel_status imply_viscosity(pel_scene_reader *reader, pel_scene_value *bod
     return status;
 }
 
+/* a rigid body has no material: its mass and inertia are those of `rigid` */
+static pel_status check_rigid(pel_scene_reader *reader, pel_scene_value *body)
+{
+    static const char *const keys[] = {"mass",    "springs",    "volumetric", "membrane", "bending", "volume", "pressure",
+                                       "fluid",   "anisotropy", "refine",     "supports", "follow",  "preset", NULL};
+    static const char *const remedies[] = {"give rigid.density, or rigid.mass", "give pinned vertices", NULL};
+    for (const char *const *key = keys; *key != NULL; key++) {
+        const pel_scene_value *value = find(body, *key);
+        if (value == NULL)
+            continue;
+        int remedy = strcmp(*key, "mass") == 0 ? 0 : strcmp(*key, "supports") == 0 ? 1 : 2;
+        pel_scene_fail(reader, &value->key_place, "a rigid body has no '%s'", *key);
+        pel_fail_remedy(reader->error, "%s%sremove '%s'", remedy < 2 ? remedies[remedy] : "",
+                        remedy < 2 ? ", and " : "", *key);
+        return PEL_BAD_SCENE;
+    }
+    return PEL_OK;
+}
+
 /* `has_material`: its response follows from a material, not from numbers per edge */
 static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bool *has_material)
 {
     pel_scene_value *membrane = find_map(body, "membrane");
+    if (find_map(body, "rigid") != NULL) {
+        *has_material = true;
+        pel_status fit = check_rigid(reader, body);
+        return fit == PEL_OK ? imply_no_springs(reader, body) : fit;
+    }
     pel_status status = imply_viscosity(reader, body);
     if (status == PEL_OK && membrane != NULL)
         status = imply_membrane(reader, body, membrane);

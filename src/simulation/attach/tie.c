@@ -9,6 +9,7 @@
 #include "base/assert.h"
 #include "base/status.h"
 #include "math/extremes.h"
+#include "rigid/sum.h"
 #include "stage/accessors.h"
 #include "tool/follow.h"
 #include "tool/tool.h"
@@ -294,6 +295,26 @@ void pel_ties_begin_substep(pel_sim *sim)
         pel_vec3_set(sim->ties->items[i].multiplier, 0, 0, 0);
 }
 
+/* one of vertices of rigid bodies: along what is left */
+static void project_rigid(pel_sim *sim, pel_tie *tie, double time, double tau, pel_record *positions)
+{
+    pel_rigid_sum sum;
+    double n[3], excess, distance, left[3], way[3], compliance = 1 / (tie->stiffness * tau * tau);
+    pel_rigid_sum_set(&sum, sim->rigids, tie->vertices, tie->weights, tie->count, positions);
+    bool is_taut = stretch(sim, tie, time, sum.value, n, &excess, &distance);
+    for (int k = 0; k < 3; k++)
+        left[k] = (is_taut ? -excess * n[k] : 0) - compliance * tie->multiplier[k];
+    pel_vec3_copy(left, way);
+    if (!(pel_vec3_normalize(way) > 0))
+        return;
+    double free = pel_rigid_sum_mobility(&sum, way);
+    if (!(free > 0))
+        return;
+    pel_vec3_scale(left, 1 / (free + compliance), left);
+    pel_vec3_add(tie->multiplier, left, tie->multiplier);
+    pel_rigid_sum_push(&sum, sim->rigids, positions, left);
+}
+
 static void project(pel_sim *sim, pel_tie *tie, double time, double tau, pel_record *positions)
 {
     double sum[3], n[3], excess, distance, w = 0, compliance = 1 / (tie->stiffness * tau * tau);
@@ -316,9 +337,16 @@ static void project(pel_sim *sim, pel_tie *tie, double time, double tau, pel_rec
 
 void pel_ties_project(pel_sim *sim, double time, double tau, pel_record *positions)
 {
-    for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++)
-        if (sim->ties->items[i].phase == PEL_TIE_HOLDING)
-            project(sim, &sim->ties->items[i], time, tau, positions);
+    for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++) {
+        pel_tie *tie = &sim->ties->items[i];
+        if (tie->phase != PEL_TIE_HOLDING)
+            continue;
+        if (pel_rigid_sum_is_asked(sim->rigids, tie->vertices, tie->weights, tie->count))
+            project_rigid(sim, tie, time, tau, positions);
+        else
+            project(sim, tie, time, tau, positions);
+    }
+    pel_rigids_place(sim->rigids, positions);
 }
 
 void pel_ties_tally(pel_sim *sim, double tau, pel_record *reaction)

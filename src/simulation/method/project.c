@@ -9,6 +9,7 @@
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
+#include "stage/rigids.h"
 #include "stage/viscous.h"
 #include "tool/reading.h"
 #include "tool/solid.h"
@@ -160,8 +161,11 @@ static void run_substep(pel_sim *sim, int32_t number)
     }
     pel_tools_place(sim, (double)(number + 1) / count);
     projector->is_asleep = sim->asleep;
-    find_forces(sim, span, number == 0 ? state->position : state->position_next);
+    const pel_record *positions = number == 0 ? state->position : state->position_next;
+    find_forces(sim, span, positions);
+    pel_rigids_kick(sim, positions, h, projector->air);
     pel_project_predict(projector, state, sim->force, &sim->tools->boundary, place);
+    pel_rigids_drift(sim, h);
     const pel_record *start = pel_project_substep_start(projector);
     begin_contacts(sim, start);
     pel_ties_begin_substep(sim);
@@ -175,6 +179,7 @@ static void run_substep(pel_sim *sim, int32_t number)
         pel_solids_tally(sim, rate);
     const pel_contact_list *lists[] = {pairs, sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
+    pel_rigids_finish(sim, h, projector->reaction, place & PEL_SUBSTEP_LAST || sim->solver.second_order);
     pel_loads_tally(sim, span, start);
     pel_wind_tally(sim, start, h);
 }
@@ -218,6 +223,7 @@ static void rest(pel_sim *sim)
     sim->projector->is_asleep = sim->asleep;
     pel_project_predict(sim->projector, sim->state, sim->force, &sim->tools->boundary, place);
     pel_project_finish(sim->projector, sim->state, NULL, 0, &sim->tools->boundary, place);
+    pel_rigids_finish(sim, sim->projector->substep, NULL, true);
     pel_contacts_tally_asleep(sim);
 }
 
@@ -241,6 +247,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     pel_wind_begin(sim);
     sim->projector->air = pel_wind_forces(sim);
     pel_projector_begin(sim->projector, sim->state, pel_sim_time(sim));
+    pel_rigids_begin(sim);
     pel_sleep_begin_step(sim);
     bool rests = pel_sleep_is_everywhere(sim);
     pel_status status = find_contacts(sim, pel_sim_has_loop_contacts(sim) && !rests, error);
@@ -299,7 +306,8 @@ static void get_held_force(const pel_sim *sim, int32_t v, double force[3])
     pel_vertex_position(sim->projector->reaction, v, force);
     pel_vec3_scale(force, 1.0 / sim->solver.substeps, force);
     pel_contact_force_at(&sim->contact_forces.vertex_next, v, contact);
-    pel_vec3_add(force, contact, force);
+    if (pel_rigid_of(sim->rigids, v) == NULL)
+        pel_vec3_add(force, contact, force);
 }
 
 /* adds drag and damping of a held vertex, by its mean velocity in the step */

@@ -25,6 +25,7 @@
 #include "math/functions.h"
 #include "observe/observe.h"
 #include "solve/shell_stability.h"
+#include "stage/rigids.h"
 #include "tool/follow.h"
 #include "tool/tool.h"
 
@@ -174,6 +175,10 @@ static void add_dissipation(pel_sim *sim)
     double gain = pel_sim_is_explicit(sim) ? pel_exp(drag) - pel_exp(-drag) : pel_tanh(drag);
     vertex_sums sums = {.sim = sim, .drag_gain = gain, .damps = true};
     sim->ledger->sums.dissipated_drag += sum_vertices(sim, &sums).damping;
+    if (sim->rigids != NULL)
+        sim->ledger->sums.dissipated_drag +=
+            gain * (pel_rigids_extra_energy(sim, sim->state->rigids, sim->state->velocity) +
+                    pel_rigids_extra_energy(sim, sim->state->rigids_next, sim->state->velocity_next));
 }
 
 /* ---- gravity ---- */

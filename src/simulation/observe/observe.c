@@ -9,6 +9,7 @@
 #include "pellicle/sim_contact.h"
 #include "pellicle/sim_forces.h"
 #include "pellicle/sim_surface.h"
+#include "stage/rigids.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 
@@ -55,11 +56,14 @@ double pel_sim_next_energy(pel_sim *sim)
     pel_record *position = state->position, *velocity = state->velocity;
     state->position = state->position_next;
     state->velocity = state->velocity_next;
+    pel_rigid_state *rigids = state->rigids;
+    state->rigids = state->rigids_next;
     sim->present.has_force = false;
     pel_sim_sum_energies(sim, &sums);
     sim->present.has_force = false;
     state->position = position;
     state->velocity = velocity;
+    state->rigids = rigids;
     return sums.elastic_energy + sums.kinetic_energy;
 }
 
@@ -218,6 +222,8 @@ static void sum_energies(pel_sim *sim)
             kinetic_sum += 0.5 * (double)model->mass[i] * pel_vec3_squared_length(velocity);
         }
     }
+    if (sim->rigids != NULL)
+        kinetic_sum += pel_rigids_extra_energy(sim, sim->state->rigids, sim->state->velocity);
     sim->present.spring_energy = spring_sum;
     sim->present.volumetric_energy = volumetric_sum;
     sim->present.kinetic_energy = kinetic_sum;

@@ -6,6 +6,7 @@
 #include "math/vec3.h"
 #include "method/softness.h"
 #include "observe/ledger.h"
+#include "stage/rigids.h"
 #include "stage/surface_view.h"
 #include "tool/tool.h"
 
@@ -52,6 +53,7 @@ pel_status pel_sim_set_positions(pel_sim *sim, int32_t body, const double *posit
             /* a displaced body starts at rest */
             sim->state->position_before[i][c] = sim->state->position[i][c];
         }
+    pel_rigids_follow_positions(sim, body);
     /* present intersections are ignored until they separate */
     if (sim->contacts != NULL)
         sim->contacts->tangles.is_known = false;
@@ -82,6 +84,7 @@ pel_status pel_sim_set_velocities(pel_sim *sim, int32_t body, const double *velo
             else
                 state->position_before[i][c] = (pel_real)((double)state->position[i][c] - sim->step.dt * value);
         }
+    pel_rigids_follow_velocities(sim, body);
     pel_ledger_book_change(sim, energy_before);
     return PEL_OK;
 }

@@ -25,6 +25,7 @@
 #include "solve/project.h"
 #include "solve/relax.h"
 #include "stage/layer.h"
+#include "stage/rigids.h"
 #include "stage/shells.h"
 #include "stage/stepper.h"
 #include "stage/surface_view.h"
@@ -249,6 +250,8 @@ static pel_status build_stage(pel_sim *sim, const pel_sim_def *def, pel_error *e
     status = start_threads(sim, def, error);
     if (status == PEL_OK)
         status = pel_state_create(sim->model, pel_sim_has_velocity(sim), &sim->state, error);
+    if (status == PEL_OK)
+        status = pel_rigids_create(sim, error);
     return status == PEL_OK ? pel_surface_rows_create(sim, error) : status;
 }
 
@@ -429,6 +432,7 @@ void pel_sim_release(pel_house *house)
     pel_substeps_destroy(sim);
     pel_tear_destroy(sim);
     pel_shells_destroy(sim);
+    pel_rigids_destroy(sim);
     pel_refined_destroy(sim->active);
     pel_state_destroy(sim->state);
     pel_free(sim->force);

@@ -11,6 +11,7 @@
 #include "pellicle/tear.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
+#include "stage/rigids.h"
 #include "stage/shells.h"
 #include "tear/forceps.h"
 #include "tool/grip.h"
@@ -76,6 +77,10 @@ static void accept(pel_state *state)
     state->position_next = oldest;
     state->velocity = state->velocity_next;
     state->velocity_next = velocity;
+    pel_rigid_state *rigids = state->rigids_before;
+    state->rigids_before = state->rigids;
+    state->rigids = state->rigids_next;
+    state->rigids_next = rigids;
 }
 
 static void mark_contacts(pel_sim *sim)
@@ -147,6 +152,7 @@ static void accept_part(pel_sim *sim, double next)
 {
     PEL_ASSERT(next > 0);
     bool is_last = pel_parts_are_last(sim);
+    pel_rigids_keep(sim);
     pel_ties_end(sim, next);
     pel_supports_read(sim, next);
     mark_contacts(sim);

@@ -2,6 +2,7 @@
 #include "stage/rigid_motion.h"
 
 #include "base/assert.h"
+#include "math/pose.h"
 #include "math/vec3.h"
 
 #define LEAST_INERTIA 1e-12
@@ -56,11 +57,38 @@ static double sum_momentum(const pel_sim *sim, int32_t body, const pel_record *p
     return sum;
 }
 
+/* of a rigid body: its state has all of it */
+static pel_rigid_motion motion_of_rigid(const pel_sim *sim, int32_t body, const pel_rigid_state *states)
+{
+    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const pel_rigid_shape *shape = sim->model->bodies[body].rigid;
+    const pel_rigid_state *state = &states[body];
+    pel_rigid_motion motion = {.is_free = is_free(sim, body)};
+    pel_rigid_center(shape, state, motion.center, motion.velocity, motion.spin, motion.momentum);
+    if (!motion.is_free) {
+        pel_vec3_set(motion.velocity, 0, 0, 0);
+        pel_vec3_set(motion.spin, 0, 0, 0);
+        pel_vec3_set(motion.momentum, 0, 0, 0);
+        return motion;
+    }
+    motion.inverse_mass = shape->inverse_mass;
+    for (int k = 0; k < 3; k++) {
+        double own[3], turned[3];
+        pel_rotate_back(state->rotation, axes[k], own);
+        pel_rigid_apply(shape->inverse_inertia, own, turned);
+        pel_rotate(state->rotation, turned, motion.inverse_inertia[k]);
+    }
+    return motion;
+}
+
 pel_rigid_motion pel_rigid_motion_of(const pel_sim *sim, int32_t body, const pel_record *position,
                                      const pel_record *velocity)
 {
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_model *model = sim->model;
+    if (model->bodies[body].rigid != NULL)
+        return motion_of_rigid(sim, body, position == sim->state->position ? sim->state->rigids
+                                                                           : sim->state->rigids_before);
     pel_rigid_motion motion = {.is_free = is_free(sim, body)};
     double inertia[3][3] = {{0}}, x[3], v[3], turn[3];
     double sum = sum_momentum(sim, body, position, velocity, &motion);

@@ -117,6 +117,8 @@ struct pel_sim {
     pel_contact_forces contact_forces;
     pel_present present;
 
+    pel_rigids *rigids; /* (stage/rigids.h) null = no body is rigid */
+
     /* arrays by vertex, and scratch */
     pel_record *force;       /* (vertex_count) scratch: forces, and loads on touched vertices */
     uint8_t *held;           /* (vertex_count) 1 = a tool holds it; null without tools */

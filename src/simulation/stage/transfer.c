@@ -54,6 +54,8 @@ void pel_transfer_motion(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer_vertices(at, state->position_before, count, sizeof *state->position_before);
     if (state->velocity != NULL)
         pel_transfer_vertices(at, state->velocity, count, sizeof *state->velocity);
+    if (state->rigids != NULL)
+        pel_transfer(at, state->rigids, (size_t)sim->model->body_count * sizeof *state->rigids);
 }
 
 void pel_transfer_history(pel_cursor *at, const pel_sim *sim, int32_t unused)

@@ -17,6 +17,7 @@
 #include "base/lane.h"
 #include "contact/set.h"
 #include "math/extremes.h"
+#include "rigid/sum.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
 #include "tool/sagitta.h"
@@ -136,10 +137,44 @@ static void rub_point(pel_sim *sim, const pel_tool *tool, const surface_point *a
     }
 }
 
+/* the same of a rigid body, which goes as a whole; its velocity loses the approach */
+static bool push_rigid(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
+{
+    pel_rigid *rigid = pel_rigid_of(sim->rigids, at->vertices[0]);
+    pel_rigid_sum sum;
+    double push[3], point[3], speed[3], tool_speed[3];
+    pel_rigid_sum_set(&sum, sim->rigids, at->vertices, at->weights, at->count, sim->state->position_next);
+    double free = pel_rigid_sum_mobility(&sum, normal);
+    if (free <= 0)
+        return false;
+    sim->rigids->rate = 0;
+    pel_vec3_scale(normal, depth / free, push);
+    pel_rigid_sum_push(&sum, sim->rigids, sim->state->position_next, push);
+    pel_vec3_along(sum.value, depth, normal, point);
+    pel_tool_velocity(tool, point, sim->step.dt, tool_speed);
+    pel_rigid_sum_velocity(&sum, sim->rigids, sim->state->velocity_next, speed);
+    pel_vec3_subtract(speed, tool_speed, speed);
+    double approach = -pel_vec3_dot(speed, normal);
+    pel_vec3_scale(normal, approach > 0 ? approach / free : 0, push);
+    pel_rigid_sum_hit(&sum, sim->rigids, sim->state->position_next, sim->state->velocity_next, push);
+    pel_rigids_place(sim->rigids, sim->state->position_next);
+    pel_rigid_place_velocities(rigid, sim->rigids, sim->state->position_next, sim->state->velocity_next);
+    sim->tools->push_count++;
+    for (int32_t v = rigid->begin; v < rigid->end; v++)
+        sim->tools->moved_at[v] = sim->tools->push_count;
+    pel_vec3_scale(push, -1 / sim->step.dt, push);
+    pel_tool_add_reaction(tool, point, push);
+    for (int c = 0; c < at->count; c++)
+        pel_tool_touch(tool, at->vertices[c]);
+    return true;
+}
+
 /* moves the vertices so that the point goes `depth` along the normal; false when none of them can move */
 static bool push_point(pel_sim *sim, pel_tool *tool, const surface_point *at, double depth, const double normal[3])
 {
     double inertia = 0;
+    if (pel_rigid_of(sim->rigids, at->vertices[0]) != NULL)
+        return push_rigid(sim, tool, at, depth, normal);
     for (int c = 0; c < at->count; c++)
         inertia += pel_tool_mobility(sim, at->vertices[c]) * at->weights[c] * at->weights[c];
     if (inertia <= 0)

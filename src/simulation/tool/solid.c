@@ -48,6 +48,7 @@ pel_status pel_solids_create(pel_sim *sim, pel_error *error)
     if (sim->tools->solids == NULL)
         return pel_fail_memory(error);
     pel_sim_solids *solids = sim->tools->solids;
+    solids->list.rigids = sim->rigids;
     size_t triangle_count = (size_t)sim->model->triangle_begin[sim->model->body_count];
     bool made = PEL_ALLOCATE_ALL(PEL_ROOM(solids->pair_of_vertex, sim->model->vertex_count),
                                  PEL_ROOM(solids->pair_of_triangle, triangle_count),
@@ -69,13 +70,20 @@ void pel_solids_destroy(pel_sim *sim)
 
 /* ---- search ---- */
 
+/* kg, of a vertex; of a rigid body all of it */
+static double mass_at(const pel_sim *sim, int32_t v)
+{
+    const pel_rigid *rigid = pel_rigid_of(sim->rigids, v);
+    return rigid != NULL ? rigid->shape->mass : (double)sim->model->mass[v];
+}
+
 /* m/N, of the layer between a tool and a vertex or the corners of a triangle, by their mean mass */
 static double compliance_of(const pel_sim *sim, const pel_contact *contact, int count)
 {
     int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
     double mass = 0;
     for (int i = 0; i < count; i++)
-        mass += (double)sim->model->mass[contact->vertices[i]];
+        mass += mass_at(sim, contact->vertices[i]);
     return pel_contact_layer_compliance(&sim->layers[body], mass / count, 0, sim->step.dt);
 }
 

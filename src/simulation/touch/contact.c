@@ -218,6 +218,7 @@ static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_
         .limit = def->limit > 0 ? def->limit : (int32_t)(limit < INT32_MAX / 2 ? limit : INT32_MAX / 2),
         .memory_limit = def->memory_limit,
         .pool = sim->pool,
+        .rigids = sim->rigids,
     };
     pel_status status = set_groups(sim, &given, groups, error);
     set_obstacles(sim, obstacles);

@@ -22,6 +22,7 @@
 #include "math/extremes.h"
 #include "observe/ledger.h"
 #include "stage/rigid_motion.h"
+#include "stage/rigids.h"
 #include "tool/tool.h"
 #include "touch/contact.h"
 
@@ -125,6 +126,11 @@ static void push_body(const encounter *e, int i, double impulse)
     pel_vec3_cross(arm, e->state->normal, turn);
     pel_vec3_scale(turn, impulse, turn);
     pel_rigid_apply((const double(*)[3])motion->inverse_inertia, turn, spin);
+    if (motion->is_free && model->bodies[e->groups[i]].rigid != NULL) {
+        double whole[3];
+        pel_vec3_scale(e->state->normal, impulse, whole);
+        pel_rigids_hit(sim, e->groups[i], e->state->point, whole);
+    }
     for (int32_t v = model->bodies[e->groups[i]].slice_begin * PEL_WIDTH;
          motion->is_free && v < pel_body_place_end(model, e->groups[i]); v++) {
         if (model->mesh_vertex[v] < 0)
@@ -133,8 +139,9 @@ static void push_body(const encounter *e, int i, double impulse)
         pel_vec3_subtract(x, motion->center, x);
         pel_vec3_cross(spin, x, change);
         pel_vec3_along(change, impulse * motion->inverse_mass, e->state->normal, change);
+        bool is_done = model->bodies[e->groups[i]].rigid != NULL;
         for (int k = 0; k < 3; k++) {
-            sim->state->velocity[v][k] += (pel_real)change[k];
+            sim->state->velocity[v][k] += is_done ? 0 : (pel_real)change[k];
             change[k] = (double)model->mass[v] * change[k] / dt;
         }
         pel_contact_force_add(&sim->contact_forces, &sim->contact_forces.vertex, v, change);

@@ -1,0 +1,126 @@
+#include "contact/sweep_rigid.h"
+
+#include "rigid/sum.h"
+
+#include <math.h>
+
+static void read_normal(const pel_contact *contact, double normal[3])
+{
+    for (int k = 0; k < 3; k++)
+        normal[k] = (double)contact->normal[k];
+}
+
+static void sum_contact(pel_rigid_sum *sum, const pel_rigids *rigids, const pel_contact *contact,
+                        const pel_record *positions)
+{
+    const double weights[4] = {(double)contact->weights[0], (double)contact->weights[1], (double)contact->weights[2],
+                               (double)contact->weights[3]};
+    pel_rigid_sum_set(sum, rigids, contact->vertices, weights, 4, positions);
+}
+
+void pel_rigid_contact_move(const pel_rigids *rigids, const pel_contact *contact, pel_record *positions,
+                            const double impulse[3])
+{
+    pel_rigid_sum sum;
+    sum_contact(&sum, rigids, contact, positions);
+    pel_rigid_sum_push(&sum, rigids, positions, impulse);
+}
+
+double pel_rigid_contact_mobility(const pel_rigids *rigids, const pel_contact *contact, const pel_record *positions)
+{
+    pel_rigid_sum sum;
+    double normal[3];
+    sum_contact(&sum, rigids, contact, positions);
+    read_normal(contact, normal);
+    return pel_rigid_sum_mobility(&sum, normal);
+}
+
+/* friction: takes back as much of the way across the normal since the start as it can hold */
+static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *positions, const pel_record *start,
+                const double normal[3])
+{
+    pel_rigid_sum sum;
+    double slip[3], x[3], way[3], drag[3], change[3];
+    sum_contact(&sum, rigids, contact, positions);
+    for (int k = 0; k < 3; k++)
+        slip[k] = sum.value[k] - (double)contact->drift[k];
+    for (int i = 0; i < 4; i++) {
+        pel_vertex_position(start, contact->vertices[i], x);
+        pel_vec3_along(slip, -sum.weights[i], x, slip);
+    }
+    pel_vec3_along(slip, -pel_vec3_dot(slip, normal), normal, slip);
+    pel_vec3_copy(slip, way);
+    double length = pel_vec3_normalize(way), free = length > 0 ? pel_rigid_sum_mobility(&sum, way) : 1;
+    if (!(free > 0))
+        return;
+    for (int k = 0; k < 3; k++)
+        drag[k] = (double)contact->drag[k] - slip[k] / free;
+    double limit = (double)contact->friction * (double)contact->multiplier, size = pel_vec3_length(drag);
+    if (size > limit)
+        pel_vec3_scale(drag, limit / size, drag);
+    for (int k = 0; k < 3; k++) {
+        change[k] = drag[k] - (double)contact->drag[k];
+        contact->drag[k] = (pel_real)drag[k];
+    }
+    pel_rigid_sum_push(&sum, rigids, positions, change);
+}
+
+double pel_rigid_contact_project(const pel_rigids *rigids, pel_contact *contact, pel_record *positions,
+                                 const pel_record *start, double rate, double *carried)
+{
+    pel_rigid_sum sum;
+    double normal[3], impulse[3];
+    sum_contact(&sum, rigids, contact, positions);
+    read_normal(contact, normal);
+    double load = (double)contact->multiplier, compliance = rate * (double)contact->compliance;
+    double gap = pel_vec3_dot(sum.value, normal) - (double)contact->separation;
+    *carried = 0;
+    if (!(gap < 0) && !(load > 0))
+        return 0;
+    double free = pel_rigid_sum_mobility(&sum, normal);
+    if (!(free > 0))
+        return 0;
+    double change = -(gap + compliance * load) / (free + compliance);
+    change = change > -load ? change : -load;
+    contact->multiplier = (pel_real)(load + change);
+    pel_vec3_scale(normal, change, impulse);
+    pel_rigid_sum_push(&sum, rigids, positions, impulse);
+    if (contact->friction > 0)
+        rub(rigids, contact, positions, start, normal);
+    *carried = free * (load + change);
+    return free * fabs(change);
+}
+
+/* the velocities that an impulse would take from the vertices alone: forces are found from them (tool/contact_force.c)
+ */
+static void tell_impulse(pel_contact *contact, const pel_record *positions, const double impulse[3])
+{
+    double free = 0;
+    for (int i = 0; i < 4; i++)
+        free += (double)positions[contact->vertices[i]][3] * (double)contact->weights[i] * (double)contact->weights[i];
+    for (int k = 0; k < 3; k++)
+        contact->stopped[k] = (pel_real)((double)contact->stopped[k] + free * impulse[k]);
+}
+
+void pel_rigid_contact_stop(const pel_rigids *rigids, pel_contact *contact, const pel_record *positions,
+                            pel_record *velocities, double dt)
+{
+    pel_rigid_sum sum;
+    double normal[3], relative[3], across[3], impulse[3];
+    sum_contact(&sum, rigids, contact, positions);
+    read_normal(contact, normal);
+    pel_rigid_sum_velocity(&sum, rigids, velocities, relative);
+    for (int k = 0; k < 3; k++)
+        relative[k] -= (double)contact->drift[k] / dt;
+    double free = pel_rigid_sum_mobility(&sum, normal), along = pel_vec3_dot(relative, normal);
+    if (!(free > 0) || !(along < 0))
+        return;
+    pel_vec3_along(relative, -along, normal, across);
+    double length = pel_vec3_normalize(across), push = -along / free;
+    double drag = length > 0 ? length / pel_rigid_sum_mobility(&sum, across) : 0;
+    double limit = (double)contact->friction * push;
+    pel_vec3_scale(normal, push, impulse);
+    pel_vec3_along(impulse, -(drag < limit ? drag : limit), across, impulse);
+    pel_rigid_sum_hit(&sum, rigids, positions, velocities, impulse);
+    tell_impulse(contact, positions, impulse);
+}

@@ -1,0 +1,99 @@
+#include "model/rigid_body.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "model/quantity.h"
+
+#include <math.h>
+
+static const char *find_company(const pel_body_def *def)
+{
+    const struct {
+        bool is_on;
+        const char *name;
+    } parts[] = {{def->shell.membrane.on, "a membrane"},
+                 {def->shell.bending.model != PEL_BENDING_NONE, "bending"},
+                 {def->shell.anisotropy_count > 0, "fibres"},
+                 {def->shell.pressure.kind != PEL_PRESSURE_NONE, "pressure"},
+                 {def->volume.on, "a volume"},
+                 {def->refine.levels > 0, "refinement"},
+                 {def->origins != NULL, "cuts"},
+                 {def->adhesion > 0 || def->released_count > 0, "an adhesion"},
+                 {def->fluid_density > 0, "a liquid"}};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (parts[i].is_on)
+            return parts[i].name;
+    return NULL;
+}
+
+pel_status pel_rigid_body_check(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_rigid_def *rigid = &def->rigid;
+    if (!rigid->on)
+        return PEL_OK;
+    const char *part = find_company(def);
+    if (part != NULL)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "leave it out, or the rigid part",
+                                  "a rigid body has %s", part);
+    if (!(rigid->mass >= 0 && isfinite(rigid->mass)))
+        return pel_body_refuse(error, body, "rigid mass", rigid->mass, "give a number of kg, or 0 for a density");
+    if (!(rigid->mass > 0) && !(rigid->density > 0 && isfinite(rigid->density)))
+        return pel_body_refuse(error, body, "rigid density", rigid->density, "give a number of kg/m3 above 0");
+    if (!(rigid->thickness >= 0 && isfinite(rigid->thickness)))
+        return pel_body_refuse(error, body, "rigid thickness", rigid->thickness,
+                               "give a number of metres, or 0 for a filled body");
+    return PEL_OK;
+}
+
+void pel_rigid_body_stiffen(pel_body_def *def)
+{
+    if (!def->rigid.on)
+        return;
+    def->mass_kind = PEL_MASS_TOTAL;
+    def->mass = 1;
+    def->spring_stiffness = def->spring_damping = (pel_quantity){0};
+    def->volumetric_stiffness = def->volumetric_damping = (pel_quantity){0};
+    def->spring_thickness = def->spring_retardation = def->volumetric_depth = 0;
+    def->volumetric_by_area = false;
+}
+
+static pel_status find_inertia(const pel_body_def *def, const pel_body *body, pel_inertia *inertia, pel_error *error)
+{
+    const pel_rigid_def *rigid = &def->rigid;
+    bool is_sheet = rigid->thickness > 0;
+    if (!is_sheet && !body->has_volume)
+        return pel_refuse(error, PEL_BAD_ARGUMENT,
+                          "give rigid.thickness, of the sheet that it is, or a mesh without borders",
+                          body->closed ? "a rigid body encloses no volume, and has no inertia"
+                                       : "a rigid body has an open mesh, which encloses no volume");
+    double density = rigid->mass > 0 ? 1 : rigid->density;
+    if (is_sheet)
+        pel_inertia_of_sheet(body->mesh, density * rigid->thickness, inertia);
+    else
+        pel_inertia_of_solid(body->mesh, density, inertia);
+    double scale = rigid->mass > 0 ? rigid->mass / inertia->mass : 1;
+    inertia->mass *= scale;
+    for (int a = 0; a < 3; a++)
+        pel_vec3_scale(inertia->tensor[a], scale, inertia->tensor[a]);
+    double inverse[3][3];
+    if (inertia->mass > 0 && isfinite(inertia->mass) && pel_inertia_invert((const double(*)[3])inertia->tensor, inverse))
+        return PEL_OK;
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "give a mesh with extent across its longest axis, and a mass above 0",
+                      "a rigid body of %g kg has no inertia about one of its axes", inertia->mass);
+}
+
+pel_status pel_rigid_body_create(const pel_body_def *def, pel_body *body, double *areas, pel_error *error)
+{
+    pel_inertia inertia;
+    pel_status status = find_inertia(def, body, &inertia, error);
+    if (status != PEL_OK)
+        return status;
+    if (!pel_inertia_lump(body->mesh, &inertia, areas, areas))
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "turn its parts outward (`pellicle check --fix`)",
+                          "the center of mass of a rigid body lies outside of its mesh");
+    body->rigid = pel_allocate(1, sizeof *body->rigid);
+    if (body->rigid == NULL)
+        return pel_fail_memory(error);
+    pel_rigid_shape_set(body->rigid, &inertia, body->mesh, def->pinned, def->pinned_count);
+    return PEL_OK;
+}

@@ -1,0 +1,445 @@
+/* The free motion of a body with the angular momentum L, constant in space. In its own axes L is pi = R^T L, and the
+   midpoint rule
+
+       pi1 = pi0 - theta x m,    theta = h J^-1 m,    m = (pi0 + pi1) / 2
+
+   conserves both quadratic invariants of Euler's equations, energy and |pi|, exactly. theta is the vector of a Cayley
+   rotation, of the quaternion (theta / 2, 1): with R1 = R0 cay(theta) also R1 pi1 = R0 pi0 = L (Simo and Wong 1991,
+   "Unconditionally stable algorithms for rigid body dynamics that exactly preserve energy and momentum", for bodies
+   without torque). No functions of angles are needed. Fast rotations are divided, so that the angle is right too. */
+#include "rigid/rigid.h"
+
+#include "math/pose.h"
+
+#include <string.h>
+
+/* rad, of one midpoint step: its angle is too small by a twelfth of the square */
+#define MOST_TURN 0.05
+enum { MOST_TURNS = 4096, MOST_ROUNDS = 60 };
+#define ROUND_TOLERANCE 1e-16
+/* of the longest distance between pins: those nearer to a line are on it */
+#define LINE_TOLERANCE 1e-9
+
+static void multiply(const double m[3][3], const double x[3], double y[3])
+{
+    pel_vec3_set(y, pel_vec3_dot(m[0], x), pel_vec3_dot(m[1], x), pel_vec3_dot(m[2], x));
+}
+
+/* y = m^T x */
+static void multiply_back(const double m[3][3], const double x[3], double y[3])
+{
+    double sum[3] = {0};
+    for (int i = 0; i < 3; i++)
+        pel_vec3_along(sum, x[i], m[i], sum);
+    pel_vec3_copy(sum, y);
+}
+
+/* ---- shape ---- */
+
+/* the pin that is farthest from the first one, and the one farthest from the line of both; -1 = there is none */
+static void find_line(const pel_mesh *mesh, const int32_t *pinned, int32_t count, double axis[3], bool *is_line,
+                      bool *is_plane)
+{
+    const double *first = mesh->positions[pinned[0]];
+    double longest = 0, aside = 0, way[3], across[3];
+    for (int32_t i = 1; i < count; i++) {
+        pel_vec3_subtract(mesh->positions[pinned[i]], first, way);
+        double length = pel_vec3_length(way);
+        if (length > longest) {
+            longest = length;
+            pel_vec3_scale(way, 1 / length, axis);
+        }
+    }
+    for (int32_t i = 1; i < count && longest > 0; i++) {
+        pel_vec3_subtract(mesh->positions[pinned[i]], first, way);
+        pel_vec3_cross(way, axis, across);
+        double length = pel_vec3_length(across);
+        aside = length > aside ? length : aside;
+    }
+    *is_line = longest > 0;
+    *is_plane = longest > 0 && aside > LINE_TOLERANCE * longest;
+}
+
+void pel_rigid_shape_set(pel_rigid_shape *shape, const pel_inertia *inertia, const pel_mesh *mesh,
+                         const int32_t *pinned, int32_t pinned_count)
+{
+    bool is_line = false, is_plane = false;
+    double arm[3];
+    *shape = (pel_rigid_shape){.mass = inertia->mass, .is_free = pinned_count == 0};
+    shape->inverse_mass = shape->is_free ? 1 / inertia->mass : 0;
+    pel_vec3_copy(inertia->center, shape->center);
+    pel_vec3_copy(shape->is_free ? inertia->center : mesh->positions[pinned[0]], shape->pivot);
+    if (!shape->is_free)
+        find_line(mesh, pinned, pinned_count, shape->axis, &is_line, &is_plane);
+    shape->has_axis = is_line && !is_plane;
+    shape->has_joint = !is_plane;
+    pel_vec3_subtract(shape->center, shape->pivot, arm);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            shape->inertia[a][b] = inertia->tensor[a][b] +
+                                   inertia->mass * ((a == b ? pel_vec3_squared_length(arm) : 0) - arm[a] * arm[b]);
+    if (!is_line)
+        pel_inertia_invert((const double(*)[3])shape->inertia, shape->inverse_inertia);
+    if (!shape->has_axis)
+        return;
+    double turned[3];
+    multiply((const double(*)[3])shape->inertia, shape->axis, turned);
+    double about = pel_vec3_dot(turned, shape->axis);
+    for (int a = 0; a < 3; a++)
+        pel_vec3_scale(shape->axis, shape->axis[a] / about, shape->inverse_inertia[a]);
+}
+
+/* ---- states ---- */
+
+/* angular velocity in space */
+static void spin_of(const pel_rigid_shape *shape, const pel_rigid_state *state, double spin[3])
+{
+    double own[3], turned[3];
+    pel_rotate_back(state->rotation, state->angular_momentum, own);
+    multiply((const double(*)[3])shape->inverse_inertia, own, turned);
+    pel_rotate(state->rotation, turned, spin);
+}
+
+/* Momenta of a motion of the center. Those about a pinned pivot are J_center spin + arm x M velocity, for the tensor
+   about the pivot is larger by M (|arm|^2 - arm arm^T); of them stays what pins leave. */
+static void set_momenta(const pel_rigid_shape *shape, const double velocity[3], const double spin[3],
+                        pel_rigid_state *state)
+{
+    double arm[3], own[3], along[3], push[3], turned[3];
+    pel_rotate_back(state->rotation, spin, own);
+    multiply((const double(*)[3])shape->inertia, own, turned);
+    pel_rotate(state->rotation, turned, state->angular_momentum);
+    pel_vec3_scale(velocity, shape->is_free ? shape->mass : 0, state->momentum);
+    if (shape->is_free)
+        return;
+    pel_vec3_subtract(shape->center, shape->pivot, arm);
+    pel_rotate(state->rotation, arm, arm);
+    pel_vec3_cross(spin, arm, along);
+    pel_vec3_subtract(velocity, along, along);
+    pel_vec3_cross(arm, along, push);
+    pel_vec3_along(state->angular_momentum, shape->mass, push, state->angular_momentum);
+    if (shape->has_axis)
+        pel_vec3_scale(shape->axis, pel_vec3_dot(shape->axis, state->angular_momentum), state->angular_momentum);
+    else if (!shape->has_joint)
+        pel_vec3_set(state->angular_momentum, 0, 0, 0);
+}
+
+void pel_rigid_state_start(const pel_rigid_shape *shape, const double velocity[3], const double spin[3],
+                           pel_rigid_state *state)
+{
+    *state = (pel_rigid_state){.rotation = {0, 0, 0, 1}};
+    pel_vec3_copy(shape->pivot, state->pivot);
+    set_momenta(shape, velocity, spin, state);
+}
+
+void pel_rigid_set_motion(pel_rigid *rigid, const double velocity[3], const double spin[3])
+{
+    set_momenta(rigid->shape, velocity, spin, &rigid->state);
+}
+
+void pel_rigid_center(const pel_rigid_shape *shape, const pel_rigid_state *state, double center[3], double velocity[3],
+                      double spin[3], double angular_momentum[3])
+{
+    double arm[3], turn[3], speed[3], own[3];
+    pel_vec3_subtract(shape->center, shape->pivot, arm);
+    pel_rotate(state->rotation, arm, arm);
+    spin_of(shape, state, turn);
+    pel_vec3_cross(turn, arm, speed);
+    pel_vec3_along(speed, shape->inverse_mass, state->momentum, speed);
+    if (center != NULL)
+        pel_vec3_add(state->pivot, arm, center);
+    if (velocity != NULL)
+        pel_vec3_copy(speed, velocity);
+    if (spin != NULL)
+        pel_vec3_copy(turn, spin);
+    if (angular_momentum == NULL)
+        return;
+    /* all of it, not only what pins leave */
+    double about[3];
+    pel_rotate_back(state->rotation, turn, own);
+    multiply((const double(*)[3])shape->inertia, own, about);
+    pel_rotate(state->rotation, about, angular_momentum);
+    pel_vec3_cross(arm, speed, about);
+    pel_vec3_along(angular_momentum, shape->is_free ? 0 : -shape->mass, about, angular_momentum);
+}
+
+double pel_rigid_kinetic_energy(const pel_rigid_shape *shape, const pel_rigid_state *state)
+{
+    double spin[3];
+    spin_of(shape, state, spin);
+    return 0.5 * (shape->inverse_mass * pel_vec3_squared_length(state->momentum) +
+                  pel_vec3_dot(spin, state->angular_momentum));
+}
+
+/* ---- in a step ---- */
+
+static void set_matrix(pel_rigid *rigid)
+{
+    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < 3; k++) {
+        double turned[3];
+        pel_rotate(rigid->state.rotation, axes[k], turned);
+        for (int i = 0; i < 3; i++)
+            rigid->matrix[i][k] = turned[i];
+    }
+}
+
+void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state)
+{
+    rigid->state = *state;
+    rigid->started = *state;
+    pel_vec3_set(rigid->impulse, 0, 0, 0);
+    pel_vec3_set(rigid->moment, 0, 0, 0);
+    set_matrix(rigid);
+}
+
+/* of a vertex from the pivot, now */
+static void arm_of(const pel_rigid *rigid, const pel_rigids *rigids, int32_t v, double arm[3])
+{
+    double local[3];
+    pel_vertex_position(rigids->rest, v, local);
+    pel_vec3_subtract(local, rigid->shape->pivot, local);
+    multiply((const double(*)[3])rigid->matrix, local, arm);
+}
+
+void pel_rigids_place(pel_rigids *rigids, pel_record *positions)
+{
+    for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
+        pel_rigid *rigid = &rigids->items[i];
+        for (int32_t v = rigid->begin; rigid->is_moved && v < rigid->end; v++) {
+            double arm[3];
+            if (!(rigids->inverse_mass[v] > 0) && !rigid->shape->is_free)
+                continue;
+            arm_of(rigid, rigids, v, arm);
+            for (int k = 0; k < 3; k++)
+                positions[v][k] = (pel_real)(rigid->state.pivot[k] + arm[k]);
+        }
+        rigid->is_moved = false;
+    }
+}
+
+/* angular velocity */
+static void turn_by(const pel_rigid *rigid, const double angular_momentum[3], double turn[3])
+{
+    double own[3], turned[3];
+    multiply_back((const double(*)[3])rigid->matrix, angular_momentum, own);
+    multiply((const double(*)[3])rigid->shape->inverse_inertia, own, turned);
+    multiply((const double(*)[3])rigid->matrix, turned, turn);
+}
+
+void pel_rigid_place_velocities(const pel_rigid *rigid, const pel_rigids *rigids, const pel_record *positions,
+                                pel_record *velocities)
+{
+    double spin[3], velocity[3], arm[3];
+    turn_by(rigid, rigid->state.angular_momentum, spin);
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        pel_vertex_position(positions, v, arm);
+        pel_vec3_subtract(arm, rigid->state.pivot, arm);
+        pel_vec3_cross(spin, arm, velocity);
+        pel_vec3_along(velocity, rigid->shape->inverse_mass, rigid->state.momentum, velocity);
+        bool is_pinned = !(rigids->inverse_mass[v] > 0) && !rigid->shape->is_free;
+        for (int k = 0; k < 3; k++)
+            velocities[v][k] = is_pinned ? 0 : (pel_real)velocity[k];
+    }
+}
+
+/* what the bearing of a hinge takes */
+static void keep_axis(pel_rigid *rigid)
+{
+    if (rigid->shape->has_axis)
+        pel_vec3_scale(rigid->shape->axis, pel_vec3_dot(rigid->shape->axis, rigid->state.angular_momentum),
+                       rigid->state.angular_momentum);
+    else if (!rigid->shape->has_joint)
+        pel_vec3_set(rigid->state.angular_momentum, 0, 0, 0);
+}
+
+void pel_rigid_kick(pel_rigid *rigid, const double force[3], const double torque[3], double time)
+{
+    if (rigid->is_fixed)
+        return;
+    if (rigid->shape->is_free)
+        pel_vec3_along(rigid->state.momentum, time, force, rigid->state.momentum);
+    pel_vec3_along(rigid->state.angular_momentum, time, torque, rigid->state.angular_momentum);
+    keep_axis(rigid);
+}
+
+/* rotation <- rotation (theta / 2, 1), in the axes of the body; in those of space if `is_before` */
+static void turn(double rotation[4], const double theta[3], bool is_before)
+{
+    double q[4] = {0.5 * theta[0], 0.5 * theta[1], 0.5 * theta[2], 1};
+    if (is_before)
+        pel_rotation_product(q, rotation, rotation);
+    else
+        pel_rotation_product(rotation, q, rotation);
+    double length = sqrt(pel_vec3_dot(rotation, rotation) + rotation[3] * rotation[3]);
+    for (int i = 0; i < 4; i++)
+        rotation[i] /= length;
+}
+
+/* one midpoint step */
+static void turn_freely(pel_rigid *rigid, double own[3], double time)
+{
+    double middle[3], theta[3], next[3], change[3], size = pel_vec3_length(own);
+    pel_vec3_copy(own, middle);
+    for (int round = 0; round < MOST_ROUNDS; round++) {
+        multiply((const double(*)[3])rigid->shape->inverse_inertia, middle, theta);
+        pel_vec3_scale(theta, time, theta);
+        pel_vec3_cross(theta, middle, change);
+        pel_vec3_subtract(own, change, next);
+        pel_vec3_along(own, -0.5, change, change);
+        double moved = pel_vec3_distance(change, middle);
+        pel_vec3_copy(change, middle);
+        if (!(moved > ROUND_TOLERANCE * size))
+            break;
+    }
+    pel_vec3_copy(next, own);
+    turn(rigid->state.rotation, theta, false);
+}
+
+void pel_rigid_drift(pel_rigid *rigid, double time)
+{
+    pel_rigid_state *state = &rigid->state;
+    double own[3], spin[3];
+    if (rigid->is_fixed)
+        return;
+    pel_vec3_along(state->pivot, time * rigid->shape->inverse_mass, state->momentum, state->pivot);
+    turn_by(rigid, state->angular_momentum, spin);
+    double turns = ceil(time * pel_vec3_length(spin) / MOST_TURN);
+    int32_t count = turns < MOST_TURNS ? (int32_t)turns : MOST_TURNS;
+    rigid->is_moved = true;
+    if (count == 0)
+        return;
+    multiply_back((const double(*)[3])rigid->matrix, state->angular_momentum, own);
+    for (int32_t i = 0; i < count; i++)
+        turn_freely(rigid, own, time / count);
+    set_matrix(rigid);
+}
+
+/* ---- pushes ---- */
+
+void pel_rigid_grip_add(pel_rigid_grip *grip, const pel_rigids *rigids, int32_t v, double weight)
+{
+    double arm[3];
+    arm_of(grip->rigid, rigids, v, arm);
+    grip->weight += weight;
+    pel_vec3_along(grip->arm, weight, arm, grip->arm);
+}
+
+double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3])
+{
+    double torque[3], theta[3];
+    if (grip->rigid->is_fixed)
+        return 0;
+    pel_vec3_cross(grip->arm, direction, torque);
+    turn_by(grip->rigid, torque, theta);
+    return grip->weight * grip->weight * grip->rigid->shape->inverse_mass + pel_vec3_dot(torque, theta);
+}
+
+void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3])
+{
+    pel_rigid *rigid = grip->rigid;
+    double torque[3];
+    if (rigid->is_fixed)
+        return;
+    pel_vec3_cross(grip->arm, impulse, torque);
+    pel_vec3_along(rigid->impulse, grip->weight, impulse, rigid->impulse);
+    pel_vec3_add(rigid->moment, torque, rigid->moment);
+    if (rigid->shape->is_free)
+        pel_vec3_along(rigid->state.momentum, grip->weight, impulse, rigid->state.momentum);
+    pel_vec3_add(rigid->state.angular_momentum, torque, rigid->state.angular_momentum);
+    keep_axis(rigid);
+    rigid->state.is_touched = true;
+}
+
+void pel_rigid_push(const pel_rigid_grip *grip, const double push[3], double rate)
+{
+    pel_rigid *rigid = grip->rigid;
+    double torque[3], theta[3], impulse[3];
+    if (rigid->is_fixed)
+        return;
+    pel_vec3_scale(push, rate, impulse);
+    pel_rigid_hit(grip, impulse);
+    pel_vec3_cross(grip->arm, push, torque);
+    turn_by(rigid, torque, theta);
+    pel_vec3_along(rigid->state.pivot, grip->weight * rigid->shape->inverse_mass, push, rigid->state.pivot);
+    turn(rigid->state.rotation, theta, true);
+    set_matrix(rigid);
+    rigid->is_moved = true;
+}
+
+void pel_rigid_grip_velocity(const pel_rigid_grip *grip, double velocity[3])
+{
+    const pel_rigid *rigid = grip->rigid;
+    double spin[3];
+    turn_by(rigid, rigid->state.angular_momentum, spin);
+    pel_vec3_cross(spin, grip->arm, velocity);
+    pel_vec3_along(velocity, grip->weight * rigid->shape->inverse_mass, rigid->state.momentum, velocity);
+}
+
+/* ---- places ---- */
+
+void pel_rigid_go_back(pel_rigid *rigid, const pel_rigid_state *state, double share)
+{
+    static const double shorter[3] = {0};
+    const pel_rigid_state *before = &rigid->before;
+    double way[3], turned[3];
+    pel_vec3_subtract(state->pivot, before->pivot, way);
+    pel_vec3_along(before->pivot, share, way, rigid->state.pivot);
+    pel_rotation_between(before->rotation, state->rotation, shorter, turned);
+    pel_rotation_turn(before->rotation, turned, share, rigid->state.rotation);
+    pel_vec3_scale(state->momentum, share, rigid->state.momentum);
+    pel_vec3_scale(state->angular_momentum, share, rigid->state.angular_momentum);
+    set_matrix(rigid);
+    rigid->is_moved = true;
+}
+
+/* the rotation that fits a matrix A = sum m x X^T best, from a guess: torques of its columns (Mueller et al. 2016,
+   "A robust method to extract the rotational part of deformations") */
+static void fit_rotation(const double a[3][3], pel_rigid *rigid)
+{
+    for (int round = 0; round < MOST_ROUNDS; round++) {
+        double torque[3] = {0}, along = 0, size = 0;
+        for (int k = 0; k < 3; k++) {
+            const double r[3] = {rigid->matrix[0][k], rigid->matrix[1][k], rigid->matrix[2][k]};
+            const double column[3] = {a[0][k], a[1][k], a[2][k]};
+            double cross[3];
+            pel_vec3_cross(r, column, cross);
+            pel_vec3_add(torque, cross, torque);
+            along += pel_vec3_dot(r, column);
+            size += pel_vec3_length(column);
+        }
+        pel_vec3_scale(torque, 1 / (fabs(along) + 1e-9 * size), torque);
+        if (!(pel_vec3_length(torque) > 1e-15))
+            return;
+        pel_rotation_turn(rigid->state.rotation, torque, 1, rigid->state.rotation);
+        set_matrix(rigid);
+    }
+}
+
+void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *positions)
+{
+    double sum = 0, center[3] = {0}, rest[3] = {0}, x[3], own[3], a[3][3] = {{0}};
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        double mass = (double)masses[v];
+        pel_vertex_position(positions, v, x);
+        pel_vertex_position(rigids->rest, v, own);
+        pel_vec3_along(center, mass, x, center);
+        pel_vec3_along(rest, mass, own, rest);
+        sum += mass;
+    }
+    pel_vec3_scale(center, 1 / sum, center);
+    pel_vec3_scale(rest, 1 / sum, rest);
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        pel_vertex_position(positions, v, x);
+        pel_vertex_position(rigids->rest, v, own);
+        pel_vec3_subtract(x, center, x);
+        pel_vec3_subtract(own, rest, own);
+        for (int i = 0; i < 3; i++)
+            pel_vec3_along(a[i], (double)masses[v] * x[i], own, a[i]);
+    }
+    fit_rotation((const double(*)[3])a, rigid);
+    pel_vec3_subtract(rigid->shape->pivot, rest, own);
+    multiply((const double(*)[3])rigid->matrix, own, own);
+    if (rigid->shape->is_free)
+        pel_vec3_add(center, own, rigid->state.pivot);
+}
