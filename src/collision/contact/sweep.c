@@ -93,10 +93,11 @@ static record4 rub(pel_contact *contact, record4 slip, record4 normal, double fr
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start)
 {
     double largest = 0, carried = 0, rate = 1 / (list->substep * list->substep);
+    list->rigid_moved = 0;
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         if (pel_contact_is_rigid(list->rigids, contact)) {
-            double own, moved = pel_rigid_contact_project(list->rigids, contact, positions, start, rate, &own);
+            double own, moved = pel_rigid_contact_project(list, contact, positions, start, &own);
             largest = moved > largest ? moved : largest;
             carried = own > carried ? own : carried;
             continue;
@@ -184,11 +185,9 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions, double mos
             continue;
         if (is_rubbed(contact))
             list->is_rubbed = true;
-        else
-            kept = last * leave((is_rigid ? pel_rigid_contact_mobility(list->rigids, contact, positions)
-                                          : mobility(contact, positions)) *
-                                    (double)last,
-                                most);
+        /* sweeps over rigid bodies go on until they have settled */
+        else if (!is_rigid)
+            kept = last * leave(mobility(contact, positions) * (double)last, most);
         contact->multiplier = kept;
         turn_drag(contact);
         for (int k = 0; k < 3; k++) {

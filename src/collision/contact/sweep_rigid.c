@@ -26,15 +26,6 @@ void pel_rigid_contact_move(const pel_rigids *rigids, const pel_contact *contact
     pel_rigid_sum_push(&sum, rigids, positions, impulse);
 }
 
-double pel_rigid_contact_mobility(const pel_rigids *rigids, const pel_contact *contact, const pel_record *positions)
-{
-    pel_rigid_sum sum;
-    double normal[3];
-    sum_contact(&sum, rigids, contact, positions);
-    read_normal(contact, normal);
-    return pel_rigid_sum_mobility(&sum, normal);
-}
-
 /* friction: takes back as much of the way across the normal since the start as it can hold */
 static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *positions, const pel_record *start,
                 const double normal[3])
@@ -65,9 +56,11 @@ static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *posi
     pel_rigid_sum_push(&sum, rigids, positions, change);
 }
 
-double pel_rigid_contact_project(const pel_rigids *rigids, pel_contact *contact, pel_record *positions,
-                                 const pel_record *start, double rate, double *carried)
+double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,
+                                 const pel_record *start, double *carried)
 {
+    const pel_rigids *rigids = list->rigids;
+    double rate = 1 / (list->substep * list->substep);
     pel_rigid_sum sum;
     double normal[3], impulse[3];
     sum_contact(&sum, rigids, contact, positions);
@@ -88,7 +81,10 @@ double pel_rigid_contact_project(const pel_rigids *rigids, pel_contact *contact,
     if (contact->friction > 0)
         rub(rigids, contact, positions, start, normal);
     *carried = free * (load + change);
-    return free * fabs(change);
+    double moved = free * fabs(change);
+    if (sum.looseness <= 0 && moved > list->rigid_moved)
+        list->rigid_moved = moved;
+    return moved;
 }
 
 /* the velocities that an impulse would take from the vertices alone: forces are found from them (tool/contact_force.c)

@@ -14,14 +14,12 @@ static inline bool pel_contact_is_rigid(const pel_rigids *rigids, const pel_cont
 }
 
 /* Finds the load that keeps the gap open, and friction; returns the correction of the gap [m] and, in carried, how far
-   the load moves it. rate: 1 / s2 of the substep. */
-double pel_rigid_contact_project(const pel_rigids *rigids, pel_contact *contact, pel_record *positions,
-                                 const pel_record *start, double rate, double *carried);
+   the load moves it; list->rigid_moved follows. */
+double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,
+                                 const pel_record *start, double *carried);
 /* moves what it touches by an impulse times the substep [N s2] */
 void pel_rigid_contact_move(const pel_rigids *rigids, const pel_contact *contact, pel_record *positions,
                             const double impulse[3]);
-/* how far 1 N s2 along the normal moves the gap [m] */
-double pel_rigid_contact_mobility(const pel_rigids *rigids, const pel_contact *contact, const pel_record *positions);
 /* takes away the velocity of approach, see pel_contacts_stop */
 void pel_rigid_contact_stop(const pel_rigids *rigids, pel_contact *contact, const pel_record *positions,
                             pel_record *velocities, double dt);

@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "pellicle/sim_reading.h"
+#include "pellicle/sim_rigid.h"
 #include "pellicle/tear.h"
 
 #include <errno.h>
@@ -94,6 +95,18 @@ static bool has_pins(const pel_run_series *series, int32_t body)
 
 static const char *const body_columns[] = {"contact_force", "contact_force_x", "contact_force_y", "contact_force_z"};
 enum { BODY_COLUMN_COUNT = sizeof body_columns / sizeof body_columns[0] };
+
+/* of the center of mass of rigid bodies */
+static const char *const rigid_columns[] = {
+    "x",          "y",          "z",          "rotation_x",         "rotation_y",         "rotation_z",        "rotation_w",
+    "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"};
+enum { RIGID_COLUMN_COUNT = sizeof rigid_columns / sizeof rigid_columns[0] };
+
+static bool is_rigid(const pel_sim *sim, int32_t body)
+{
+    pel_rigid_reading reading;
+    return pel_sim_get_rigid(sim, body, &reading);
+}
 
 /* bodies that may touch each other */
 static bool have_contact(const pel_sim *sim)
@@ -229,6 +242,9 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; have_contact(sim) && c < BODY_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), body_columns[c]);
+    for (int32_t b = 0; b < pel_model_body_count(model); b++)
+        for (int c = 0; c < RIGID_COLUMN_COUNT && is_rigid(sim, b); c++)
+            put_named_column(series, pel_model_body_name(model, b), rigid_columns[c]);
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++) {
         put_text(series, ",");
         put_text(series, shell_columns[c]);
@@ -311,6 +327,21 @@ static void put_body(pel_run_series *series, const pel_sim *sim, int32_t body)
     put_force(series, force);
 }
 
+static void put_rigid(pel_run_series *series, const pel_sim *sim, int32_t body)
+{
+    pel_rigid_reading reading;
+    if (!pel_sim_get_rigid(sim, body, &reading))
+        return;
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.center[i]);
+    for (int i = 0; i < 4; i++)
+        put_number(series, reading.rotation[i]);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.momentum[i]);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.angular_momentum[i]);
+}
+
 static void put_ledger(pel_run_series *series, const pel_sim_ledger *ledger)
 {
     const double energies[LEDGER_COLUMN_COUNT] = {
@@ -355,7 +386,8 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_sim_tie_count(sim) * TIE_COLUMN_COUNT * name_room +
-        (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT) * name_room;
+        (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT + RIGID_COLUMN_COUNT) *
+            name_room;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(series->line, series->room), PEL_ROOM(series->has_pins, body_count)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < body_count; b++)
@@ -467,6 +499,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_tie(series, sim, t);
     for (int32_t b = 0; have_contact(sim) && b < pel_model_body_count(pel_sim_model(sim)); b++)
         put_body(series, sim, b);
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)
+        put_rigid(series, sim, b);
     const double energies[SHELL_COLUMN_COUNT] = {m->membrane_energy, m->bending_energy, m->fibre_energy};
     for (int c = 0; pel_sim_has_shells(sim) && c < SHELL_COLUMN_COUNT; c++)
         put_number(series, energies[c]);
