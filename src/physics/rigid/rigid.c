@@ -393,25 +393,50 @@ void pel_rigid_go_back(pel_rigid *rigid, const pel_rigid_state *state, double sh
     rigid->is_moved = true;
 }
 
-/* the rotation that fits a matrix A = sum m x X^T best, from a guess: torques of its columns (Mueller et al. 2016,
-   "A robust method to extract the rotational part of deformations") */
+/* sum of r_k x a_k over the columns of the rotation and of A, and the size of the latter */
+static double find_torque(const double a[3][3], const pel_rigid *rigid, double torque[3])
+{
+    double along = 0, size = 0;
+    pel_vec3_set(torque, 0, 0, 0);
+    for (int k = 0; k < 3; k++) {
+        const double r[3] = {rigid->matrix[0][k], rigid->matrix[1][k], rigid->matrix[2][k]};
+        const double column[3] = {a[0][k], a[1][k], a[2][k]};
+        double cross[3];
+        pel_vec3_cross(r, column, cross);
+        pel_vec3_add(torque, cross, torque);
+        along += pel_vec3_dot(r, column);
+        size += pel_vec3_length(column);
+    }
+    return fabs(along) + 1e-9 * size;
+}
+
+/* tr(S) - S with the symmetric part S of A R^T: how the torque falls as the rotation turns */
+static void find_slope(const double a[3][3], const pel_rigid *rigid, double slope[3][3])
+{
+    double product[3][3], trace = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            product[i][k] = pel_vec3_dot(a[i], rigid->matrix[k]);
+    for (int k = 0; k < 3; k++)
+        trace += product[k][k];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            slope[i][k] = (i == k ? trace : 0) - 0.5 * (product[i][k] + product[k][i]);
+}
+
+/* The rotation that fits a matrix A = sum m x X^T best, from a guess: by torques of its columns (Mueller et al. 2016,
+   "A robust method to extract the rotational part of deformations"), near the end by Newton's method. */
 static void fit_rotation(const double a[3][3], pel_rigid *rigid)
 {
     for (int round = 0; round < MOST_ROUNDS; round++) {
-        double torque[3] = {0}, along = 0, size = 0;
-        for (int k = 0; k < 3; k++) {
-            const double r[3] = {rigid->matrix[0][k], rigid->matrix[1][k], rigid->matrix[2][k]};
-            const double column[3] = {a[0][k], a[1][k], a[2][k]};
-            double cross[3];
-            pel_vec3_cross(r, column, cross);
-            pel_vec3_add(torque, cross, torque);
-            along += pel_vec3_dot(r, column);
-            size += pel_vec3_length(column);
-        }
-        pel_vec3_scale(torque, 1 / (fabs(along) + 1e-9 * size), torque);
-        if (!(pel_vec3_length(torque) > 1e-15))
+        double torque[3], turned[3], slope[3][3], inverse[3][3], size = find_torque(a, rigid, torque);
+        pel_vec3_scale(torque, 1 / size, turned);
+        if (!(pel_vec3_length(turned) > 1e-15))
             return;
-        pel_rotation_turn(rigid->state.rotation, torque, 1, rigid->state.rotation);
+        find_slope(a, rigid, slope);
+        if (pel_vec3_length(turned) < 0.01 && pel_inertia_invert((const double(*)[3])slope, inverse))
+            multiply((const double(*)[3])inverse, torque, turned);
+        pel_rotation_turn(rigid->state.rotation, turned, 1, rigid->state.rotation);
         set_matrix(rigid);
     }
 }
