@@ -631,6 +631,8 @@ static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
         bodies[b].mesh = model->bodies[b].mesh;
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+        pel_rigid_body_stiffen(&bodies[b]);
     return status;
 }
 

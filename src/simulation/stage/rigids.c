@@ -131,8 +131,9 @@ void pel_rigids_kick(pel_sim *sim, const pel_record *positions, double h, const 
         pel_rigid_kick(rigid, force, torque, h);
         pel_vec3_copy(force, rigid->force);
         pel_vec3_copy(torque, rigid->torque);
-        /* pins take all of it, see add_reaction */
-        memset(sim->force + rigid->begin, 0, (size_t)(rigid->end - rigid->begin) * sizeof *sim->force);
+        /* pins take all of it, see add_reaction; what holds a body takes it by vertices */
+        if (!is_held(sim, rigid))
+            memset(sim->force + rigid->begin, 0, (size_t)(rigid->end - rigid->begin) * sizeof *sim->force);
     }
     if (sim->rigids != NULL)
         sim->rigids->rate = 1 / h;

@@ -30,6 +30,38 @@ static bool reaches(const pel_tool *tool, const double local[3])
                                : pel_solid_distance(&tool->solid, local, normal) <= tool->reach;
 }
 
+static void hold(pel_sim *sim, pel_tool *tool, int32_t v, const double anchor[3])
+{
+    sim->held[v] = 1;
+    sim->state->position[v][3] = 0;
+    pel_vec3_copy(anchor, tool->anchors[tool->held_count]);
+    tool->held[tool->held_count++] = v;
+}
+
+/* what holds a vertex of a rigid body holds all of it */
+static void hold_rigid_body(pel_sim *sim, pel_tool *tool, pel_rigid *rigid, const pel_record *positions)
+{
+    const pel_tool_path path =
+        pel_tool_path_at(tool, positions == sim->state->position ? &tool->pose_before : &tool->pose);
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        double x[3], anchor[3];
+        if (sim->held[v] || !(sim->model->inverse_mass[v] > 0))
+            continue;
+        pel_vertex_position(positions, v, x);
+        pel_tool_path_anchor(&path, v, x, anchor);
+        hold(sim, tool, v, anchor);
+    }
+}
+
+static void hold_rigid_bodies(pel_sim *sim, pel_tool *tool, const pel_record *positions)
+{
+    for (int32_t i = 0, count = tool->held_count; sim->rigids != NULL && i < count; i++) {
+        pel_rigid *rigid = pel_rigid_of(sim->rigids, tool->held[i]);
+        if (rigid != NULL)
+            hold_rigid_body(sim, tool, rigid, positions);
+    }
+}
+
 static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body, const pel_record *positions)
 {
     const pel_body *b = &sim->model->bodies[body];
@@ -41,12 +73,8 @@ static void grasp_body(pel_sim *sim, pel_tool *tool, int32_t body, const pel_rec
             continue;
         pel_vertex_position(positions, v, x);
         pel_pose_to_local(pose, x, local);
-        if (!reaches(tool, local))
-            continue;
-        sim->held[v] = 1;
-        sim->state->position[v][3] = 0;
-        pel_vec3_copy(local, tool->anchors[tool->held_count]);
-        tool->held[tool->held_count++] = v;
+        if (reaches(tool, local))
+            hold(sim, tool, v, local);
     }
 }
 
@@ -119,6 +147,7 @@ static void grasp_bodies(pel_sim *sim, pel_tool *tool, const pel_record *positio
             grasp_body(sim, tool, b, positions);
     if (tool->one_patch)
         keep_nearest_patch(sim, tool);
+    hold_rigid_bodies(sim, tool, positions);
 }
 
 void pel_tool_hold_at_rest(pel_sim *sim, pel_tool *tool, int32_t v)
@@ -158,6 +187,7 @@ static void hold_support(pel_sim *sim, pel_tool *tool, const pel_record *positio
             hold_in_place(sim, tool, tool->support[i], positions);
         else
             pel_tool_hold_at_rest(sim, tool, tool->support[i]);
+    hold_rigid_bodies(sim, tool, positions);
     if (tool->support_marks == NULL)
         return;
     const pel_refined_body *own = &sim->active->bodies[tool->body];
@@ -206,6 +236,7 @@ void pel_tool_take_patch(pel_sim *sim, pel_tool *tool, int32_t v)
     grasp_body(sim, tool, sim->model->body_of_slice[v / PEL_WIDTH], sim->state->position);
     if (sim->held[v])
         keep_patch(sim, tool, v);
+    hold_rigid_bodies(sim, tool, sim->state->position);
     sim->tools->held_is_listed = false;
     sim->state->older_is_known = false;
 }
@@ -350,6 +381,29 @@ static int32_t lose_weak(pel_sim *sim, pel_tool *tool)
     return lost_count;
 }
 
+static bool is_partly_held(const pel_sim *sim, const pel_rigid *rigid)
+{
+    bool is_held = false, is_loose = false;
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        is_held |= sim->held[v];
+        is_loose |= !sim->held[v] && sim->model->inverse_mass[v] > 0;
+    }
+    return is_held && is_loose;
+}
+
+/* what loses a vertex of a rigid body loses all of it */
+static void lose_rigid_bodies(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
+        const pel_rigid *rigid = &sim->rigids->items[i];
+        if (!is_partly_held(sim, rigid))
+            continue;
+        for (int32_t k = tool->held_count - 1; k >= 0; k--)
+            if (tool->held[k] >= rigid->begin && tool->held[k] < rigid->end)
+                release_one(sim, tool, k);
+    }
+}
+
 static void count_loss(pel_tool_tally *tally, int32_t count, double time, double limit)
 {
     if (tally->lost_count == 0) {
@@ -372,8 +426,10 @@ static void lose_above_limit(pel_sim *sim, pel_tool *tool, double time)
         limit = tool->strength;
         count = lose_weak(sim, tool);
     }
-    if (count > 0)
+    if (count > 0) {
+        lose_rigid_bodies(sim, tool);
         count_loss(&tool->tally, count, time, limit);
+    }
 }
 
 static void count_hold(pel_tool_tally *tally, double time)
