@@ -58,10 +58,10 @@ typedef struct pel_refine_def {
     size_t memory_limit; /* bytes for the levels of detail; default: 2 GiB; 0 = no limit */
 } pel_refine_def;
 
-/* A rigid body: its mesh never deforms. Masses, springs and volumetric springs of the body are not read. With one pinned
-   vertex it swings about that (a ball joint), with several on a line it turns about the line (a hinge); with others it
-   stands. Methods xpbd, pbd and pbd-distance; no membrane, bending, fibres, pressure, volume, liquid, refinement and
-   cuts. */
+/* A rigid body: its mesh never deforms. Masses, springs and volumetric springs of the body are not read. With one
+   pinned vertex it swings about that (a ball joint), with several on a line it turns about the line (a hinge); with
+   others it stands. Methods xpbd, pbd and pbd-distance; no membrane, bending, fibres, pressure, volume, liquid,
+   refinement and cuts. */
 typedef struct pel_rigid_def {
     bool on;          /* default: false */
     double density;   /* kg/m3, of the filling of a closed mesh, or of a sheet; default: 1000 */

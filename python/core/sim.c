@@ -391,6 +391,30 @@ static PyObject *sim_support(core_sim *self, PyObject *argument)
     return RECORD(&reading, support_members);
 }
 
+#define RIGID(member, count) CORE_ARRAY(pel_rigid_reading, member, CORE_DOUBLE, count)
+static const core_member rigid_members[] = {
+    CORE_MEMBER(pel_rigid_reading, mass, CORE_DOUBLE),
+    RIGID(center, 3),
+    RIGID(rotation, 4),
+    RIGID(velocity, 3),
+    RIGID(spin, 3),
+    RIGID(momentum, 3),
+    RIGID(angular_momentum, 3),
+    CORE_MEMBER(pel_rigid_reading, kinetic_energy, CORE_DOUBLE),
+};
+
+/* place and motion of a rigid body; None of others */
+static PyObject *sim_rigid(core_sim *self, PyObject *argument)
+{
+    pel_rigid_reading reading;
+    int32_t body = core_sim_body(self, argument);
+    if (body < 0)
+        return NULL;
+    if (pel_sim_get_rigid(self->sim, body, &reading))
+        return RECORD(&reading, rigid_members);
+    Py_RETURN_NONE;
+}
+
 /* names of the tools */
 static PyObject *sim_tools(core_sim *self, PyObject *unused)
 {
@@ -462,6 +486,7 @@ static PyMethodDef methods[] = {
     METHOD(contact_records, METH_NOARGS),
     METHOD(tool, METH_O),
     METHOD(support, METH_O),
+    METHOD(rigid, METH_O),
     METHOD(tools, METH_NOARGS),
     METHOD(state, METH_NOARGS),
     METHOD(time, METH_NOARGS),

@@ -391,6 +391,11 @@ class Simulation:
         """Force [N] and torque about the origin [N m] of a body on its pins and supports."""
         return self._core.support(body)
 
+    def rigid(self, body: Union[int, str] = 0) -> Optional[dict[str, Any]]:
+        """Place and motion of a rigid body: mass [kg], center [m], rotation (x, y, z, w), velocity [m/s], spin [rad/s], momentum [N s],
+        angular_momentum about the center [N m s] and kinetic_energy [J]; None for a body that deforms."""
+        return self._core.rigid(body)
+
     def set(self, path: str, value: Any) -> None:
         """Set a parameter by its path in the scene, between two steps: ``sim.set("bodies.ball.membrane.young", 2e4)``.
 

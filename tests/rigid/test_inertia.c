@@ -92,7 +92,8 @@ static void test_lump(void **state)
 {
     (void)state;
     enum { SIDES = 12 };
-    double positions[SIDES + 2][3] = {{0, 0, 1}, {0, 0, 0}}, shares[SIDES + 2], masses[SIDES + 2], sum = 0, center[3] = {0};
+    double positions[SIDES + 2][3] = {{0, 0, 1}, {0, 0, 0}}, shares[SIDES + 2], masses[SIDES + 2], sum = 0,
+                             center[3] = {0};
     int32_t triangles[2 * SIDES][3];
     for (int i = 0; i < SIDES; i++) {
         double angle = 2 * 3.14159265358979323846 * i / SIDES;

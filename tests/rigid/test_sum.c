@@ -18,7 +18,8 @@ typedef struct pair {
 /* boxes at the vertices 0 and 8, loose vertices from 16 on */
 static void make_pair(pair *p)
 {
-    static const double centers[2][3] = {{0, 0, 0}, {0.05, 0.02, 0.4}}, velocity[3] = {0.2, 0.5, 0}, spin[3] = {1, 2, 3};
+    static const double centers[2][3] = {{0, 0, 0}, {0.05, 0.02, 0.4}}, velocity[3] = {0.2, 0.5, 0},
+                        spin[3] = {1, 2, 3};
     memset(p, 0, sizeof *p);
     p->rigids = (pel_rigids){2, p->items, p->of_slice, p->rest, p->inverse, 50};
     for (int s = 0; s < SIZE; s++)

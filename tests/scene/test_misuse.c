@@ -595,6 +595,8 @@ static void test_sim_calls(void **unused)
         SURVIVES(pel_sim_get_body_contact(sim, wrong, some));
         SURVIVES(pel_sim_get_contacts(sim, wrong, some));
         SURVIVES(pel_sim_get_support(sim, wrong, &support));
+        pel_rigid_reading rigid;
+        SURVIVES(pel_sim_get_rigid(sim, wrong, &rigid));
         GIVES(pel_sim_tool_name(sim, wrong)[0] == '\0' && pel_sim_support_name(sim, wrong)[0] == '\0');
         SURVIVES(pel_sim_get_tool(sim, wrong, &tool));
         SURVIVES(pel_sim_get_support_part(sim, wrong, &support));

@@ -1,7 +1,7 @@
 /* Rigid bodies in whole simulations against closed forms: falls, collisions, tops, pendulums, slopes, stacks. */
-#include "stage/rigids.h"
-#include "failing_malloc.h"
 #include "../rigid/rigid_scene.h"
+#include "failing_malloc.h"
+#include "stage/rigids.h"
 
 #define GRAVITY 9.81
 static const double origin[3] = {0};
@@ -286,8 +286,8 @@ static void make_bouncing(rigid_scene *scene)
     scene->gravity = -GRAVITY;
     scene->def.contact.friction = 0.4;
     for (int i = 0; i < 2; i++)
-        pel_vec3_set(rigid_scene_add(scene, make_ball(0.05, 3, 0.02 * i, 0, 0.06 + 0.11 * i), 1000)->angular_velocity, 3,
-                     2, 1);
+        pel_vec3_set(rigid_scene_add(scene, make_ball(0.05, 3, 0.02 * i, 0, 0.06 + 0.11 * i), 1000)->angular_velocity,
+                     3, 2, 1);
     rigid_scene_floor(scene, 0);
 }
 

@@ -276,6 +276,7 @@ static void test_cut(void **unused)
         assert_near(tip[10], pel_vec3_length(tip + 7), 1e-12);
     }
     assert_null(pel_wasm_sim_tips(sim, 5));
+    assert_null(pel_wasm_sim_rigid(sim, 0));
     assert_int_equal(pel_wasm_sim_undo(sim), 1);
     assert_true(pel_wasm_sim_tips(sim, 0)[0] == 0);
     assert_int_equal(pel_wasm_sim_vertex_count(sim, 0), BALL_VERTICES);

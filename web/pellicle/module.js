@@ -300,6 +300,21 @@ export class Simulation {
         });
     }
 
+    rigid(body = 0) {
+        const address = this.#handle.call("rigid", this.#body(body));
+        if (!address) return null;
+        const [mass, ...rest] = this.#view(Float64Array, address, 21);
+        const [center, rotation, velocity, spin, momentum, angularMomentum] = [
+            [0, 3],
+            [3, 7],
+            [7, 10],
+            [10, 13],
+            [13, 16],
+            [16, 19],
+        ].map(([begin, end]) => rest.slice(begin, end));
+        return { mass, center, rotation, velocity, spin, momentum, angularMomentum, kineticEnergy: rest[19] };
+    }
+
     /* ---- steps and changes ---- */
 
     step(count = 1) {

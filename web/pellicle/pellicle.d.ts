@@ -133,6 +133,26 @@ export interface Summary {
     };
 }
 
+/** Of the center of mass of a rigid body. */
+export interface RigidReading {
+    /** kg */
+    readonly mass: number;
+    /** m */
+    readonly center: readonly number[];
+    /** unit quaternion (x, y, z, w) from the rest shape to now */
+    readonly rotation: readonly number[];
+    /** m/s */
+    readonly velocity: readonly number[];
+    /** rad/s */
+    readonly spin: readonly number[];
+    /** N s */
+    readonly momentum: readonly number[];
+    /** N m s, about the center */
+    readonly angularMomentum: readonly number[];
+    /** J */
+    readonly kineticEnergy: number;
+}
+
 /**
  * A simulation of a scene. If the library refuses a call, the method throws a PellicleError and the simulation is unchanged.
  * The arrays of `positions`, `triangles` and `field` are views of the memory of the module without a copy. They are valid until
@@ -168,6 +188,9 @@ export interface Simulation {
 
     /** The ends of cuts and tears inside the surface of a body, and in bodies that tear its sharp notches. */
     tips(body?: number | string): readonly Tip[];
+
+    /** Place and motion of a rigid body; null for a body that deforms. */
+    rigid(body?: number | string): RigidReading | null;
 
     /** Takes `count` steps (default: 1). If a step diverges, the simulation returns to the last mark, or to the start. */
     step(count?: number): void;

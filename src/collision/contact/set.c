@@ -93,8 +93,8 @@ void pel_contact_set_destroy(pel_contact_set *set)
                  set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
                  set->other_keys, set->calm, set->active, set->owed, set->other_contacts, set->heights.list.contacts,
                  set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
-                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs, set->tangles.keys,
-                 set->body_shares, set->body_impacts);
+                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
+                 set->tangles.keys, set->body_shares, set->body_impacts);
     pel_travel_destroy(&set->travel);
     pel_free(set);
 }
@@ -244,7 +244,8 @@ static void exchange_lists(pel_contact_set *set, int32_t count)
     pel_contact *list = set->list.contacts;
     pel_contact_key *keys = set->keys;
     size_t capacity = set->capacity, key_capacity = set->key_capacity;
-    set->list = (pel_contact_list){.contacts = set->other_contacts, .count = count, .substep = set->list.substep, .rigids = set->def.rigids};
+    set->list = (pel_contact_list){
+        .contacts = set->other_contacts, .count = count, .substep = set->list.substep, .rigids = set->def.rigids};
     set->keys = set->other_keys;
     set->capacity = set->other_capacity;
     set->key_capacity = set->other_key_capacity;

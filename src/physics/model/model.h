@@ -75,7 +75,7 @@ typedef struct pel_body {
     pel_curve curves[PEL_PARAMETER_COUNT];
     pel_body_levels *detail; /* null = no refinement */
     pel_shell *shell;        /* (shell.h) null = no membrane, bending, fibres or pressure */
-    pel_rigid_shape *rigid;                  /* null = deformable */
+    pel_rigid_shape *rigid;  /* null = deformable */
     const pel_front *front;  /* the surface, in an active model (refined_model.h) of a body with detail; else null */
 } pel_body;
 

@@ -76,7 +76,8 @@ static pel_status find_inertia(const pel_body_def *def, const pel_body *body, pe
     for (int a = 0; a < 3; a++)
         pel_vec3_scale(inertia->tensor[a], scale, inertia->tensor[a]);
     double inverse[3][3];
-    if (inertia->mass > 0 && isfinite(inertia->mass) && pel_inertia_invert((const double(*)[3])inertia->tensor, inverse))
+    if (inertia->mass > 0 && isfinite(inertia->mass) &&
+        pel_inertia_invert((const double(*)[3])inertia->tensor, inverse))
         return PEL_OK;
     return pel_refuse(error, PEL_BAD_ARGUMENT, "give a mesh with extent across its longest axis, and a mass above 0",
                       "a rigid body of %g kg has no inertia about one of its axes", inertia->mass);

@@ -146,6 +146,6 @@ void pel_state_destroy(pel_state *state)
     if (state == NULL)
         return;
     PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
-                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending, state->rigids,
-                 state->rigids_before, state->rigids_next, state);
+                 state->older_position, state->older_velocity, state->contact, state->factors, state->bending,
+                 state->rigids, state->rigids_before, state->rigids_next, state);
 }

@@ -51,8 +51,7 @@ static void finish(const moments *sum, const double origin[3], double density, p
         trace += sum->second[k][k] - sum->measure * c[k] * c[k];
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
-            inertia->tensor[a][b] =
-                density * ((a == b ? trace : 0) - (sum->second[a][b] - sum->measure * c[a] * c[b]));
+            inertia->tensor[a][b] = density * ((a == b ? trace : 0) - (sum->second[a][b] - sum->measure * c[a] * c[b]));
     pel_vec3_add(origin, c, inertia->center);
 }
 

@@ -76,8 +76,8 @@ void pel_rigid_shape_set(pel_rigid_shape *shape, const pel_inertia *inertia, con
     pel_vec3_subtract(shape->center, shape->pivot, arm);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
-            shape->inertia[a][b] = inertia->tensor[a][b] +
-                                   inertia->mass * ((a == b ? pel_vec3_squared_length(arm) : 0) - arm[a] * arm[b]);
+            shape->inertia[a][b] =
+                inertia->tensor[a][b] + inertia->mass * ((a == b ? pel_vec3_squared_length(arm) : 0) - arm[a] * arm[b]);
     if (!is_line)
         pel_inertia_invert((const double(*)[3])shape->inertia, shape->inverse_inertia);
     if (!shape->has_axis)

@@ -19,10 +19,10 @@
 typedef struct pel_rigid_shape {
     double mass, inverse_mass; /* kg; 1/kg of the pivot, 0 where it is pinned */
     double center[3], pivot[3];
-    bool is_free;                /* nothing is pinned */
-    bool has_joint, has_axis;    /* it can turn; about an axis alone, a hinge */
-    double axis[3];              /* unit, of a hinge */
-    double inertia[3][3];        /* kg m2, about the pivot */
+    bool is_free;                 /* nothing is pinned */
+    bool has_joint, has_axis;     /* it can turn; about an axis alone, a hinge */
+    double axis[3];               /* unit, of a hinge */
+    double inertia[3][3];         /* kg m2, about the pivot */
     double inverse_inertia[3][3]; /* of the rotations that pins leave */
 } pel_rigid_shape;
 
@@ -37,23 +37,23 @@ typedef struct pel_rigid {
     const pel_rigid_shape *shape;
     int32_t begin, end; /* its vertices */
     pel_rigid_state state;
-    double matrix[3][3];           /* the rotation of the state */
-    pel_rigid_state started;       /* at the start of the substep */
-    pel_rigid_state before;        /* at the start of the step, or of a part of it */
-    double force[3], torque[3];    /* N, N m about the pivot: loads in this substep */
-    double impulse[3], moment[3];  /* N s and N m s about the pivot, of all pushes in this substep */
-    bool is_fixed;                 /* it moves only as it is told in this step: held, or asleep */
-    bool is_moved;                 /* its vertices are not where it is */
+    double matrix[3][3];          /* the rotation of the state */
+    pel_rigid_state started;      /* at the start of the substep */
+    pel_rigid_state before;       /* at the start of the step, or of a part of it */
+    double force[3], torque[3];   /* N, N m about the pivot: loads in this substep */
+    double impulse[3], moment[3]; /* N s and N m s about the pivot, of all pushes in this substep */
+    bool is_fixed;                /* it moves only as it is told in this step: held, or asleep */
+    bool is_moved;                /* its vertices are not where it is */
 } pel_rigid;
 
 /* all of a simulation */
 typedef struct pel_rigids {
     int32_t count;
-    pel_rigid *items;      /* (count) */
-    int32_t *of_slice;     /* (slices) -1 = the body of the slice is not rigid */
-    const pel_record *rest; /* (vertex_count) */
+    pel_rigid *items;             /* (count) */
+    int32_t *of_slice;            /* (slices) -1 = the body of the slice is not rigid */
+    const pel_record *rest;       /* (vertex_count) */
     const pel_real *inverse_mass; /* (vertex_count) 0 = pinned */
-    double rate;           /* 1/s: impulses over the numbers that move the bodies, 0 = momenta stay */
+    double rate;                  /* 1/s: impulses over the numbers that move the bodies, 0 = momenta stay */
 } pel_rigids;
 
 /* the rigid body of a vertex; null = none */

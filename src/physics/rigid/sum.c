@@ -3,12 +3,12 @@
 
        W^2 / M d n + (I^-1 (a x d n)) x a
 
-   under a push d n (Mueller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section
-   3.3). Momenta are kept beside positions, and change by the same push over the substep.
+   under a push d n (Mueller et al. 2020, "Detailed rigid body simulation with extended position based dynamics",
+   section 3.3). Momenta are kept beside positions, and change by the same push over the substep.
 
-   Two free bodies that push each other conserve angular momentum: both feel the push at one point, in the middle between
-   them, and its arms are those to the pivots at the start of the substep, for a body that goes from p0 by h P / M has
-   p x P = p0 x P at the end. */
+   Two free bodies that push each other conserve angular momentum: both feel the push at one point, in the middle
+   between them, and its arms are those to the pivots at the start of the substep, for a body that goes from p0 by h P /
+   M has p x P = p0 x P at the end. */
 #include "rigid/sum.h"
 
 static pel_rigid_grip *find_grip(pel_rigid_sum *sum, pel_rigid *rigid)
@@ -98,8 +98,7 @@ static void move_loose(const pel_rigid_sum *sum, const pel_rigids *rigids, const
     }
 }
 
-void pel_rigid_sum_push(const pel_rigid_sum *sum, const pel_rigids *rigids, pel_record *positions,
-                        const double push[3])
+void pel_rigid_sum_push(const pel_rigid_sum *sum, const pel_rigids *rigids, pel_record *positions, const double push[3])
 {
     move_loose(sum, rigids, positions, push, positions);
     for (int i = 0; i < sum->grip_count; i++)

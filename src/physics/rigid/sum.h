@@ -7,7 +7,7 @@
 enum { PEL_SUM_MOST = 4, PEL_SUM_GRIPS = 4 };
 
 typedef struct pel_rigid_sum {
-    const int32_t *vertices; /* (PEL_SUM_MOST) */
+    const int32_t *vertices;      /* (PEL_SUM_MOST) */
     double weights[PEL_SUM_MOST]; /* 0 where unused */
     pel_rigid_grip grips[PEL_SUM_GRIPS];
     int grip_count;

@@ -97,9 +97,19 @@ static const char *const body_columns[] = {"contact_force", "contact_force_x", "
 enum { BODY_COLUMN_COUNT = sizeof body_columns / sizeof body_columns[0] };
 
 /* of the center of mass of rigid bodies */
-static const char *const rigid_columns[] = {
-    "x",          "y",          "z",          "rotation_x",         "rotation_y",         "rotation_z",        "rotation_w",
-    "momentum_x", "momentum_y", "momentum_z", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"};
+static const char *const rigid_columns[] = {"x",
+                                            "y",
+                                            "z",
+                                            "rotation_x",
+                                            "rotation_y",
+                                            "rotation_z",
+                                            "rotation_w",
+                                            "momentum_x",
+                                            "momentum_y",
+                                            "momentum_z",
+                                            "angular_momentum_x",
+                                            "angular_momentum_y",
+                                            "angular_momentum_z"};
 enum { RIGID_COLUMN_COUNT = sizeof rigid_columns / sizeof rigid_columns[0] };
 
 static bool is_rigid(const pel_sim *sim, int32_t body)
@@ -386,8 +396,8 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_sim_tie_count(sim) * TIE_COLUMN_COUNT * name_room +
-        (size_t)pel_model_body_count(pel_sim_model(sim)) * (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT + RIGID_COLUMN_COUNT) *
-            name_room;
+        (size_t)pel_model_body_count(pel_sim_model(sim)) *
+            (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT + RIGID_COLUMN_COUNT) * name_room;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(series->line, series->room), PEL_ROOM(series->has_pins, body_count)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < body_count; b++)

@@ -237,14 +237,17 @@ void pel_tell_lost_tie(const pel_warning_text *at)
 
 /* ---- coarse contact ---- */
 
-/* meshes of shells that became finer there have edges for a point of contact: few vertices are enough */
+/* meshes of shells that became finer there have edges for a point of contact: few vertices are enough, as of what is
+   rigid */
 static bool is_fine(const pel_run_state *run, int32_t t)
 {
-    bool is_fine = true;
+    bool is_fine = true, is_rigid = false;
     for (int32_t b = 0; b < run->scene->model.body_count; b++)
-        if (run->scene->sim.tools[t].body < 0 || run->scene->sim.tools[t].body == b)
+        if (run->scene->sim.tools[t].body < 0 || run->scene->sim.tools[t].body == b) {
             is_fine &= pel_scene_is_fine(run->scene, b);
-    return is_fine;
+            is_rigid |= run->scene->model.bodies[b].rigid.on;
+        }
+    return is_fine || is_rigid;
 }
 
 int32_t pel_pressed_count(const pel_run_state *run, int32_t t)

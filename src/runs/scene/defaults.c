@@ -300,8 +300,8 @@ static pel_status imply_viscosity(pel_scene_reader *reader, pel_scene_value *bod
 /* a rigid body has no material: its mass and inertia are those of `rigid` */
 static pel_status check_rigid(pel_scene_reader *reader, pel_scene_value *body)
 {
-    static const char *const keys[] = {"mass",    "springs",    "volumetric", "membrane", "bending", "volume", "pressure",
-                                       "fluid",   "anisotropy", "refine",     "supports", "follow",  "preset", NULL};
+    static const char *const keys[] = {"mass",  "springs",    "volumetric", "membrane", "bending", "volume", "pressure",
+                                       "fluid", "anisotropy", "refine",     "supports", "follow",  "preset", NULL};
     static const char *const remedies[] = {"give rigid.density, or rigid.mass", "give pinned vertices", NULL};
     for (const char *const *key = keys; *key != NULL; key++) {
         const pel_scene_value *value = find(body, *key);

@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { PICK_NUMBERS = 17, TIP_NUMBERS = 12 };
+enum { RIGID_NUMBERS = 21, PICK_NUMBERS = 17, TIP_NUMBERS = 12 };
 
 /* arrays of a body, as JavaScript reads them */
 typedef struct body_arrays {
@@ -37,6 +37,7 @@ struct pel_wasm_sim {
     size_t value_room;
     double picked[PICK_NUMBERS];
     double *tips; /* of the last call */
+    double rigid[RIGID_NUMBERS];
 };
 
 /* ---- creation ---- */
@@ -315,6 +316,16 @@ const double *pel_wasm_sim_pick(pel_wasm_sim *sim, double ox, double oy, double 
         out[14 + i] = hit.weights[i];
     }
     return out;
+}
+
+const double *pel_wasm_sim_rigid(pel_wasm_sim *sim, int32_t body)
+{
+    pel_rigid_reading reading;
+    _Static_assert(sizeof reading == sizeof sim->rigid, "its members are all doubles");
+    if (!pel_sim_get_rigid(sim->sim, body, &reading))
+        return NULL;
+    memcpy(sim->rigid, &reading, sizeof reading);
+    return sim->rigid;
 }
 
 const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body)

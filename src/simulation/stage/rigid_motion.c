@@ -87,8 +87,8 @@ pel_rigid_motion pel_rigid_motion_of(const pel_sim *sim, int32_t body, const pel
     PEL_ASSERT_INDEX(body, sim->model->body_count);
     const pel_model *model = sim->model;
     if (model->bodies[body].rigid != NULL)
-        return motion_of_rigid(sim, body, position == sim->state->position ? sim->state->rigids
-                                                                           : sim->state->rigids_before);
+        return motion_of_rigid(sim, body,
+                               position == sim->state->position ? sim->state->rigids : sim->state->rigids_before);
     pel_rigid_motion motion = {.is_free = is_free(sim, body)};
     double inertia[3][3] = {{0}}, x[3], v[3], turn[3];
     double sum = sum_momentum(sim, body, position, velocity, &motion);

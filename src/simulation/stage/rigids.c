@@ -42,7 +42,8 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
     if (!sim->stepper->has_substeps)
         return refuse_method(sim, error);
     pel_rigids *rigids = sim->rigids = pel_allocate(1, sizeof *rigids);
-    if (rigids == NULL || !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count)))
+    if (rigids == NULL ||
+        !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count)))
         return pel_fail_memory(error);
     rigids->rest = model->rest;
     rigids->inverse_mass = model->inverse_mass;

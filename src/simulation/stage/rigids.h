@@ -10,8 +10,8 @@ void pel_rigids_destroy(pel_sim *sim);
 
 /* At the start of a step, or of a part of it. */
 void pel_rigids_begin(pel_sim *sim);
-/* At the start of a substep of length h [s] at positions (vertex_count): momenta by sim->force, which becomes 0 for their
-   vertices; air (vertex_count): drag [N s/m] as fourth number, null = none. */
+/* At the start of a substep of length h [s] at positions (vertex_count): momenta by sim->force, which becomes 0 for
+   their vertices; air (vertex_count): drag [N s/m] as fourth number, null = none. */
 void pel_rigids_kick(pel_sim *sim, const pel_record *positions, double h, const pel_record *air);
 /* After the prediction of all vertices: the rigid ones go where their bodies are. */
 void pel_rigids_drift(pel_sim *sim, double h);
@@ -27,8 +27,8 @@ void pel_rigids_follow_velocities(pel_sim *sim, int32_t body);
 /* An impulse [N s] at a point of a body, between two steps. */
 void pel_rigids_hit(pel_sim *sim, int32_t body, const double point[3], const double impulse[3]);
 
-/* J, by which the kinetic energies of rigid bodies differ from those of their vertices: at the start of the step, or, in
-   the step, at its end. */
+/* J, by which the kinetic energies of rigid bodies differ from those of their vertices: at the start of the step, or,
+   in the step, at its end. */
 double pel_rigids_extra_energy(const pel_sim *sim, const pel_rigid_state *states, const pel_record *velocities);
 
 #endif
