@@ -67,7 +67,7 @@ static pel_status check_amounts(const pel_body_def *b, int32_t body, pel_error *
         return pel_body_refuse(error, body, "spring_thickness", b->spring_thickness, "give a number of metres, or 0");
     if (!(b->volumetric_depth >= 0 && isfinite(b->volumetric_depth)))
         return pel_body_refuse(error, body, "volumetric_depth", b->volumetric_depth, "give a number of metres, or 0");
-    return PEL_OK;
+    return pel_rigid_body_check(b, body, error);
 }
 
 static pel_status check_spring_toughness(const pel_body_def *b, int32_t body, pel_error *error)
@@ -164,8 +164,6 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         status = pel_shell_check(b, body, error);
     if (status == PEL_OK)
         status = pel_filled_check(b, body, error);
-    if (status == PEL_OK)
-        status = pel_rigid_body_check(b, body, error);
     return status == PEL_OK ? check_spring_toughness(b, body, error) : status;
 }
 
@@ -529,7 +527,7 @@ static pel_status begin_body(const pel_body_def *given, pel_body *body, build *s
     if (status == PEL_OK)
         measure_volume(body);
     if (status == PEL_OK && def->rigid.on)
-        return pel_rigid_body_create(def, body, scratch->areas, error);
+        return pel_rigid_body_create(def, body->has_volume, scratch->areas, &body->rigid, error);
     return status == PEL_OK && def->volume.on ? pel_filled_lump(def->mesh, scratch->areas, error) : status;
 }
 

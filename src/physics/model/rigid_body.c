@@ -2,9 +2,13 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "model/quantity.h"
 
 #include <math.h>
+
+static pel_status refuse(pel_error *error, int32_t body, const char *name, double value, const char *remedy)
+{
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, remedy, "%s is %g", name, value);
+}
 
 static const char *find_company(const pel_body_def *def)
 {
@@ -36,12 +40,12 @@ pel_status pel_rigid_body_check(const pel_body_def *def, int32_t body, pel_error
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "leave it out, or the rigid part",
                                   "a rigid body has %s", part);
     if (!(rigid->mass >= 0 && isfinite(rigid->mass)))
-        return pel_body_refuse(error, body, "rigid mass", rigid->mass, "give a number of kg, or 0 for a density");
+        return refuse(error, body, "rigid mass", rigid->mass, "give a number of kg, or 0 for a density");
     if (!(rigid->mass > 0) && !(rigid->density > 0 && isfinite(rigid->density)))
-        return pel_body_refuse(error, body, "rigid density", rigid->density, "give a number of kg/m3 above 0");
+        return refuse(error, body, "rigid density", rigid->density, "give a number of kg/m3 above 0");
     if (!(rigid->thickness >= 0 && isfinite(rigid->thickness)))
-        return pel_body_refuse(error, body, "rigid thickness", rigid->thickness,
-                               "give a number of metres, or 0 for a filled body");
+        return refuse(error, body, "rigid thickness", rigid->thickness,
+                      "give a number of metres, or 0 for a filled body");
     return PEL_OK;
 }
 
@@ -57,20 +61,19 @@ void pel_rigid_body_stiffen(pel_body_def *def)
     def->volumetric_by_area = false;
 }
 
-static pel_status find_inertia(const pel_body_def *def, const pel_body *body, pel_inertia *inertia, pel_error *error)
+static pel_status find_inertia(const pel_body_def *def, bool has_volume, pel_inertia *inertia, pel_error *error)
 {
     const pel_rigid_def *rigid = &def->rigid;
     bool is_sheet = rigid->thickness > 0;
-    if (!is_sheet && !body->has_volume)
+    if (!is_sheet && !has_volume)
         return pel_refuse(error, PEL_BAD_ARGUMENT,
                           "give rigid.thickness, of the sheet that it is, or a mesh without borders",
-                          body->closed ? "a rigid body encloses no volume, and has no inertia"
-                                       : "a rigid body has an open mesh, which encloses no volume");
+                          "a rigid body has a mesh with borders, or a flat one, which encloses no volume");
     double density = rigid->mass > 0 ? 1 : rigid->density;
     if (is_sheet)
-        pel_inertia_of_sheet(body->mesh, density * rigid->thickness, inertia);
+        pel_inertia_of_sheet(def->mesh, density * rigid->thickness, inertia);
     else
-        pel_inertia_of_solid(body->mesh, density, inertia);
+        pel_inertia_of_solid(def->mesh, density, inertia);
     double scale = rigid->mass > 0 ? rigid->mass / inertia->mass : 1;
     inertia->mass *= scale;
     for (int a = 0; a < 3; a++)
@@ -83,18 +86,19 @@ static pel_status find_inertia(const pel_body_def *def, const pel_body *body, pe
                       "a rigid body of %g kg has no inertia about one of its axes", inertia->mass);
 }
 
-pel_status pel_rigid_body_create(const pel_body_def *def, pel_body *body, double *areas, pel_error *error)
+pel_status pel_rigid_body_create(const pel_body_def *def, bool has_volume, double *areas, pel_rigid_shape **shape,
+                                 pel_error *error)
 {
     pel_inertia inertia;
-    pel_status status = find_inertia(def, body, &inertia, error);
+    pel_status status = find_inertia(def, has_volume, &inertia, error);
     if (status != PEL_OK)
         return status;
-    if (!pel_inertia_lump(body->mesh, &inertia, areas, areas))
+    if (!pel_inertia_lump(def->mesh, &inertia, areas, areas))
         return pel_refuse(error, PEL_BAD_ARGUMENT, "turn its parts outward (`pellicle check --fix`)",
                           "the center of mass of a rigid body lies outside of its mesh");
-    body->rigid = pel_allocate(1, sizeof *body->rigid);
-    if (body->rigid == NULL)
+    *shape = pel_allocate(1, sizeof **shape);
+    if (*shape == NULL)
         return pel_fail_memory(error);
-    pel_rigid_shape_set(body->rigid, &inertia, body->mesh, def->pinned, def->pinned_count);
+    pel_rigid_shape_set(*shape, &inertia, def->mesh, def->pinned, def->pinned_count);
     return PEL_OK;
 }

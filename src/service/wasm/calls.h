@@ -74,8 +74,8 @@ PEL_WASM const double *pel_wasm_sim_pick(pel_wasm_sim *sim, double ox, double oy
 /* Tips of a body (pel_sim_tips): count, then for each the vertex, position (3), ahead (3), force (3), release and rate:
    12 numbers. Null on failure. The address stays until the next call. */
 PEL_WASM const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body);
-/* Place and motion of a rigid body (pel_sim_get_rigid): mass, center (3), rotation (4), velocity (3), spin (3), momentum
-   (3), angular momentum (3), kinetic energy: 21 numbers. Null for a body that deforms or does not exist. */
+/* Place and motion of a rigid body (pel_sim_get_rigid): mass, center (3), rotation (4), velocity (3), spin (3),
+   momentum (3), angular momentum (3), kinetic energy: 21 numbers. Null for a body that deforms or does not exist. */
 PEL_WASM const double *pel_wasm_sim_rigid(pel_wasm_sim *sim, int32_t body);
 
 /* ---- a simulation in real time, as served by `pellicle live` ---- */
