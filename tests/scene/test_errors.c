@@ -59,6 +59,12 @@ static const bad_scene bad_scenes[] = {
      "--set solver.density=3: error: unknown key 'density'. it is a key of bodies[].mass, bod"},
     {BALL, "bodies.0.mesh.shape=sphere",
      "--set bodies.0.mesh.shape=sphere: error: unknown shape 'sphere'. did you mean 'geodesic-sphere'?"},
+    {BALL "    rigid: {}\n    membrane: {young: 1e6, thickness: 1e-3}\n", NULL,
+     "a.yaml:6:5: error: a rigid body has no 'membrane'. remove 'membrane'"},
+    {BALL "    rigid: {}\n    mass: {total: 1}\n", NULL,
+     "a.yaml:6:5: error: a rigid body has no 'mass'. give rigid.density, or rigid.mass, and remove 'mass'"},
+    {BALL "    rigid: {density: 0}\n", NULL,
+     "a.yaml:5:22: error: bodies.0.rigid.density is out of range: 0 kg/m3. it must be > 0 kg/m3"},
     {BALL "    membrane: {preset: steel}\n", NULL,
      "a.yaml:5:24: error: unknown preset 'steel'. did you mean 'steel-sheet'?"},
 

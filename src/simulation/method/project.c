@@ -24,9 +24,10 @@
 enum { SWEEP_LIMIT = 8, RIGID_SWEEP_LIMIT = 60 };
 #define SWEEP_TOLERANCE 0.1
 #define DEPTH_TOLERANCE 0.01
-/* of the thickness; rigid bodies have nothing that takes a tremor out: a stack of ten boxes stands still at 2e-4 and
-   trembles with 10 % of its weight at 1e-2 */
+/* of the thickness, and of what loads have moved; rigid bodies have nothing that takes a tremor out: a stack of ten
+   boxes stands still at 2e-4 and trembles with 10 % of its weight at 1e-2 */
 #define RIGID_TOLERANCE 2e-4
+#define RIGID_SHARE 1e-3
 /* of the thickness: larger corrections update the contacts between two sweeps */
 #define REFRESH_SHARE 0.25
 
@@ -123,7 +124,8 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
             if (lists[k] == NULL)
                 continue;
             double way = pel_contacts_project(lists[k], positions, start);
-            bool is_loose = !(lists[k]->rigid_moved > RIGID_TOLERANCE * least);
+            bool is_loose =
+                !(lists[k]->rigid_moved > pel_max(RIGID_TOLERANCE * least, RIGID_SHARE * lists[k]->carried));
             is_over &= (has_settled(sim, lists[k], way) || (i >= SWEEP_LIMIT && sim->rigids != NULL)) && is_loose;
             is_stacked |= !is_loose;
             moved = pel_max(moved, way);

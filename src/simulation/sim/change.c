@@ -8,6 +8,7 @@
 #include "sim/sim.h"
 #include "sim/snapshot.h"
 #include "stage/accessors.h"
+#include "stage/rigids.h"
 #include "tool/pose.h"
 #include "tool/reading.h"
 #include "tool/start.h"
@@ -128,6 +129,9 @@ static pel_status go_on(pel_sim *old, pel_sim *sim, const pel_change *change, pe
         status = pel_snapshot_carry(old, sim, surfaces, error);
     if (status != PEL_OK)
         return status;
+    /* another mass has other momenta at the same velocities */
+    for (int32_t b = 0; change->changes_model && b < sim->model->body_count; b++)
+        pel_rigids_follow_velocities(sim, b);
     pel_sim_update_factors(sim, pel_sim_time(sim));
     status = surfaces != NULL ? open_lips(old, sim, error) : start_tools(old, sim, error);
     if (status != PEL_OK)
