@@ -12,11 +12,11 @@
 #include <sys/stat.h>
 
 static const lab_case *const cases[] = {
-    &a_rates,     &a_figure_4,  &a_figure_6_7,   &a_table_1,      &a_figure_8,     &a_figure_9,
-    &a_precision, &b_figure_1,  &b_figure_2,     &b_figure_4,     &b_figure_5,     &b_figure_6,
-    &b_algorithm, &b_figure_8,  &b_figure_9,     &b_figure_10,    &b_figure_11,    &b_figure_12,
-    &b_figure_13, &b_figure_14, &b_figure_15,    &b_table_1,      &b_figure_16_18, &b_figure_19_20,
-    &b_table_2,   &b_inflation, &b_exaggeration, &own_refinement, &own_shells,     &own_validation,
+    &a_rates,    &a_figure_4,     &a_figure_6_7,   &a_table_1,   &a_figure_8,  &a_figure_9,     &a_precision,
+    &b_figure_1, &b_figure_2,     &b_figure_4,     &b_figure_5,  &b_figure_6,  &b_algorithm,    &b_figure_8,
+    &b_figure_9, &b_figure_10,    &b_figure_11,    &b_figure_12, &b_figure_13, &b_figure_14,    &b_figure_15,
+    &b_table_1,  &b_figure_16_18, &b_figure_19_20, &b_table_2,   &b_inflation, &b_exaggeration, &own_refinement,
+    &own_shells, &own_validation, &own_tear,
 };
 
 enum { CASE_COUNT = sizeof cases / sizeof *cases };

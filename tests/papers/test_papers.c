@@ -14,7 +14,7 @@ static void test_cases(void **unused)
         for (int i = 0; i < count; i++)
             assert_string_not_equal(papers_case_at(i)->name, one->name);
     }
-    assert_int_equal(count, 30);
+    assert_int_equal(count, 31);
 }
 
 static void test_bodies(void **unused)

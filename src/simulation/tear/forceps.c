@@ -1,10 +1,14 @@
 /* Forceps that lead a tear around an axis, as a surgeon's do in a capsulorhexis. The flap is folded over at the tip,
    and the tool pulls what it holds of it beyond the tip. If the flap does not stretch, an advance a of the tip lets the
    tool go by a . (p + e), with the direction p of the pull and the direction e from what is held to the tip at rest. So
-   the configurational force is F (p + e), and lies along the circle if p is the mirror image of e about it. The tool
-   aims at a point ahead of itself on the line from the tip along p, and goes there by its speed, so no step of it is
-   longer than another. Far from the tip it lets go, and takes the inner lip behind the tip, but not so near to the tip
-   that its forces would be within the rings of the survey.
+   the configurational force is F (p + e), and lies along the circle if p is the mirror image of e about it. A real flap
+   stretches, and its base holds it too. So as soon as the tip is loaded the tool turns about the tip, from where it is,
+   by the angle that the force lacks, and pulls on slowly until the force points right: turning it after the tip has
+   grown would be too late. It stays near the mirror image, because the force does not follow a pull far aside.
+
+   The tool aims at a point ahead of itself on the line from the tip along p, and goes there by its speed, so no step of
+   it is longer than another. Far from the tip it lets go, and takes the inner lip behind the tip, but not so near to
+   the tip that its forces would be within the rings of the survey.
 
    The tool keeps its height along the axis, to which it also comes back after a new grasp. Nothing but its pose is
    remembered from step to step. */
@@ -14,6 +18,7 @@
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "tear/growth.h"
+#include "tear/material.h"
 #include "tool/grip.h"
 
 #include <math.h>
@@ -28,17 +33,29 @@
  */
 #define MOST_OFF 0.2
 #define RETURN 0.1
+/* release over resistance of a tip from which on the direction of its force counts */
+#define LEAST_LOAD 0.3
+/* the turn of the tool over the angle that the force lacks: half of it, if the flap does not stretch */
+#define TURN 2.0
+/* rad, of that turn, and from the mirror image */
+#define MOST_TURN 0.5
+#define MOST_ASIDE 0.35
+/* rad, that the force lacks where the tool pulls on by the least share of its way */
+#define WRONG 0.2
+#define LEAST_SHARE 0.1
 
 typedef struct forceps {
     pel_sim *sim;
     pel_tool *tool;
     const pel_tool_def *def;
-    const pel_survey *survey; /* of the body of the tip */
-    int32_t tip;              /* -1 = none */
-    double axis[3];           /* unit */
-    double at[3], rest[3];    /* m, of the tip, at present and at rest */
-    double along[3], out[3];  /* unit: along the circle, and away from the axis */
-    double radius;            /* m, of the tip from the axis at rest */
+    pel_survey *survey;      /* of the body of the tip */
+    int32_t tip;             /* -1 = none */
+    double axis[3];          /* unit */
+    double at[3], rest[3];   /* m, of the tip, at present and at rest */
+    double along[3], out[3]; /* unit: along the circle, and away from the axis */
+    double radius;           /* m, of the tip from the axis at rest */
+    double load;             /* release of the tip over its resistance */
+    double course, force;    /* rad from `along` outward: where the tip shall go, and its force */
 } forceps;
 
 static void place_of(const pel_survey *s, int32_t v, double x[3])
@@ -52,6 +69,12 @@ static void place_of(const pel_survey *s, int32_t v, double x[3])
 static void flatten(const forceps *f, double x[3])
 {
     pel_vec3_along(x, -pel_vec3_dot(x, f->axis), f->axis, x);
+}
+
+/* rad, from along the circle outward */
+static double angle_of(const forceps *f, const double x[3])
+{
+    return pel_atan2(pel_vec3_dot(x, f->out), pel_vec3_dot(x, f->along));
 }
 
 /* a cut may have another end within the flap */
@@ -68,7 +91,7 @@ static void find_tip(forceps *f)
 {
     double least = HUGE_VAL, ahead[3] = {0}, x[3], found[3];
     for (int32_t i = 0; i < f->sim->tear->survey_count; i++) {
-        const pel_survey *s = &f->sim->tear->surveys[i];
+        pel_survey *s = &f->sim->tear->surveys[i];
         for (int32_t v = 0; pel_tool_acts_on(f->tool, s->body) && v < s->topology->vertex_count; v++) {
             if (!pel_survey_is_tip(s, v, found) || !is_near_circle(f, s, v))
                 continue;
@@ -85,6 +108,9 @@ static void find_tip(forceps *f)
     }
     if (f->tip < 0)
         return;
+    pel_tip tip;
+    pel_survey_read(f->survey, f->tip, ahead, &tip);
+    f->load = tip.release / pel_tear_resistance(f->sim, f->survey->body, f->tip);
     pel_vec3_copy(f->survey->sim->model->bodies[f->survey->body].mesh->positions[f->tip], f->rest);
     pel_vec3_subtract(f->rest, f->def->lead_center, f->out);
     flatten(f, f->out);
@@ -92,6 +118,10 @@ static void find_tip(forceps *f)
     pel_vec3_cross(f->axis, f->out, f->along);
     if (pel_vec3_dot(f->along, ahead) < 0)
         pel_vec3_scale(f->along, -1, f->along);
+    f->force = angle_of(f, tip.force);
+    double off =
+        pel_max(-MOST_OFF, pel_min(MOST_OFF, (f->def->lead_radius - f->radius) / (RETURN * f->def->lead_radius)));
+    f->course = f->def->lead_outward != 0 ? 0 : pel_atan2(off, 1);
 }
 
 /* ---- the flap ---- */
@@ -109,12 +139,16 @@ static double distance_from_axis(const forceps *f, int32_t half_edge)
     return pel_vec3_length(x);
 }
 
-/* m, of a half-edge at rest */
-static double edge_at(const forceps *f, int32_t half_edge)
+/* m, mean length of the edges at the tip, at rest */
+static double edge_at_tip(const forceps *f)
 {
-    const pel_mesh *mesh = f->sim->model->bodies[f->survey->body].mesh;
-    return pel_vec3_distance(mesh->positions[pel_half_edge_origin(f->survey->topology, half_edge)],
-                             mesh->positions[pel_half_edge_target(f->survey->topology, half_edge)]);
+    const pel_survey *s = f->survey;
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    double sum = 0;
+    int32_t count = 0;
+    for (int32_t h = s->topology->corner_of_vertex[f->tip]; h >= 0; h = pel_survey_turn(s, f->tip, h), count++)
+        sum += pel_vec3_distance(f->rest, mesh->positions[pel_half_edge_target(s->topology, h)]);
+    return sum / count;
 }
 
 /* the vertex of the inner lip far enough behind the tip for a tool; -1 where the lip ends before */
@@ -125,7 +159,7 @@ static int32_t find_grip(const forceps *f)
     int32_t from = s->topology->corner_of_vertex[f->tip], to = pel_survey_last(s, f->tip), v = f->tip;
     bool is_from_inner = distance_from_axis(f, from) < distance_from_axis(f, to);
     double far =
-        pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), EDGES_BEHIND * edge_at(f, from));
+        pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), EDGES_BEHIND * edge_at_tip(f));
     for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h);) {
         v = is_from_inner ? pel_half_edge_target(s->topology, h) : pel_half_edge_origin(s->topology, h);
         if (pel_vec3_distance(body->mesh->positions[v], f->rest) >= far)
@@ -158,23 +192,26 @@ static void find_lip(const forceps *f, double lip[3])
         pel_vec3_copy(f->along, lip);
 }
 
-/* the mirror image of the lip about where the tear shall go: along the circle through the tip, and back to its radius
- */
+/* whether the direction of the force on the tip is known, and the tool shall mend it */
+static bool is_steering(const forceps *f)
+{
+    return f->def->lead_outward == 0 && f->load > LEAST_LOAD && f->tool->held_count > 0;
+}
+
+/* the mirror image of the lip about where the tear shall go, along the circle through the tip and back to its radius;
+   under load mended by what the force lacks */
 static void find_pull(const forceps *f, double pull[3])
 {
-    const pel_tool_def *def = f->def;
-    double lip[3], course[3], off = (def->lead_radius - f->radius) / (RETURN * def->lead_radius);
+    double lip[3], way[3];
     find_lip(f, lip);
-    off = def->lead_outward != 0 ? 0 : pel_max(-MOST_OFF, pel_min(MOST_OFF, off));
-    pel_vec3_copy(f->along, course);
-    pel_vec3_along(course, off, f->out, course);
-    pel_vec3_normalize(course);
-    pel_vec3_scale(course, 2 * pel_vec3_dot(lip, course), pull);
-    pel_vec3_subtract(pull, lip, pull);
-    double cosine = pel_cos(def->lead_outward), sine = pel_sin(def->lead_outward);
-    double along = pel_vec3_dot(pull, f->along), out = pel_vec3_dot(pull, f->out);
-    pel_vec3_scale(f->along, cosine * along - sine * out, pull);
-    pel_vec3_along(pull, cosine * out + sine * along, f->out, pull);
+    double angle = 2 * f->course - angle_of(f, lip) + f->def->lead_outward;
+    if (is_steering(f)) {
+        pel_vec3_subtract(f->tool->pose.position, f->at, way);
+        double turn = pel_max(-MOST_TURN, pel_min(MOST_TURN, TURN * (f->course - f->force)));
+        angle = pel_max(angle - MOST_ASIDE, pel_min(angle + MOST_ASIDE, angle_of(f, way) + turn));
+    }
+    pel_vec3_scale(f->along, pel_cos(angle), pull);
+    pel_vec3_along(pull, pel_sin(angle), f->out, pull);
 }
 
 /* a point ahead of the tool: on the line of the pull, or off the surface where there is no tip any more */
@@ -187,6 +224,8 @@ static void find_aim(const forceps *f, double aim[3])
         return;
     }
     find_pull(f, pull);
+    if (is_steering(f))
+        ahead *= pel_max(LEAST_SHARE, 1 - fabs(f->course - f->force) / WRONG);
     pel_vec3_subtract(x, f->at, way);
     pel_vec3_along(f->at, pel_vec3_dot(way, pull) + ahead, pull, aim);
     pel_vec3_subtract(f->tool->keys[0].position, aim, way);

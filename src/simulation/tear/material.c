@@ -61,12 +61,21 @@ double pel_tear_strength(const pel_sim *sim, int32_t body, int32_t vertex)
     return pel_quantity_at(strength_of(def_of(sim, body)), vertex);
 }
 
+static const pel_quantity *young_of(const pel_body_def *def)
+{
+    return def->shell.membrane.on ? &def->shell.membrane.young : &def->spring_stiffness;
+}
+
+double pel_tear_stiffness(const pel_sim *sim, int32_t body, int32_t vertex)
+{
+    return pel_quantity_at(young_of(def_of(sim, body)), vertex) * pel_tear_thickness(sim, body, vertex);
+}
+
 double pel_tear_length(const pel_sim *sim, int32_t body, int32_t vertex)
 {
     const pel_body_def *def = def_of(sim, body);
-    const pel_quantity *young = def->shell.membrane.on ? &def->shell.membrane.young : &def->spring_stiffness;
     double strength = pel_tear_strength(sim, body, vertex);
-    return pel_quantity_at(young, vertex) * pel_quantity_at(toughness_of(def), vertex) /
+    return pel_quantity_at(young_of(def), vertex) * pel_quantity_at(toughness_of(def), vertex) /
            (3.141592653589793 * strength * strength);
 }
 

@@ -11,6 +11,8 @@ bool pel_body_has_strength(const pel_sim *sim, int32_t body);
 /* m, of the sheet at a vertex, and N, the energy that a tear takes per length there; NaN where it is not known */
 double pel_tear_thickness(const pel_sim *sim, int32_t body, int32_t vertex);
 double pel_tear_resistance(const pel_sim *sim, int32_t body, int32_t vertex);
+/* N/m, young x thickness at a vertex; NaN where it is not known */
+double pel_tear_stiffness(const pel_sim *sim, int32_t body, int32_t vertex);
 /* Pa, true stress at which a tear starts at a vertex of a body with a strength */
 double pel_tear_strength(const pel_sim *sim, int32_t body, int32_t vertex);
 /* m, L = young x toughness / (pi strength^2) at a vertex: half the length of the crack in a sheet under this stress

@@ -11,6 +11,11 @@
    tip, where F has no mean.
 
    q is 0 at the border but on the two sides of the cut: a border that moved on with the tip would release energy too.
+   So would the sides of the cut where they moved sideways with the tip, if one is stretched more than the other: that
+   is taken out (Eischen 1987). No force acts across a side, so its energy is that of a strip, E h e^2 / 2 by its strain
+   e, and both sides differ by E h times their mean strain times the difference of their strains. The sum of the latter
+   is how far the sides slid on each other, which elements resolve up to the tip; the mean leaves the two edges next to
+   the tip out.
  */
 #include "tear/survey.h"
 
@@ -243,6 +248,66 @@ static void add_triangle(const pel_survey *s, int32_t i, int32_t tip, double for
     pel_vec3_add(force, part, force);
 }
 
+/* logarithmic strain of the side of a cut between two vertices; false where it is none, or not within the rings */
+static bool side_strain(const pel_survey *s, int32_t half_edge, double *length, double *strain)
+{
+    const pel_body *body = &s->sim->model->bodies[s->body];
+    int32_t a = pel_half_edge_origin(s->topology, half_edge), b = pel_half_edge_target(s->topology, half_edge);
+    double x[3], y[3];
+    if (s->topology->twin[half_edge] >= 0 || s->weights[a] + s->weights[b] == 0)
+        return false;
+    pel_vertex_position(s->sim->state->position, body->model_index[a], x);
+    pel_vertex_position(s->sim->state->position, body->model_index[b], y);
+    *length = pel_vec3_distance(body->mesh->positions[a], body->mesh->positions[b]);
+    *strain = pel_ln(pel_vec3_distance(x, y) / *length);
+    return isfinite(*strain);
+}
+
+/* mean strain of both sides, but for the two edges next to the tip, where elements do not resolve it */
+static double mean_strain(const pel_survey *s, int32_t triangle_count)
+{
+    double sum = 0, way = 0, length, strain;
+    for (int32_t i = 0; i < 3 * triangle_count; i++) {
+        int32_t h = 3 * s->triangles[i / 3] + i % 3, a = pel_half_edge_origin(s->topology, h),
+                b = pel_half_edge_target(s->topology, h);
+        if (s->rings[a] + s->rings[b] < 5 || !side_strain(s, h, &length, &strain))
+            continue;
+        sum += length * strain;
+        way += length;
+    }
+    return way > 0 ? sum / way : 0;
+}
+
+/* takes out what the sides release where they move sideways with the tip */
+static void add_sides(const pel_survey *s, int32_t triangle_count, double stiffness, double force[3])
+{
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    double mean = mean_strain(s, triangle_count), length, strain;
+    for (int32_t i = 0; i < 3 * triangle_count; i++) {
+        int32_t t = s->triangles[i / 3], h = 3 * t + i % 3, a = pel_half_edge_origin(s->topology, h),
+                b = pel_half_edge_target(s->topology, h);
+        const int32_t *v = mesh->triangles[t];
+        double side[3], normal[3], out[3];
+        if (!side_strain(s, h, &length, &strain))
+            continue;
+        pel_vec3_subtract(mesh->positions[b], mesh->positions[a], side);
+        pel_vec3_triangle_normal(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], normal);
+        pel_vec3_normalize(normal);
+        pel_vec3_cross(side, normal, out);
+        pel_vec3_along(force, 0.5 * (s->weights[a] + s->weights[b]) * stiffness * mean * strain, out, force);
+    }
+}
+
+/* whose sides are stretched too */
+static bool has_other_tip(const pel_survey *s, int32_t count)
+{
+    double ahead[3];
+    for (int32_t i = 1; i < count; i++)
+        if (pel_survey_is_tip(s, s->queue[i], ahead))
+            return true;
+    return false;
+}
+
 void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_tip *tip)
 {
     const pel_body *body = &s->sim->model->bodies[s->body];
@@ -259,6 +324,9 @@ void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
     int32_t triangle_count = list_triangles(s, count);
     for (int32_t i = 0; i < triangle_count; i++)
         add_triangle(s, i, vertex, tip->force);
+    double stiffness = pel_tear_stiffness(s->sim, s->body, vertex);
+    if (stiffness > 0 && !has_other_tip(s, count))
+        add_sides(s, triangle_count, stiffness, tip->force);
     tip->release = pel_vec3_length(tip->force);
     pel_survey_leave(s, count);
 }
