@@ -4,7 +4,6 @@
 #include "failing_malloc.h"
 #include "pellicle/sim.h"
 #include "pellicle/tear.h"
-#include "pellicle/topology.h"
 
 #define PI 3.141592653589793
 #define YOUNG 1e6
@@ -330,6 +329,44 @@ static void test_balloon(void **unused)
     }
 }
 
+/* A ball that opens under pressure has no balance: the error says what burst, how far and where. */
+static void test_burst(void **unused)
+{
+    (void)unused;
+    static const pel_key keys[2] = {{0, 0}, {1, -2000}};
+    pel_mesh *mesh = make_sphere(3);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        pel_vec3_scale(mesh->positions[v], 0.1, mesh->positions[v]);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e6;
+    body.shell.membrane.poisson = 0.45;
+    body.shell.membrane.thickness.value = 1e-3;
+    body.shell.membrane.toughness.value = 300;
+    body.shell.membrane.strength.value = 5e4;
+    body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+    body.shell.pressure.outside.keys = keys;
+    body.shell.pressure.outside.key_count = 2;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = lone_sim(model, PEL_METHOD_STATIC, 0.1);
+    def.tear.start = PEL_TEAR_ANYWHERE;
+    pel_sim *sim = make_sim(&def);
+    pel_error error;
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i < 10; i++)
+        status = pel_sim_step(sim, &error);
+    assert_int_equal(status, PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "burst at time 0.5"));
+    char place[64];
+    double length = length_of(sim);
+    snprintf(place, sizeof place, "open over %.3g m", length);
+    assert_true(length > 0);
+    assert_non_null(strstr(error.what, place));
+    assert_non_null(strstr(error.remedy, "pressure"));
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+}
+
 /* ---- where ---- */
 
 static double torn_after(const plate_def *def, int32_t steps)
@@ -466,10 +503,9 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hole),     cmocka_unit_test(test_scratch),
-        cmocka_unit_test(test_springs),  cmocka_unit_test(test_balloon),
-        cmocka_unit_test(test_places),   cmocka_unit_test(test_states),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_hole),    cmocka_unit_test(test_scratch),  cmocka_unit_test(test_springs),
+        cmocka_unit_test(test_balloon), cmocka_unit_test(test_burst),    cmocka_unit_test(test_places),
+        cmocka_unit_test(test_states),  cmocka_unit_test(test_refusals), cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
