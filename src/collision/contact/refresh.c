@@ -99,6 +99,7 @@ void pel_contact_set_keep_loads(pel_contact_set *set)
         key->slack = slack_of(set, key);
     }
     set->elapsed = 0;
+    pel_contact_set_sort(set);
 }
 
 typedef struct refresh_job {
@@ -148,11 +149,14 @@ static bool leads_away(const refresh_job *job, const pel_contact_key *key, int32
     return true;
 }
 
-/* whether the direction to a vertex before the border of a triangle leads away from the triangles across that border */
+/* Whether the direction to a vertex before the border of a triangle leads away from the triangles across that border.
+   The corner that a pair stands for is the nearest point of its ring. */
 static bool leads_away_from_border(const refresh_job *job, const pel_contact_key *key, double x[4][3],
                                    const double w[3], const double direction[3])
 {
     const pel_tree *tree = pel_collider_tree(job->set->collider);
+    if (key->ring > 0 && w[key->ring % 3] <= INSIDE && w[(key->ring + 1) % 3] <= INSIDE)
+        return true;
     for (int i = 0; i < 3; i++)
         if (w[(i + 2) % 3] <= INSIDE &&
             !leads_away(job, key, pel_tree_edge(tree, 3 * key->second + i), x[1 + i], x[1 + (i + 1) % 3], direction))
@@ -205,8 +209,8 @@ static int32_t border_of(const refresh_job *job, const pel_contact_key *key, con
 }
 
 /* weights and normal of a vertex before a triangle */
-static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pel_contact *contact,
-                                pel_contact_key *key, double weights[4], double normal[3])
+static void look_at_face(const refresh_job *job, double x[4][3], const pel_contact *contact, pel_contact_key *key,
+                         double weights[4], double normal[3])
 {
     double w[3], u[3], v[3], way[3], square = pel_closest_point_triangle(x[0], x[1], x[2], x[3], w);
     key->border = border_of(job, key, w);
@@ -214,6 +218,7 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
     weights[0] = 1;
     for (int i = 0; i < 3; i++)
         weights[i + 1] = -w[i];
+    key->is_off = false;
     if (!is_border) {
         pel_vec3_subtract(x[2], x[1], u);
         pel_vec3_subtract(x[3], x[1], v);
@@ -231,6 +236,51 @@ static void refresh_vertex_face(const refresh_job *job, double x[4][3], const pe
     if (square > 0 && pel_vec3_dot(way, normal) > 0)
         pel_vec3_scale(way, 1 / sqrt(square), normal);
     key->is_off = is_border && !leads_away_from_border(job, key, x, w, normal);
+}
+
+/* Goes to the triangle of the ring of a pair that is nearest to its vertex; false = it is there. Its side is not known
+   then. */
+static bool walk(const refresh_job *job, double x[4][3], pel_contact *contact, pel_contact_key *key)
+{
+    const pel_contact_set *set = job->set;
+    const pel_tree *tree = pel_collider_tree(set->collider);
+    int32_t ring[PEL_RING_LIMIT], corner = key->points[key->ring], nearest = key->second;
+    int count = pel_contact_ring(tree, key->second, corner, ring);
+    double least = HUGE_VAL, w[3];
+    for (int i = 0; i < count; i++) {
+        const int32_t *v = tree->triangles[ring[i]];
+        double y[3][3];
+        if (v[0] == key->points[0] || v[1] == key->points[0] || v[2] == key->points[0])
+            continue;
+        for (int k = 0; k < 3; k++)
+            load_point(job, v[k], y[k]);
+        double square = pel_closest_point_triangle(x[0], y[0], y[1], y[2], w);
+        if (square < least) {
+            least = square;
+            nearest = ring[i];
+        }
+    }
+    if (nearest == key->second)
+        return false;
+    key->second = nearest;
+    key->has_side = false;
+    for (int k = 1; k < 4; k++) {
+        int32_t point = tree->triangles[nearest][k - 1];
+        key->points[k] = point;
+        key->ring = point == corner ? (uint8_t)k : key->ring;
+        contact->vertices[k] = point < set->vertex_count ? point : 0;
+        load_point(job, point, x[k]);
+    }
+    return true;
+}
+
+/* weights and normal of a vertex before the nearest of the triangles that a pair stands for */
+static void refresh_vertex_face(const refresh_job *job, double x[4][3], pel_contact *contact, pel_contact_key *key,
+                                double weights[4], double normal[3])
+{
+    look_at_face(job, x, contact, key, weights, normal);
+    if (key->border != PEL_NO_BORDER && key->ring > 0 && walk(job, x, contact, key))
+        look_at_face(job, x, contact, key, weights, normal);
 }
 
 /* the same for two edges */
@@ -406,17 +456,19 @@ static void refresh_chunk(void *context, int32_t chunk)
     }
 }
 
-/* Whether another triangle before it in the list has the same point or edge that this vertex is before: one is enough.
-   Pairs of a vertex stand together. */
+/* Whether another pair before it in the list has the same point, edge or triangle that this vertex is before: one is
+   enough. Pairs of a vertex stand together. */
 static bool is_again(const pel_contact_set *set, int32_t c)
 {
     const pel_contact_key *key = &set->keys[c];
-    if (key->edge_edge || key->is_impact || key->border == PEL_NO_BORDER)
+    if (key->edge_edge || key->is_impact)
         return false;
-    for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--)
-        if (set->keys[i].border == key->border && !(set->keys[i].room > 0) && !set->keys[i].is_off &&
-            !set->keys[i].is_impact)
+    for (int32_t i = c - 1; i >= 0 && set->keys[i].first == key->first; i--) {
+        const pel_contact_key *other = &set->keys[i];
+        bool is_same = key->border == PEL_NO_BORDER ? other->second == key->second : other->border == key->border;
+        if (is_same && !(other->room > 0) && !other->is_off && !other->is_impact)
             return true;
+    }
     return false;
 }
 

@@ -26,6 +26,9 @@ enum { VELOCITY_SWEEPS = 4 };
    its way ended. What slides farther is before other triangles than those that were chosen at a corner. */
 #define HOME_SHARE 0.25
 #define HOME_SLIDE 0.02
+/* of the thickness: what is so near to a corner while it is near its home leans less over the triangles there than
+   refresh.c permits */
+#define CORNER_SHARE 0.01
 /* features closer than thickness + NEAR_SHARE x shortest edge at the start of a step become contacts, without a time of
    impact; tried and lost: also where the closest points lie on the border of a feature (such normals
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
@@ -237,6 +240,46 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
     return true;
 }
 
+/* adds what a pair carries to another one, whose first side is this one's, 1, or the other, -1 */
+static void add_load(const pel_contact_key *from, double side, pel_contact_key *to)
+{
+    to->load += from->load;
+    to->earlier += from->earlier;
+    to->mean_load += from->mean_load;
+    to->has_pushed |= from->has_pushed;
+    pel_vec3_along(to->drag, side, from->drag, to->drag);
+    pel_vec3_along(to->mean_drag, side, from->mean_drag, to->mean_drag);
+}
+
+void pel_contact_set_sort(pel_contact_set *set)
+{
+    int32_t count = set->list.count > 0 ? 1 : 0;
+    while (count < set->list.count && compare_keys(&set->keys[count - 1], &set->keys[count]) < 0)
+        count++;
+    if (count == set->list.count)
+        return;
+    set->list.active = NULL;
+    for (int32_t c = count; c < set->list.count; c++) {
+        const pel_contact_key key = set->keys[c];
+        const pel_contact contact = set->list.contacts[c];
+        int32_t at = count;
+        while (at > 0 && compare_keys(&set->keys[at - 1], &key) > 0)
+            at--;
+        if (at > 0 && compare_keys(&set->keys[at - 1], &key) == 0) {
+            add_load(&key, 1, &set->keys[at - 1]);
+            continue;
+        }
+        for (int32_t i = count; i > at; i--) {
+            set->keys[i] = set->keys[i - 1];
+            set->list.contacts[i] = set->list.contacts[i - 1];
+        }
+        set->keys[at] = key;
+        set->list.contacts[at] = contact;
+        count++;
+    }
+    set->list.count = count;
+}
+
 /* the merged list becomes the list */
 static void exchange_lists(pel_contact_set *set, int32_t count)
 {
@@ -255,13 +298,29 @@ static void exchange_lists(pel_contact_set *set, int32_t count)
     set->other_key_capacity = key_capacity;
 }
 
+/* a pair of the merged list that stands for the triangles around a corner */
+typedef struct merged_ring {
+    int32_t at;
+    int count;
+    int32_t triangles[PEL_RING_LIMIT]; /* (count) */
+    bool is_known;                     /* one of its pairs was in the list */
+} merged_ring;
+
+/* rings of a vertex; pairs with triangles in others stand alone */
+enum { MOST_RINGS = 4 };
+
 /* what was found on its way into the list */
 typedef struct merger {
     pel_contact_set *set;
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
     bool is_anew;                 /* drop contacts that are not found again */
+    bool is_same;                 /* the list of an earlier step: nothing moves by more than HOME_SLIDE */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
+    /* pairs of the vertex that was added last which stand for rings of triangles: */
+    int32_t vertex;
+    int ring_count;
+    merged_ring rings[MOST_RINGS];
 } merger;
 
 /* takes over what comes before a key, all when it is null; true when the next one has this key */
@@ -355,6 +414,8 @@ static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
 #define SLIDE_SHARE 0.35
 /* sine of the angle below which edges are parallel */
 #define PARALLEL 0.01
+/* of the thickness: lines with this much room keep their edges apart, once vertices do */
+#define ROOM_SHARE 0.9
 
 /* features hardly slide along each other in the step, by which their points move against each other at most `way` [m]
  */
@@ -363,21 +424,26 @@ static bool hardly_slides(const pel_contact_set *set, double way)
     return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
 }
 
-/* Whether closest points of two edges at `start` lie at an end of one, or the edges are parallel. The lines along them
-   are nearest to each other at the shares s of u and t of v; if one of these is not inside, the edges meet at an end.
- */
-static bool is_end_or_parallel(const pel_contact_set *set, const pel_collision *pair)
+/* Whether vertices keep two edges apart that hardly slide: their closest points at `start` lie at an end of one, and
+   the lines along them, which cross where the edges slide over each other, leave room for the layer; or they are
+   parallel. The lines are nearest to each other at the shares s of u and t of v; if one of these is not inside, the
+   edges meet at an end. */
+static bool is_kept_by_ends(const pel_contact_set *set, const pel_collision *pair)
 {
     const double(*x)[3] = (const double(*)[3])set->start;
     const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
-    double u[3], v[3], way[3];
+    double u[3], v[3], way[3], cross[3];
     pel_vec3_subtract(x[pair->vertices[1]], a, u);
     pel_vec3_subtract(x[pair->vertices[3]], b, v);
     pel_vec3_subtract(b, a, way);
     double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
     double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
     double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
-    return sine < PARALLEL * PARALLEL * uu * vv || s < least || t < least || s > sine - least || t > sine - least;
+    if (sine < PARALLEL * PARALLEL * uu * vv)
+        return true;
+    pel_vec3_cross(u, v, cross);
+    double across = pel_vec3_dot(way, cross), room = ROOM_SHARE * pel_contact_pair_thickness(set, pair->vertices);
+    return (s < least || t < least || s > sine - least || t > sine - least) && across * across >= room * room * sine;
 }
 
 /* closest points at `start` and the way between them; returns their distance [m] */
@@ -431,18 +497,24 @@ static bool may_meet(const void *context, pel_collision *pair)
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
     double way = pel_contact_longest_approach(set, pair);
-    if (pair->edge_edge && hardly_slides(set, way) && is_end_or_parallel(set, pair))
+    if (pair->edge_edge && hardly_slides(set, way) && is_kept_by_ends(set, pair))
         return false;
     double distance = measure_start(set, pair), reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
     return distance <= reach || (distance <= reach + way && comes_within(set, pair, reach));
 }
 
-/* the corner of a triangle that its vertex is before at `start`, PEL_NO_BORDER = none */
-static int32_t corner_of(const pel_collision *pair)
+/* the corner of a triangle that its vertex is before at `start`, so nearly that it stays before it while all is near
+   its home, PEL_NO_BORDER = none */
+static int32_t corner_of(const pel_contact_set *set, const pel_collision *pair)
 {
+    const double(*x)[3] = (const double(*)[3])set->start;
+    const int32_t *v = pair->vertices;
+    double most = CORNER_SHARE * set->finest, place[3] = {0, 0, 0};
     for (int i = 1; i < 4; i++)
-        if (pair->hit.weight[i] < INSIDE - 1)
-            return pair->vertices[i];
+        pel_vec3_along(place, -pair->hit.weight[i], x[v[i]], place);
+    for (int i = 1; i < 4; i++)
+        if (pel_vec3_distance(place, x[v[i]]) <= most)
+            return v[i];
     return PEL_NO_BORDER;
 }
 
@@ -469,15 +541,14 @@ static pel_contact_key *pair_at_corner(const merger *m, int32_t vertex, int32_t 
     return NULL;
 }
 
-/* A vertex in the loop before a corner that it is before in another triangle too, or that has a pair with it from the
-   other side: one of them is enough, since it hardly slides in the step, and takes the load. */
+/* A vertex at rest before a corner that it is before in another triangle too, or that has a pair with it from the other
+   side: one of them is enough, and takes the load. What slides needs all of them. */
 static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
 {
     const pel_contact_set *set = m->set;
-    if (!set->def.has_layers || !m->is_anew || pair->edge_edge ||
-        !hardly_slides(set, pel_contact_longest_approach(set, pair)))
+    if (!m->is_same || pair->edge_edge)
         return false;
-    key->border = corner_of(pair);
+    key->border = corner_of(set, pair);
     if (key->border < 0)
         return false;
     pel_contact_key *twin = pair_at_corner(m, key->first, key->border);
@@ -486,13 +557,71 @@ static bool is_again(merger *m, const pel_collision *pair, pel_contact_key *key)
         twin = pair_at_corner(m, key->border, key->first);
         side = -1;
     }
-    if (twin != NULL && take_over(m, key)) {
-        twin->load += set->keys[m->old].load;
-        twin->earlier += set->keys[m->old].earlier;
-        pel_vec3_along(twin->drag, side, set->keys[m->old].drag, twin->drag);
-        m->old++;
-    }
+    if (twin != NULL && take_over(m, key))
+        add_load(&set->keys[m->old++], side, twin);
     return twin != NULL;
+}
+
+/* pairs of a vertex stand for the triangles around the corners that it is nearest to */
+static bool makes_rings(const merger *m, const pel_contact_key *key)
+{
+    const pel_contact_set *set = m->set;
+    return set->def.has_layers && m->is_anew && !m->is_same && !key->edge_edge && set->tangles.count == 0 &&
+           set->def.origin_of_vertex == NULL;
+}
+
+static merged_ring *ring_with(merger *m, const pel_contact_key *key)
+{
+    if (m->vertex != key->first)
+        m->ring_count = 0;
+    m->vertex = key->first;
+    for (int r = 0; r < m->ring_count; r++)
+        for (int i = 0; i < m->rings[r].count; i++)
+            if (m->rings[r].triangles[i] == key->second)
+                return &m->rings[r];
+    return NULL;
+}
+
+/* A pair that another one stands for, which takes its load. Slack is that of known pairs, if there are any: others are
+   new because they slid there. */
+static bool is_in_ring(merger *m, const pel_contact_key *key)
+{
+    pel_contact_set *set = m->set;
+    merged_ring *ring = ring_with(m, key);
+    if (ring == NULL)
+        return false;
+    pel_contact_key *twin = &set->other_keys[ring->at];
+    bool is_known = take_over(m, key);
+    if (is_known == ring->is_known)
+        twin->slack = pel_max(twin->slack, is_known ? set->keys[m->old].slack : key->slack);
+    else if (is_known)
+        twin->slack = set->keys[m->old].slack;
+    ring->is_known |= is_known;
+    if (!is_known)
+        return true;
+    const pel_contact *old = &set->list.contacts[m->old];
+    pel_contact *contact = &set->other_contacts[ring->at];
+    if (set->keys[m->old].load > 0 && old->compliance < contact->compliance)
+        contact->compliance = old->compliance;
+    add_load(&set->keys[m->old++], 1, twin);
+    return true;
+}
+
+/* the pair that was merged last stands for the triangles around the corner that its vertex is nearest to */
+static void add_ring(merger *m, const pel_collision *pair, bool is_known)
+{
+    pel_contact_key *key = &m->set->other_keys[m->count - 1];
+    merged_ring *ring = &m->rings[m->ring_count];
+    uint8_t nearest = 1;
+    for (uint8_t i = 2; i < 4; i++)
+        nearest = pair->hit.weight[i] < pair->hit.weight[nearest] ? i : nearest;
+    ring->at = m->count - 1;
+    ring->is_known = is_known;
+    ring->count = pel_contact_smooth_ring(m->set, key->second, key->points[nearest], key->first, ring->triangles);
+    if (ring->count == 0)
+        return;
+    m->ring_count++;
+    key->ring = nearest;
 }
 
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
@@ -506,7 +635,9 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double start = pel_contact_start_distance(set, pair);
     double thickness = pel_contact_pair_thickness(set, pair->vertices);
     key.slack = thickness > start ? thickness - start : 0;
-    if (is_again(m, pair, &key))
+    if (m->is_same)
+        key.ring = set->keys[number].ring;
+    if (is_again(m, pair, &key) || (makes_rings(m, &key) && is_in_ring(m, &key)))
         return;
     if (key.is_impact)
         memcpy(key.place, m->impacts[number].hit.weight, sizeof key.place);
@@ -534,6 +665,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
         contact.separation -= (pel_real)(key.slack + beyond_aim(set, &key));
     set->other_keys[m->count] = key;
     set->other_contacts[m->count++] = contact;
+    if (makes_rings(m, &key) && m->ring_count < MOST_RINGS)
+        add_ring(m, pair, known);
 }
 
 /* puts what was found into the list */
@@ -648,9 +781,14 @@ static bool is_of_surface(const pel_contact_set *set, const pel_contact_key *key
            key->second < (key->edge_edge ? edges : set->triangle_count);
 }
 
+double pel_contact_set_home_reach(const pel_contact_set *set)
+{
+    return pel_min(HOME_SHARE * set->margin, HOME_SLIDE * set->finest);
+}
+
 bool pel_contact_set_serves(const pel_contact_set *set)
 {
-    double limit = pel_min(HOME_SHARE * set->margin, HOME_SLIDE * set->finest), most = 0;
+    double limit = pel_contact_set_home_reach(set), most = 0;
     for (int32_t c = 0; set->has_home && c < set->list.count; c++)
         if (!is_of_surface(set, &set->keys[c]))
             return false;
@@ -688,7 +826,7 @@ pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_erro
     pel_status status = make_room(set, 2 * (size_t)set->list.count, error);
     if (status != PEL_OK)
         return status;
-    merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true};
+    merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_same = true, .vertex = -1};
     for (int32_t c = 0; c < set->list.count; c++) {
         if (pel_contact_sleeps(set, &set->keys[c]))
             continue;
@@ -713,7 +851,7 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     pel_collision_result found;
     pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
-    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true};
+    merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true, .vertex = -1};
     if (status == PEL_OK)
         status = merge(&m, &found, error);
     set->has_home = status == PEL_OK && set->def.has_layers;
@@ -778,7 +916,7 @@ pel_status pel_contact_set_search_way(pel_contact_set *set, pel_collision_result
 
 pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_result *found, pel_error *error)
 {
-    merger m = {.set = set, .impacts = set->impacts, .obstacle_reach = HUGE_VAL};
+    merger m = {.set = set, .impacts = set->impacts, .obstacle_reach = HUGE_VAL, .vertex = -1};
     set->has_home = false;
     set->statistics.rounds++;
     return merge(&m, found, error);

@@ -80,7 +80,7 @@ typedef struct pel_contact_motion {
     double dt;                   /* s */
 } pel_contact_motion;
 
-enum { PEL_NO_BORDER = -1 };
+enum { PEL_NO_BORDER = -1, PEL_RING_LIMIT = 16 };
 
 /* which pair a contact is of, in the order of the list; the obstacle that it is with, -1 = none */
 typedef struct pel_contact_key {
@@ -91,14 +91,16 @@ typedef struct pel_contact_key {
     int32_t points[4];
     double place[4]; /* weights where it was found */
     /* in substeps and minimisations (refresh.c) */
-    bool is_off;     /* does not act at present */
-    int32_t border;  /* of a vertex before a triangle: the point that it is before, -2 - edge, or -1 = its inside */
-    bool has_side;   /* the normal tells the side on which the pair touches */
-    bool has_pushed; /* in any substep of this step */
-    double slack;    /* m, by how much it may be nearer than the thickness: it was so at the start */
-    double gap;      /* m, between the features, when it was looked at last */
-    double apart[3]; /* m, way between its places at that time */
-    double room;     /* m, by which it was farther apart than its layer; 0 = it is near */
+    bool is_off;    /* does not act at present */
+    uint8_t ring;   /* of a vertex before a triangle: it stands for all triangles around points[ring], and is before the
+                       nearest of them; 0 = for this one alone */
+    int32_t border; /* of a vertex before a triangle: the point that it is before, -2 - edge, or -1 = its inside */
+    bool has_side;  /* the normal tells the side on which the pair touches */
+    bool has_pushed;                /* in any substep of this step */
+    double slack;                   /* m, by how much it may be nearer than the thickness: it was so at the start */
+    double gap;                     /* m, between the features, when it was looked at last */
+    double apart[3];                /* m, way between its places at that time */
+    double room;                    /* m, by which it was farther apart than its layer; 0 = it is near */
     double load, earlier,           /* N, along the normal in the last substep and the one before */
         drag[3];                    /* N, across it; warm start of the next substep */
     double mean_load, mean_drag[3]; /* N, over the substeps of this step */
@@ -224,10 +226,21 @@ typedef struct pel_contact_set {
     pel_contact_statistics statistics;
 } pel_contact_set;
 
+/* ---- ring.c ---- */
+/* The triangles around a corner of one of them that edges connect; returns their number, 0 = more than
+   PEL_RING_LIMIT. */
+int pel_contact_ring(const pel_tree *tree, int32_t triangle, int32_t corner, int32_t ring[PEL_RING_LIMIT]);
+/* The same, 0 also where a vertex is in a valley of the triangles at the start of the step: it may touch two of them.
+ */
+int pel_contact_smooth_ring(const pel_contact_set *set, int32_t triangle, int32_t corner, int32_t vertex,
+                            int32_t ring[PEL_RING_LIMIT]);
 /* ---- set.c ---- */
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
+/* Pairs that went to other triangles of their rings in the order of their keys; what came to the same triangle is one.
+ */
+void pel_contact_set_sort(pel_contact_set *set);
 /* Before a step: nothing has pushed in it. */
 void pel_contact_set_calm(pel_contact_set *set);
 /* Before a step with a search: the margin gets smaller if it was not widened in the last one. */
@@ -242,6 +255,8 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
    quarter of the margin: nothing has moved by more than another quarter since. Also false where a smaller margin would
    do, and the list is longer than it has to be. */
 bool pel_contact_set_serves(const pel_contact_set *set);
+/* m, from its home, within which a point has to stay while the list serves. */
+double pel_contact_set_home_reach(const pel_contact_set *set);
 /* Instead of pel_contact_set_find, while it serves: the same pairs where they are now. PEL_OUT_OF_MEMORY. */
 pel_status pel_contact_set_find_same(pel_contact_set *set, double time, pel_error *error);
 /* Whether nothing can meet in a step, as known from earlier searches: there are no contacts, and the surface has moved

@@ -517,7 +517,7 @@ static bool strays(const pel_sim *sim, const pel_record *now, double share)
     double part = found < 1 ? (share - found) / length : 0, time = length * sim->step.dt;
     double limit = 0.5 * contacts->margin, most = 0;
     if (sim->touch->is_same)
-        return is_away(contacts, now, limit);
+        return is_away(contacts, now, pel_contact_set_home_reach(contacts));
     for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
         double square = 0;
         for (int k = 0; k < 3; k++) {

@@ -103,7 +103,8 @@ typedef struct layer_place {
     double weights[4], normal[3], friction;
 } layer_place;
 
-enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2, LAYER_IS_ASLEEP = 4 };
+/* the ring of the pair stands from LAYER_RING on */
+enum { LAYER_EDGES = 1, LAYER_HAS_NUMBERS = 2, LAYER_IS_ASLEEP = 4, LAYER_RING = 8 };
 
 static bool has_numbers(const pel_contact_key *key)
 {
@@ -118,7 +119,7 @@ static void save_layer(pel_cursor *at, const pel_contact_set *set, int32_t c)
     bool sleeps = pel_contact_sleeps(set, key);
     layer_name name = {key->first, key->second,
                        (key->edge_edge ? LAYER_EDGES : 0u) | (has_numbers(key) ? LAYER_HAS_NUMBERS : 0u) |
-                           (sleeps ? LAYER_IS_ASLEEP : 0u)};
+                           (sleeps ? LAYER_IS_ASLEEP : 0u) | (uint32_t)LAYER_RING * key->ring};
     layer_numbers numbers = {
         .load = key->load, .earlier = key->earlier, .slack = key->slack, .compliance = (double)contact->compliance};
     layer_place place = {.obstacle = key->obstacle, .friction = (double)contact->friction};
@@ -173,6 +174,7 @@ static void load_layer(pel_cursor *at, const pel_contact_set *set, pel_contact_k
                              .second = name.second,
                              .obstacle = -1,
                              .border = PEL_NO_BORDER,
+                             .ring = (uint8_t)(name.traits / LAYER_RING % 4),
                              .slack = numbers.slack,
                              .load = numbers.load,
                              .earlier = numbers.earlier};
