@@ -200,8 +200,7 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, p
     return status;
 }
 
-/* the one that has analyses */
-static pel_method static_method(void)
+pel_method pel_scene_static_method(void)
 {
     int method = 0;
     while (method + 1 < PEL_METHOD_COUNT && !pel_stepper_of((pel_method)method)->is_static)
@@ -237,7 +236,7 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
             supports[def.support_count++].body = 0;
         }
     def.solver = pel_sim_def_default().solver;
-    def.solver.method = static_method();
+    def.solver.method = pel_scene_static_method();
     def.solver.analysis = PEL_ANALYSIS_MODAL;
     def.solver.mode_count = MODE_COUNT;
     def.solver.dt = scene->duration;

@@ -30,6 +30,9 @@ pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vi
 /* The steps below dt that resolve the vibrations, loads and moving pins of a scene. PEL_OUT_OF_MEMORY. */
 pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shortest, pel_motions *motions);
 
+/* the method of equilibria, which has analyses */
+pel_method pel_scene_static_method(void);
+
 /* Sets dt of the method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
    of the default would not resolve: neither tools that stay, drag nor damping, and a shorter vibration or load. Only in
    scenes that give no dt and count no steps. Before that, dt of methods with velocities and a material is at most the

@@ -21,6 +21,7 @@
 #include "run/state.h"
 #include "run/warnings_bodies.h"
 #include "run/warnings_contact.h"
+#include "run/warnings_rest.h"
 #include "run/warnings_shell.h"
 #include "run/warnings_springs.h"
 #include "run/warnings_volume.h"
@@ -346,6 +347,7 @@ void pel_warnings_check_end(pel_run_state *run)
     pel_warnings_check_bodies_end(run, frame);
     pel_warnings_check_springs(run, frame);
     check_motion(run, frame);
+    pel_warnings_check_balance(run, frame);
 }
 
 /* ---- texts ---- */
@@ -481,6 +483,14 @@ static void tell_unconverged(const pel_warning_text *at)
 
 static void tell_unstable(const pel_warning_text *at)
 {
+    if (!pel_stepper_of(at->run->scene->sim.solver.method)->is_static) {
+        snprintf(
+            at->text, at->size,
+            "the equilibrium at the end is unstable: the body buckles, but it and its loads are so symmetric that "
+            "nothing pushes it aside. use the method static, or add an imperfection ({ mode: 1, amplitude: a tenth "
+            "of the thickness }) or a small load that selects a direction");
+        return;
+    }
     bool is_path = pel_sim_path_kind(at->run->sim) == PEL_PATH_ARC_LENGTH;
     snprintf(at->text, at->size,
              "%" PRId64 " of %" PRId64
