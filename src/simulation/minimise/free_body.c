@@ -48,43 +48,14 @@ static bool is_held(const pel_sim *sim, int32_t body)
     return held;
 }
 
-/* m, how far a surface is open, and the middle of that at rest */
-static double read_opening(const pel_body *body, double middle[3])
-{
-    const pel_mesh *mesh = body->mesh;
-    double length = 0;
-    pel_vec3_set(middle, 0, 0, 0);
-    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
-        const double *a = mesh->positions[mesh->triangles[h / 3][h % 3]],
-                     *b = mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]];
-        double half = pel_is_lip(body, h) ? 0.5 * pel_vec3_distance(a, b) : 0;
-        length += half;
-        pel_vec3_along(middle, 0.5 * half, a, middle);
-        pel_vec3_along(middle, 0.5 * half, b, middle);
-    }
-    if (length > 0)
-        pel_vec3_scale(middle, 1 / length, middle);
-    return length;
-}
-
 static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
 {
-    const pel_body *own = &sim->model->bodies[body];
-    double middle[3], opening = read_opening(own, middle);
-    if (opening > 0 && own->shell != NULL && pel_pressure_given(own->shell) != 0)
-        return pel_refuse_element(
-            error, PEL_BAD_ARGUMENT, "body", body,
-            "let the pressure fall by then (inside: { keys: ... }), end the run before (stop: { time: ... }), or "
-            "use the method implicit, xpbd or explicit",
-            "body '%s' burst at time %.4g s: it is open over %.3g m about (%.3g, %.3g, %.3g) at rest, and its pressure "
-            "leaves a net force of %.3g N",
-            own->name, time, opening, middle[0], middle[1], middle[2], pel_vec3_length(net));
     return pel_refuse_element(
         error, PEL_BAD_ARGUMENT, "body", body,
         "pin vertices, add volumetric springs or a tool that it rests on, balance the loads, or use "
         "the method implicit, xpbd or explicit",
         "nothing holds body '%s' against the net force (%.3g, %.3g, %.3g) N at time %.4g s: it has no equilibrium",
-        own->name, net[0], net[1], net[2], time);
+        sim->model->bodies[body].name, net[0], net[1], net[2], time);
 }
 
 /* a push has no reaction: not even its net force of 0 at rest is one that a free body can bear */

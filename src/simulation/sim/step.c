@@ -38,6 +38,43 @@ static void advise_after_burst(const pel_sim *sim, int32_t body, double given, p
                         given);
 }
 
+/* m, how far a surface is open, and the middle of that at rest */
+static double read_opening(const pel_body *body, double middle[3])
+{
+    const pel_mesh *mesh = body->mesh;
+    double length = 0;
+    pel_vec3_set(middle, 0, 0, 0);
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        const double *a = mesh->positions[mesh->triangles[h / 3][h % 3]],
+                     *b = mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]];
+        double half = pel_is_lip(body, h) ? 0.5 * pel_vec3_distance(a, b) : 0;
+        length += half;
+        pel_vec3_along(middle, 0.5 * half, a, middle);
+        pel_vec3_along(middle, 0.5 * half, b, middle);
+    }
+    if (length > 0)
+        pel_vec3_scale(middle, 1 / length, middle);
+    return length;
+}
+
+/* a balance that an open body lacks under pressure: what burst, how far and where */
+static void name_burst(const pel_sim *sim, pel_error *error)
+{
+    if (error == NULL || strcmp(error->element_kind, "body") != 0 || error->element < 0 ||
+        error->element >= sim->model->body_count)
+        return;
+    int32_t b = (int32_t)error->element;
+    const pel_body *body = &sim->model->bodies[b];
+    double middle[3], opening = read_opening(body, middle);
+    if (opening > 0 && body->shell != NULL && pel_pressure_given(body->shell) != 0)
+        pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                           "let the pressure fall by then (inside: { keys: ... }), end the run before (stop: { time: "
+                           "... }), or use the method implicit, xpbd or explicit",
+                           "body '%s' burst at time %.4g s, open over %.3g m about (%.3g, %.3g, %.3g) at rest: its "
+                           "pressure has no balance any more",
+                           body->name, pel_sim_time(sim) + sim->step.dt, opening, middle[0], middle[1], middle[2]);
+}
+
 static pel_status report_divergence(const pel_sim *sim, pel_error *error)
 {
     const pel_model *model = sim->model;
@@ -257,5 +294,9 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_forceps_lead(sim);
         status = step_once(sim, error);
     }
-    return status == PEL_OK && sim->stepper->is_static ? grow_to_rest(sim, error) : status;
+    if (status == PEL_OK && sim->stepper->is_static)
+        status = grow_to_rest(sim, error);
+    if (status == PEL_BAD_ARGUMENT && sim->stepper->minimises)
+        name_burst(sim, error);
+    return status;
 }
