@@ -12,12 +12,22 @@
 #include "stage/surface_view.h"
 #include "tool/pose.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { ESTIMATE_SWEEPS = 20 };
 
+/* Of the stiffness along the normal, in motion: where friction begins and ceases to hold the energy bends, the more the
+   stiffer it is. What it gives way is taken over by drags, which go on from step to step. */
+#define SOFT_FRICTION 0.1
+
 /* of the thickness */
 #define GAP_TOLERANCE (0.75 * PEL_SLACK_SHARE)
+/* of the thickness: depth beyond which a layer is as stiff as it needs to be */
+#define MOST_DEPTH 0.9
+/* of the stiffness of bodies: a layer up to this acts by its depth alone; how much stiffer what goes with it is */
+#define MOST_LAYER 10
+#define ALONE 1e3
 
 /* of the two sides of a pair of lips together: below it tools and supports decide where they are */
 #define LEAST_FREEDOM 0.5
@@ -111,6 +121,23 @@ void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *c
     meeting->gap = pel_vec3_dot(point, constraint->normal) - constraint->offset;
 }
 
+/* m/N, of the layer as it acts */
+static double layer_of(const pel_minimise_contact *constraint)
+{
+    return (1 / constraint->share - 1) / constraint->stiffness;
+}
+
+double pel_minimise_contact_depth(const pel_minimise_contact *constraint)
+{
+    return constraint->load * layer_of(constraint);
+}
+
+/* N, of the layer at a gap, below 0 where it does not act */
+static double load_at(const pel_minimise_contact *constraint, double gap)
+{
+    return constraint->share * (constraint->load - constraint->stiffness * gap);
+}
+
 /* the friction force, without limit, for the displacement since the start of the step; false without friction */
 static bool find_drag(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
                       double drag[3])
@@ -123,7 +150,7 @@ static bool find_drag(const pel_sim *sim, const pel_minimise_contact *constraint
     pel_vec3_subtract(now, before, slip);
     pel_vec3_subtract(slip, constraint->drift, slip);
     pel_vec3_along(slip, -pel_vec3_dot(slip, constraint->normal), constraint->normal, slip);
-    pel_vec3_along(constraint->drag, -constraint->stiffness, slip, drag);
+    pel_vec3_along(constraint->drag, -constraint->across, slip, drag);
     return true;
 }
 
@@ -149,17 +176,16 @@ static double evaluate(const pel_sim *sim, const pel_minimise_contact *constrain
     pel_gap_sample meeting;
     double energy = 0, load[3], drag[3];
     pel_minimise_contact_meet(sim, constraint, position, &meeting);
-    double along = constraint->load - constraint->stiffness * meeting.gap;
+    double along = load_at(constraint, meeting.gap);
     if (along > 0) {
         pel_vec3_scale(meeting.normal, along, load);
         push(constraint, meeting.weights, load, force);
-        energy += along * along / (2 * constraint->stiffness);
+        energy += along * along / (2 * constraint->share * constraint->stiffness);
     }
     if (find_drag(sim, constraint, position, drag)) {
         double limit = constraint->friction * constraint->load, length = limit_length(drag, limit);
         push(constraint, constraint->weights, drag, force);
-        energy += length <= limit ? length * length / (2 * constraint->stiffness)
-                                  : limit * (length - 0.5 * limit) / constraint->stiffness;
+        energy += (length <= limit ? 0.5 * length * length : limit * (length - 0.5 * limit)) / constraint->across;
     }
     return energy;
 }
@@ -169,7 +195,7 @@ static void drag_stiffness(const pel_minimise_contact *constraint, const double 
 {
     double length = pel_vec3_length(drag), limit = constraint->friction * constraint->load;
     bool slips = length > limit;
-    double stiffness = slips ? constraint->stiffness * limit / length : constraint->stiffness;
+    double stiffness = constraint->across * (slips ? limit / length : 1);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
             double projection = (a == b) - constraint->normal[a] * constraint->normal[b];
@@ -255,7 +281,7 @@ bool pel_minimise_contact_stiffness(const pel_sim *sim, const pel_minimise_conta
     pel_gap_sample meeting;
     double drag[3];
     pel_minimise_contact_meet(sim, constraint, position, &meeting);
-    double load = constraint->load - constraint->stiffness * meeting.gap;
+    double load = load_at(constraint, meeting.gap);
     bool drags = find_drag(sim, constraint, position, drag), acts = load > 0;
     if (sim->minimise->kinks != NULL)
         acts = sim->minimise->kinks[constraint - sim->minimise->constraints].acts;
@@ -263,7 +289,7 @@ bool pel_minimise_contact_stiffness(const pel_sim *sim, const pel_minimise_conta
     memcpy(stiffness->weights, meeting.weights, sizeof meeting.weights);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3 && acts; b++)
-            stiffness->along[a][b] = constraint->stiffness * meeting.normal[a] * meeting.normal[b];
+            stiffness->along[a][b] = constraint->share * constraint->stiffness * meeting.normal[a] * meeting.normal[b];
     if (drags)
         drag_stiffness(constraint, drag, stiffness->across);
     if (load > 0 && constraint->points > 0)
@@ -279,7 +305,9 @@ void pel_minimise_contacts_list_kinks(pel_sim *sim, const double *position, pel_
         pel_newton_kink *kink = &kinks[c];
         pel_gap_sample meeting;
         pel_minimise_contact_meet(sim, constraint, position, &meeting);
-        *kink = (pel_newton_kink){.gap = meeting.gap, .load = constraint->load, .stiffness = constraint->stiffness};
+        *kink = (pel_newton_kink){.gap = meeting.gap,
+                                  .load = constraint->share * constraint->load,
+                                  .stiffness = constraint->share * constraint->stiffness};
         memcpy(kink->vertices, constraint->vertices, sizeof kink->vertices);
         memcpy(kink->weights, meeting.weights, sizeof kink->weights);
         pel_vec3_copy(meeting.normal, kink->normal);
@@ -318,7 +346,14 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
         return pel_fail_memory(error);
     pel_minimise_contact *added = &minimise->constraints[minimise->count++];
     *added = *constraint;
-    added->stiffness = minimise->penalty * minimise->stiffness / free;
+    double own = minimise->stiffness / free;
+    double most = added->load > 0 ? MOST_DEPTH * added->thickness / added->load : HUGE_VAL;
+    double compliance = minimise->penalty >= PEL_JAM_PENALTY ? pel_min(added->compliance, most) : 0;
+    added->stiffness = minimise->penalty * own;
+    if (compliance * MOST_LAYER * own > 1)
+        added->stiffness = pel_max(added->stiffness, ALONE / compliance);
+    added->share = 1 / (1 + added->stiffness * compliance);
+    added->across = (minimise->inertia != NULL ? SOFT_FRICTION : 1) * minimise->penalty * own;
     pel_vec3_along(added->drag, -pel_vec3_dot(added->drag, added->normal), added->normal, added->drag);
     return PEL_OK;
 }
@@ -342,7 +377,7 @@ static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_con
     pel_gap_sample meeting;
     double drag[3], change = 0;
     pel_minimise_contact_meet(sim, constraint, position, &meeting);
-    double load = pel_max(0, constraint->load - constraint->stiffness * meeting.gap);
+    double load = pel_max(0, load_at(constraint, meeting.gap));
     sum->misfit += misfit_of(sim, constraint, load);
     sum->limit += constraint->friction * load;
     if (find_drag(sim, constraint, position, drag)) {
@@ -352,9 +387,10 @@ static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_con
     } else {
         pel_vec3_set(constraint->drag, 0, 0, 0);
     }
-    change = pel_max(change, fabs(load - constraint->load));
+    double gap = fabs(load - constraint->load) / (constraint->share * constraint->stiffness);
     constraint->load = load;
-    sum->gap = pel_max(sum->gap, change / (constraint->stiffness * constraint->tolerance));
+    sum->gap = pel_max(sum->gap, gap / constraint->tolerance);
+    sum->slip = pel_max(sum->slip, change / (constraint->across * constraint->tolerance));
 }
 
 pel_contact_change pel_minimise_contacts_update(pel_sim *sim)
@@ -372,7 +408,7 @@ pel_contact_change pel_minimise_contacts_update(pel_sim *sim)
 static bool find_left(const pel_sim *sim, const pel_minimise_contact *constraint, const pel_gap_sample *meeting,
                       const double *stiffness, const double *force, double left[3])
 {
-    double square = 0, slip[3];
+    double square = 0, slip[3], layer = stiffness != NULL ? layer_of(constraint) : 0;
     pel_vec3_set(left, 0, 0, 0);
     for (int i = 0; i < 4; i++) {
         int32_t v = constraint->vertices[i];
@@ -387,9 +423,14 @@ static bool find_left(const pel_sim *sim, const pel_minimise_contact *constraint
         pel_vec3_along(constraint->drift, -along - meeting->gap, meeting->normal, slip);
         pel_vec3_subtract(left, slip, left);
     }
-    if (square > 0)
-        pel_vec3_scale(left, -1 / square, left);
-    return square > 0;
+    if (!(square > 0))
+        return false;
+    /* the layer gives way by the load */
+    double along = pel_vec3_dot(left, meeting->normal),
+           given = (along + layer * constraint->load) / (1 + layer / square);
+    pel_vec3_along(left, given - along, meeting->normal, left);
+    pel_vec3_scale(left, -1 / square, left);
+    return true;
 }
 
 static void balance(const pel_sim *sim, pel_minimise_contact *constraint, double reach, const double *stiffness,
@@ -520,6 +561,8 @@ static void constraint_of(const pel_sim *sim, int32_t number, pel_minimise_conta
     *constraint = (pel_minimise_contact){
         .offset = (double)contact->separation + PEL_SLACK_SHARE * thickness,
         .tolerance = GAP_TOLERANCE * thickness,
+        .compliance = (double)contact->compliance,
+        .thickness = thickness,
         .load = key->load,
         .friction = (double)contact->friction,
         .tool = key->obstacle,

@@ -8,6 +8,11 @@
 void pel_minimise_contact_point(const pel_minimise_contact *constraint, const double *position, double point[3]);
 void pel_minimise_contact_meet(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
                                pel_gap_sample *meeting);
+/* Where surfaces press from all sides, some gaps do not close under any load: under constraints this stiff, relative to
+   the bound of bodies and inertia, the layers of pairs give way by their loads, and gaps have more tolerance. */
+#define PEL_JAM_PENALTY 6
+/* m, by which the layer of a pair gives way */
+double pel_minimise_contact_depth(const pel_minimise_contact *constraint);
 /* One more constraint; false when nothing at it can move. PEL_OUT_OF_MEMORY. */
 pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *constraint, pel_error *error);
 /* Adds energy [J] and forces at positions. */

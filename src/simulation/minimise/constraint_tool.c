@@ -7,6 +7,7 @@
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "contact/layer.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/constraint.h"
@@ -24,6 +25,8 @@
 /* relative to the tolerance of pressing: additional gap, to within the tolerance */
 #define SLACK_SHARE 2.0
 #define GAP_TOLERANCE 1.5
+/* of the thickness of a layer */
+#define LAYER_TOLERANCE (0.75 * PEL_SLACK_SHARE)
 /* weights of a point inside an edge; tangent of the angle below which an edge is parallel to an axis */
 #define INSIDE 1e-9
 #define ALONG_AXIS 0.01
@@ -51,6 +54,21 @@ static void find_drift(const pel_tool *tool, const double point[3], double drift
     pel_vec3_subtract(point, before, drift);
 }
 
+/* The layer between a tool and a vertex or the corners of a triangle; without contact tools are rigid. */
+static void set_layer(const pel_sim *sim, pel_minimise_contact *constraint)
+{
+    const pel_contact_layer *layer = &sim->layers[sim->model->body_of_slice[constraint->vertices[0] / PEL_WIDTH]];
+    double mass = 0;
+    int count = constraint->number < 0 ? 1 : 3;
+    if (sim->contacts == NULL)
+        return;
+    for (int i = 0; i < count; i++)
+        mass += (double)sim->model->mass[constraint->vertices[i]] / count;
+    constraint->compliance = pel_contact_layer_compliance(layer, mass, 0, sim->step.dt);
+    constraint->thickness = layer->thickness;
+    constraint->tolerance = pel_max(constraint->tolerance, LAYER_TOLERANCE * layer->thickness);
+}
+
 /* with the loads of the one that was known before, `known` its number plus 1 */
 static pel_status add(const tool_search *search, pel_minimise_contact *constraint, int32_t known, pel_error *error)
 {
@@ -61,6 +79,7 @@ static pel_status add(const tool_search *search, pel_minimise_contact *constrain
     memcpy(constraint->pair, pair, sizeof pair);
     pel_minimise_contact_point(constraint, sim->minimise->position, point);
     find_drift(&sim->tools->items[search->tool], point, constraint->drift);
+    set_layer(sim, constraint);
     if (known > 0) {
         const pel_minimise_contact *old = &sim->minimise->others[known - 1];
         constraint->load = old->load;

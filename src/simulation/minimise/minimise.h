@@ -36,7 +36,9 @@ typedef struct pel_minimise_contact {
     int32_t vertices[4];
     double weights[4], normal[3]; /* where it was found; the normal points out of the tool */
     double offset;                /* m: gap = sum of weights x . normal - offset; against a round tool the slack */
-    double stiffness;             /* N/m */
+    double stiffness, across;     /* N/m, along the normal and of friction */
+    double share;                 /* of the force that stiffness gives, by the compliance of the layer */
+    double compliance, thickness; /* m/N and m, of the layer; 0 = rigid */
     double tolerance;             /* m, of the gap */
     double load;                  /* N, along the normal */
     double drag[3];               /* N, across it */
@@ -114,7 +116,7 @@ typedef struct pel_gap_sample {
 
 /* how a minimisation changes the constraints */
 typedef struct pel_contact_change {
-    double gap; /* largest error of a gap over its tolerance */
+    double gap, slip; /* largest errors along and across a normal, over the tolerance of the gap */
     double misfit,
         limit; /* N, sums: differences of the friction from Coulomb's limits under the new loads; the limits */
 } pel_contact_change;

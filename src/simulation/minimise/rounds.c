@@ -68,9 +68,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 #define FAVOUR 4
 #define CLOSING 0.3
 #define FAR 20
-/* Where surfaces press from all sides, some gaps do not close under any load: under constraints this stiff they may
-   stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than half of the rest. */
-#define JAM_PENALTY 6
+/* Where they jam, gaps may stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than
+   half of the rest. */
 #define JAM_GAP 8
 /* A round limits friction by the loads of the round before. Largest difference from the limits by its own loads. */
 #define FRICTION_SHARE 0.05
@@ -318,7 +317,8 @@ static double deepest_gap(const pel_sim *sim)
     for (int32_t c = 0; c < minimise->count; c++) {
         pel_gap_sample meeting;
         pel_minimise_contact_meet(sim, &minimise->constraints[c], minimise->position, &meeting);
-        deepest = pel_max(deepest, -meeting.gap / minimise->constraints[c].tolerance);
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        deepest = pel_max(deepest, -(meeting.gap + pel_minimise_contact_depth(constraint)) / constraint->tolerance);
     }
     return deepest;
 }
@@ -442,8 +442,9 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         if (!pel_sim_all_inside(sim) || (can_halve && failures == HALVING_FAILURES))
             return PEL_OK;
         const pel_contact_change change = pel_minimise_contacts_update(sim);
-        double error_of_gaps = change.gap;
-        double allowed = minimise->penalty >= JAM_PENALTY ? JAM_GAP : 1;
+        /* what sticks in motion comes to rest over steps, since drags are kept */
+        double error_of_gaps = is_dynamic ? change.gap : pel_max(change.gap, change.slip);
+        double allowed = minimise->penalty >= PEL_JAM_PENALTY ? JAM_GAP : 1;
         if (round.converged && error_of_gaps > allowed && error_of_gaps > pel_min(CLOSING * before, FAR))
             minimise->penalty = pel_min(STIFFENING * minimise->penalty, MOST_PENALTY);
         before = error_of_gaps;
@@ -525,12 +526,23 @@ static void begin_loads(pel_minimise_context *context, double reach)
         pel_minimise_contacts_take_kept(sim);
 }
 
+/* whether a layer gives way by more than the tolerance of its gap */
+static bool is_jammed(const pel_minimise *minimise)
+{
+    bool any = false;
+    for (int32_t c = 0; c < minimise->count; c++)
+        any |= pel_minimise_contact_depth(&minimise->constraints[c]) > minimise->constraints[c].tolerance;
+    return any;
+}
+
 /* After an accepted step. What rests keeps its loads: updates without steps would add up. */
 static void keep_loads(pel_sim *sim)
 {
     pel_minimise *minimise = sim->minimise;
     double sum = pel_minimise_contacts_sum(sim);
-    if (minimise->result.iterations == 0)
+    if (is_jammed(minimise))
+        minimise->penalty = pel_max(minimise->penalty, PEL_JAM_PENALTY / SOFTENING);
+    if (minimise->result.iterations == 0 && minimise->kept_count > 0)
         return;
     minimise->prefers_kept = fabs(minimise->begun[1] - sum) < FAVOUR * fabs(minimise->begun[0] - sum);
     pel_minimise_contacts_keep(sim);

@@ -658,6 +658,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .is_in_motion = is_dynamic && !is_exact,
         .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
         .rounding = is_exact ? 0 : problem->rounding,
+        .settles = is_dynamic && !is_exact,
         .is_dynamic = is_dynamic,
     };
 }

@@ -628,12 +628,18 @@ static void take_corrections(pel_sim *sim)
     }
 }
 
+/* whether the solver decides by layers how near pairs come */
+static bool solves_layers(const pel_sim *sim)
+{
+    return sim->contacts->def.has_layers || (sim->contact_in_loop && sim->stepper->minimises);
+}
+
 /* Search and correct until all distances hold; return the remaining conflicts. What a solver with contacts in its loop
    has left is corrected only so far that the guard lets it be: its layers decide all else. */
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = contacts->def.has_layers;
+    bool once = sim->touch->def.response == PEL_CONTACT_AFTER, has_layers = solves_layers(sim);
     int limit = once ? 1 : has_layers ? LAYER_ROUNDS : ROUND_LIMIT;
     contacts->aim = has_layers ? CLEAR_SHARE * contacts->guarded : HUGE_VAL;
     for (int round = 0;; round++) {
@@ -684,7 +690,7 @@ static bool is_refused(pel_sim *sim)
 {
     if (!pel_parts_can_halve(sim))
         return false;
-    if (!sim->contacts->def.has_layers)
+    if (!solves_layers(sim))
         return sim->contacts->conflict_count > 0;
     int32_t count = count_far_conflicts(sim->contacts);
     bool helps = count > 0 && (sim->part.conflict_count == 0 || count < sim->part.conflict_count);
@@ -717,7 +723,7 @@ static pel_status guard(pel_sim *sim, pel_error *error)
 static bool shorten_strides(pel_sim *sim)
 {
     bool shortened = false;
-    bool may_repeat = sim->contacts->def.has_layers && sim->part.repeat_count < MOST_REPEATS;
+    bool may_repeat = solves_layers(sim) && sim->part.repeat_count < MOST_REPEATS;
     for (int32_t i = 0; i < sim->tools->count && may_repeat; i++) {
         pel_tool *tool = &sim->tools->items[i];
         if (!tool->is_held_back || tool->stride <= PEL_LEAST_STRIDE)

@@ -467,6 +467,7 @@ static bool go_by_energy(newton_run *run, double share)
     step_walk walk = {.run = run};
     const energy_point begin = {0, merit_of(run), slope_of(run->newton, run->newton->gradient)};
     double noise = ROUNDING * run->parts;
+    run->slope = begin.slope;
     bool is_stiff = run->kind == PEL_TANGENT_POSITIVE;
     run->result->iterations++;
     run->kind = PEL_TANGENT_EXACT;
@@ -588,6 +589,15 @@ void pel_newton_go_to_targets(newton_run *run)
     pel_tangent_advance(newton->tangent, run->unknowns, pel_newton_find_move(run, 1), 1, newton->pool);
 }
 
+/* after a step as far as the energy falls */
+static bool ends_settled(newton_run *run, double press)
+{
+    if (!pel_newton_has_settled(run, run->slope, press))
+        return false;
+    run->result->converged = run->result->is_near = true;
+    return true;
+}
+
 /* Full steps of mixed integration points, or as far as the energy falls under constraints. False where they lead
    nowhere. */
 static bool go_full_steps(newton_run *run)
@@ -616,7 +626,11 @@ static bool go_full_steps(newton_run *run)
         best = pel_min(best, result->residual);
         if (!has_kinks(run) && since > (run->problem->is_dynamic ? DYNAMIC_PATIENCE : PATIENCE))
             return false;
-        if (go_quasi_step(run)) {
+        double press = run->press;
+        bool goes_quasi = go_quasi_step(run);
+        if (goes_quasi && ends_settled(run, press))
+            return true;
+        if (goes_quasi) {
             is_evaluated = true;
             since = 0;
             continue;
@@ -627,6 +641,8 @@ static bool go_full_steps(newton_run *run)
             run->kind == PEL_TANGENT_EXACT && pel_newton_longest_move(run->newton) <= run->problem->short_move;
         double before = result->residual;
         is_evaluated = take_step(run);
+        if (is_evaluated && ends_settled(run, press))
+            return true;
         short_steps = is_short ? short_steps + 1 : 0;
         if (!is_short)
             continue;

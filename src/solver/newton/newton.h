@@ -90,6 +90,7 @@ typedef struct pel_newton_problem {
     double rest_share; /* Has converged before one step only where each body rests: forces below the tolerance move what
                           is light. This share of the forces that act on a body, or `rounding` [N]; 0 = off */
     double rounding;
+    bool settles;    /* under constraints a step in time may end before that, where little energy is left */
     bool is_dynamic; /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 
@@ -101,7 +102,7 @@ typedef struct pel_newton_result {
     double held_force;     /* N, root of the sum of squares of the forces on fixed vertices */
     double inertia_force;  /* N, root of the sum of squares of the forces of the springs to points on free unknowns */
     bool converged;
-    bool is_near;  /* by short_move */
+    bool is_near;  /* by short_move, or by `settles` */
     bool is_late;  /* by the deadline */
     bool stuck;    /* no step makes the energy fall: as near as rounding allows */
     bool unstable; /* a balance, but no minimum of the energy, and no minimum was found beside it */

@@ -96,6 +96,9 @@ typedef struct newton_run {
     double predicted;      /* share of the step from newton->start that the next matrix takes them from; 0 = taken */
     double shift;          /* 1/s2, of the masses */
     double parts;          /* J, sum of the sizes of the energy's parts */
+    double work;           /* J, of terms, inertia and fixed unknowns since the start of the step, each part positive */
+    double slope;          /* J, of the energy along the last step that went by it */
+    double press;          /* N, sum over vertices of the sizes of the forces of terms */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
     double longest;        /* m, that a step downhill moves any vertex by; 0 = any */
     int32_t limit;         /* of iterations so far */
@@ -205,6 +208,8 @@ void pel_newton_go(newton_run *run, double scale);
 /* mixed integration points: the next matrix takes the stresses that a share of the step predicts, from here */
 void pel_newton_extrapolate(newton_run *run, double scale);
 bool pel_newton_has_converged(newton_run *run);
+/* Whether a step in time is found well enough, by the slope of the energy along the last step and `press` before it. */
+bool pel_newton_has_settled(const newton_run *run, double slope, double press);
 bool pel_newton_is_at_targets(const newton_run *run);
 /* stiffness over mass, 1/s2, of the free vertices and the last matrix */
 double pel_newton_stiffness_scale(const pel_newton *newton);

@@ -29,6 +29,11 @@ enum { KEPT_PRODUCTS = 8 };
  */
 enum { ASSEMBLY_WORK = 2, FACTOR_WORK = 5 };
 
+/* Of the work in a step: energy that constraints may leave. Of what they press: change by the last step. */
+#define SETTLED_SHARE 1e-3
+#define PRESS_SHARE 5e-3
+/* systems before that: smooth motion needs no more, and converges fast */
+enum { FIRST_SYSTEMS = 3 };
 /* of the tolerance, that a step of L-BFGS may leave */
 #define QUASI_SHARE 0.1
 /* multiples of the masses under the matrix of the preconditioner, of stiffness over mass; their growth */
@@ -160,6 +165,27 @@ static void measure_inertia(const newton_run *run)
     run->result->inertia_force = sqrt(square);
 }
 
+/* Under constraints: the work of what acts since the start of the step, and how much constraints press. The gradient is
+   along x, y, z, with that before the terms in newton->before_terms. */
+static void measure_work(newton_run *run)
+{
+    const pel_newton *newton = run->newton;
+    const pel_newton_problem *problem = run->problem;
+    run->work = run->press = 0;
+    for (int32_t v = 0; v < newton->pattern->vertex_count; v++) {
+        const double *gradient = newton->gradient + 3 * (size_t)v, *before = newton->before_terms + 3 * (size_t)v;
+        double push[3], way[3], from[3], inertia[3];
+        pel_vertex_position(problem->state->position, v, from);
+        pel_vec3_subtract(gradient, before, push);
+        pel_vec3_subtract(run->unknowns + 3 * (size_t)v, from, way);
+        pel_vec3_subtract(run->unknowns + 3 * (size_t)v, problem->points[v], inertia);
+        run->press += pel_vec3_length(push);
+        run->work += fabs(pel_vec3_dot(push, way)) + fabs(problem->point_stiffness[v] * pel_vec3_dot(inertia, way));
+        for (int k = 0; k < 3; k++)
+            run->work += newton->fixed[3 * v + k] ? fabs(gradient[k] * way[k]) : 0;
+    }
+}
+
 /* energy at the unknowns, and gradient along the axes of the vertices; nothing once the pool is stopped, where line
    searches would evaluate on */
 void pel_newton_evaluate(newton_run *run)
@@ -185,11 +211,14 @@ void pel_newton_evaluate(newton_run *run)
     pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
     double loads = add_loads(run), terms = 0;
     bool asks = problem->rest_share > 0 && run->result->iterations == 0;
-    if (asks)
+    bool may_settle = problem->settles && problem->terms != NULL && problem->terms->has_kinks;
+    if (asks || may_settle)
         memcpy(newton->before_terms, newton->gradient, 3 * (size_t)newton->pattern->vertex_count * sizeof(double));
     newton->work++;
     if (problem->terms != NULL)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
+    if (may_settle)
+        measure_work(run);
     run->parts = fabs(energy.membrane) + fabs(energy.volume) + fabs(energy.fibres) + fabs(energy.bending) +
                  fabs(energy.edges) + fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) +
                  fabs(terms);
@@ -538,6 +567,12 @@ bool pel_newton_has_converged(newton_run *run)
         result->residual <= share * sqrt(problem->tolerance * problem->tolerance + held * held + inertia * inertia) ||
         (reduced && result->residual <= problem->enough) || result->residual <= run->loose;
     return result->converged;
+}
+
+bool pel_newton_has_settled(const newton_run *run, double slope, double press)
+{
+    return run->problem->settles && run->result->iterations >= FIRST_SYSTEMS && run->press > 0 &&
+           -0.5 * slope <= SETTLED_SHARE * run->work && fabs(run->press - press) <= PRESS_SHARE * run->press;
 }
 
 void pel_newton_fix_unknowns(newton_run *run)
