@@ -10,7 +10,7 @@ import sys
 
 # what only one method or family of them has, and its name
 QUESTION = re.compile(r"sim->(projector|minimise|newton|relax|modes|path)\b|solver\.method\b|solver->method\b|\bPEL_METHOD_\w+")
-METHODS = ("method", "minimise")
+METHODS = ("method", "constraint", "minimise")
 # files that may ask, and why
 ALLOWED = {
     "gradient/adjoint.c": "sensitivities of the implicit methods",

@@ -1,5 +1,5 @@
 /* Steps in time by Newton's method: order, conservation, and contact. */
-#include "minimise/constraint.h"
+#include "constraint/constraint.h"
 #include "pellicle/geometry.h"
 #include "pellicle/shape.h"
 #include "sim/contact_scene.h"

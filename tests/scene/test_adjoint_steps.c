@@ -2,8 +2,8 @@
 #include "check.h"
 
 #include "base/wide.h"
+#include "constraint/frame.h"
 #include "failing_malloc.h"
-#include "minimise/minimise.h"
 #include "minimise/step_newton.h"
 #include "pellicle/live.h"
 #include "pellicle/scene.h"

@@ -1,7 +1,7 @@
 /* Steps of simulations beside each other: derivatives of their readings against differences of whole runs. */
 #include "check.h"
+#include "constraint/frame.h"
 #include "math/vec3.h"
-#include "minimise/minimise.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
 #include "pellicle/scene.h"

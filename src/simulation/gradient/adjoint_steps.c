@@ -17,8 +17,8 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "constraint/frame.h"
 #include "gradient/adjoint.h"
-#include "minimise/minimise.h"
 #include "minimise/step_newton.h"
 #include "sim/sim.h"
 

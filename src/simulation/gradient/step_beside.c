@@ -3,8 +3,8 @@
 
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "constraint/frame.h"
 #include "gradient/adjoint.h"
-#include "minimise/minimise.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
 #include "tool/tool.h"

@@ -2,7 +2,7 @@
 #ifndef PEL_MINIMISE_FREE_BODY_H
 #define PEL_MINIMISE_FREE_BODY_H
 
-#include "minimise/minimise.h"
+#include "constraint/frame.h"
 
 /* Refuses a body that nothing holds against the net of some forces (vertex_count) at a time. PEL_BAD_ARGUMENT. */
 pel_status pel_minimise_check_held(const pel_sim *sim, const pel_record *force, double time, pel_error *error);

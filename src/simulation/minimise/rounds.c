@@ -3,10 +3,10 @@
    pressure without potential (vertex-normal form, a part of the surface, open meshes) is held at its value from the
    start of the step: equilibrium is reached over several steps.
 
-   With tools or contact the energy is minimised under their constraints (minimise.h), in rounds: minimise, update the
-   multipliers, search for new contacts. After a collision during a step, the next round starts there. A step in time
-   begins with the multipliers that the same pairs had at the end of the step before, which are a part of the state;
-   others, and the first one that touches, with those that balance the forces at its start. */
+   With tools or contact the energy is minimised under their constraints (constraint/frame.h), in rounds: minimise,
+   update the multipliers, search for new contacts. After a collision during a step, the next round starts there. A step
+   in time begins with the multipliers that the same pairs had at the end of the step before, which are a part of the
+   state; others, and the first one that touches, with those that balance the forces at its start. */
 #include "minimise/rounds.h"
 
 #include "base/assert.h"
@@ -15,10 +15,10 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
+#include "constraint/constraint.h"
+#include "constraint/constraint_tool.h"
 #include "math/extremes.h"
 #include "math/functions.h"
-#include "minimise/constraint.h"
-#include "minimise/constraint_tool.h"
 #include "minimise/free_body.h"
 #include "minimise/prepared.h"
 #include "minimise/step_newton.h"
@@ -444,7 +444,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         const pel_contact_change change = pel_minimise_contacts_update(sim);
         /* what sticks in motion comes to rest over steps, since drags are kept */
         double error_of_gaps = is_dynamic ? change.gap : pel_max(change.gap, change.slip);
-        double allowed = minimise->penalty >= PEL_JAM_PENALTY ? JAM_GAP : 1;
+        double allowed = minimise->penalty >= PEL_JAM_PENALTY || (is_dynamic && sim->contacts != NULL) ? JAM_GAP : 1;
         if (round.converged && error_of_gaps > allowed && error_of_gaps > pel_min(CLOSING * before, FAR))
             minimise->penalty = pel_min(STIFFENING * minimise->penalty, MOST_PENALTY);
         before = error_of_gaps;

@@ -2,7 +2,7 @@
 #ifndef PEL_MINIMISE_ROUNDS_H
 #define PEL_MINIMISE_ROUNDS_H
 
-#include "minimise/minimise.h"
+#include "constraint/frame.h"
 
 /* of descent where a scene leaves them to the method: without constraints, and in each round with them */
 enum { PEL_FREE_ITERATIONS = 500, PEL_ROUND_ITERATIONS = 50 };

@@ -1,9 +1,9 @@
-/* The method `descent`: L-BFGS (solve/descent.h) in the frame of minimise.h. If all bodies are held and nothing
+/* The method `descent`: L-BFGS (solve/descent.h) in the frame of constraint/frame.h. If all bodies are held and nothing
    touches, the factored Hessian is the preconditioner. */
 #include "base/assert.h"
 #include "base/pool.h"
 #include "base/status.h"
-#include "minimise/constraint.h"
+#include "constraint/constraint.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"

@@ -12,9 +12,9 @@
 #include "boundary/follower.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "constraint/constraint.h"
 #include "math/extremes.h"
 #include "math/functions.h"
-#include "minimise/constraint.h"
 #include "minimise/prepared.h"
 #include "pellicle/sim.h"
 

@@ -1,8 +1,8 @@
-/* Newton's method in the frame of minimise.h; shared by static and implicit. */
+/* Newton's method in the frame of constraint/frame.h; shared by static and implicit. */
 #ifndef PEL_MINIMISE_STEP_NEWTON_H
 #define PEL_MINIMISE_STEP_NEWTON_H
 
-#include "minimise/minimise.h"
+#include "constraint/frame.h"
 #include "newton/newton.h"
 #include "newton/run.h"
 

@@ -1,8 +1,8 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
 #include "boundary/hold.h"
+#include "constraint/constraint.h"
 #include "force/pressure.h"
-#include "minimise/constraint.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"

@@ -144,7 +144,7 @@ struct pel_sim {
     pel_substeps *substeps;        /* (method/softness.h) of xpbd */
     pel_projector *projector;      /* (solve/project.h) position-based methods, else null */
     pel_relax *relax;              /* (solve/relax.h) quasi-static method on bodies that refine, else null */
-    pel_minimise *minimise;        /* (minimise/minimise.h) methods that minimise, else null */
+    pel_minimise *minimise;        /* (constraint/frame.h) methods that minimise, else null */
     pel_newton *newton;            /* (newton/newton.h) where one of these has a matrix, else null */
     pel_sim_path *path;            /* (minimise/step_path.h) null = loads by time */
     pel_sim_modes *modes;          /* (minimise/step_modes.h) null = no analysis */

@@ -13,8 +13,8 @@
    Friction resists the tangential displacement u of a point since the start of the step, in the same way: with t = drag
    - stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and proportional to
      |t| beyond. The load of the last round is used, so that this is a potential. */
-#ifndef PEL_MINIMISE_MINIMISE_H
-#define PEL_MINIMISE_MINIMISE_H
+#ifndef PEL_CONSTRAINT_FRAME_H
+#define PEL_CONSTRAINT_FRAME_H
 
 #include "force/tangent_body.h"
 #include "newton/newton.h"

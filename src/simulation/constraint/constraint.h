@@ -1,8 +1,8 @@
 /* Constraints of a minimisation: energy, forces, stiffness and multipliers; both fields are (3 vertex_count). */
-#ifndef PEL_MINIMISE_CONSTRAINT_H
-#define PEL_MINIMISE_CONSTRAINT_H
+#ifndef PEL_CONSTRAINT_CONSTRAINT_H
+#define PEL_CONSTRAINT_CONSTRAINT_H
 
-#include "minimise/minimise.h"
+#include "constraint/frame.h"
 
 /* the weighted sum of its points: their position, or against a surface the vector between both sides */
 void pel_minimise_contact_point(const pel_minimise_contact *constraint, const double *position, double point[3]);

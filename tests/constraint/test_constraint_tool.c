@@ -1,7 +1,7 @@
 /* Tools under a minimisation: equilibrium under the tool, whose force is that of its contacts. */
+#include "constraint/constraint.h"
+#include "constraint/frame.h"
 #include "failing_malloc.h"
-#include "minimise/constraint.h"
-#include "minimise/minimise.h"
 #include "pellicle/geometry.h"
 #include "pellicle/shape.h"
 #include "pellicle/sim_ledger.h"

@@ -1,8 +1,8 @@
 /* Constraints against tools. */
-#ifndef PEL_MINIMISE_CONSTRAINT_TOOL_H
-#define PEL_MINIMISE_CONSTRAINT_TOOL_H
+#ifndef PEL_CONSTRAINT_CONSTRAINT_TOOL_H
+#define PEL_CONSTRAINT_CONSTRAINT_TOOL_H
 
-#include "minimise/minimise.h"
+#include "constraint/frame.h"
 
 /* Constraints against all tools at the end of the step and the present poses, in place of all that were known; those
    that were known keep their loads. */

@@ -1,4 +1,4 @@
-#include "minimise/constraint.h"
+#include "constraint/constraint.h"
 
 #include "base/assert.h"
 #include "base/memory.h"

@@ -2,15 +2,15 @@
    the nearest points of vertices and edges to their axis, and of triangles to its ends; boxes, if contact does not
    treat them as surfaces, by planes at vertices and at the deepest points of triangles, along separating axes that are
    recomputed in each round. */
-#include "minimise/constraint_tool.h"
+#include "constraint/constraint_tool.h"
 
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "constraint/constraint.h"
 #include "contact/layer.h"
 #include "math/extremes.h"
 #include "math/functions.h"
-#include "minimise/constraint.h"
 #include "stage/accessors.h"
 #include "tool/contact_force.h"
 #include "tool/near.h"
