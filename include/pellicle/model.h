@@ -75,6 +75,9 @@ typedef struct pel_body_def {
     const char *name;     /* not empty, unique, shorter than PEL_NAME_SIZE */
     const pel_mesh *mesh; /* oriented manifold with or without boundary, no degenerate triangle; facing outward or
                              inward */
+    const pel_mesh *rest; /* the shape without stress, with the vertices and triangles of `mesh`, which is the shape at
+                             the start then; fields and regions are those of `mesh`, displacements and volumes relative
+                             to `rest`. Null (default) = mesh. No refinement, no tetrahedra, no cuts */
     pel_mass_kind mass_kind;
     double mass;                       /* kg, kg or kg/m3 by kind; > 0 */
     pel_quantity thickness;            /* m, for PEL_MASS_DENSITY; no keys */

@@ -44,7 +44,7 @@ static void fill_body(all_defs *all, pel_body_def *body)
     *body = pel_body_def_default();
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         fill_quantity(all, quantities[i]);
-    body->mesh = &all->mesh;
+    body->mesh = body->rest = &all->mesh;
     body->pinned = body->refine.region = body->origins = all->vertices;
     body->pinned_count = body->refine.region_count = body->origin_count = 3;
     shell->anisotropies = all->anisotropies;

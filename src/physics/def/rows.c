@@ -116,7 +116,13 @@ static const pel_def_row rows[] = {
      .doc = "deformable surfaces"},
     {"bodies[]", MAP, .doc = "one body"},
     {"bodies[].name", BODY(name, NONE), NAME, .preset = "body#", .doc = "name in outputs, loads and tools"},
-    {"bodies[].mesh", BODY(mesh, MESH), MAP, REQUIRED, .like = "<mesh>", .doc = "the surface at rest"},
+    {"bodies[].mesh", BODY(mesh, MESH), MAP, REQUIRED, .like = "<mesh>",
+     .doc = "the surface at the start, which is its shape at rest if there is no `rest`"},
+    {"bodies[].rest", BODY(rest, MESH), MAP, .like = "<mesh>",
+     .doc =
+         "the shape at rest, with the vertices and triangles of `mesh` in their order, such as a shape key: the body "
+         "starts as `mesh` and springs to this shape. Displacements and volume ratios refer to it, and supports hold "
+         "vertices where it has them; regions select by `mesh`. Optional; not with refine, volume, cuts or seams"},
     {"bodies[].preset", WORD("tissue", "paper-a"), .preset = "tissue",
      .doc = "defaults of `mass`, `springs` and `volumetric`. tissue: density and Young's modulus, for meshes of any "
             "size and fineness; paper-a: the numbers of paper A, a mass of 1 kg per vertex, stiffnesses k = 3 and k' = "

@@ -103,6 +103,25 @@ static pel_status check_adhesion(const pel_body_def *b, int32_t body, pel_error 
     return PEL_OK;
 }
 
+static pel_status check_rest(const pel_body_def *b, int32_t body, pel_error *error)
+{
+    if (b->rest == NULL)
+        return PEL_OK;
+    size_t size = (size_t)b->mesh->triangle_count * sizeof *b->mesh->triangles;
+    if (b->rest->vertex_count != b->mesh->vertex_count)
+        return pel_body_refuse(error, body, "vertices of the rest shape", b->rest->vertex_count,
+                               "give it the vertices of the mesh, in their order");
+    if (b->rest->triangle_count != b->mesh->triangle_count || memcmp(b->rest->triangles, b->mesh->triangles, size) != 0)
+        return pel_body_refuse(error, body, "triangles of the rest shape", b->rest->triangle_count,
+                               "give it the triangles of the mesh, in their order");
+    if (b->refine.levels > 0)
+        return pel_body_refuse(error, body, "refine.levels", b->refine.levels,
+                               "subdivide both meshes, or leave the rest shape out");
+    if (b->volume.on || b->rigid.on || b->origins != NULL)
+        return pel_body_refuse(error, body, "rest", 0, "leave it out: the body is rigid, or has tetrahedra or cuts");
+    return PEL_OK;
+}
+
 static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *error)
 {
     const pel_body_def *b = &def->bodies[body];
@@ -113,6 +132,9 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
         return status;
     if (b->mesh == NULL)
         return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
+    status = check_rest(b, body, error);
+    if (status != PEL_OK)
+        return status;
     if (PEL_IS_NO_CHOICE(b->mass_kind, PEL_MASS_DENSITY + 1))
         return pel_body_refuse(error, body, "mass_kind", (double)b->mass_kind, "give one of pel_mass_kind");
     if (b->pinned_count < 0 || (b->pinned_count > 0 && b->pinned == NULL))
@@ -445,10 +467,26 @@ static void build_end(build *scratch)
     *scratch = (struct build){0};
 }
 
-/* the mesh of a body, with inside-out parts turned, and its topology */
+/* the mesh of the body takes the shape at rest */
+static pel_status take_rest(const pel_mesh *rest, pel_body *body, pel_error *error)
+{
+    size_t count = (size_t)rest->vertex_count;
+    body->start = pel_allocate(count, sizeof *body->start);
+    if (body->start == NULL)
+        return pel_fail_memory(error);
+    memcpy(body->start, body->mesh->positions, count * sizeof *body->start);
+    for (size_t v = 0; v < count; v++)
+        for (int k = 0; k < 3; k++)
+            body->mesh->positions[v][k] = (double)(pel_real)rest->positions[v][k];
+    return PEL_OK;
+}
+
+/* the mesh of a body at rest, with inside-out parts turned, and its topology */
 static pel_status begin_surface(const pel_body_def *given, pel_body *body, build *scratch, pel_error *error)
 {
     pel_status status = copy_mesh(given->mesh, &body->mesh, error);
+    if (status == PEL_OK && given->rest != NULL)
+        status = take_rest(given->rest, body, error);
     scratch->def = *given;
     scratch->def.mesh = body->mesh;
     pel_rigid_body_stiffen(&scratch->def);
@@ -631,6 +669,9 @@ static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error
         bodies[b].mesh = model->bodies[b].mesh;
     for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
         pel_rigid_body_stiffen(&bodies[b]);
+    /* the state of this model goes on in others: their bodies do not start */
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+        bodies[b].rest = NULL;
     return status;
 }
 
@@ -720,7 +761,7 @@ void pel_model_destroy(pel_model *model)
     for (int32_t b = 0; model->bodies != NULL && b < model->body_count; b++) {
         pel_mesh_destroy(model->bodies[b].mesh);
         PEL_FREE_ALL(model->bodies[b].model_index, model->bodies[b].shares, model->bodies[b].lip_shares,
-                     model->bodies[b].rigid);
+                     model->bodies[b].start, model->bodies[b].rigid);
         pel_body_detail_destroy(model->bodies[b].detail);
         pel_shell_destroy(model->bodies[b].shell);
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++)

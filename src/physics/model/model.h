@@ -51,7 +51,8 @@ typedef struct pel_shell pel_shell;
 
 typedef struct pel_body {
     char name[PEL_NAME_SIZE];
-    pel_mesh *mesh;
+    pel_mesh *mesh;                 /* at rest */
+    double (*start)[3];             /* (mesh vertex_count) where it starts; null = at rest */
     int32_t slice_begin, slice_end; /* its slices; vertices are PEL_WIDTH times that */
     int32_t *model_index;           /* (mesh vertex_count) place of a mesh vertex in the model's order */
     double *shares;     /* (mesh vertex_count) of each vertex in what it was before cuts (origin.h); null = no cuts */

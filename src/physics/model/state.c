@@ -26,6 +26,13 @@ static bool make_rigids(const pel_model *model, pel_state *state)
     return true;
 }
 
+static void place_start(const pel_body *body, pel_record *position)
+{
+    for (int32_t v = 0; body->start != NULL && v < body->mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            position[body->model_index[v]][k] = (pel_real)body->start[v][k];
+}
+
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
     *state = NULL;
@@ -49,8 +56,11 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
     for (size_t i = 0; i < count; i++) {
         made->position[i] = model->rest[i];
         made->position[i][3] = model->inverse_mass[i];
-        made->position_before[i] = made->position_next[i] = made->position[i];
     }
+    for (int32_t b = 0; b < model->body_count; b++)
+        place_start(&model->bodies[b], made->position);
+    for (size_t i = 0; i < count; i++)
+        made->position_before[i] = made->position_next[i] = made->position[i];
     for (int32_t b = 0; b < model->body_count; b++)
         for (int p = 0; p < PEL_PARAMETER_COUNT; p++) {
             const pel_curve *curve = &model->bodies[b].curves[p];

@@ -7,8 +7,9 @@
 
 #include "pellicle/scene.h"
 
-/* Bodies (build_body.c): makes the meshes, resolves their paths in the tree. The meshes belong to the caller, who frees
-   mesh_count of them also when this fails. `opened` has the cuts and seams of the scene. */
+/* Bodies (build_body.c): makes their meshes, then those of shapes at rest, and resolves their paths in the tree. The
+   meshes belong to the caller, who frees mesh_count of them also when this fails. `opened` has the cuts and seams of
+   the scene. */
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_sim_def *opened);
 /* The sequence that a body follows (build_follow.c), among reader->sequences. Moves the mesh of a body that follows as

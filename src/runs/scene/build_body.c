@@ -89,6 +89,75 @@ static pel_status read_body(const pel_scene_part *source, pel_body_def *body)
                                    &body->pinned_count);
 }
 
+/* where a body has a shape at rest, nothing may change its mesh */
+static pel_status check_rest(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene_value *value,
+                             int32_t body, const pel_sim_def *opened)
+{
+    const pel_scene_value *rest = pel_scene_value_entry(value, "rest");
+    static const char *const others[] = {"refine", "volume", "rigid", "follow"};
+    const char *found = pel_scene_value_entry(root, "imperfection") != NULL ? "imperfection" : NULL;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (pel_scene_value_entry(value, others[i]) != NULL)
+            found = others[i];
+    for (int32_t c = 0; c < opened->cut_count; c++)
+        if (opened->cuts[c].body == body)
+            found = "cuts";
+    for (int32_t s = 0; s < opened->seam_count; s++)
+        if (opened->seams[s].body == body)
+            found = "seams";
+    if (found == NULL)
+        return PEL_OK;
+    pel_scene_fail(reader, &rest->key_place, "'rest' and '%s' exclude each other", found);
+    pel_fail_remedy(reader->error, "remove one of them");
+    return PEL_BAD_SCENE;
+}
+
+/* the shape of a body at rest has the triangles of its mesh */
+static pel_status compare_rest(pel_scene_reader *reader, const pel_scene_value *value, const pel_mesh *mesh,
+                               const pel_mesh *rest)
+{
+    int32_t t = 0;
+    const bool same_size = mesh->vertex_count == rest->vertex_count && mesh->triangle_count == rest->triangle_count;
+    while (same_size && t < mesh->triangle_count &&
+           memcmp(mesh->triangles[t], rest->triangles[t], sizeof *mesh->triangles) == 0)
+        t++;
+    if (same_size && t == mesh->triangle_count)
+        return PEL_OK;
+    if (same_size)
+        pel_scene_fail(reader, &value->place, "triangle %d of the shape at rest has other vertices than in the mesh",
+                       (int)t);
+    else
+        pel_scene_fail(
+            reader, &value->place, "the shape at rest has %d vertices and %d triangles, the mesh has %d and %d",
+            (int)rest->vertex_count, (int)rest->triangle_count, (int)mesh->vertex_count, (int)mesh->triangle_count);
+    pel_fail_remedy(reader->error,
+                    "move the vertices of one mesh only, and write both with their vertices in one order "
+                    "(`weld: false` keeps those of files)");
+    return PEL_BAD_SCENE;
+}
+
+/* the shapes at rest, after all meshes of bodies */
+static pel_status read_rests(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
+                             pel_body_def *bodies, pel_mesh **meshes, int32_t *mesh_count, const pel_sim_def *opened)
+{
+    pel_status status = PEL_OK;
+    int32_t body = 0;
+    for (const pel_scene_value *value = pel_scene_value_entry(root, "bodies")->first; status == PEL_OK && value != NULL;
+         value = value->next, body++) {
+        pel_scene_value *rest = pel_scene_value_entry(value, "rest");
+        if (rest == NULL)
+            continue;
+        status = check_rest(reader, root, value, body, opened);
+        if (status == PEL_OK)
+            status = pel_scene_mesh(reader, rest, folder, &meshes[*mesh_count]);
+        if (status != PEL_OK)
+            break;
+        bodies[body].rest = meshes[(*mesh_count)++];
+        status = compare_rest(reader, rest, bodies[body].mesh, bodies[body].rest);
+    }
+    return status;
+}
+
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_sim_def *opened)
 {
@@ -115,6 +184,8 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         if (status == PEL_OK)
             status = read_body(&source, &bodies[count++]);
     }
+    if (status == PEL_OK)
+        status = read_rests(reader, root, folder, bodies, meshes, mesh_count, opened);
     scene->model = pel_model_def_default();
     scene->model.bodies = bodies;
     scene->model.body_count = count;

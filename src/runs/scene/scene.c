@@ -92,14 +92,16 @@ static pel_scene_value *read_tree(pel_scene_reader *reader, const scene_source *
 /* paths of the meshes of bodies and tools, absolute since the meshes were read */
 static pel_status list_mesh_files(pel_scene_reader *reader, const pel_scene_value *root, int32_t most, pel_scene *scene)
 {
-    static const char *const lists[] = {"bodies", "tools"};
+    static const struct {
+        const char *list, *file;
+    } places[] = {{"bodies", "mesh.file"}, {"bodies", "rest.file"}, {"tools", "mesh.file"}};
     const char **files = pel_arena_take(reader->arena, (size_t)most, sizeof *files);
     if (files == NULL)
         return pel_fail_memory(reader->error);
-    for (size_t l = 0; l < sizeof lists / sizeof *lists; l++) {
-        const pel_scene_value *list = pel_scene_value_entry(root, lists[l]);
+    for (size_t l = 0; l < sizeof places / sizeof *places; l++) {
+        const pel_scene_value *list = pel_scene_value_entry(root, places[l].list);
         for (const pel_scene_value *value = list != NULL ? list->first : NULL; value != NULL; value = value->next) {
-            const pel_scene_value *file = pel_scene_value_at(value, "mesh.file");
+            const pel_scene_value *file = pel_scene_value_at(value, places[l].file);
             if (file != NULL)
                 files[scene->mesh_file_count++] = file->text;
         }
@@ -165,7 +167,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
     bool damps = false;
     int32_t body_count = pel_scene_value_count(pel_scene_value_entry(root, "bodies"));
     int32_t tool_count = pel_scene_value_count(pel_scene_value_entry(root, "tools"));
-    storage->meshes = pel_arena_take(reader->arena, (size_t)body_count + (size_t)tool_count, sizeof(pel_mesh *));
+    int32_t most = 2 * body_count + tool_count;
+    storage->meshes = pel_arena_take(reader->arena, (size_t)most, sizeof(pel_mesh *));
     reader->sequences = storage->sequences =
         pel_arena_take(reader->arena, (size_t)body_count, sizeof *storage->sequences);
     if (storage->meshes == NULL || storage->sequences == NULL)
@@ -176,7 +179,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         status = refine_meshes(reader, root, folder, &blank, scene);
     if (status != PEL_OK)
         return status;
-    status = list_mesh_files(reader, root, body_count + tool_count, scene);
+    status = list_mesh_files(reader, root, most, scene);
     if (status != PEL_OK)
         return status;
     status = pel_scene_keep_fillings(reader, root, scene);
