@@ -91,7 +91,7 @@ endurance: program ## live use, a study that is killed, and many steps: memory, 
 reproduction: program ## run all experiments of both papers and write docs/reproduction.md (7 minutes of processor time)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/lab/numbers.inc
 
-mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (an hour of processor time)
+mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (15 minutes of processor time)
 	@tools/mutants-of-the-papers
 
 mutants-of-the-limits: need-demo need-dev ## take out the limits of tools/limits one at a time and check that their tests notice (half an hour)
