@@ -35,27 +35,6 @@ const lab_case *papers_case_at(int index)
     return index < CASE_COUNT ? cases[index] : NULL;
 }
 
-pel_status papers_create(const papers_def *def, papers **made, pel_error *error)
-{
-    papers *all = *made = calloc(1, sizeof *all);
-    if (all == NULL)
-        return pel_fail_memory(error);
-    all->def = *def;
-    return lab_find_bodies(def->mesh, def->up, def->data, all->bodies, &all->body_count, error);
-}
-
-void papers_destroy(papers *all)
-{
-    if (all == NULL)
-        return;
-    for (int i = 0; i < all->done_count; i++) {
-        lab_clear(all->done[i]);
-        free(all->done[i]);
-    }
-    lab_free_bodies(all->bodies);
-    free(all);
-}
-
 /* makes a folder with its parents */
 static pel_status make_folder(char *path, pel_error *error)
 {
@@ -74,6 +53,32 @@ static pel_status make_folder(char *path, pel_error *error)
         if (kept == '\0')
             return PEL_OK;
     }
+}
+
+pel_status papers_create(const papers_def *def, papers **made, pel_error *error)
+{
+    papers *all = *made = calloc(1, sizeof *all);
+    if (all == NULL)
+        return pel_fail_memory(error);
+    all->def = *def;
+    char folder[LAB_PATH_SIZE];
+    snprintf(folder, sizeof folder, "%s/bodies", def->folder);
+    pel_status status = make_folder(folder, error);
+    return status == PEL_OK
+               ? lab_find_bodies(folder, def->mesh, def->up, def->data, all->bodies, &all->body_count, error)
+               : status;
+}
+
+void papers_destroy(papers *all)
+{
+    if (all == NULL)
+        return;
+    for (int i = 0; i < all->done_count; i++) {
+        lab_clear(all->done[i]);
+        free(all->done[i]);
+    }
+    lab_free_bodies(all->bodies);
+    free(all);
 }
 
 pel_status papers_run(papers *all, const lab_case *which, const lab_experiment **experiment, pel_error *error)

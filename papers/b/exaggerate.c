@@ -1,7 +1,10 @@
 /* The conclusion of paper B wishes for exaggerated deformations, which an algorithm by energies hardly gives. Here an
    animator pulls the tip of a body by a handle, a grasp that keys move, while the foot is pinned; the energies shape
-   the rest, and a target volume keeps it filled. */
+   the rest, and a target volume keeps it filled. Or the animator gives the exaggerated shape, as the shape at rest: the
+   energies themselves drive the body there. */
 #include "papers/b/shrink.h"
+
+#include <pellicle/mesh_io.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +19,11 @@
 
 /* frames: the handle is held, and the last one */
 enum { HELD = 70, LAST = 220 };
+
+/* of a target shape: how far the tip is drawn out, over the size of the body, and how far from it the body follows [m]
+ */
+#define DRAWN_OUT 0.15
+#define AROUND 0.9
 
 /* of the handle, over the size of the body */
 static const double ways[] = {0.25, 1};
@@ -34,6 +42,9 @@ typedef struct pulled {
     double remains[WAYS]; /* way of the tip at the end over that of the handle */
     double volumes[WAYS]; /* over that at rest, at the end */
     b_contacts contacts;
+    double crossed; /* pairs of triangles that intersect when it is drawn to the target shape */
+    double target;  /* root mean square of the distance from the target shape, over that between the shapes */
+    double drawn;   /* longest edge of the target shape over its length in the body */
 } pulled;
 
 static void find_tip(const pel_mesh *rest, tip *found)
@@ -69,6 +80,12 @@ static void write_handle(const tip *at, double way, char *text, size_t size)
              "{ time: %g, position: [%.9g, %.9g, %.9g] }, { time: %g, position: [%.9g, %.9g, %.9g] }] }]",
              HANDLE, LETS_GO, from[0], from[1], from[2], ARRIVES, to[0], to[1], to[2], LEAVES, to[0], to[1], to[2],
              LETS_GO, from[0], from[1], from[2]);
+}
+
+/* the setting that pins the foot */
+static void write_foot(const tip *at, char *text, size_t size)
+{
+    snprintf(text, size, "bodies.0.pinned={ box: { min: [-9, -9, -9], max: [9, 9, %.6g] } }", at->foot);
 }
 
 /* mean way of the vertices in the handle along the pull, in a frame, over the way of the handle */
@@ -122,7 +139,7 @@ static pel_status pull(lab_experiment *experiment, int body, pulled *made)
         pel_run_summary summary = {0};
         b_shrunk shape = {0};
         write_handle(&at, ways[i], handle, sizeof handle);
-        snprintf(foot, sizeof foot, "bodies.0.pinned={ box: { min: [-9, -9, -9], max: [9, 9, %.6g] } }", at.foot);
+        write_foot(&at, foot, sizeof foot);
         snprintf(what, sizeof what, "pulled-%g", ways[i]);
         const char *settings[] = {handle,
                                   foot,
@@ -144,6 +161,70 @@ static pel_status pull(lab_experiment *experiment, int body, pulled *made)
         if (status == PEL_OK)
             status = b_add_contacts(experiment, body, what, &summary, &made->contacts);
     }
+    return status;
+}
+
+/* the body with its tip drawn out, as folder/NAME */
+static pel_status write_target(const lab_experiment *experiment, const tip *at, const char *name, pel_mesh *mesh)
+{
+    char path[LAB_PATH_SIZE];
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double square = 0;
+        for (int i = 0; i < 3; i++)
+            square += pow(mesh->positions[v][i] - at->at[i], 2);
+        double part = fmax(1 - square / (AROUND * AROUND), 0);
+        for (int i = 0; i < 3; i++)
+            mesh->positions[v][i] += DRAWN_OUT * SIZE * part * part * at->direction[i];
+    }
+    return pel_mesh_write(lab_path(experiment, name, path), PEL_FORMAT_PLY, mesh, NULL, experiment->error);
+}
+
+static double distance_between(const pel_mesh *a, const pel_mesh *b)
+{
+    double square = 0;
+    for (int32_t v = 0; v < a->vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            square += pow(a->positions[v][i] - b->positions[v][i], 2);
+    return sqrt(square / a->vertex_count);
+}
+
+/* the body goes to its target shape, by E_S, E_B and the volume of the target */
+static pel_status draw_out(lab_experiment *experiment, int body, pulled *made)
+{
+    char name[64], run[64], foot[120], rest[LAB_PATH_SIZE + 64], path[LAB_PATH_SIZE];
+    tip at = {.foot = 0};
+    pel_mesh *plain = NULL, *target = NULL, *end = NULL;
+    b_shrunk shape = {0};
+    pel_run_summary summary = {0};
+    pel_status status = find_rest(experiment, body, &at);
+    b_run_name(experiment, body, "rest", run);
+    snprintf(name, sizeof name, "%.40s-target.ply", experiment->bodies[body].name);
+    if (status == PEL_OK)
+        status = b_read_frame(experiment, run, 0, &plain);
+    if (status == PEL_OK)
+        status = b_read_frame(experiment, run, 0, &target);
+    if (status == PEL_OK)
+        status = write_target(experiment, &at, name, target);
+    snprintf(rest, sizeof rest, "bodies.0.rest={ file: \"%s\", weld: false }", lab_path(experiment, name, path));
+    write_foot(&at, foot, sizeof foot);
+    const char *settings[] = {rest, foot,
+                              /* folds that the growing part begins with stay where E_B is weak */
+                              "bodies.0.bending={ model: isometric-rest, weight: 1 }",
+                              "bodies.0.pressure={ volume: { target: 1, bulk: 500 } }", "solver.drag=1",
+                              "stop.frames=200", NULL};
+    if (status == PEL_OK)
+        status = b_shrink(experiment, body, "drawn", settings, &summary);
+    if (status == PEL_OK)
+        status = b_read_frame(experiment, b_run_name(experiment, body, "drawn", run), -1, &end);
+    if (status == PEL_OK) {
+        made->target = distance_between(end, target) / distance_between(plain, target);
+        status = b_compare(&experiment->bodies[body], plain, target, &shape, experiment->error);
+        made->drawn = shape.most_stretch;
+    }
+    pel_mesh_destroy(plain);
+    pel_mesh_destroy(target);
+    pel_mesh_destroy(end);
+    made->crossed = (double)summary.self_intersections_final;
     return status;
 }
 
@@ -173,6 +254,14 @@ static void judge(lab_experiment *experiment, const pulled *made)
             snprintf(text, sizeof text, "volume at the end, %g sizes", ways[i]);
             b_expect(experiment, body, text, made[body].volumes[i], 1, 0.1, source);
         }
+    lab_begin_claim(experiment, LAB_PAPER, "given the exaggerated shape as its shape at rest, the body goes there",
+                    NULL);
+    for (int body = 0; body < count; body++) {
+        b_at_most(experiment, body, "distance from the target shape / way there, frame 200", made[body].target, 0.2,
+                  source);
+        b_at_most(experiment, body, "intersections, drawn to the target shape", made[body].crossed, 0, source);
+        b_tell(experiment, body, "longest edge of the target shape / of the body", made[body].drawn, (double)NAN, "");
+    }
     b_begin_contact_claim(
         experiment, "where a body folds on the way back from its own size, the guard stepped back a few vertices");
     for (int body = 0; body < count; body++)
@@ -186,19 +275,24 @@ static pel_status run_exaggeration(lab_experiment *experiment)
     for (int body = 0; status == PEL_OK && body < b_shown(experiment); body++) {
         made[body] = (pulled){0};
         status = pull(experiment, body, &made[body]);
+        if (status == PEL_OK)
+            status = draw_out(experiment, body, &made[body]);
     }
     if (status != PEL_OK)
         return status;
     judge(experiment, made);
-    static const int frames[] = {0, 30, HELD, LAST};
-    return b_draw_bodies(
+    static const int frames[] = {0, 30, HELD, LAST}, drawn[] = {0, 10, 30, 200};
+    status = b_draw_bodies(
         experiment, "pulled by the size of the body: at rest, half way, held, and after it is brought back and let go",
         "pulled-1", frames, 4);
+    return status == PEL_OK
+               ? b_draw_bodies(experiment, "drawn to the target shape: frames 0, 10, 30 and 200", "drawn", drawn, 4)
+               : status;
 }
 
 const lab_case b_exaggeration = {
     .name = "b-exaggeration",
-    .doc = "the paper's wish: a part that an animator pulls out by a handle",
+    .doc = "the paper's wish: a part that an animator pulls out by a handle, or by a target shape",
     .group = "paper B",
     .place = "section 7, future work",
     .run = run_exaggeration,

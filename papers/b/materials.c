@@ -463,8 +463,8 @@ static pel_status run_figure_14(lab_experiment *experiment)
         b_expect(experiment, body, "displacement of the body, distances / energies, frame 50",
                  early[body][1].body_way / early[body][0].body_way, 1, 0.1, B_PAPER ", figure 14; 0.1 is ours");
     lab_begin_claim(experiment, LAB_PAPER, "by frame 100 distance constraints have overstretched the surface",
-                    "the liver has shrunk further with energies by then, and its folds store more; from frame 30 to 80 "
-                    "distances store more on it too");
+                    "by then two thirds of the liver's volume are gone, and its folds store more, at equal volumes "
+                    "too (1.14); until frame 80 distances store more on it too (0.87)");
     for (int body = 0; body < b_shown(experiment); body++) {
         b_at_most(experiment, body, "stretch energy, energies / distances", energies[body], 1, B_PAPER ", figure 14");
         b_tell(experiment, body, "longest edge / at rest, distances", shapes[body][1].most_stretch,

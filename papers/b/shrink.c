@@ -436,3 +436,52 @@ pel_status b_measure(const lab_experiment *experiment, int body, const char *run
     pel_mesh_destroy(mesh);
     return status;
 }
+
+/* root mean square of the displacements of the marked vertices, less their mean */
+static double change_of(const pel_mesh *rest, const pel_mesh *mesh, const bool *marked)
+{
+    double mean[3] = {0}, square = 0;
+    int count = 0;
+    for (int32_t v = 0; v < rest->vertex_count; v++) {
+        count += marked[v];
+        for (int i = 0; marked[v] && i < 3; i++) {
+            double way = mesh->positions[v][i] - rest->positions[v][i];
+            mean[i] += way;
+            square += way * way;
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        square -= mean[i] * mean[i] / count;
+    return sqrt(fmax(square, 0) / count);
+}
+
+pel_status b_cap_change(const lab_experiment *experiment, int body, const char *run, int frame, double *over_others)
+{
+    enum { OTHERS = 60 };
+    pel_mesh *rest = NULL, *mesh = NULL;
+    pel_topology *topology = NULL;
+    bool *marked = NULL;
+    lab_body other = experiment->bodies[body];
+    double cap = 0, sum = 0;
+    pel_status status = b_read_frame(experiment, run, 0, &rest);
+    if (status == PEL_OK)
+        status = b_read_frame(experiment, run, frame, &mesh);
+    if (status == PEL_OK)
+        status = pel_topology_create(rest, &topology, experiment->error);
+    if (status == PEL_OK && (marked = calloc((size_t)rest->vertex_count, sizeof *marked)) == NULL)
+        status = pel_fail_memory(experiment->error);
+    for (int i = -1; status == PEL_OK && i < OTHERS; i++) {
+        if (i >= 0)
+            memcpy(other.cap_center, rest->positions[(int64_t)i * rest->vertex_count / OTHERS],
+                   sizeof other.cap_center);
+        status = lab_mark_cap(&other, topology, (const double(*)[3])rest->positions, marked, experiment->error);
+        if (status == PEL_OK)
+            *(i < 0 ? &cap : &sum) += change_of(rest, mesh, marked);
+    }
+    *over_others = cap / (sum / OTHERS);
+    free(marked);
+    pel_topology_destroy(topology);
+    pel_mesh_destroy(rest);
+    pel_mesh_destroy(mesh);
+    return status;
+}

@@ -88,6 +88,9 @@ typedef struct b_shrunk {
 } b_shrunk;
 
 pel_status b_measure(const lab_experiment *experiment, int body, const char *run, int frame, b_shrunk *shape);
+/* How much the cap has changed its shape, by the displacements of its vertices less their mean, over the mean of that
+   of parts of its size all over the body. */
+pel_status b_cap_change(const lab_experiment *experiment, int body, const char *run, int frame, double *over_others);
 /* membrane energy per area at rest over mu at the vertices (vertex_count): St. Venant and Kirchhoff, nu = 0.3 */
 void b_energy_density(const pel_mesh *rest, const pel_mesh *mesh, double *density);
 /* the same of two meshes with equal triangles */

@@ -351,16 +351,21 @@ static pel_status read_body(const char *path, int turn, lab_body *body, pel_erro
     return status;
 }
 
-static pel_status make_blend(int index, lab_body *body, pel_error *error)
+/* in folder/NAME.ply, once for all runs: making it takes as long as a hundred frames */
+static pel_status make_blend(const char *folder, int index, lab_body *body, pel_error *error)
 {
-    char source[128];
+    char path[LAB_SOURCE_SIZE - 16], source[LAB_SOURCE_SIZE];
     pel_mesh *mesh = NULL;
     pel_shape_def def = pel_shape_def_default(PEL_SHAPE_BLEND);
     def.body = (pel_blend_body)index;
     def.size = SIZE;
     def.edge = 0.05;
     pel_status status = pel_shape_create(&def, &mesh, error);
-    snprintf(source, sizeof source, "shape: blend, body: %s, size: %g, edge: %g", blends[index], def.size, def.edge);
+    snprintf(path, sizeof path, "%s/%s.ply", folder, blends[index]);
+    if (status == PEL_OK)
+        status = pel_mesh_write(path, PEL_FORMAT_PLY, mesh, NULL, error);
+    quote(path, source, sizeof source - 16);
+    strcat(source, ", weld: false");
     snprintf(body->name, sizeof body->name, "%s", blends[index]);
     body->pressure = PRESSURE_PER_EDGE * def.edge;
     if (status == PEL_OK)
@@ -406,7 +411,8 @@ static pel_status find_scans(const char *data, lab_body *bodies, int *count, pel
     return status;
 }
 
-pel_status lab_find_bodies(const char *mesh, char up, const char *data, lab_body *bodies, int *count, pel_error *error)
+pel_status lab_find_bodies(const char *folder, const char *mesh, char up, const char *data, lab_body *bodies,
+                           int *count, pel_error *error)
 {
     *count = 0;
     if (mesh != NULL) {
@@ -418,7 +424,7 @@ pel_status lab_find_bodies(const char *mesh, char up, const char *data, lab_body
         return find_scans(data, bodies, count, error);
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i < BLENDS; i++)
-        status = make_blend(i, &bodies[(*count)++], error);
+        status = make_blend(folder, i, &bodies[(*count)++], error);
     return status;
 }
 

@@ -18,8 +18,9 @@ typedef struct lab_body {
 } lab_body;
 
 /* The mesh file that is given, whose axis `up` ('x', 'y' or 'z') points up; the scans in the folder that is given; or
-   blends: bodies (LAB_BODIES). */
-pel_status lab_find_bodies(const char *mesh, char up, const char *data, lab_body *bodies, int *count, pel_error *error);
+   blends, written into a folder that exists: bodies (LAB_BODIES). */
+pel_status lab_find_bodies(const char *folder, const char *mesh, char up, const char *data, lab_body *bodies,
+                           int *count, pel_error *error);
 /* Frees what lab_find_bodies left in bodies (LAB_BODIES), also when it failed; zeroed ones are fine. */
 void lab_free_bodies(lab_body *bodies);
 
