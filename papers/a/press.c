@@ -182,9 +182,10 @@ static pel_status check_euler(lab_experiment *experiment)
     lab_at_most(experiment, "quasi-static: reversals of the displacement after release", still, 0,
                 "paper A, section 2");
     lab_begin_claim(experiment, LAB_PAPER, "stiffness 20 and damping 2 still work at dt 0.01", NULL);
-    lab_at_most(experiment, "quasi-static, alpha 50: largest displacement [m]", limit[0].max_displacement, 1,
-                "paper A, section 4");
-    lab_at_most(experiment, "explicit: largest displacement [m]", limit[1].max_displacement, 1, "paper A, section 4");
+    lab_at_most(experiment, "quasi-static, alpha 50: largest displacement [m]", limit[0].max_displacement, 0.1,
+                "paper A, section 4; 0.1, a third of that with stiffness 3, is ours");
+    lab_at_most(experiment, "explicit: largest displacement [m]", limit[1].max_displacement, 0.1,
+                "paper A, section 4; 0.1 is ours");
     return PEL_OK;
 }
 
@@ -384,7 +385,6 @@ static pel_status run_figure_9(lab_experiment *experiment)
     lab_at_most(experiment, "local: residual / depth", local.residual_displacement / local.max_displacement, 0.01,
                 "paper A, section 4; 0.01 is ours");
     lab_begin_claim(experiment, LAB_THEORY, "triangles refined near the probe are coarsened again at the end", NULL);
-    lab_expect(experiment, "base: triangles at the end", (double)base.triangles_final, 5120, 0, "the mesh");
     lab_expect(experiment, "local: triangles at the end", (double)local.triangles_final, 5120, 0,
                "the mesh: all refinement given back");
     lab_tell(experiment, "base: largest force on the probe [N]", base.max_tool_force, (double)NAN, "");

@@ -370,6 +370,7 @@ static void judge_sizes(lab_experiment *experiment, double scaled[SIZES][FRAMES 
                 "theory.md, section 9; meshes scale to 9 digits");
     lab_begin_claim(experiment, LAB_THEORY,
                     "the mass of a solid is that of its volume: its load falls with the size less than its mass", NULL);
+    lab_by_construction(experiment, "the solid is a program of its own, on which no other formula acts");
     lab_at_least(experiment, "pressure with size: largest difference of volume to frame 40, solid", off_solid, 0.005,
                  "p / (rho s^2) grows as s falls; 0.005 is ours");
 }
