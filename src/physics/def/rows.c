@@ -122,7 +122,8 @@ static const pel_def_row rows[] = {
      .doc =
          "the shape at rest, with the vertices and triangles of `mesh` in their order, such as a shape key: the body "
          "starts as `mesh` and springs to this shape. Displacements and volume ratios refer to it, and supports hold "
-         "vertices where it has them; regions select by `mesh`. Optional; not with refine, volume, cuts or seams"},
+         "vertices where it has them; regions select by `mesh`. Optional; not with rigid, refine, volume, cuts or "
+         "seams"},
     {"bodies[].preset", WORD("tissue", "paper-a"), .preset = "tissue",
      .doc = "defaults of `mass`, `springs` and `volumetric`. tissue: density and Young's modulus, for meshes of any "
             "size and fineness; paper-a: the numbers of paper A, a mass of 1 kg per vertex, stiffnesses k = 3 and k' = "
