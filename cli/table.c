@@ -220,7 +220,7 @@ static const cli_command commands[] = {
     },
     {
         .name = "shape",
-        .summary = "generate a mesh: sphere, disk, grid, cylinder, torus, capsule, lens capsule, blend",
+        .summary = "generate a mesh: sphere, box, disk, grid, cylinder, torus, capsule, lens capsule, blend",
         .text = "Writes a generated mesh. Lengths are in metres.",
         .slots = {{.name = "NAME", .kind = CLI_WORD, .optional = true, .noun = "shape", .words = cli_shape_names}},
         .options = {{.name = "output",

@@ -36,6 +36,8 @@ typedef enum pel_shape_kind {
                         vertices: 3 rings (rings + 1) + 1 vertices, 6 rings^2 triangles of about the same size */
     PEL_SHAPE_BLEND, /* a body that resembles a scanned one, smoothly joined from rounded parts: closed, genus 0, edges
                         of about the same length, bounding box centred at the origin, z up, front towards -y */
+    PEL_SHAPE_BOX,   /* about the origin, nx x ny x nz cells: 2 (nx ny + ny nz + nz nx) + 2 vertices, vertex 0 is the
+                        corner of the lowest coordinates; diagonals alternate */
     PEL_SHAPE_COUNT
 } pel_shape_kind;
 
@@ -64,7 +66,8 @@ typedef struct pel_shape_def {
     int32_t rings;     /* uv-sphere: parts from pole to pole; torus: around the tube; capsule: per half sphere;
                           disk: rings around the middle */
     int32_t segments;  /* cylinder, capsule: parts along the straight side */
-    int32_t nx, ny;    /* grid: cells */
+    int32_t nx, ny;    /* grid, box: cells */
+    int32_t nz;        /* box: cells */
     int32_t age;       /* lens-capsule: 11, 29 or 45 years */
     pel_grid_diagonals diagonals; /* grid */
     bool capped;                  /* cylinder */
@@ -73,8 +76,9 @@ typedef struct pel_shape_def {
     double edge;                  /* blend: approximate length of the edges, 0.0005 to 0.03 times size (liver: 0.06) */
     double radius;
     double height;       /* cylinder; capsule: of the straight side, may be 0 */
-    double size_x;       /* grid */
-    double size_y;       /* grid */
+    double size_x;       /* grid, box */
+    double size_y;       /* grid, box */
+    double size_z;       /* box */
     double major_radius; /* torus: axis to middle of tube */
     double minor_radius; /* torus: of the tube, less than major_radius */
     uint32_t cookie;     /* set by pel_shape_def_default */

@@ -111,6 +111,23 @@ static void test_counts(void **unused)
         assert_near(report->area, 3 * def.rings * sin(2 * pi / (6 * def.rings)), 1e-12);
         pel_mesh_report_destroy(report);
     }
+    def = pel_shape_def_default(PEL_SHAPE_BOX);
+    def.size_x = 2;
+    def.size_z = 0.5;
+    for (int32_t n = 0; n < 27; n++) {
+        def.nx = 1 + n % 3;
+        def.ny = 1 + n / 3 % 3;
+        def.nz = 1 + n / 9;
+        const int32_t faces = def.nx * def.ny + def.ny * def.nz + def.nz * def.nx;
+        pel_mesh_report *report = check(&def, 0, 0);
+        assert_int_equal(report->vertex_count, 2 * faces + 2);
+        assert_int_equal(report->triangle_count, 4 * faces);
+        assert_near(report->volume, 2 * 1 * 0.5, 1e-14);
+        assert_near(report->area, 2 * (2 * 1 + 1 * 0.5 + 0.5 * 2), 1e-13);
+        assert_near(report->bounds_high[0], 1, 0);
+        assert_near(report->bounds_low[2], -0.25, 0);
+        pel_mesh_report_destroy(report);
+    }
     /* every number of slices: discs of all sizes */
     def = pel_shape_def_default(PEL_SHAPE_CYLINDER);
     for (int32_t slices = 3; slices < 200; slices += 1 + slices / 20) {
@@ -522,6 +539,8 @@ static void test_allocation_failures(void **unused)
         pel_shape_def def = pel_shape_def_default((pel_shape_kind)kind);
         assert_in_range(for_every_allocation_failure(create_case, &def), 3, 7);
     }
+    pel_shape_def box = pel_shape_def_default(PEL_SHAPE_BOX);
+    assert_in_range(for_every_allocation_failure(create_case, &box), 3, 7);
 }
 
 /* a blend allocates in each of its many passes: all of the first ones, then some */

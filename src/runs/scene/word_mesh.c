@@ -16,7 +16,7 @@
 /* files that are listed */
 enum { MOST_FILES = 100 };
 
-static const pel_shape_kind closed_shapes[] = {PEL_SHAPE_TORUS, PEL_SHAPE_CYLINDER, PEL_SHAPE_BLEND};
+static const pel_shape_kind closed_shapes[] = {PEL_SHAPE_TORUS, PEL_SHAPE_CYLINDER, PEL_SHAPE_BLEND, PEL_SHAPE_BOX};
 enum { CLOSED_COUNT = sizeof closed_shapes / sizeof *closed_shapes };
 
 /* ---- words and paths ---- */

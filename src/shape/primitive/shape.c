@@ -86,6 +86,12 @@ static const pel_shape_parameter blend_parameters[] = {
     LENGTH(edge, 0.006, "approximate length of the edges: 0.0005 to 0.03 times size (liver: 0.06)"),
 };
 
+static const pel_shape_parameter box_parameters[] = {
+    LENGTH(size_x, 1, "width along x"),        LENGTH(size_y, 1, "width along y"),
+    LENGTH(size_z, 1, "height along z"),       COUNT(nx, 1, 1000000, 6, "cells along x"),
+    COUNT(ny, 1, 1000000, 6, "cells along y"), COUNT(nz, 1, 1000000, 6, "cells along z"),
+};
+
 #define INFO(kind, name, doc, parameters)                                                                              \
     {                                                                                                                  \
         kind, name, doc, parameters, sizeof(parameters) / sizeof *(parameters)                                         \
@@ -104,6 +110,7 @@ static const pel_shape_info infos[PEL_SHAPE_COUNT] = {
          "capsule of the human eye lens with its thickness as a field (Burd et al. 2002)", lens_capsule_parameters),
     INFO(PEL_SHAPE_DISK, "disk", "disk in the plane z = 0 with normal +z", disk_parameters),
     INFO(PEL_SHAPE_BLEND, "blend", "head, animal or liver: a smooth blend of rounded parts", blend_parameters),
+    INFO(PEL_SHAPE_BOX, "box", "closed box about the origin", box_parameters),
 };
 
 const pel_shape_info *pel_shape_info_of(pel_shape_kind kind)
@@ -333,6 +340,8 @@ pel_status pel_shape_create(const pel_shape_def *def, pel_mesh **mesh, pel_error
         return pel_shape_grid(def, mesh, error);
     case PEL_SHAPE_DISK:
         return pel_shape_disk(def, mesh, error);
+    case PEL_SHAPE_BOX:
+        return pel_shape_box(def, mesh, error);
     case PEL_SHAPE_CYLINDER:
         return pel_shape_cylinder(def, mesh, error);
     case PEL_SHAPE_TORUS:

@@ -8,6 +8,7 @@
 pel_status pel_shape_geodesic_sphere(int32_t frequency, double radius, bool standing, pel_mesh **mesh,
                                      pel_error *error);
 pel_status pel_shape_grid(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
+pel_status pel_shape_box(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_uv_sphere(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_disk(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
 pel_status pel_shape_cylinder(const pel_shape_def *def, pel_mesh **mesh, pel_error *error);
