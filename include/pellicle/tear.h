@@ -62,7 +62,7 @@ typedef struct pel_tip {
 PEL_API pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room, int32_t *count,
                                 pel_error *error);
 
-/* Whether the surface of any body may open: it has a toughness, or the def has cuts. */
+/* Whether the surface of any body may open: it has a toughness, or the def has cuts or tools with an edge. */
 PEL_API bool pel_sim_can_tear(const pel_sim *sim);
 
 /* (pel_sim_vertex_count) the vertex before all cuts that each vertex is a copy of, itself if it is none. */

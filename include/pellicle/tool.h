@@ -13,10 +13,12 @@ typedef enum pel_tool_shape {
     PEL_TOOL_CAPSULE, /* radius; axis along the tool's z from -half_length to +half_length */
     PEL_TOOL_BOX,     /* half_extents; sharp */
     PEL_TOOL_MESH,    /* mesh; needs contact (pel_contact_def) */
-    PEL_TOOL_SUPPORT  /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
+    PEL_TOOL_SUPPORT, /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
+    PEL_TOOL_BLADE,   /* edge; cuts what the edge passes through, at any speed */
+    PEL_TOOL_HOOK     /* edge; holds the rim of a surface that the edge passes over */
 } pel_tool_shape;
 
-enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_SUPPORT + 1 }; /* number of shapes */
+enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_HOOK + 1 }; /* number of shapes */
 
 /* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
 
@@ -80,6 +82,19 @@ typedef struct pel_tool_def {
        The simulation keeps a share of it. A support whose grasp_from is above 0 keeps the distance of its vertices from
        the sequence at that time. The body may not refine */
     const pel_sequence *sequence;
+    /* PEL_TOOL_BLADE and PEL_TOOL_HOOK: neither presses nor grasps otherwise. The edge is straight between two points of
+       the tool's frame. After each step the surface opens along the way that the edge has gone through it, one edge of
+       the mesh after the other, as in pel_cut: the next vertex of the cut moves onto the way in the rest shape, and the
+       cut ends within half an edge of the blade. It begins at a border, at an older cut, or inside the surface once the
+       way there is longer than an edge. Bodies must not refine. A hook takes the nearest vertex of a border or lip that
+       its edge passes over, and holds it up to grasp_max_force */
+    double edge[2][3]; /* m */
+    double sharpness;  /* J/m2, energy that a new area of the cut takes; 0 (default) = none. With it the blade holds the
+                          end of the cut until the force there is sharpness times the thickness of the sheet, and from
+                          then on cuts under this force; where it lies on the inside of a surface it presses until its
+                          force is sharpness times the thickness times the length that touches over `kerf`, at least
+                          over the thickness. The ledger books it as dissipated_fracture */
+    double kerf;       /* m, width of the blade; 0 (default) = the thickness of the sheet */
     double strength; /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
                         step is released for good */
 } pel_tool_def;

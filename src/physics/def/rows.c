@@ -92,6 +92,7 @@ CONDITION(has_radius, pel_tool_def, pel_solid_rows[def->shape].has_radius)
 CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
 CONDITION(has_size, pel_tool_def, pel_solid_rows[def->shape].has_size)
 CONDITION(is_instrument, pel_tool_def, def->shape != PEL_TOOL_SUPPORT)
+CONDITION(is_blade, pel_tool_def, def->shape == PEL_TOOL_BLADE)
 CONDITION(grasps, pel_tool_def, def->grasp)
 CONDITION(leads, pel_tool_def, def->grasp && def->leads)
 CONDITION(is_enabled, pel_contact_def, def->enabled)
@@ -553,6 +554,22 @@ static const pel_def_row rows[] = {
     {"tools[].size", TOOL(half_extents), .forms = PEL_FORM_VECTOR | PEL_FORM_WORD, WORDS("auto"), .unit = "m", POSITIVE,
      .needs = "shape", .needs_word = "box", REQUIRED, FACTOR(2), WHEN(has_size), IMPLYING,
      .doc = "full lengths of the box along the tool's axes; auto: 12 % of that diagonal each"},
+    {"tools[].edge", TOOL(edge), FIXED, LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "blade", REQUIRED,
+     .doc = "the two ends of the blade's edge in the frame of the tool. What the edge passes through opens along its "
+            "way, one edge of the mesh after the other"},
+    {"tools[].edge", LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "hook", REQUIRED,
+     .doc = "the two ends of the hook's edge. It takes the rim or lip of a surface that it passes over, and holds it up "
+            "to `max_force`"},
+    {"tools[].edge[]", VECTOR, .unit = "m", .doc = "one end"},
+    {"tools[].sharpness", TOOL(sharpness), NUMBER, .unit = "J/m2", POSITIVE, .needs = "shape", .needs_word = "blade",
+     AUTO(0), WHEN(is_blade), DIRECT,
+     .doc = "energy that the blade takes for each new area of the cut, its length times the thickness of the sheet. The "
+            "blade presses until its force is that energy per length, and cuts under this force. Default: cuts without "
+            "a force"},
+    {"tools[].kerf", TOOL(kerf), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "blade", AUTO(0),
+     WHEN(is_blade), DIRECT,
+     .doc = "width of the blade: a longer part of the edge that lies on a surface pierces it under a force that is "
+            "larger in proportion. Default: the thickness of the sheet"},
     {"tools[].body", TOOL(body), .initial = -1, TEXT, .doc = "the only body that the tool acts on; default: all"},
     {"tools[].friction", TOOL(friction), NUMBER, AT_LEAST(0), AUTO(-1), WHEN(is_instrument),
      .doc = "Coulomb's coefficient of the tool; default: that of `contact`"},

@@ -65,7 +65,8 @@ static bool has_shape_of(const pel_tool_surface *surface, const pel_tool *tool)
     const pel_solid *a = &surface->solid, *b = &tool->solid;
     return surface->triangles != NULL && surface->mesh == tool->mesh && a->shape == b->shape &&
            a->radius == b->radius && a->half_length == b->half_length &&
-           memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
+           memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0 &&
+           memcmp(a->edge, b->edge, sizeof a->edge) == 0;
 }
 
 pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error)

@@ -106,6 +106,15 @@ static pel_status read_mesh(pel_scene_reader *reader, pel_scene_value *value, co
     return PEL_OK;
 }
 
+/* both ends of a blade or hook */
+static void read_edge(const pel_scene_value *list, pel_tool_def *tool)
+{
+    int end = 0;
+    for (const pel_scene_value *point = list->first; point != NULL && end < 2; point = point->next)
+        pel_scene_value_numbers(point, tool->edge[end++]);
+    tool->press = false;
+}
+
 static pel_status read_tool(pel_scene_reader *reader, pel_scene_value *value, const pel_scene *scene,
                             const mesh_store *store, pel_tool_def *tool)
 {
@@ -118,6 +127,8 @@ static pel_status read_tool(pel_scene_reader *reader, pel_scene_value *value, co
     pel_scene_value *mesh = pel_scene_value_entry(value, "mesh");
     if (status == PEL_OK && mesh != NULL)
         status = read_mesh(reader, mesh, store, tool);
+    if (status == PEL_OK && pel_scene_value_entry(value, "edge") != NULL)
+        read_edge(pel_scene_value_entry(value, "edge"), tool);
     if (status == PEL_OK && body != NULL)
         status = pel_scene_find_body(reader, body, &scene->model, &tool->body);
     if (status == PEL_OK && grasp != NULL)

@@ -286,7 +286,59 @@ static const double box_corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1},
 static const int32_t box_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                              {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
+/* ---- edge ---- */
+
+/* of its length: half the width of the bar that pictures show */
+#define BAR_SHARE 0.015
+
+static double edge_distance(const pel_solid *solid, const double p[3], double normal[3])
+{
+    const double sideways[3] = {1, 0, 0};
+    double weights[2], nearest[3], d[3];
+    double distance = pel_closest_point_segment(p, solid->edge[0], solid->edge[1], weights);
+    pel_vec3_scale(solid->edge[0], weights[0], nearest);
+    pel_vec3_along(nearest, weights[1], solid->edge[1], nearest);
+    pel_vec3_subtract(p, nearest, d);
+    unit_or(d, sideways, normal);
+    return distance;
+}
+
+/* nothing is inside */
+static double edge_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
+                         double weights[3], double normal[3])
+{
+    (void)solid, (void)a, (void)b, (void)c, (void)weights, (void)normal;
+    return 0;
+}
+
+static void edge_half_box(const pel_solid *solid, double half[3])
+{
+    for (int k = 0; k < 3; k++)
+        half[k] = pel_max(fabs(solid->edge[0][k]), fabs(solid->edge[1][k]));
+}
+
+/* of a bar about the edge */
+static void edge_corner(const pel_solid *solid, const double unit[3], double corner[3])
+{
+    double along[3], across[2][3];
+    pel_vec3_subtract(solid->edge[1], solid->edge[0], along);
+    double length = pel_vec3_normalize(along);
+    int least = fabs(along[0]) < fabs(along[1]) ? 0 : 1;
+    least = fabs(along[2]) < fabs(along[least]) ? 2 : least;
+    const double axis[3] = {least == 0, least == 1, least == 2};
+    pel_vec3_cross(axis, along, across[0]);
+    pel_vec3_normalize(across[0]);
+    pel_vec3_cross(along, across[0], across[1]);
+    pel_vec3_copy(solid->edge[unit[2] > 0], corner);
+    for (int k = 0; k < 2; k++)
+        pel_vec3_along(corner, BAR_SHARE * length * unit[k], across[k], corner);
+}
+
 /* ---- the rows ---- */
+
+#define EDGE                                                                                                           \
+    .has_edge = true, .distance = edge_distance, .depth = edge_depth, .half_box = edge_half_box, .corner_count = 8,    \
+    .triangle_count = 12, .corners = box_corners, .triangles = box_triangles
 
 #define ROUND                                                                                                          \
     .is_round = true, .has_radius = true, .distance = round_distance, .depth = round_depth, .half_box = round_half_box
@@ -307,6 +359,8 @@ const pel_solid_row pel_solid_rows[PEL_TOOL_SHAPE_COUNT] = {
                       .triangles = box_triangles},
     [PEL_TOOL_MESH] = {.word = "mesh"},
     [PEL_TOOL_SUPPORT] = {.word = "support"},
+    [PEL_TOOL_BLADE] = {.word = "blade", EDGE},
+    [PEL_TOOL_HOOK] = {.word = "hook", EDGE},
 };
 
 bool pel_solid_find(const char *word, pel_tool_shape *shape)
@@ -326,6 +380,7 @@ pel_solid pel_solid_of(const pel_tool_def *def)
                        .radius = def->radius,
                        .half_length = row->has_length ? def->half_length : 0};
     pel_vec3_copy(def->half_extents, solid.half_extents);
+    memcpy(solid.edge, def->edge, sizeof solid.edge);
     return solid;
 }
 
@@ -365,6 +420,11 @@ double pel_solid_size(const pel_solid *solid)
 
 void pel_solid_corner(const pel_solid *solid, int32_t i, double corner[3])
 {
+    const double *unit = pel_solid_rows[solid->shape].corners[i];
+    if (pel_solid_has_edge(solid)) {
+        edge_corner(solid, unit, corner);
+        return;
+    }
     for (int k = 0; k < 3; k++)
-        corner[k] = pel_solid_rows[solid->shape].corners[i][k] * solid->half_extents[k];
+        corner[k] = unit[k] * solid->half_extents[k];
 }

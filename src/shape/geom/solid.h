@@ -12,6 +12,7 @@ typedef struct pel_solid {
     pel_tool_shape shape; /* with a surface of its own: no mesh and no support */
     double radius, half_length;
     double half_extents[3];
+    double edge[2][3];
 } pel_solid;
 
 typedef struct pel_solid_row {
@@ -19,7 +20,7 @@ typedef struct pel_solid_row {
     /* Round: the points within the radius of the segment from -half_length to half_length of the z axis. Otherwise it
        has flat faces, and the members below. */
     bool is_round;
-    bool has_radius, has_length, has_size; /* the numbers that it reads */
+    bool has_radius, has_length, has_size, has_edge; /* the numbers that it reads; with an edge: no inside */
     /* the functions below; null = no solid */
     double (*distance)(const pel_solid *solid, const double p[3], double normal[3]);
     double (*depth)(const pel_solid *solid, const double a[3], const double b[3], const double c[3], double weights[3],
@@ -38,6 +39,12 @@ extern const pel_solid_row pel_solid_rows[PEL_TOOL_SHAPE_COUNT];
 static inline bool pel_solid_is_round(const pel_solid *solid)
 {
     return pel_solid_rows[solid->shape].is_round;
+}
+
+/* a blade or a hook */
+static inline bool pel_solid_has_edge(const pel_solid *solid)
+{
+    return pel_solid_rows[solid->shape].has_edge;
 }
 
 static inline bool pel_solid_is_ball(const pel_solid *solid)

@@ -14,6 +14,8 @@
 #include "sim/change.h"
 #include "stage/accessors.h"
 #include "tear/growth.h"
+#include "tear/incision.h"
+#include "tool/blade.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -334,6 +336,79 @@ pel_status pel_tears_grow(pel_sim *sim, bool *has_grown, pel_error *error)
     return status;
 }
 
+/* ---- blades ---- */
+
+/* opens what a blade has gone through; false if it is held back */
+static pel_status open_incision(pel_sim *sim, int32_t body, pel_incision *incision, bool *is_open, pel_error *error)
+{
+    const pel_mesh *mesh = sim->given->def.bodies[body].mesh;
+    cut c = {.sim = sim, .body = body, .marks = incision->growth.marks};
+    pel_opening opening = {0};
+    sim->cut_is_held = false;
+    pel_status status = pel_cut_check_sim(sim, error);
+    if (status == PEL_OK)
+        status = pel_topology_create(mesh, &c.topology, error);
+    if (status == PEL_OK)
+        status = pel_opening_find(c.topology, c.marks, &opening, error);
+    *is_open = status == PEL_OK && opening.edge_count > 0;
+    if (*is_open)
+        status = apply(sim, &c, &opening, sim->cuts_done, &incision->growth, error);
+    /* shorter edges may need shorter steps than the given ones: the edges then open as they are */
+    if (status == PEL_UNSTABLE) {
+        memcpy(incision->growth.mesh->positions, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
+        memset(incision->growth.is_moved, 0, (size_t)mesh->vertex_count);
+        status = apply(sim, &c, &opening, sim->cuts_done, &incision->growth, error);
+    }
+    /* once more after the next step */
+    if (status == PEL_BAD_ARGUMENT && sim->cut_is_held) {
+        status = PEL_OK;
+        *is_open = false;
+    }
+    pel_opening_clear(&opening);
+    pel_topology_destroy(c.topology);
+    return status;
+}
+
+/* a blade in one body after a step; the simulation may be made anew */
+static pel_status cut_body(pel_sim *sim, int32_t tool, int32_t body, bool *has_cut, pel_error *error)
+{
+    pel_incision incision;
+    bool is_open = true;
+    pel_status status = pel_incision_find(sim, tool, body, &incision, error);
+    bool opens = status == PEL_OK && incision.growth.edge_count > 0;
+    if (opens)
+        status = open_incision(sim, body, &incision, &is_open, error);
+    if (status == PEL_OK && is_open) {
+        pel_tool *own = &sim->tools->items[tool];
+        own->blade->tip_count = incision.tip_count;
+        memcpy(own->blade->tips, incision.tips, sizeof incision.tips);
+        for (int32_t i = 0; opens && i < incision.tip_count; i++)
+            if (incision.tips[i].body == body && !incision.tips[i].is_pressing && pel_blade_resists(sim, own))
+                pel_blade_take(sim, own, body, incision.tips[i].vertex);
+        *has_cut |= opens;
+    }
+    pel_incision_clear(&incision);
+    return status;
+}
+
+pel_status pel_blades_cut(pel_sim *sim, bool *has_cut, pel_error *error)
+{
+    pel_status status = PEL_OK;
+    *has_cut = false;
+    if (sim->tools->blade_before == NULL)
+        return PEL_OK;
+    for (int32_t t = 0; status == PEL_OK && t < sim->tools->count; t++) {
+        pel_tool *tool = &sim->tools->items[t];
+        if (tool->blade == NULL)
+            continue;
+        pel_ledger_book_tear(sim, pel_blade_slide(sim, tool, pel_incision_limit));
+        for (int32_t b = 0; status == PEL_OK && b < sim->given->body_count; b++)
+            if (pel_tool_acts_on(&sim->tools->items[t], b))
+                status = cut_body(sim, t, b, has_cut, error);
+    }
+    return status;
+}
+
 /* ---- readings ---- */
 
 /* pieces that are joined by edges, or were by edges that are lips now */
@@ -396,7 +471,7 @@ int32_t pel_sim_cut_count(const pel_sim *sim)
 
 bool pel_sim_can_tear(const pel_sim *sim)
 {
-    return sim != NULL && (sim->def.cut_count > 0 || sim->tear != NULL);
+    return sim != NULL && (sim->def.cut_count > 0 || sim->tear != NULL || sim->tools->blade_before != NULL);
 }
 
 int32_t pel_sim_cuts_done(const pel_sim *sim)

@@ -18,5 +18,8 @@ pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error);
 pel_status pel_adhesions_release(pel_sim *sim, bool *has_released, pel_error *error);
 /* Opens one edge at each tip that releases as much energy as the material takes. PEL_OUT_OF_MEMORY. */
 pel_status pel_tears_grow(pel_sim *sim, bool *has_grown, pel_error *error);
+/* After a step: opens what blades have gone through, and lets them slide. PEL_OUT_OF_MEMORY; PEL_BAD_ARGUMENT as
+   pel_cut and pel_incision_find. */
+pel_status pel_blades_cut(pel_sim *sim, bool *has_cut, pel_error *error);
 
 #endif

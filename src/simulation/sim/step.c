@@ -14,6 +14,7 @@
 #include "stage/rigids.h"
 #include "stage/shells.h"
 #include "tear/forceps.h"
+#include "tool/blade.h"
 #include "tool/grip.h"
 #include "tool/reading.h"
 #include "tool/support.h"
@@ -241,6 +242,7 @@ enum { MOST_ADVANCES = 2, MOST_STATIC_ADVANCES = 256 };
 static pel_status step_once(pel_sim *sim, pel_error *error)
 {
     pel_status status = pel_parts_keep(sim, error);
+    pel_blades_begin(sim);
     pel_ledger_start(sim);
     if (status == PEL_OK)
         status = follow_surface(sim, error);
@@ -262,7 +264,7 @@ static pel_status step_once(pel_sim *sim, pel_error *error)
  */
 static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 {
-    bool has_grown = true, has_opened = false, has_released = false;
+    bool has_grown = true, has_opened = false, has_released = false, has_cut = false;
     pel_status status = PEL_OK;
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_STATIC_ADVANCES; advance++) {
         status = pel_seams_open(sim, &has_opened, error);
@@ -270,7 +272,9 @@ static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
             status = pel_adhesions_release(sim, &has_released, error);
         if (status == PEL_OK)
             status = pel_tears_grow(sim, &has_grown, error);
-        has_grown |= has_opened || has_released;
+        if (status == PEL_OK)
+            status = pel_blades_cut(sim, &has_cut, error);
+        has_grown |= has_opened || has_released || has_cut;
         if (status != PEL_OK || !has_grown)
             return status;
         sim->state->step--;
@@ -298,5 +302,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         status = grow_to_rest(sim, error);
     if (status == PEL_BAD_ARGUMENT && sim->stepper->minimises)
         name_burst(sim, error);
+    if (status == PEL_OK && !sim->stepper->is_static)
+        status = pel_blades_cut(sim, &has_opened, error);
     return status;
 }

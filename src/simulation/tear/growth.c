@@ -150,30 +150,28 @@ static void mark_list(uint8_t *marks, const int32_t *vertices, int32_t count)
         marks[vertices[i]] = 1;
 }
 
-/* vertices that must not move in the rest shape: held ones, those that loads, supports, cuts and seams name, and all
-   copies */
-static void mark_fixed(const pel_survey *s, uint8_t *marks)
+void pel_growth_mark_fixed(const pel_sim *sim, int32_t own, uint8_t *marks)
 {
-    const pel_sim_def *def = &s->sim->def;
-    const pel_body_def *body = def_of(s->sim, s->body);
-    int32_t count = s->topology->vertex_count;
+    const pel_sim_def *def = &sim->def;
+    const pel_body_def *body = def_of(sim, own);
+    int32_t count = body->mesh->vertex_count;
     for (int32_t v = 0; v < count; v++) {
-        if (pel_survey_is_held(s, v))
+        if (pel_vertex_is_held(sim, own, v))
             marks[v] = 1;
         if (body->origins != NULL && body->origins[v] != v)
             marks[v] = marks[body->origins[v]] = 1;
     }
     for (int32_t l = 0; l < def->load_count; l++)
-        if (def->loads[l].body == s->body && def->loads[l].vertex_count < count)
+        if (def->loads[l].body == own && def->loads[l].vertex_count < count)
             mark_list(marks, def->loads[l].vertices, def->loads[l].vertex_count);
     for (int32_t i = 0; i < def->support_count; i++)
-        if (def->supports[i].body == s->body && def->supports[i].vertex_count < count)
+        if (def->supports[i].body == own && def->supports[i].vertex_count < count)
             mark_list(marks, def->supports[i].vertices, def->supports[i].vertex_count);
-    for (int32_t c = s->sim->cuts_done; c < def->cut_count; c++)
-        if (def->cuts[c].body == s->body)
+    for (int32_t c = sim->cuts_done; c < def->cut_count; c++)
+        if (def->cuts[c].body == own)
             mark_list(marks, def->cuts[c].vertices, def->cuts[c].vertex_count);
     for (int32_t i = 0; i < def->seam_count; i++)
-        if (def->seams[i].body == s->body)
+        if (def->seams[i].body == own)
             mark_list(marks, def->seams[i].path, def->seams[i].path_count);
 }
 
@@ -183,7 +181,7 @@ static pel_status begin_growth(const pel_survey *s, pel_growth *growth, uint8_t 
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(growth->marks, s->topology->edge_count),
                           PEL_ROOM(growth->is_moved, mesh->vertex_count), PEL_ROOM(*fixed, mesh->vertex_count)))
         return pel_fail_memory(error);
-    mark_fixed(s, *fixed);
+    pel_growth_mark_fixed(s->sim, s->body, *fixed);
     return pel_mesh_create(mesh->positions[0], mesh->vertex_count, mesh->triangles[0], mesh->triangle_count,
                            &growth->mesh, error);
 }

@@ -37,5 +37,8 @@ pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, p
 /* Puts its vertices back to where they are in the mesh. */
 void pel_growth_stay(const pel_tear *tear, int32_t survey, pel_growth *growth);
 void pel_growth_clear(pel_growth *growth);
+/* Marks the vertices of a body that must not move in its rest shape: held ones, those that loads, supports, cuts and
+   seams name, and all copies. */
+void pel_growth_mark_fixed(const pel_sim *sim, int32_t body, uint8_t *marks);
 
 #endif

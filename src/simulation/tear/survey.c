@@ -333,10 +333,15 @@ void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
 
 /* ---- tips ---- */
 
+bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t v)
+{
+    int32_t place = sim->model->bodies[body].model_index[v];
+    return sim->model->inverse_mass[place] == 0 || (sim->held != NULL && sim->held[place]);
+}
+
 bool pel_survey_is_held(const pel_survey *s, int32_t v)
 {
-    int32_t place = s->sim->model->bodies[s->body].model_index[v];
-    return s->sim->model->inverse_mass[place] == 0 || (s->sim->held != NULL && s->sim->held[place]);
+    return pel_vertex_is_held(s->sim, s->body, v);
 }
 
 /* rad, of the triangles around a vertex at rest */

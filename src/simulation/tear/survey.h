@@ -34,6 +34,7 @@ void pel_survey_end(pel_survey *survey);
 bool pel_survey_is_tip(const pel_survey *survey, int32_t vertex, double ahead[3]);
 /* whether a vertex cannot move: pinned, or held by a tool */
 bool pel_survey_is_held(const pel_survey *survey, int32_t vertex);
+bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t vertex);
 /* The tip in the present state (pel_shell_forces_follow has been called for it). */
 void pel_survey_read(pel_survey *survey, int32_t vertex, const double ahead[3], pel_tip *tip);
 /* Vertices up to some ring around one, with their rings in `rings`, until pel_survey_leave; returns their number. */

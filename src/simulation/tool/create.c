@@ -8,6 +8,7 @@
 #include "bvh/mesh_query.h"
 #include "math/extremes.h"
 #include "stage/layer.h"
+#include "tool/blade.h"
 #include "tool/follow.h"
 #include "tool/pose.h"
 #include "tool/start.h"
@@ -145,6 +146,8 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
                                   "give grasp_max_force > 0 in newtons, infinity for no limit, or 0 for the material's",
                                   "the largest force of a grasp is below 0 or not a number");
     pel_status status = def->leads ? check_lead(def, tool, error) : PEL_OK;
+    if (status == PEL_OK && pel_solid_rows[def->shape].has_edge)
+        status = pel_blade_check(sim, def, tool, error);
     if (status != PEL_OK)
         return status;
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
@@ -217,6 +220,11 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
     tool->stride = 1;
     tool->grasp_max_force = def->grasp_max_force;
     tool->one_patch = def->grasp_one_patch || def->leads;
+    if (pel_solid_has_edge(&tool->solid)) {
+        pel_status status = pel_blade_create(sim, tool, error);
+        if (status != PEL_OK)
+            return status;
+    }
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
@@ -291,7 +299,7 @@ pel_status pel_tools_create(pel_sim *sim, const pel_tool_def *defs, int32_t coun
     pel_status status = pel_tool_search_create(sim->model, &sim->tools->search, error);
     bool grasps = false;
     for (int32_t i = 0; i < count; i++)
-        grasps |= defs[i].grasp || defs[i].shape == PEL_TOOL_SUPPORT;
+        grasps |= defs[i].grasp || defs[i].shape >= PEL_TOOL_SUPPORT;
     if (status == PEL_OK && grasps)
         status = create_grips(sim, error);
     for (int32_t i = 0; status == PEL_OK && i < count; i++) {
@@ -317,6 +325,8 @@ pel_status pel_tool_regrasp(pel_sim *sim, int32_t index, const pel_tool_def *def
     /* an opened grasp closes again if its interval starts again */
     if (tool->phase == PEL_GRASP_DONE && def->grasp_until > pel_sim_time(sim))
         tool->phase = PEL_GRASP_WAITING;
+    if (tool->blade != NULL)
+        return PEL_OK;
     tool->grasp_from = def->grasp_from;
     tool->grasp_until = def->grasp_until;
     tool->reach = def->reach;
@@ -332,7 +342,7 @@ void pel_tools_destroy(pel_sim *sim)
         pel_tool *tool = &sim->tools->items[i];
         PEL_FREE_ALL(tool->keys, tool->key_spins, tool->planes, tool->planes_before, tool->touches,
                      tool->touch_of_vertex, tool->held, tool->anchors, tool->support, tool->support_marks,
-                     tool->near.triangles, tool->in_reach.triangles);
+                     tool->near.triangles, tool->in_reach.triangles, tool->blade);
         pel_mesh_destroy(tool->mesh);
         pel_mesh_query_destroy(tool->query);
         pel_tool_follow_destroy(tool);
@@ -341,5 +351,6 @@ void pel_tools_destroy(pel_sim *sim)
     pel_tool_search_destroy(sim->tools->search);
     PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
                  sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
-                 sim->tools->grip_forces, sim->tools->strengths, sim->tools->stops.items);
+                 sim->tools->grip_forces, sim->tools->strengths, sim->tools->stops.items,
+                 sim->tools->blade_before);
 }

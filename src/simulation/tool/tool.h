@@ -62,6 +62,28 @@ typedef struct pel_tool_tally {
     double lost_limit;                   /* N, that the first ones exceeded; 0 = the grasp was stuck */
 } pel_tool_tally;
 
+/* Where a blade is in a surface. */
+typedef struct pel_blade_tip {
+    int32_t body, vertex; /* of the mesh: the end of the cut, or the vertex where it is to begin */
+    int32_t is_open;      /* the edge behind it is */
+    int32_t is_pressing;  /* the blade rests on the surface, and has not pierced it */
+    double from[3];       /* m, at rest: where the blade met the surface */
+    double to[3];         /* m, at rest: where it was last */
+    double ahead[3];      /* unit, at rest: the last edge; 0 = none yet */
+    double pull[3];       /* N, of the vertex on the blade when it last held it; 0 = not yet */
+    double width;         /* m, at rest, of the edge that presses */
+    double slip;          /* m, by which the blade has slid on since the cut came to the vertex */
+} pel_blade_tip;
+
+/* places at which one blade cuts at most */
+enum { PEL_BLADE_TIPS = 8 };
+
+typedef struct pel_blade {
+    pel_blade_tip tips[PEL_BLADE_TIPS]; /* (tip_count) */
+    int32_t tip_count;
+    pel_pose pose_before; /* at the start of the step */
+} pel_blade;
+
 typedef struct pel_tool {
     char name[PEL_NAME_SIZE];
     pel_solid solid;                         /* of a mesh: the sphere about it */
@@ -103,6 +125,7 @@ typedef struct pel_tool {
     double strength;              /* N, of each held vertex of a support; infinite = no limit */
     int32_t *held;                /* (held_count) vertices held */
     double (*anchors)[3];         /* (held_count) their places in the tool's frame, less those of the sequence */
+    pel_blade *blade;             /* null = none */
     double force[3], torque[3];
     double force_sum[3], torque_sum[3]; /* of a step in parts: means over the parts done */
     bool was_held_back, was_stopped, hold_is_counted;
@@ -141,6 +164,7 @@ struct pel_tools {
     double *strengths;          /* (body_count) N, of a vertex (pel_body_strength); null when no tool grasps */
     double (*grip_forces)[3];   /* (vertex_count) N, of each held vertex on its tool; null when no tool grasps */
     bool held_is_listed;        /* the boundary belongs to the tools */
+    pel_record *blade_before;   /* (vertex_count) positions at the start of the step; null without blades */
     pel_sim_solids *solids;     /* (solid.h) methods with substeps; null = no tool presses */
 };
 

@@ -2,6 +2,7 @@
 #include "tool/tools.h"
 
 #include "base/assert.h"
+#include "tool/blade.h"
 #include "tool/follow.h"
 #include "tool/grip.h"
 #include "tool/pose.h"
@@ -166,6 +167,8 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, tool->torque, sizeof tool->torque);
     if (tool->booked_forces != NULL)
         pel_transfer(at, tool->booked_forces, vertex_count * sizeof *tool->booked_forces);
+    if (tool->blade != NULL)
+        pel_blade_transfer(at, tool->blade);
     if (tool->grasp) {
         pel_transfer_list(at, tool->held, vertex_count, sizeof *tool->held);
         pel_transfer_list(at, tool->anchors, vertex_count, sizeof *tool->anchors);
@@ -187,6 +190,8 @@ static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
         !is_flag(&tool->is_held_back) || !is_flag(&tool->is_stopped) || !(tool->stride > 0 && tool->stride <= 1) ||
         (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
         return false;
+    if (tool->blade != NULL && !pel_blade_is_whole(sim, tool->blade))
+        return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
         if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])
             return false;
@@ -201,6 +206,8 @@ bool pel_tools_restore(pel_sim *sim)
     for (int32_t t = 0; !whole && t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
         tool->held_count = tool->plane_count = 0;
+        if (tool->blade != NULL)
+            tool->blade->tip_count = 0;
         tool->stride = 1;
         tool->driven = tool->is_leading = tool->blocked = tool->is_held_back = tool->is_stopped = false;
         tool->phase = PEL_GRASP_DONE;

@@ -1,0 +1,38 @@
+/* Blades and hooks: what they hold of a surface, and the force at which they cut it or let it go. */
+#ifndef PEL_TOOL_BLADE_H
+#define PEL_TOOL_BLADE_H
+
+#include "tool/tool.h"
+
+/* PEL_BAD_ARGUMENT: an edge without length, numbers out of range, bodies that refine or cannot be cut. */
+pel_status pel_blade_check(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error);
+/* Whether the edge is in no surface at the start: PEL_BAD_ARGUMENT with the place. */
+pel_status pel_blade_check_start(const pel_sim *sim, int32_t tool, pel_error *error);
+/* PEL_OUT_OF_MEMORY. */
+pel_status pel_blade_create(pel_sim *sim, pel_tool *tool, pel_error *error);
+
+/* Keeps where tools and surfaces are before a step. */
+void pel_blades_begin(pel_sim *sim);
+/* The edge of a tool at a pose. */
+void pel_blade_edge_at(const pel_tool *tool, const pel_pose *pose, double edge[2][3]);
+/* whether it needs a force, and where it is a hook */
+bool pel_blade_resists(const pel_sim *sim, const pel_tool *tool);
+bool pel_blade_is_hook(const pel_sim *sim, const pel_tool *tool);
+
+/* Holds a vertex of a mesh where it is; nothing if it cannot be held. */
+void pel_blade_take(pel_sim *sim, pel_tool *tool, int32_t body, int32_t vertex);
+void pel_blade_let_go(pel_sim *sim, pel_tool *tool, int32_t body, int32_t vertex);
+/* After a step: the blade slides where the force on it exceeds `limit` [N] (tips), forgets where it is no more, and
+   lets go what it pulls back. Returns the energy [J] that the slip has taken. */
+double pel_blade_slide(pel_sim *sim, pel_tool *tool, double (*limit)(const pel_sim *, const pel_tool *,
+                                                                     const pel_blade_tip *));
+/* Sum of the forces [N] on vertices that are held without being tips: where the blade presses. */
+double pel_blade_pressing(const pel_sim *sim, const pel_tool *tool);
+/* Releases those. */
+void pel_blade_pierce(pel_sim *sim, pel_tool *tool);
+
+/* the parts of a snapshot, and whether their numbers are in range */
+void pel_blade_transfer(pel_cursor *at, pel_blade *blade);
+bool pel_blade_is_whole(const pel_sim *sim, const pel_blade *blade);
+
+#endif
