@@ -369,6 +369,29 @@ static pel_status open_incision(pel_sim *sim, int32_t body, pel_incision *incisi
     return status;
 }
 
+static bool is_tip_of(const pel_blade_tip *tips, int32_t count, const pel_blade_tip *tip)
+{
+    for (int32_t i = 0; i < count; i++)
+        if (tips[i].body == tip->body && tips[i].vertex == tip->vertex)
+            return true;
+    return false;
+}
+
+/* a vertex that opens is let go before, so that its copies are free */
+static void let_go_tips(pel_sim *sim, pel_tool *tool, const pel_incision *incision)
+{
+    for (int32_t i = 0; i < tool->blade->tip_count; i++)
+        if (!is_tip_of(incision->tips, incision->tip_count, &tool->blade->tips[i]))
+            pel_blade_let_go(sim, tool, tool->blade->tips[i].body, tool->blade->tips[i].vertex);
+}
+
+static void take_tips(pel_sim *sim, pel_tool *tool)
+{
+    for (int32_t i = 0; i < tool->blade->tip_count; i++)
+        if (!tool->blade->tips[i].is_pressing && pel_blade_resists(sim, tool))
+            pel_blade_take(sim, tool, tool->blade->tips[i].body, tool->blade->tips[i].vertex);
+}
+
 /* a blade in one body after a step; the simulation may be made anew */
 static pel_status cut_body(pel_sim *sim, int32_t tool, int32_t body, bool *has_cut, pel_error *error)
 {
@@ -376,17 +399,19 @@ static pel_status cut_body(pel_sim *sim, int32_t tool, int32_t body, bool *has_c
     bool is_open = true;
     pel_status status = pel_incision_find(sim, tool, body, &incision, error);
     bool opens = status == PEL_OK && incision.growth.edge_count > 0;
-    if (opens)
+    if (opens) {
+        let_go_tips(sim, &sim->tools->items[tool], &incision);
         status = open_incision(sim, body, &incision, &is_open, error);
+    }
     if (status == PEL_OK && is_open) {
         pel_tool *own = &sim->tools->items[tool];
         own->blade->tip_count = incision.tip_count;
         memcpy(own->blade->tips, incision.tips, sizeof incision.tips);
-        for (int32_t i = 0; opens && i < incision.tip_count; i++)
-            if (incision.tips[i].body == body && !incision.tips[i].is_pressing && pel_blade_resists(sim, own))
-                pel_blade_take(sim, own, body, incision.tips[i].vertex);
         *has_cut |= opens;
+        pel_ledger_book_tear(sim, incision.growth.energy);
     }
+    if (status == PEL_OK && opens)
+        take_tips(sim, &sim->tools->items[tool]);
     pel_incision_clear(&incision);
     return status;
 }
@@ -401,7 +426,7 @@ pel_status pel_blades_cut(pel_sim *sim, bool *has_cut, pel_error *error)
         pel_tool *tool = &sim->tools->items[t];
         if (tool->blade == NULL)
             continue;
-        pel_ledger_book_tear(sim, pel_blade_slide(sim, tool, pel_incision_limit));
+        pel_blade_slide(sim, tool, pel_incision_limit);
         for (int32_t b = 0; status == PEL_OK && b < sim->given->body_count; b++)
             if (pel_tool_acts_on(&sim->tools->items[t], b))
                 status = cut_body(sim, t, b, has_cut, error);

@@ -35,6 +35,9 @@
 /* of the mean edge: a blade that presses holds vertices this near to its edge */
 #define NEAR_EDGE 0.75
 
+/* between the edge and a surface that it lies on */
+#define FLAT_SINE 0.1
+
 enum { MOST_PARTS = 64 };
 
 /* vertices that say how the sheet around a tip is deformed; of the trace, so that a flat sheet can be inverted */
@@ -42,6 +45,8 @@ enum { MOST_AROUND = 61 };
 #define FLATNESS 1e-4
 /* between the last edge of a cut and the next one of a blade that resists */
 #define LEAST_COSINE 0.3
+/* of an edge at rest: the least way that it takes the blade to cut it */
+#define LEAST_WAY 0.25
 
 /* a stretch of the way in one triangle */
 typedef struct arc {
@@ -344,6 +349,20 @@ static void press_on(const search *s, double size)
         }
 }
 
+/* m, of the edge that lies on the surface where the way begins; 0 where it comes with its point first */
+static double width_of(const search *s, double length)
+{
+    double edge[2][3], corners[3][3], normal[3], along[3];
+    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
+    for (int c = 0; c < 3; c++)
+        pel_vertex_position(s->sim->state->position,
+                            s->own->model_index[s->mesh->triangles[s->first->triangle][c]], corners[c]);
+    pel_vec3_triangle_normal(corners[0], corners[1], corners[2], normal);
+    pel_vec3_subtract(edge[1], edge[0], along);
+    double own = pel_vec3_length(along), tilt = fabs(pel_vec3_dot(normal, along));
+    return tilt < FLAT_SINE * own * pel_vec3_length(normal) ? pel_min(own, length) : 0;
+}
+
 /* a new tip, or none where the way is not worth one */
 static pel_status begin_tip(search *s, pel_blade_tip **begun, pel_error *error)
 {
@@ -355,10 +374,11 @@ static pel_status begin_tip(search *s, pel_blade_tip **begun, pel_error *error)
     if (s->found->tip_count == PEL_BLADE_TIPS)
         return fail_tips(s, error);
     pel_blade_tip *tip = &s->found->tips[s->found->tip_count++];
-    *tip = (pel_blade_tip){.body = s->body, .vertex = first_vertex(s), .width = length};
+    *tip = (pel_blade_tip){.body = s->body, .vertex = first_vertex(s), .width = width_of(s, length)};
     pel_vec3_copy(s->points[0], tip->from);
     pel_vec3_copy(s->points[s->point_count - 1], tip->to);
-    pel_vec3_subtract(tip->to, tip->from, tip->ahead);
+    if (is_at_border)
+        pel_vec3_subtract(tip->to, tip->from, tip->ahead);
     pel_vec3_normalize(tip->ahead);
     if (pel_blade_resists(s->sim, s->tool)) {
         tip->is_pressing = !is_at_border;
@@ -482,7 +502,9 @@ static pel_status advance(search *s, pel_blade_tip *tip, const double direction[
     tip->vertex = next;
     tip->is_open = 1;
     pel_vec3_subtract(growth->mesh->positions[next], growth->mesh->positions[from], tip->ahead);
-    pel_vec3_normalize(tip->ahead);
+    double length = pel_vec3_normalize(tip->ahead);
+    if (pel_blade_resists(s->sim, s->tool))
+        growth->energy += length * pel_incision_limit(s->sim, s->tool, tip);
     *is_done = is_on_border(s, next);
     return PEL_OK;
 }
@@ -533,7 +555,6 @@ static pel_status make_course(search *s, const pel_blade_tip *tip, course *c, pe
 
 static void remove_tip(search *s, pel_blade_tip *tip)
 {
-    pel_blade_let_go(s->sim, s->tool, tip->body, tip->vertex);
     *tip = s->found->tips[--s->found->tip_count];
 }
 
@@ -563,8 +584,6 @@ static pel_status use_way(search *s, pel_error *error)
     status = make_course(s, tip, &c, error);
     if (status == PEL_OK)
         status = cut_along(s, tip, &c, leaves, error);
-    if (status == PEL_OK && tip->vertex != before)
-        pel_blade_let_go(s->sim, s->tool, s->body, before);
     if (status == PEL_OK && (leaves || (tip->vertex != before && is_on_border(s, tip->vertex))))
         remove_tip(s, tip);
     return status;
@@ -577,6 +596,7 @@ static pel_status pierce(search *s, pel_blade_tip *tip, pel_error *error)
         return PEL_OK;
     tip->is_pressing = 0;
     pel_blade_pierce(s->sim, s->tool);
+    pel_blade_take(s->sim, s->tool, s->body, tip->vertex);
     const double points[2][3] = {{tip->from[0], tip->from[1], tip->from[2]}, {tip->to[0], tip->to[1], tip->to[2]}};
     const course c = {.points = points, .count = 2, .length = pel_vec3_distance(points[0], points[1])};
     return cut_along(s, tip, &c, false, error);
@@ -658,31 +678,67 @@ static void find_course(const search *s, const pel_blade_tip *tip, double size, 
     pel_vec3_along(aim, -size, ahead, aim);
     pel_vec3_subtract(aim, x, aim);
     pull_back(s, tip->vertex, aim, direction);
-    if (pel_vec3_dot(direction, tip->ahead) < LEAST_COSINE)
+    if (pel_vec3_length(tip->ahead) > 0 && pel_vec3_dot(direction, tip->ahead) < LEAST_COSINE)
         pel_vec3_copy(tip->ahead, direction);
 }
 
-/* a blade that resists cuts the length by which it has slid */
+static void place(const search *s, int32_t v, double x[3])
+{
+    pel_vertex_position(s->sim->state->position, s->own->model_index[v], x);
+}
+
+/* m, mean distance of a vertex to its neighbours at present, over that at rest */
+static double present_stretch(const search *s, int32_t v)
+{
+    const pel_topology *t = s->topology;
+    double sum = 0, rest = 0, x[3], y[3];
+    int32_t first = t->corner_of_vertex[v];
+    place(s, v, x);
+    for (int32_t h = first; h >= 0;) {
+        int32_t next = pel_half_edge_target(t, h);
+        place(s, next, y);
+        sum += pel_vec3_distance(x, y);
+        rest += pel_vec3_distance(s->mesh->positions[v], s->mesh->positions[next]);
+        h = pel_half_edge_turn(t, h);
+        h = h == first ? -1 : h;
+    }
+    return sum / rest;
+}
+
+/* m, from one vertex to another at present, against the pull on the blade; a share of the edge at rest at least */
+static double way_between(const search *s, const pel_blade_tip *tip, int32_t from, int32_t to)
+{
+    double x[3], y[3], ahead[3];
+    place(s, from, x);
+    place(s, to, y);
+    pel_vec3_subtract(x, y, y);
+    pel_vec3_copy(tip->pull, ahead);
+    double rest = pel_vec3_distance(s->mesh->positions[from], s->mesh->positions[to]);
+    return pel_max(LEAST_WAY * rest, pel_vec3_normalize(ahead) > 0 ? pel_vec3_dot(y, ahead) : rest);
+}
+
+/* A blade that resists cuts the length by which it has slid, so that it stays where the cut ends. */
 static pel_status cut_slip(search *s, pel_blade_tip *tip, pel_error *error)
 {
-    if (tip->is_pressing || !(tip->slip > 0.25 * size_of(s, 0)))
+    if (tip->is_pressing || !(tip->slip > LEAST_WAY * size_of(s, 0)))
         return PEL_OK;
     pel_status status = prepare(s, error);
     int32_t before = tip->vertex;
     double size = status == PEL_OK ? mean_edge(s, before) : 0, direction[3];
-    if (status != PEL_OK || !(tip->slip > size))
+    if (status != PEL_OK || !(tip->slip > size * pel_min(1, present_stretch(s, before))))
         return status;
     find_course(s, tip, size, direction);
-    bool is_done;
-    status = advance(s, tip, direction, &is_done, error);
-    if (status != PEL_OK || tip->vertex == before)
-        return status;
-    tip->slip -= pel_vec3_distance(s->found->growth.mesh->positions[before],
-                                   s->found->growth.mesh->positions[tip->vertex]);
-    pel_blade_let_go(s->sim, s->tool, s->body, before);
-    if (is_done)
+    /* inside the surface two edges open together, or none */
+    bool is_first = !tip->is_open && !is_on_border(s, before), is_done = false;
+    for (int i = 0; status == PEL_OK && !is_done && i < 1 + is_first; i++) {
+        int32_t from = tip->vertex;
+        status = advance(s, tip, i > 0 ? tip->ahead : direction, &is_done, error);
+        if (tip->vertex != from)
+            tip->slip -= way_between(s, tip, from, tip->vertex);
+    }
+    if (is_done && tip->vertex != before)
         remove_tip(s, tip);
-    return PEL_OK;
+    return status;
 }
 
 static pel_status use_ways(search *s, pel_error *error)

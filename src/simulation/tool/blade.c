@@ -6,8 +6,7 @@
 
    in the next step, with the way d of the blade against the force, and the stiffness K of the sheet around a vertex. A
    K that is too large keeps F below R by some K d at first, one that is too small lets it fall behind. Along its edge a
-   blade holds nothing, and it does not pull a vertex back. The slip takes F s; in the mean over the length of an
-   edge the blade slides just as far as it cuts. */
+   blade holds nothing, and it does not pull a vertex back. */
 #include "tool/blade.h"
 
 #include "base/memory.h"
@@ -23,6 +22,8 @@
 
 /* of the mean edge: a blade farther from its vertex than this has left it */
 #define FAR_OFF 2.5
+/* stiffness of a sheet at the end of a cut, over Young's modulus times thickness; at least half of what it is */
+#define TIP_SHARE 0.6
 
 static const pel_tool_def *def_of(const pel_sim *sim, const pel_tool *tool)
 {
@@ -228,7 +229,7 @@ void pel_blade_pierce(pel_sim *sim, pel_tool *tool)
 static double stiffness_of(const pel_sim *sim, int32_t body)
 {
     const pel_body *own = &sim->model->bodies[body];
-    return sim->tools->strengths[body] / sqrt(own->rest_area / own->mesh->vertex_count);
+    return TIP_SHARE * sim->tools->strengths[body] / sqrt(own->rest_area / own->mesh->vertex_count);
 }
 
 static double edge_of(const pel_sim *sim, int32_t body)
@@ -289,8 +290,7 @@ static void shift(hold *h, const double way[3])
     pel_vec3_add(h->tool->anchors[h->i], local, h->tool->anchors[h->i]);
 }
 
-/* returns the energy that it takes */
-static double slide(hold *h, double limit)
+static void slide(hold *h, double limit)
 {
     double stiffness = stiffness_of(h->sim, h->tip->body), force = pel_vec3_length(h->force), slip[3];
     double mass = (double)h->sim->model->mass[h->v], dt = h->sim->step.dt;
@@ -301,11 +301,10 @@ static double slide(hold *h, double limit)
     pel_vec3_along(slip, force > 0 ? way / force : 0, h->force, slip);
     shift(h, slip);
     h->tip->slip += way;
-    return pel_min(force, limit) * way;
 }
 
 /* a hook lets go of all above its limit, a blade slides */
-static double follow_hold(hold *h, double limit)
+static void follow_hold(hold *h, double limit)
 {
     read_hold(h);
     bool is_hook = pel_blade_is_hook(h->sim, h->tool);
@@ -313,10 +312,11 @@ static double follow_hold(hold *h, double limit)
     if (is_back || (is_hook && pel_vec3_length(h->force) > limit)) {
         h->tool->tally.lost_count += is_hook && !is_back;
         drop(h->sim, h->tool, h->i);
-        return 0;
+        return;
     }
     pel_vec3_copy(h->force, h->tip->pull);
-    return is_hook ? 0 : slide(h, limit);
+    if (!is_hook)
+        slide(h, limit);
 }
 
 /* a vertex that was let go is held again where the blade comes against it once more */
@@ -341,10 +341,9 @@ static void release_others(pel_sim *sim, pel_tool *tool)
         pel_blade_pierce(sim, tool);
 }
 
-double pel_blade_slide(pel_sim *sim, pel_tool *tool,
+void pel_blade_slide(pel_sim *sim, pel_tool *tool,
                        double (*limit)(const pel_sim *, const pel_tool *, const pel_blade_tip *))
 {
-    double energy = 0;
     for (int32_t i = tool->blade->tip_count - 1; i >= 0; i--) {
         pel_blade_tip *tip = &tool->blade->tips[i];
         int32_t v = sim->model->bodies[tip->body].model_index[tip->vertex];
@@ -357,13 +356,12 @@ double pel_blade_slide(pel_sim *sim, pel_tool *tool,
         } else if (tip->is_pressing || !pel_blade_resists(sim, tool)) {
             continue;
         } else if (h.i >= 0) {
-            energy += follow_hold(&h, limit(sim, tool, tip));
+            follow_hold(&h, limit(sim, tool, tip));
         } else if (pel_vec3_length(tip->pull) > 0) {
             come_back(sim, tool, tip, way);
         }
     }
     release_others(sim, tool);
-    return energy;
 }
 
 /* ---- snapshots ---- */

@@ -23,9 +23,9 @@ bool pel_blade_is_hook(const pel_sim *sim, const pel_tool *tool);
 void pel_blade_take(pel_sim *sim, pel_tool *tool, int32_t body, int32_t vertex);
 void pel_blade_let_go(pel_sim *sim, pel_tool *tool, int32_t body, int32_t vertex);
 /* After a step: the blade slides where the force on it exceeds `limit` [N] (tips), forgets where it is no more, and
-   lets go what it pulls back. Returns the energy [J] that the slip has taken. */
-double pel_blade_slide(pel_sim *sim, pel_tool *tool, double (*limit)(const pel_sim *, const pel_tool *,
-                                                                     const pel_blade_tip *));
+   lets go what it pulls back. */
+void pel_blade_slide(pel_sim *sim, pel_tool *tool,
+                     double (*limit)(const pel_sim *, const pel_tool *, const pel_blade_tip *));
 /* Sum of the forces [N] on vertices that are held without being tips: where the blade presses. */
 double pel_blade_pressing(const pel_sim *sim, const pel_tool *tool);
 /* Releases those. */
