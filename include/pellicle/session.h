@@ -13,7 +13,8 @@
        grab OX OY OZ DX DY DZ K REACH     grasp a body where the ray from O along D meets it: spring K [N/m], vertices
                                           within REACH [m]
        press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation (unit quaternion). SHAPE: sphere, box
-                                          (half edge R), capsule (radius R, half length 2 R) with R [m]. If the scene
+                                          (half edge R), capsule (radius R, half length 2 R), blade and hook (edge from
+                                          -R to R along its z axis) with R [m]. If the scene
                                           has contact, also a mesh, scaled to fit into the sphere of radius R: torus,
                                           cylinder, blend, or a mesh file with %20 for spaces, relative to the folder of
                                           the scene (absolute in the record)

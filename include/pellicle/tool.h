@@ -82,12 +82,12 @@ typedef struct pel_tool_def {
        The simulation keeps a share of it. A support whose grasp_from is above 0 keeps the distance of its vertices from
        the sequence at that time. The body may not refine */
     const pel_sequence *sequence;
-    /* PEL_TOOL_BLADE and PEL_TOOL_HOOK: neither presses nor grasps otherwise. The edge is straight between two points of
-       the tool's frame. After each step the surface opens along the way that the edge has gone through it, one edge of
-       the mesh after the other, as in pel_cut: the next vertex of the cut moves onto the way in the rest shape, and the
-       cut ends within half an edge of the blade. It begins at a border, at an older cut, or inside the surface once the
-       way there is longer than an edge. Bodies must not refine. A hook takes the nearest vertex of a border or lip that
-       its edge passes over, and holds it up to grasp_max_force */
+    /* PEL_TOOL_BLADE and PEL_TOOL_HOOK: neither presses nor grasps otherwise. The edge is straight between two points
+       of the tool's frame. After each step the surface opens along the way that the edge has gone through it, one edge
+       of the mesh after the other, as in pel_cut: the next vertex of the cut moves onto the way in the rest shape, and
+       the cut ends within half an edge of the blade. It begins at a border, at an older cut, or inside the surface once
+       the way there is longer than an edge. Bodies must not refine. A hook takes the nearest vertex of a border or lip
+       that its edge passes over, and holds it up to grasp_max_force */
     double edge[2][3]; /* m */
     double sharpness;  /* J/m2, energy that a new area of the cut takes; 0 (default) = none. With it the blade holds the
                           end of the cut until the force there is sharpness times the thickness of the sheet, and from
@@ -95,8 +95,8 @@ typedef struct pel_tool_def {
                           force is sharpness times the thickness times the length that touches over `kerf`, at least
                           over the thickness. The ledger books it as dissipated_fracture */
     double kerf;       /* m, width of the blade; 0 (default) = the thickness of the sheet */
-    double strength; /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
-                        step is released for good */
+    double strength;   /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
+                          step is released for good */
 } pel_tool_def;
 
 PEL_API pel_tool_def pel_tool_def_default(void);

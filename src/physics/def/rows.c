@@ -558,14 +558,16 @@ static const pel_def_row rows[] = {
      .doc = "the two ends of the blade's edge in the frame of the tool. What the edge passes through opens along its "
             "way, one edge of the mesh after the other"},
     {"tools[].edge", LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "hook", REQUIRED,
-     .doc = "the two ends of the hook's edge. It takes the rim or lip of a surface that it passes over, and holds it up "
-            "to `max_force`"},
+     .doc =
+         "the two ends of the hook's edge. It takes the rim or lip of a surface that it passes over, and holds it up "
+         "to `max_force`"},
     {"tools[].edge[]", VECTOR, .unit = "m", .doc = "one end"},
     {"tools[].sharpness", TOOL(sharpness), NUMBER, .unit = "J/m2", POSITIVE, .needs = "shape", .needs_word = "blade",
      AUTO(0), WHEN(is_blade), DIRECT,
-     .doc = "energy that the blade takes for each new area of the cut, its length times the thickness of the sheet. The "
-            "blade presses until its force is that energy per length, and cuts under this force. Default: cuts without "
-            "a force"},
+     .doc =
+         "energy that the blade takes for each new area of the cut, its length times the thickness of the sheet. The "
+         "blade presses until its force is that energy per length, and cuts under this force. Default: cuts without "
+         "a force"},
     {"tools[].kerf", TOOL(kerf), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "blade", AUTO(0),
      WHEN(is_blade), DIRECT,
      .doc = "width of the blade: a longer part of the edge that lies on a surface pierces it under a force that is "

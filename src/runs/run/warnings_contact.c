@@ -254,7 +254,7 @@ int32_t pel_pressed_count(const pel_run_state *run, int32_t t)
 {
     const pel_tool_def *tool = &run->scene->sim.tools[t];
     bool presses =
-        !tool->grasp && !is_fine(run, t) && tool->shape != PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
+        !tool->grasp && !is_fine(run, t) && tool->shape < PEL_TOOL_SUPPORT && run->tool_force[run->tool_count + t] > 0;
     return presses ? (int32_t)run->tool_force[2 * run->tool_count + t] : 0;
 }
 

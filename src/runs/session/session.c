@@ -379,6 +379,8 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
     def.mesh = mesh;
     def.radius = n[0];
     def.half_length = 2 * n[0];
+    def.edge[0][2] = -n[0];
+    def.edge[1][2] = n[0];
     for (int i = 0; i < 3; i++)
         def.half_extents[i] = n[0];
     def.keys = &key;

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "blade/check.h"
 #include "boundary/forces.h"
 #include "def/vertices.h"
 #include "sim/own_def.h"
@@ -96,7 +97,8 @@ static pel_status start_tools(const pel_sim *old, pel_sim *sim, pel_error *error
             continue;
         any = true;
         tool->pose = tool->pose_before = pel_tool_pose_at(tool, pel_sim_time(sim));
-        pel_status status = pel_tool_check_start(sim, t, error);
+        pel_status status =
+            tool->blade != NULL ? pel_blade_check_start(sim, t, error) : pel_tool_check_start(sim, t, error);
         if (status != PEL_OK)
             return status;
     }

@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "blade/hold.h"
+#include "blade/incision.h"
 #include "math/vec3.h"
 #include "mesh/opening.h"
 #include "mesh/union_find.h"
@@ -14,8 +16,6 @@
 #include "sim/change.h"
 #include "stage/accessors.h"
 #include "tear/growth.h"
-#include "tear/incision.h"
-#include "tool/blade.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/patience.h"
 #include "base/status.h"
+#include "blade/check.h"
 #include "boundary/edge_load.h"
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
@@ -346,6 +347,8 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
     /* loops that were stopped on their way */
     if (status == PEL_OK && pel_patience_is_lost())
         return pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = pel_blades_check(sim, error);
     if (status == PEL_OK)
         status = pel_tear_create(sim, error);
     if (status == PEL_OK && sim->tear != NULL)

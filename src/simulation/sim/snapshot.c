@@ -38,7 +38,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 20 };
+enum { SNAPSHOT_VERSION = 21 };
 
 typedef struct header {
     char magic[8];

@@ -80,12 +80,18 @@ static void put_body(pen *p, const pel_body_def *def, bool has_rest)
         }
 }
 
+/* tears do, and blades, which come and go while a simulation runs */
+static bool may_move_rest(const pel_sim *sim, int32_t body)
+{
+    return sim->given->bodies[body].detail == NULL;
+}
+
 static bool put_all(pel_cursor *at, const pel_sim *sim, bool compares)
 {
     pen p = {.at = at, .compares = compares};
     put(&p, sim->cuts_done);
     for (int32_t b = 0; b < sim->given->body_count; b++)
-        put_body(&p, def_of(sim, b), pel_body_can_tear(sim, b));
+        put_body(&p, def_of(sim, b), may_move_rest(sim, b));
     return !p.differs;
 }
 
@@ -291,7 +297,7 @@ static pel_status read_surface(pel_surfaces *surfaces, const pel_sim *sim, int32
 {
     int32_t base_count = pel_origins_base_count(def_of(sim, body));
     surfaces->kept_counts[body] = base_count;
-    if (!pel_body_can_tear(sim, body))
+    if (!may_move_rest(sim, body))
         return read_triangles(surfaces, sim, body, at, NULL, error);
     double(*rest)[3] = pel_allocate((size_t)base_count, sizeof *rest);
     if (rest == NULL)

@@ -1,7 +1,7 @@
 /* The triangles of bodies that were cut, in snapshots: for each body the origins of its copies of vertices, and the
    corners that have one. With the mesh before all cuts, which these numbers lead back to, they say the whole surface.
-   Of bodies that can tear, the rest positions too, which tears move; of bodies that adhere to their filling, the
-   vertices that have left it. */
+   Of bodies that do not refine, the rest positions too, which tears and blades move; of bodies that adhere to their
+   filling, the vertices that have left it. */
 #ifndef PEL_SIM_TOPOLOGY_H
 #define PEL_SIM_TOPOLOGY_H
 

@@ -8,7 +8,6 @@
 #include "bvh/mesh_query.h"
 #include "math/extremes.h"
 #include "stage/layer.h"
-#include "tool/blade.h"
 #include "tool/follow.h"
 #include "tool/pose.h"
 #include "tool/start.h"
@@ -146,8 +145,6 @@ static pel_status check_tool(const pel_sim *sim, const pel_tool_def *defs, int32
                                   "give grasp_max_force > 0 in newtons, infinity for no limit, or 0 for the material's",
                                   "the largest force of a grasp is below 0 or not a number");
     pel_status status = def->leads ? check_lead(def, tool, error) : PEL_OK;
-    if (status == PEL_OK && pel_solid_rows[def->shape].has_edge)
-        status = pel_blade_check(sim, def, tool, error);
     if (status != PEL_OK)
         return status;
     return def->shape == PEL_TOOL_SUPPORT ? check_support(sim, def, tool, error) : check_shape(def, tool, error);
@@ -194,6 +191,35 @@ static pel_status create_support(const pel_sim *sim, const pel_tool_def *def, pe
     return PEL_OK;
 }
 
+static void set_numbers(const pel_tool_def *def, pel_tool *tool)
+{
+    tool->body = def->body;
+    tool->press = def->press;
+    tool->grasp = def->grasp;
+    tool->grasp_from = def->grasp_from;
+    tool->grasp_until = def->grasp_until;
+    tool->reach = def->reach;
+    tool->friction = def->friction;
+    tool->restitution = def->restitution;
+    tool->thickness = def->thickness;
+    tool->stride = 1;
+    tool->grasp_max_force = def->grasp_max_force;
+    tool->one_patch = def->grasp_one_patch || def->leads;
+}
+
+/* it holds vertices as a grasp does, which never closes by itself */
+static bool create_blade(pel_sim *sim, pel_tool *tool)
+{
+    size_t vertex_count = (size_t)sim->model->vertex_count;
+    tool->blade = pel_allocate(1, sizeof *tool->blade);
+    if (sim->tools->blade_before == NULL)
+        sim->tools->blade_before = pel_allocate(vertex_count, sizeof *sim->tools->blade_before);
+    tool->press = false;
+    tool->grasp = true;
+    tool->grasp_from = tool->grasp_until = tool->grasp_max_force = (double)HUGE_VAL;
+    return tool->blade != NULL && sim->tools->blade_before != NULL;
+}
+
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
 {
     tool->strength = (double)HUGE_VAL;
@@ -208,23 +234,9 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
         if (status != PEL_OK)
             return status;
     }
-    tool->body = def->body;
-    tool->press = def->press;
-    tool->grasp = def->grasp;
-    tool->grasp_from = def->grasp_from;
-    tool->grasp_until = def->grasp_until;
-    tool->reach = def->reach;
-    tool->friction = def->friction;
-    tool->restitution = def->restitution;
-    tool->thickness = def->thickness;
-    tool->stride = 1;
-    tool->grasp_max_force = def->grasp_max_force;
-    tool->one_patch = def->grasp_one_patch || def->leads;
-    if (pel_solid_has_edge(&tool->solid)) {
-        pel_status status = pel_blade_create(sim, tool, error);
-        if (status != PEL_OK)
-            return status;
-    }
+    set_numbers(def, tool);
+    if (pel_solid_has_edge(&tool->solid) && !create_blade(sim, tool))
+        return pel_fail_memory(error);
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
     tool->planes = pel_allocate(PEL_PLANE_LIMIT, sizeof *tool->planes);
@@ -351,6 +363,5 @@ void pel_tools_destroy(pel_sim *sim)
     pel_tool_search_destroy(sim->tools->search);
     PEL_FREE_ALL(sim->tools->near_triangles, sim->tools->plane_of_triangle, sim->held, sim->tools->looked_at,
                  sim->tools->moved_at, sim->tools->cornered_at, sim->tools->held_vertices, sim->tools->held_targets,
-                 sim->tools->grip_forces, sim->tools->strengths, sim->tools->stops.items,
-                 sim->tools->blade_before);
+                 sim->tools->grip_forces, sim->tools->strengths, sim->tools->stops.items, sim->tools->blade_before);
 }

@@ -4,8 +4,6 @@
    distance along a direction. */
 #include "tool/start.h"
 
-#include "tool/blade.h"
-
 #include "base/assert.h"
 #include "base/status.h"
 #include "math/bounds.h"
@@ -230,8 +228,6 @@ pel_status pel_tool_check_outside(const pel_sim *sim, int32_t index, pel_error *
 pel_status pel_tool_check_start(pel_sim *sim, int32_t index, pel_error *error)
 {
     const pel_tool *tool = &sim->tools->items[index];
-    if (tool->blade != NULL)
-        return pel_blade_check_start(sim, index, error);
     if (!tool->press || tool->mesh != NULL || tool->support != NULL)
         return PEL_OK;
     return pel_tool_check_outside(sim, index, error);

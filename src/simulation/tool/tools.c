@@ -2,7 +2,6 @@
 #include "tool/tools.h"
 
 #include "base/assert.h"
-#include "tool/blade.h"
 #include "tool/follow.h"
 #include "tool/grip.h"
 #include "tool/pose.h"
@@ -167,8 +166,10 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     pel_transfer(at, tool->torque, sizeof tool->torque);
     if (tool->booked_forces != NULL)
         pel_transfer(at, tool->booked_forces, vertex_count * sizeof *tool->booked_forces);
-    if (tool->blade != NULL)
-        pel_blade_transfer(at, tool->blade);
+    if (tool->blade != NULL) {
+        pel_transfer(at, &tool->blade->tip_count, sizeof tool->blade->tip_count);
+        pel_transfer(at, tool->blade->tips, sizeof tool->blade->tips);
+    }
     if (tool->grasp) {
         pel_transfer_list(at, tool->held, vertex_count, sizeof *tool->held);
         pel_transfer_list(at, tool->anchors, vertex_count, sizeof *tool->anchors);
@@ -182,6 +183,20 @@ static bool is_flag(const bool *flag)
     return byte <= 1;
 }
 
+static bool has_whole_tips(const pel_sim *sim, const pel_tool *tool)
+{
+    int32_t count = tool->blade != NULL ? tool->blade->tip_count : 0;
+    if (count < 0 || count > PEL_BLADE_TIPS)
+        return false;
+    for (int32_t i = 0; i < count; i++) {
+        const pel_blade_tip *tip = &tool->blade->tips[i];
+        if (tip->body < 0 || tip->body >= sim->model->body_count || tip->vertex < 0 ||
+            tip->vertex >= sim->model->bodies[tip->body].mesh->vertex_count)
+            return false;
+    }
+    return true;
+}
+
 /* checks the ranges of the numbers of pel_tool_transfer */
 static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
 {
@@ -190,7 +205,7 @@ static bool is_whole_tool(const pel_sim *sim, const pel_tool *tool)
         !is_flag(&tool->is_held_back) || !is_flag(&tool->is_stopped) || !(tool->stride > 0 && tool->stride <= 1) ||
         (unsigned)tool->phase > PEL_GRASP_DONE || tool->plane_count < 0 || tool->plane_count > PEL_PLANE_LIMIT)
         return false;
-    if (tool->blade != NULL && !pel_blade_is_whole(sim, tool->blade))
+    if (!has_whole_tips(sim, tool))
         return false;
     for (int32_t p = 0; p < tool->plane_count; p++)
         if (tool->planes[p].triangle < 0 || tool->planes[p].triangle >= model->triangle_begin[model->body_count])

@@ -1,15 +1,8 @@
 /* Blades and hooks: what they hold of a surface, and the force at which they cut it or let it go. */
-#ifndef PEL_TOOL_BLADE_H
-#define PEL_TOOL_BLADE_H
+#ifndef PEL_BLADE_HOLD_H
+#define PEL_BLADE_HOLD_H
 
 #include "tool/tool.h"
-
-/* PEL_BAD_ARGUMENT: an edge without length, numbers out of range, bodies that refine or cannot be cut. */
-pel_status pel_blade_check(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error);
-/* Whether the edge is in no surface at the start: PEL_BAD_ARGUMENT with the place. */
-pel_status pel_blade_check_start(const pel_sim *sim, int32_t tool, pel_error *error);
-/* PEL_OUT_OF_MEMORY. */
-pel_status pel_blade_create(pel_sim *sim, pel_tool *tool, pel_error *error);
 
 /* Keeps where tools and surfaces are before a step. */
 void pel_blades_begin(pel_sim *sim);
@@ -30,9 +23,5 @@ void pel_blade_slide(pel_sim *sim, pel_tool *tool,
 double pel_blade_pressing(const pel_sim *sim, const pel_tool *tool);
 /* Releases those. */
 void pel_blade_pierce(pel_sim *sim, pel_tool *tool);
-
-/* the parts of a snapshot, and whether their numbers are in range */
-void pel_blade_transfer(pel_cursor *at, pel_blade *blade);
-bool pel_blade_is_whole(const pel_sim *sim, const pel_blade *blade);
 
 #endif

@@ -3,11 +3,12 @@
    begins near, or begins a new one. The cut follows the way edge by edge, each time to the neighbour that the path of a
    cut would take (mesh/path.h), as long as the end of the way is more than half an edge ahead; so the cut is as long as
    the way to half an edge, however the way is divided into steps. */
-#include "tear/incision.h"
+#include "blade/incision.h"
 
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "blade/hold.h"
 #include "geom/sweep.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
@@ -15,7 +16,6 @@
 #include "mesh/path.h"
 #include "model/origin.h"
 #include "pellicle/geometry.h"
-#include "tool/blade.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,8 +24,8 @@
 #define MOST_TURN 0.1
 /* of its length: the edge is moved aside, so that it does not go through vertices and along edges */
 #define ASIDE 1e-7
-/* of the mean edge: what is ahead and not cut; the length of a first cut inside a surface, and from a lip; how far a way
-   begins from the tip that it goes on from */
+/* of the mean edge: what is ahead and not cut; the length of a first cut inside a surface, and from a lip; how far a
+   way begins from the tip that it goes on from */
 #define LAG 0.5
 #define FIRST_INSIDE 1.25
 #define FIRST_FROM_LIP 0.5
@@ -35,6 +35,8 @@
 /* of the mean edge: a blade that presses holds vertices this near to its edge */
 #define NEAR_EDGE 0.75
 
+/* cosine between the edges of a border at a vertex that may move along it */
+#define STRAIGHT 0.995
 /* between the edge and a surface that it lies on */
 #define FLAT_SINE 0.1
 
@@ -172,8 +174,9 @@ static bool joins(const arc *a, int end, const arc *b, int other)
         return f->kind == PEL_SWEEP_EDGE && a->part == b->part && a->triangle != b->triangle &&
                a->edges[end][0] == b->edges[other][0] && a->edges[end][1] == b->edges[other][1] && e->time == f->time;
     /* of the next part of a step */
-    return a->triangle == b->triangle && ((e->kind == PEL_SWEEP_LAST && f->kind == PEL_SWEEP_FIRST && b->part == a->part + 1) ||
-                                          (e->kind == PEL_SWEEP_FIRST && f->kind == PEL_SWEEP_LAST && a->part == b->part + 1));
+    return a->triangle == b->triangle &&
+           ((e->kind == PEL_SWEEP_LAST && f->kind == PEL_SWEEP_FIRST && b->part == a->part + 1) ||
+            (e->kind == PEL_SWEEP_FIRST && f->kind == PEL_SWEEP_LAST && a->part == b->part + 1));
 }
 
 static void link_arcs(search *s)
@@ -239,10 +242,12 @@ static pel_status follow_way(search *s, int32_t start, pel_error *error)
         has_room = add_point(s, a->points[s->last_end]);
         at = a->next[s->last_end];
     }
+    if (!has_room)
+        return pel_fail_memory(error);
     double from = when(s->first, s->first_end), to = when(s->last, s->last_end);
     if (from > to || (from == to && !is_border(s->first, s->first_end) && is_border(s->last, s->last_end)))
         reverse(s);
-    return has_room ? PEL_OK : pel_fail_memory(error);
+    return PEL_OK;
 }
 
 static double length_of(const search *s)
@@ -270,8 +275,7 @@ static double distance_at_present(const search *s, int32_t vertex)
 {
     double x[3], at[3] = {0};
     for (int c = 0; c < 3; c++) {
-        pel_vertex_position(s->sim->state->position,
-                            s->own->model_index[s->mesh->triangles[s->first->triangle][c]], x);
+        pel_vertex_position(s->sim->state->position, s->own->model_index[s->mesh->triangles[s->first->triangle][c]], x);
         pel_vec3_along(at, s->first->ends[s->first_end].weights[c], x, at);
     }
     pel_vertex_position(s->sim->state->position, s->own->model_index[vertex], x);
@@ -355,8 +359,8 @@ static double width_of(const search *s, double length)
     double edge[2][3], corners[3][3], normal[3], along[3];
     pel_blade_edge_at(s->tool, &s->tool->pose, edge);
     for (int c = 0; c < 3; c++)
-        pel_vertex_position(s->sim->state->position,
-                            s->own->model_index[s->mesh->triangles[s->first->triangle][c]], corners[c]);
+        pel_vertex_position(s->sim->state->position, s->own->model_index[s->mesh->triangles[s->first->triangle][c]],
+                            corners[c]);
     pel_vec3_triangle_normal(corners[0], corners[1], corners[2], normal);
     pel_vec3_subtract(edge[1], edge[0], along);
     double own = pel_vec3_length(along), tilt = fabs(pel_vec3_dot(normal, along));
@@ -397,10 +401,9 @@ static pel_status prepare(search *s, pel_error *error)
     if (s->topology != NULL)
         return PEL_OK;
     pel_status status = pel_topology_create(s->mesh, &s->topology, error);
-    if (status == PEL_OK &&
-        !PEL_ALLOCATE_ALL(PEL_ROOM(s->found->growth.marks, s->topology->edge_count),
-                          PEL_ROOM(s->found->growth.is_moved, s->mesh->vertex_count),
-                          PEL_ROOM(s->fixed, s->mesh->vertex_count)))
+    if (status == PEL_OK && !PEL_ALLOCATE_ALL(PEL_ROOM(s->found->growth.marks, s->topology->edge_count),
+                                              PEL_ROOM(s->found->growth.is_moved, s->mesh->vertex_count),
+                                              PEL_ROOM(s->fixed, s->mesh->vertex_count)))
         status = pel_fail_memory(error);
     if (status != PEL_OK)
         return status;
@@ -484,7 +487,8 @@ static bool find_direction(const search *s, const course *c, const pel_blade_tip
         return false;
     point_at(c, pel_min(c->length, *at + size), aim);
     pel_vec3_subtract(aim, x, direction);
-    return pel_vec3_normalize(direction) > 0 && (*at > 0 || !tip->is_open || pel_vec3_dot(direction, tip->ahead) > -0.2);
+    return pel_vec3_normalize(direction) > 0 &&
+           (*at > 0 || !tip->is_open || pel_vec3_dot(direction, tip->ahead) > -0.2);
 }
 
 /* opens the next edge; false if none leads that way */
@@ -518,6 +522,23 @@ static bool is_long_enough(const search *s, const pel_blade_tip *tip, const cour
     return c->length > least * mean_edge(s, tip->vertex);
 }
 
+/* the vertex of a straight border where the cut begins moves along it to where the blade came in */
+static void slide_start(const search *s, const pel_blade_tip *tip)
+{
+    const pel_topology *t = s->topology;
+    double(*x)[3] = s->found->growth.mesh->positions, before[3], after[3];
+    int32_t first = t->corner_of_vertex[tip->vertex], last = first;
+    for (int32_t h = first; h >= 0; h = pel_half_edge_turn(t, h))
+        last = h;
+    const double *ends[2] = {x[pel_half_edge_target(t, first)],
+                             x[pel_half_edge_origin(t, pel_half_edge_previous(last))]};
+    pel_vec3_subtract(x[tip->vertex], ends[0], before);
+    pel_vec3_subtract(ends[1], x[tip->vertex], after);
+    if (pel_vec3_dot(before, after) > STRAIGHT * pel_vec3_length(before) * pel_vec3_length(after) &&
+        pel_vec3_distance(x[tip->vertex], tip->from) < LAG * mean_edge(s, tip->vertex))
+        pel_vec3_copy(tip->from, x[tip->vertex]);
+}
+
 /* cuts along the course; a way that leaves the surface is cut to the border */
 static pel_status cut_along(search *s, pel_blade_tip *tip, const course *c, bool leaves, pel_error *error)
 {
@@ -527,8 +548,9 @@ static pel_status cut_along(search *s, pel_blade_tip *tip, const course *c, bool
     bool is_done = false, has_direction;
     if (status != PEL_OK || !is_long_enough(s, tip, c, rest))
         return status;
-    if (!begun && !is_on_border(s, was))
-        s->fixed[was] = 1;
+    if (!begun && is_on_border(s, was) && !s->fixed[was])
+        slide_start(s, tip);
+    s->fixed[was] = 1;
     for (int32_t i = 0; status == PEL_OK && !is_done && i < s->topology->edge_count; i++) {
         has_direction = find_direction(s, c, tip, rest, &at, direction);
         /* an edge inside the surface opens together with the next one only */
@@ -556,6 +578,7 @@ static pel_status make_course(search *s, const pel_blade_tip *tip, course *c, pe
 static void remove_tip(search *s, pel_blade_tip *tip)
 {
     *tip = s->found->tips[--s->found->tip_count];
+    s->found->tips[s->found->tip_count] = (pel_blade_tip){0};
 }
 
 /* whether a way goes over the border of the surface, and no lip */
@@ -664,7 +687,8 @@ static void pull_back(const search *s, int32_t v, const double present[3], doubl
     pel_vec3_normalize(rest);
 }
 
-/* towards a point one edge ahead of the blade, against the force on it; straight ahead where the sheet is folded over */
+/* towards a point one edge ahead of the blade, against the force on it; straight ahead where the sheet is folded over
+ */
 static void find_course(const search *s, const pel_blade_tip *tip, double size, double direction[3])
 {
     double edge[2][3], x[3], weights[2], aim[3], ahead[3];

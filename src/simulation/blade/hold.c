@@ -7,15 +7,11 @@
    in the next step, with the way d of the blade against the force, and the stiffness K of the sheet around a vertex. A
    K that is too large keeps F below R by some K d at first, one that is too small lets it fall behind. Along its edge a
    blade holds nothing, and it does not pull a vertex back. */
-#include "tool/blade.h"
+#include "blade/hold.h"
 
-#include "base/memory.h"
-#include "base/status.h"
 #include "math/extremes.h"
 #include "pellicle/geometry.h"
-#include "geom/sweep.h"
 #include "stage/layer.h"
-#include "stage/transfer.h"
 #include "tool/grip.h"
 
 #include <string.h>
@@ -38,103 +34,6 @@ bool pel_blade_resists(const pel_sim *sim, const pel_tool *tool)
 bool pel_blade_is_hook(const pel_sim *sim, const pel_tool *tool)
 {
     return def_of(sim, tool)->shape == PEL_TOOL_HOOK;
-}
-
-/* ---- checks ---- */
-
-static bool is_number(double value)
-{
-    return value >= 0 && isfinite(value);
-}
-
-static pel_status check_body(const pel_sim *sim, const pel_tool_def *def, int32_t body, int32_t tool, pel_error *error)
-{
-    const pel_body_def *own = &sim->given->def.bodies[body];
-    const char *name = sim->given->bodies[body].name;
-    pel_pressure_kind kind = own->shell.pressure.kind;
-    if (def->shape == PEL_TOOL_HOOK)
-        return PEL_OK;
-    if (sim->given->bodies[body].detail != NULL)
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "leave out `refine` and subdivide the mesh before (`pellicle subdivide`), or give "
-                                  "the blade another `body`",
-                                  "blade '%s' acts on body '%s', which refines", def->name, name);
-    if (kind == PEL_PRESSURE_GAS || kind == PEL_PRESSURE_VOLUME)
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "give its pressure as a number or keys, or give the blade another `body`",
-                                  "blade '%s' would open body '%s', which encloses a gas or has a target volume",
-                                  def->name, name);
-    if (def->sharpness > 0 && !own->shell.membrane.on && !(own->spring_thickness > 0))
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "give the body a membrane or `springs: { young, thickness }`, or leave out sharpness",
-                                  "blade '%s' has a sharpness, but the thickness of body '%s' is not known", def->name,
-                                  name);
-    return PEL_OK;
-}
-
-pel_status pel_blade_check(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
-{
-    double length = pel_vec3_distance(def->edge[0], def->edge[1]);
-    if (!(length > 0) || !isfinite(length))
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "give two points of the tool's frame that are apart, such as edge: [[0, 0, -0.01], "
-                                  "[0, 0, 0.01]]",
-                                  "the edge of '%s' has no length", def->name);
-    if (!is_number(def->sharpness) || !is_number(def->kerf))
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
-                                  "give a sharpness in J/m2 and a kerf in m of at least 0",
-                                  "blade '%s' has a sharpness or a kerf out of range", def->name);
-    if (def->grasp || def->leads)
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use a second tool to grasp",
-                                  "'%s' has an edge and a grasp", def->name);
-    if (sim->def.tie_count > 0 && def->shape == PEL_TOOL_BLADE)
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "leave attachments and stitches out",
-                                  "blade '%s' beside attachments or stitches", def->name);
-    if (sim->def.solver.path != PEL_PATH_TIME || sim->def.solver.analysis != PEL_ANALYSIS_NONE)
-        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use steps over time",
-                                  "'%s' along a path of balances or in an analysis", def->name);
-    pel_status status = PEL_OK;
-    for (int32_t b = 0; status == PEL_OK && b < sim->given->body_count; b++)
-        if (def->body < 0 || def->body == b)
-            status = check_body(sim, def, b, tool, error);
-    return status;
-}
-
-pel_status pel_blade_check_start(const pel_sim *sim, int32_t index, pel_error *error)
-{
-    const pel_tool *tool = &sim->tools->items[index];
-    double edge[2][3], corners[3][3], weights[3];
-    pel_blade_edge_at(tool, &tool->pose, edge);
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        const pel_body *body = &sim->model->bodies[b];
-        for (int32_t t = 0; pel_tool_acts_on(tool, b) && t < body->mesh->triangle_count; t++) {
-            for (int c = 0; c < 3; c++)
-                pel_vertex_position(sim->state->position, body->model_index[body->mesh->triangles[t][c]], corners[c]);
-            if (!pel_segment_passes((const double(*)[3])edge, (const double(*)[3])corners, weights))
-                continue;
-            double x[3] = {0};
-            for (int c = 0; c < 3; c++)
-                pel_vec3_along(x, weights[c], corners[c], x);
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", index,
-                                      "start it beside the surface, or beyond its border, and lead it in by `motion`",
-                                      "'%s' starts in the surface of body '%s', at (%.4g, %.4g, %.4g)", tool->name,
-                                      body->name, x[0], x[1], x[2]);
-        }
-    }
-    return PEL_OK;
-}
-
-pel_status pel_blade_create(pel_sim *sim, pel_tool *tool, pel_error *error)
-{
-    tool->blade = pel_allocate(1, sizeof *tool->blade);
-    if (sim->tools->blade_before == NULL)
-        sim->tools->blade_before =
-            pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->tools->blade_before);
-    tool->press = false;
-    tool->grasp = true;
-    tool->grasp_from = tool->grasp_until = (double)HUGE_VAL;
-    tool->grasp_max_force = (double)HUGE_VAL;
-    return tool->blade != NULL && sim->tools->blade_before != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
 /* ---- the step ---- */
@@ -263,10 +162,10 @@ typedef struct hold {
     pel_sim *sim;
     pel_tool *tool;
     pel_blade_tip *tip;
-    int32_t i, v;       /* among the held ones, and of the model */
-    double force[3];    /* N, across the edge */
-    double along[3];    /* N, along it */
-    double way[3];      /* m, of the blade in the step */
+    int32_t i, v;    /* among the held ones, and of the model */
+    double force[3]; /* N, across the edge */
+    double along[3]; /* N, along it */
+    double way[3];   /* m, of the blade in the step */
 } hold;
 
 static void read_hold(hold *h)
@@ -329,6 +228,7 @@ static void come_back(pel_sim *sim, pel_tool *tool, const pel_blade_tip *tip, co
 static void forget(pel_tool *tool, int32_t i)
 {
     tool->blade->tips[i] = tool->blade->tips[--tool->blade->tip_count];
+    tool->blade->tips[tool->blade->tip_count] = (pel_blade_tip){0};
 }
 
 /* vertices that no tip holds any more, such as copies */
@@ -342,7 +242,7 @@ static void release_others(pel_sim *sim, pel_tool *tool)
 }
 
 void pel_blade_slide(pel_sim *sim, pel_tool *tool,
-                       double (*limit)(const pel_sim *, const pel_tool *, const pel_blade_tip *))
+                     double (*limit)(const pel_sim *, const pel_tool *, const pel_blade_tip *))
 {
     for (int32_t i = tool->blade->tip_count - 1; i >= 0; i--) {
         pel_blade_tip *tip = &tool->blade->tips[i];
@@ -362,25 +262,4 @@ void pel_blade_slide(pel_sim *sim, pel_tool *tool,
         }
     }
     release_others(sim, tool);
-}
-
-/* ---- snapshots ---- */
-
-void pel_blade_transfer(pel_cursor *at, pel_blade *blade)
-{
-    pel_transfer(at, &blade->tip_count, sizeof blade->tip_count);
-    pel_transfer(at, blade->tips, sizeof blade->tips);
-}
-
-bool pel_blade_is_whole(const pel_sim *sim, const pel_blade *blade)
-{
-    if (blade->tip_count < 0 || blade->tip_count > PEL_BLADE_TIPS)
-        return false;
-    for (int32_t i = 0; i < blade->tip_count; i++) {
-        const pel_blade_tip *tip = &blade->tips[i];
-        if (tip->body < 0 || tip->body >= sim->model->body_count || tip->vertex < 0 ||
-            tip->vertex >= sim->model->bodies[tip->body].mesh->vertex_count)
-            return false;
-    }
-    return true;
 }

@@ -1,0 +1,365 @@
+/* Blades: the cut is where the edge went, at any speed and under every method; its resistance against the energy that
+   the tool spends; snapshots, threads, hooks, and what is refused. */
+#include "shell_fixture.h"
+
+#include "failing_malloc.h"
+#include "pellicle/live.h"
+#include "pellicle/sim.h"
+#include "pellicle/tear.h"
+#include "stage/stage.h"
+
+#define LENGTH 0.1
+#define WIDTH 0.06
+#define YOUNG 1e6
+#define THICKNESS 1e-3
+#define EDGE (LENGTH / 30)
+
+typedef struct sheet {
+    pel_mesh *mesh;
+    pel_model *model;
+    pel_sim *sim;
+} sheet;
+
+/* pinned along both long borders */
+static pel_model *model_of(const pel_mesh *mesh)
+{
+    static int32_t pins[400];
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.membrane.young.value = YOUNG;
+    body.shell.membrane.thickness.value = THICKNESS;
+    body.spring_stiffness.value = body.spring_damping.value = body.volumetric_stiffness.value = 0;
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 1000;
+    body.thickness.value = THICKNESS;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        if (fabs(fabs(mesh->positions[v][1]) - WIDTH / 2) < 1e-9)
+            pins[body.pinned_count++] = v;
+    body.pinned = pins;
+    return make_model(&body);
+}
+
+static pel_tool_def straight(pel_pose_key keys[2], double duration)
+{
+    pel_tool_def tool = pel_tool_def_default();
+    tool.name = "blade";
+    tool.shape = PEL_TOOL_BLADE;
+    tool.edge[0][2] = -0.01;
+    tool.edge[1][2] = 0.01;
+    keys[0] = (pel_pose_key){.position = {-0.6 * LENGTH, -0.0061, 0}, .rotation = {0, 0, 0, 1}};
+    keys[1] = (pel_pose_key){.time = duration, .position = {0.3 * LENGTH, 0.0073, 0}, .rotation = {0, 0, 0, 1}};
+    tool.keys = keys;
+    tool.key_count = 2;
+    return tool;
+}
+
+static sheet make_sheet(pel_method method, double dt, const pel_tool_def *tool, int threads)
+{
+    sheet s = {.mesh = make_grid(30, 18, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL)};
+    s.model = model_of(s.mesh);
+    pel_sim_def def = lone_sim(s.model, method, dt);
+    def.tools = tool;
+    def.tool_count = 1;
+    def.thread_count = threads;
+    s.sim = make_sim(&def);
+    return s;
+}
+
+static void end_sheet(sheet *s)
+{
+    pel_sim_destroy(s->sim);
+    pel_model_destroy(s->model);
+    pel_mesh_destroy(s->mesh);
+}
+
+static double length_of(const pel_sim *sim)
+{
+    pel_cut_reading reading;
+    assert_int_equal(pel_sim_get_cuts(sim, 0, &reading, NULL), PEL_OK);
+    return reading.length;
+}
+
+static void step(pel_sim *sim, int count)
+{
+    pel_error error;
+    for (int i = 0; i < count; i++)
+        if (pel_sim_step(sim, &error) != PEL_OK)
+            fail_msg("%s: %s", error.what, error.remedy);
+}
+
+/* m, the farthest vertex of the cut from the way of the blade */
+static double farthest(const sheet *s, const pel_tool_def *tool)
+{
+    int32_t count = pel_sim_vertex_count(s->sim, 0);
+    int32_t *origins = calloc((size_t)count, sizeof *origins);
+    const pel_mesh *mesh = s->sim->given->bodies[0].mesh;
+    double most = 0, along[3], arm[3];
+    pel_vec3_subtract(tool->keys[1].position, tool->keys[0].position, along);
+    pel_vec3_normalize(along);
+    pel_sim_get_origins(s->sim, 0, origins);
+    for (int32_t v = 0; v < count; v++) {
+        if (origins[v] == v)
+            continue;
+        pel_vec3_subtract(mesh->positions[v], tool->keys[0].position, arm);
+        double off = fabs(arm[0] * along[1] - arm[1] * along[0]);
+        most = off > most ? off : most;
+    }
+    free(origins);
+    return most;
+}
+
+/* ---- without resistance ---- */
+
+static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT, PEL_METHOD_EXPLICIT};
+
+/* from one step to 200, the same way is cut */
+static void any_speed(void **unused)
+{
+    (void)unused;
+    const int counts[] = {2, 7, 20};
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
+        for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+            double dt = methods[m] == PEL_METHOD_EXPLICIT ? 2e-6 : 1e-3;
+            pel_pose_key keys[2];
+            pel_tool_def tool = straight(keys, counts[i] * dt);
+            sheet s = make_sheet(methods[m], dt, &tool, 1);
+            step(s.sim, counts[i] + 1);
+            double whole = pel_vec3_distance(keys[0].position, keys[1].position) * 0.8 / 0.9;
+            assert_near(length_of(s.sim), whole, EDGE);
+            assert_true(farthest(&s, &tool) < 0.1 * EDGE);
+            pel_tool_reading reading;
+            pel_sim_get_tool(s.sim, 0, &reading);
+            assert_near(pel_vec3_length(reading.force), 0, 0);
+            end_sheet(&s);
+        }
+}
+
+/* over both borders: two pieces */
+static void falls_apart(void **unused)
+{
+    (void)unused;
+    for (int count = 1; count < 40; count = 3 * count + 1) {
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, count * 1e-3);
+        keys[1].position[0] = 0.6 * LENGTH;
+        sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1);
+        step(s.sim, count + 1);
+        pel_cut_reading reading;
+        assert_int_equal(pel_sim_get_cuts(s.sim, 0, &reading, NULL), PEL_OK);
+        assert_int_equal(reading.island_count, 1);
+        end_sheet(&s);
+    }
+}
+
+/* a point that dips into the sheet, is led through it and comes out again */
+static void inside(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    const pel_pose_key way[] = {{.position = {-0.02, 0, 0.012}, .rotation = {0, 0, 0, 1}},
+                                {.time = 0.01, .position = {-0.02, 0, 0.005}, .rotation = {0, 0, 0, 1}},
+                                {.time = 0.04, .position = {0.02, 0.003, 0.005}, .rotation = {0, 0, 0, 1}},
+                                {.time = 0.05, .position = {0.02, 0.003, 0.02}, .rotation = {0, 0, 0, 1}}};
+    pel_tool_def tool = straight(keys, 1);
+    tool.keys = way;
+    tool.key_count = 4;
+    sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1);
+    step(s.sim, 60);
+    assert_near(length_of(s.sim), 0.0401, EDGE);
+    double length = length_of(s.sim);
+    step(s.sim, 10);
+    assert_near(length_of(s.sim), length, 0);
+    end_sheet(&s);
+}
+
+/* an edge that lies along the sheet and falls through it cuts all of its length at once */
+static void guillotine(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    pel_tool_def tool = straight(keys, 0.01);
+    tool.edge[0][0] = -0.02;
+    tool.edge[1][0] = 0.021;
+    tool.edge[0][2] = tool.edge[1][2] = 0;
+    keys[0] = (pel_pose_key){.position = {0, 0.001, 0.01}, .rotation = {0, 0, 0, 1}};
+    keys[1] = (pel_pose_key){.time = 0.01, .position = {0, 0.001, -0.01}, .rotation = {0, 0, 0, 1}};
+    sheet s = make_sheet(PEL_METHOD_XPBD, 1e-3, &tool, 1);
+    step(s.sim, 12);
+    assert_near(length_of(s.sim), 0.041, 1.5 * EDGE);
+    end_sheet(&s);
+}
+
+/* ---- resistance ---- */
+
+#define SHARPNESS 1000.0
+
+/* the force is sharpness times thickness in the mean, and its work is the energy of the new area but for what is left
+   in the sheet */
+static void resistance(void **unused)
+{
+    (void)unused;
+    skip_if_long();
+    {
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, 0.2);
+        double limit = SHARPNESS * THICKNESS, mean = 0;
+        tool.sharpness = SHARPNESS;
+        sheet s = make_sheet(PEL_METHOD_XPBD, 1e-3, &tool, 1);
+        for (int i = 0; i < 200; i++) {
+            pel_tool_reading reading;
+            step(s.sim, 1);
+            pel_sim_get_tool(s.sim, 0, &reading);
+            assert_true(pel_vec3_length(reading.force) < 2.5 * limit);
+            mean += i >= 100 ? pel_vec3_length(reading.force) / 100 : 0;
+        }
+        pel_sim_ledger ledger;
+        pel_sim_get_ledger(s.sim, &ledger);
+        assert_near(mean, limit, 0.25 * limit);
+        assert_true(length_of(s.sim) > 0.07);
+        assert_near(ledger.dissipated_fracture, limit * length_of(s.sim), 1e-9);
+        assert_near(ledger.work_tools, ledger.dissipated_fracture, 0.25 * ledger.dissipated_fracture);
+        end_sheet(&s);
+    }
+}
+
+/* a blade that the sheet can follow presses, and cuts nothing */
+static void presses(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    pel_tool_def tool = straight(keys, 0.2);
+    keys[1].position[0] = -0.5 * LENGTH + 0.001;
+    tool.sharpness = 1e5;
+    sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-2, &tool, 1);
+    step(s.sim, 20);
+    pel_tool_reading reading;
+    pel_sim_get_tool(s.sim, 0, &reading);
+    assert_near(length_of(s.sim), 0, 0);
+    assert_true(reading.force[0] < -0.01 && reading.held_count == 1);
+    end_sheet(&s);
+}
+
+/* ---- snapshots and threads ---- */
+
+static void returns(void **unused)
+{
+    (void)unused;
+    const double sharpness[] = {0, SHARPNESS};
+    for (int i = 0; i < 2; i++) {
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, 0.1);
+        tool.sharpness = sharpness[i];
+        sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1),
+              other = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 4);
+        pel_snapshot *snapshot;
+        step(s.sim, 50);
+        assert_int_equal(pel_snapshot_create(s.sim, &snapshot, NULL), PEL_OK);
+        step(s.sim, 40);
+        uint64_t hash = pel_sim_hash(s.sim);
+        assert_true(length_of(s.sim) > 0.04);
+        assert_int_equal(pel_snapshot_restore(s.sim, snapshot, NULL), PEL_OK);
+        step(s.sim, 40);
+        assert_true(pel_sim_hash(s.sim) == hash);
+        step(other.sim, 90);
+        assert_true(pel_sim_hash(other.sim) == hash);
+        pel_snapshot_destroy(snapshot);
+        end_sheet(&s);
+        end_sheet(&other);
+    }
+}
+
+/* ---- hooks ---- */
+
+static void hook(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    pel_tool_def tool = straight(keys, 0.2);
+    pel_tool_reading reading;
+    tool.shape = PEL_TOOL_HOOK;
+    tool.grasp_max_force = 0.2;
+    sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1);
+    double most = 0;
+    for (int i = 0; i < 150; i++) {
+        step(s.sim, 1);
+        pel_sim_get_tool(s.sim, 0, &reading);
+        double force = pel_vec3_length(reading.force);
+        most = force > most ? force : most;
+    }
+    assert_near(length_of(s.sim), 0, 0);
+    assert_true(most > 0.15 && most < 0.25);
+    assert_int_equal(reading.held_count, 0);
+    assert_int_equal(reading.lost_count, 1);
+    end_sheet(&s);
+}
+
+/* ---- refusals ---- */
+
+static void refuse(const pel_model *model, const pel_tool_def *tool, const char *why)
+{
+    pel_error error;
+    pel_sim *sim;
+    pel_sim_def def = lone_sim(model, PEL_METHOD_XPBD, 1e-3);
+    def.tools = tool;
+    def.tool_count = 1;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, why));
+    assert_true(error.remedy[0] != '\0');
+}
+
+static pel_status create(const void *def, pel_error *error)
+{
+    pel_sim *sim = NULL;
+    pel_status status = pel_sim_create(def, &sim, error);
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        status = pel_sim_step(sim, error);
+    pel_sim_destroy(sim);
+    return status;
+}
+
+static void refusals(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    pel_mesh *mesh = make_grid(30, 18, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL);
+    pel_model *model = model_of(mesh);
+    pel_tool_def good = straight(keys, 0.003), bad = good;
+    memcpy(bad.edge[1], bad.edge[0], sizeof bad.edge[0]);
+    refuse(model, &bad, "no length");
+    bad = good;
+    bad.sharpness = -1;
+    refuse(model, &bad, "sharpness");
+    bad = good;
+    bad.grasp = true;
+    bad.reach = 1;
+    refuse(model, &bad, "an edge and a grasp");
+    pel_pose_key within = {.position = {0.0012, 0.0007, 0}, .rotation = {0, 0, 0, 1}};
+    bad = good;
+    bad.keys = &within;
+    bad.key_count = 1;
+    refuse(model, &bad, "starts in the surface");
+    pel_sim_def def = lone_sim(model, PEL_METHOD_IMPLICIT, 1e-3);
+    def.tools = &good;
+    def.tool_count = 1;
+    assert_true(for_every_allocation_failure(create, &def) > 10);
+    pel_model_destroy(model);
+    pel_mesh_destroy(mesh);
+    pel_mesh *ball = make_sphere(4);
+    pel_body_def body = shell_body(ball, PEL_MEMBRANE_STVK);
+    body.shell.pressure.kind = PEL_PRESSURE_GAS;
+    body.shell.pressure.value = 100;
+    model = make_model(&body);
+    keys[0].position[0] = 5;
+    refuse(model, &good, "encloses a gas");
+    pel_model_destroy(model);
+    pel_mesh_destroy(ball);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_speed),  cmocka_unit_test(falls_apart), cmocka_unit_test(inside),
+        cmocka_unit_test(guillotine), cmocka_unit_test(resistance),  cmocka_unit_test(presses),
+        cmocka_unit_test(returns),    cmocka_unit_test(hook),        cmocka_unit_test(refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
