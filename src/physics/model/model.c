@@ -103,22 +103,19 @@ static pel_status check_adhesion(const pel_body_def *b, int32_t body, pel_error 
     return PEL_OK;
 }
 
-static pel_status check_rest(const pel_body_def *b, int32_t body, pel_error *error)
+static pel_status check_meshes(const pel_body_def *b, int32_t body, pel_error *error)
 {
+    if (b->mesh == NULL)
+        return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
     if (b->rest == NULL)
         return PEL_OK;
     size_t size = (size_t)b->mesh->triangle_count * sizeof *b->mesh->triangles;
-    if (b->rest->vertex_count != b->mesh->vertex_count)
-        return pel_body_refuse(error, body, "vertices of the rest shape", b->rest->vertex_count,
-                               "give it the vertices of the mesh, in their order");
-    if (b->rest->triangle_count != b->mesh->triangle_count || memcmp(b->rest->triangles, b->mesh->triangles, size) != 0)
+    if (b->rest->vertex_count != b->mesh->vertex_count || b->rest->triangle_count != b->mesh->triangle_count ||
+        memcmp(b->rest->triangles, b->mesh->triangles, size) != 0)
         return pel_body_refuse(error, body, "triangles of the rest shape", b->rest->triangle_count,
-                               "give it the triangles of the mesh, in their order");
-    if (b->refine.levels > 0)
-        return pel_body_refuse(error, body, "refine.levels", b->refine.levels,
-                               "subdivide both meshes, or leave the rest shape out");
-    if (b->volume.on || b->rigid.on || b->origins != NULL)
-        return pel_body_refuse(error, body, "rest", 0, "leave it out: the body is rigid, or has tetrahedra or cuts");
+                               "give it the vertices and triangles of the mesh, in their order");
+    if (b->refine.levels > 0 || b->volume.on || b->rigid.on || b->origins != NULL)
+        return pel_body_refuse(error, body, "rest", 0, "leave it out: the body refines, is rigid, filled or cut");
     return PEL_OK;
 }
 
@@ -128,11 +125,8 @@ static pel_status check_body(const pel_model_def *def, int32_t body, pel_error *
     if (b->cookie != BODY_COOKIE)
         return pel_body_refuse(error, body, "cookie", b->cookie, "start from pel_body_def_default()");
     pel_status status = check_name(def, body, error);
-    if (status != PEL_OK)
-        return status;
-    if (b->mesh == NULL)
-        return pel_body_refuse(error, body, "mesh", 0, "give each body a mesh");
-    status = check_rest(b, body, error);
+    if (status == PEL_OK)
+        status = check_meshes(b, body, error);
     if (status != PEL_OK)
         return status;
     if (PEL_IS_NO_CHOICE(b->mass_kind, PEL_MASS_DENSITY + 1))
@@ -470,15 +464,13 @@ static void build_end(build *scratch)
 /* the mesh of the body takes the shape at rest */
 static pel_status take_rest(const pel_mesh *rest, pel_body *body, pel_error *error)
 {
-    size_t count = (size_t)rest->vertex_count;
-    body->start = pel_allocate(count, sizeof *body->start);
-    if (body->start == NULL)
-        return pel_fail_memory(error);
-    memcpy(body->start, body->mesh->positions, count * sizeof *body->start);
-    for (size_t v = 0; v < count; v++)
-        for (int k = 0; k < 3; k++)
+    body->start = pel_allocate((size_t)rest->vertex_count, sizeof *body->start);
+    for (int32_t v = 0; body->start != NULL && v < rest->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            body->start[v][k] = body->mesh->positions[v][k];
             body->mesh->positions[v][k] = (double)(pel_real)rest->positions[v][k];
-    return PEL_OK;
+        }
+    return body->start != NULL ? PEL_OK : pel_fail_memory(error);
 }
 
 /* the mesh of a body at rest, with inside-out parts turned, and its topology */
@@ -665,13 +657,11 @@ static pel_status keep_def(pel_model *model, const pel_model_def *def, pel_error
     pel_status status = pel_def_copy(&model->copies, PEL_DEF_MODEL, &model->def, error);
     /* the bodies are a copy of this model: it may write to them */
     pel_body_def *bodies = (pel_body_def *)(uintptr_t)model->def.bodies;
-    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++) {
         bodies[b].mesh = model->bodies[b].mesh;
-    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
+        bodies[b].rest = NULL; /* the state goes on in other models: bodies do not start there */
         pel_rigid_body_stiffen(&bodies[b]);
-    /* the state of this model goes on in others: their bodies do not start */
-    for (int32_t b = 0; status == PEL_OK && b < model->body_count; b++)
-        bodies[b].rest = NULL;
+    }
     return status;
 }
 

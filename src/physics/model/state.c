@@ -26,13 +26,6 @@ static bool make_rigids(const pel_model *model, pel_state *state)
     return true;
 }
 
-static void place_start(const pel_body *body, pel_record *position)
-{
-    for (int32_t v = 0; body->start != NULL && v < body->mesh->vertex_count; v++)
-        for (int k = 0; k < 3; k++)
-            position[body->model_index[v]][k] = (pel_real)body->start[v][k];
-}
-
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
     *state = NULL;
@@ -58,7 +51,9 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
         made->position[i][3] = model->inverse_mass[i];
     }
     for (int32_t b = 0; b < model->body_count; b++)
-        place_start(&model->bodies[b], made->position);
+        for (int32_t v = 0; model->bodies[b].start != NULL && v < model->bodies[b].mesh->vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                made->position[model->bodies[b].model_index[v]][k] = (pel_real)model->bodies[b].start[v][k];
     for (size_t i = 0; i < count; i++)
         made->position_before[i] = made->position_next[i] = made->position[i];
     for (int32_t b = 0; b < model->body_count; b++)
