@@ -28,6 +28,21 @@ PEL_API pel_status pel_mesh_fill(const pel_mesh *surface, double edge, pel_mesh 
 PEL_API pel_status pel_mesh_create_filled(const double *points, int32_t point_count, const int32_t *tetrahedra,
                                           int32_t tetrahedron_count, pel_mesh **mesh, pel_error *error);
 
+/* Reads a file with tetrahedra, by its extension: .msh (Gmsh 2 and 4.1, text), .vtk (legacy VTK, unstructured grid,
+   text), .vtu (VTK XML, any encoding), .node and .ele (TetGen: either name, both files are read). Of tetrahedra with
+   ten nodes the corners are used. If all tetrahedra are turned inside out, as some programs list their corners, all are
+   turned around. Triangles, lines, groups and data are skipped. log (nullable) receives notes. Errors: PEL_BAD_FILE
+   (missing, unreadable), PEL_BAD_FORMAT with the line or byte, and the tetrahedron, for numbers of nodes that do not
+   exist, tetrahedra without volume or turned inside out among others, cells of other shapes, and what
+   pel_mesh_create_filled refuses; PEL_OUT_OF_MEMORY. Memory use is bounded by a small multiple of the file's size. On
+   failure *mesh is null. Free with pel_mesh_destroy. */
+PEL_API pel_status pel_mesh_read_filled(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
+/* The same of .msh, .vtk or .vtu from memory; `name` is the file's name, for its extension and in messages. */
+PEL_API pel_status pel_mesh_parse_filled(const char *name, const void *bytes, size_t size, const pel_log *log,
+                                         pel_mesh **mesh, pel_error *error);
+/* Whether the extension is that of a file which pel_mesh_read_filled reads. */
+PEL_API bool pel_mesh_is_filled_file(const char *path);
+
 /* The laws of filled bodies: enumerator, name in scene files. With the Lame constants mu = E / (2 (1 + nu)) and
    lambda = E nu / ((1 + nu) (1 - 2 nu)), F the deformation gradient, J = det F, I = |F|^2, II = (I^2 - |F^T F|^2) / 2,
    E = (F^T F - 1) / 2, and R the rotation nearest to F, the energies per volume at rest are

@@ -226,6 +226,11 @@ static void test_meshes(void **unused)
     REFUSED("edge", pel_mesh_fill(mesh, -1, &made, &error));
     REFUSED("edge", pel_mesh_fill(mesh, nan_value, &made, &error));
     REFUSED("edge", pel_mesh_fill(mesh, 1e-300, &made, &error));
+    REFUSED("path", pel_mesh_read_filled(NULL, NULL, &made, &error));
+    REFUSED("mesh", pel_mesh_read_filled("a.msh", NULL, NULL, &error));
+    REFUSED("name", pel_mesh_parse_filled(NULL, "", 0, NULL, &made, &error));
+    REFUSED("bytes", pel_mesh_parse_filled("a.msh", NULL, 0, NULL, &made, &error));
+    REFUSED("mesh", pel_mesh_parse_filled("a.msh", "", 0, NULL, NULL, &error));
     REFUSED("points", pel_mesh_create_filled(NULL, 3, corners_of_one, 1, &made, &error));
     REFUSED("tetrahedra", pel_mesh_create_filled(mesh->positions[0], 3, NULL, 1, &made, &error));
     REFUSED("mesh", pel_mesh_create_filled(mesh->positions[0], 3, corners_of_one, 1, NULL, &error));

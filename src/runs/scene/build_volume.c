@@ -16,6 +16,12 @@ static pel_status check_mass(pel_scene_reader *reader, const pel_scene_value *bo
 pel_status pel_scene_fill_mesh(pel_scene_reader *reader, const pel_scene_value *body, pel_mesh **mesh)
 {
     const pel_scene_value *volume = pel_scene_value_entry(body, "volume");
+    if (volume == NULL && (*mesh)->tetrahedron_count > 0) {
+        pel_scene_fail(reader, &pel_scene_value_at(body, "mesh.file")->place,
+                       "the file has tetrahedra, but the body has no volume");
+        pel_fail_remedy(reader->error, "give the body `volume: { young: ... }`, or a file of its surface");
+        return PEL_BAD_SCENE;
+    }
     if (volume == NULL || volume->kind != PEL_SCENE_MAP || (*mesh)->tetrahedron_count > 0)
         return PEL_OK;
     pel_status status = check_mass(reader, body);

@@ -12,6 +12,15 @@ pel_status pel_stl_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **me
 pel_status pel_vtp_read_mesh(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 pel_status pel_off_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **mesh, pel_error *error);
 
+/* A VTK XML file of an unstructured grid (vtp_read.c): cell c has the corners from ends[c - 1] on, of type types[c];
+   the ends do not fall and do not exceed corner_count. Free with pel_vtk_grid_free. */
+typedef struct pel_vtk_grid {
+    double *points, *corners, *ends, *types;
+    int64_t point_count, corner_count, cell_count;
+} pel_vtk_grid;
+pel_status pel_vtu_read(pel_text_cursor *scan, pel_vtk_grid *grid, pel_error *error);
+void pel_vtk_grid_free(pel_vtk_grid *grid);
+
 /* whether a file begins like this format (ASCII STL) */
 bool pel_obj_matches(const pel_text_cursor *scan);
 bool pel_ply_matches(const pel_text_cursor *scan);

@@ -85,8 +85,9 @@ static const struct {
     {"stp", "STEP holds solids without triangles", "export STL from the CAD program"},
     {"iges", "IGES holds surfaces without triangles", "export STL from the CAD program"},
     {"igs", "IGES holds surfaces without triangles", "export STL from the CAD program"},
-    {"vtk", "legacy VTK files are not read", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
-    {"vtu", "VTK files of volumes are not read", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
+    {"vtk", "legacy VTK files hold no surface", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
+    {"vtu", "the file holds a volume", "use it as the mesh of a body with `volume`, or save its surface as .vtp"},
+    {"msh", "the file holds a volume", "use it as the mesh of a body with `volume`, or save its surface as STL"},
 };
 
 static pel_status fail_file(const char *name, const char *what, const char *remedy, pel_error *error)

@@ -1,8 +1,9 @@
-/* Reads VTK XML PolyData of one piece as VTK and ParaView write it: arrays as text, in base64 within their tags, or in
-   the appended section, raw or in base64; packed by zlib or not; words of 32 or 64 bits in either byte order. The file
-   is read tag by tag into a list of arrays, then each that is wanted is decoded. All sizes are checked against the
-   bytes that are there before memory is asked for, no byte of the file may be used by two arrays, and all numbers
-   together are bounded by a multiple of the file's size. Format: Kitware, "VTK XML file formats". */
+/* Reads VTK XML PolyData, or an unstructured grid, of one piece as VTK and ParaView write it: arrays as text, in base64
+   within their tags, or in the appended section, raw or in base64; packed by zlib or not; words of 32 or 64 bits in
+   either byte order. The file is read tag by tag into a list of arrays, then each that is wanted is decoded. All sizes
+   are checked against the bytes that are there before memory is asked for, no byte of the file may be used by two
+   arrays, and all numbers together are bounded by a multiple of the file's size. Format: Kitware, "VTK XML file
+   formats". */
 #include "pellicle/results.h"
 
 #include "base/memory.h"
@@ -49,7 +50,8 @@ typedef enum vtp_section {
     SECTION_POINT_DATA,
     SECTION_POINTS,
     SECTION_POLYS,
-    SECTION_STRIPS
+    SECTION_STRIPS,
+    SECTION_CELLS
 } vtp_section;
 
 typedef enum vtp_form { FORM_ASCII, FORM_BASE64, FORM_APPENDED } vtp_form;
@@ -72,11 +74,11 @@ typedef struct vtp_reader {
     const char *data;        /* the appended section; null = none */
     size_t data_size;
     bool data_is_base64;
-    size_t unused;       /* characters of the appended section that no array took */
-    size_t numbers_left; /* that may be read still */
-    bool packed, swapped;
+    size_t unused;                 /* characters of the appended section that no array took */
+    size_t numbers_left;           /* that may be read still */
+    bool packed, swapped, is_grid; /* is_grid: an unstructured grid */
     size_t word_size;
-    int64_t vertex_count, polygon_count, strip_count, other_count, piece_count;
+    int64_t vertex_count, polygon_count, strip_count, other_count, piece_count, cell_count;
     vtp_array *arrays;
     size_t array_count, array_capacity;
 } vtp_reader;
@@ -98,7 +100,11 @@ static pel_status fail_at(const vtp_reader *reader, const void *at, const char *
 static pel_status read_file_tag(vtp_reader *reader, const pel_xml_tag *tag)
 {
     char text[64];
-    if (!pel_xml_attribute(tag, "type", text, sizeof text) || strcmp(text, "PolyData") != 0)
+    const bool has_type = pel_xml_attribute(tag, "type", text, sizeof text);
+    if (reader->is_grid && (!has_type || strcmp(text, "UnstructuredGrid") != 0))
+        return fail_with(reader, tag->start, "this is not a VTK file of an unstructured grid",
+                         "save the volume as an unstructured grid (.vtu), a surface as .vtp");
+    if (!reader->is_grid && (!has_type || strcmp(text, "PolyData") != 0))
         return fail_with(reader, tag->start, "this is not a VTK PolyData file",
                          "extract the surface in ParaView (Extract Surface) and save it as .vtp");
     reader->swapped = pel_xml_attribute(tag, "byte_order", text, sizeof text) && strcmp(text, PEL_BYTE_ORDER_NAME) != 0;
@@ -116,9 +122,27 @@ static bool read_cell_count(const pel_xml_tag *tag, const char *name, int64_t *c
     return !pel_xml_count(tag, name, count) || *count <= INT32_MAX / 3;
 }
 
+static pel_status fail_pieces(const vtp_reader *reader, const pel_xml_tag *tag)
+{
+    return fail_with(reader, tag->start, "there is more than one piece",
+                     "merge them in ParaView (Merge Blocks, Extract Surface) and save again");
+}
+
+static pel_status read_grid_tag(vtp_reader *reader, const pel_xml_tag *tag)
+{
+    if (!pel_xml_count(tag, "NumberOfPoints", &reader->vertex_count) ||
+        !pel_xml_count(tag, "NumberOfCells", &reader->cell_count) || reader->vertex_count < 1 ||
+        reader->vertex_count > INT32_MAX || reader->cell_count < 1 || reader->cell_count > INT32_MAX)
+        return fail_with(reader, tag->start, "the number of points or cells is missing or out of range",
+                         "save the volume with its cells");
+    return ++reader->piece_count > 1 ? fail_pieces(reader, tag) : PEL_OK;
+}
+
 static pel_status read_piece_tag(vtp_reader *reader, const pel_xml_tag *tag)
 {
     int64_t vertices, lines;
+    if (reader->is_grid)
+        return read_grid_tag(reader, tag);
     if (!pel_xml_count(tag, "NumberOfPoints", &reader->vertex_count) ||
         !read_cell_count(tag, "NumberOfPolys", &reader->polygon_count) ||
         !read_cell_count(tag, "NumberOfStrips", &reader->strip_count) ||
@@ -127,10 +151,7 @@ static pel_status read_piece_tag(vtp_reader *reader, const pel_xml_tag *tag)
         return fail_with(reader, tag->start, "the number of points or polygons is missing or out of range",
                          "save the surface with its faces; point clouds and curves cannot be used");
     reader->other_count = vertices + lines;
-    if (++reader->piece_count > 1)
-        return fail_with(reader, tag->start, "there is more than one piece",
-                         "merge them in ParaView (Merge Blocks, Extract Surface) and save again");
-    return PEL_OK;
+    return ++reader->piece_count > 1 ? fail_pieces(reader, tag) : PEL_OK;
 }
 
 static pel_status read_format(const vtp_reader *reader, const pel_xml_tag *tag, vtp_array *array)
@@ -205,9 +226,9 @@ static pel_status read_array_tag(vtp_reader *reader, const pel_xml_tag *tag, vtp
 /* the section after a tag, which may begin or end one */
 static vtp_section section_after(const pel_xml_tag *tag, vtp_section present)
 {
-    static const char *const ends[] = {"", "/FieldData", "/PointData", "/Points", "/Polys", "/Strips"};
+    static const char *const ends[] = {"", "/FieldData", "/PointData", "/Points", "/Polys", "/Strips", "/Cells"};
     bool empty = tag->end > tag->start && tag->end[-1] == '/';
-    for (int i = SECTION_FIELD_DATA; i <= SECTION_STRIPS; i++) {
+    for (int i = SECTION_FIELD_DATA; i <= SECTION_CELLS; i++) {
         if (pel_xml_is(tag, ends[i]))
             return SECTION_NONE;
         if (pel_xml_is(tag, ends[i] + 1))
@@ -627,6 +648,51 @@ static pel_status take_mesh(vtp_reader *reader, pel_mesh **mesh)
                      (long long)reader->other_count);
     pel_polygon_soup_free(&soup);
     pel_free(positions);
+    return status;
+}
+
+/* points, and cells as faces with their types */
+static pel_status take_grid(vtp_reader *reader, pel_vtk_grid *grid)
+{
+    const vtp_array *points = find_array(reader, SECTION_POINTS, NULL);
+    const vtp_array *types = find_array(reader, SECTION_CELLS, "types");
+    vtp_faces cells = {0};
+    if (reader->piece_count == 0 || points == NULL || points->component_count != 3 || types == NULL ||
+        types->component_count != 1)
+        return fail_at(reader, reader->start, "the points or the types of the cells are missing");
+    pel_status status = take_reals(reader, points, reader->vertex_count, &grid->points);
+    if (status == PEL_OK)
+        status = check_positions(reader, points, grid->points);
+    if (status == PEL_OK)
+        status = take_faces(reader, SECTION_CELLS, reader->cell_count, &cells);
+    grid->ends = cells.ends;
+    grid->corners = cells.corners;
+    if (status == PEL_OK)
+        status = take_reals(reader, types, reader->cell_count, &grid->types);
+    grid->point_count = reader->vertex_count;
+    grid->cell_count = reader->cell_count;
+    grid->corner_count = cells.corner_count;
+    return status;
+}
+
+void pel_vtk_grid_free(pel_vtk_grid *grid)
+{
+    pel_free(grid->points);
+    pel_free(grid->corners);
+    pel_free(grid->ends);
+    pel_free(grid->types);
+}
+
+pel_status pel_vtu_read(pel_text_cursor *scan, pel_vtk_grid *grid, pel_error *error)
+{
+    vtp_reader reader = {.path = scan->name, .error = error, .start = scan->begin, .end = scan->end, .is_grid = true};
+    reader.numbers_left = NUMBERS_PER_BYTE * (size_t)(scan->end - scan->begin) + NUMBERS_AT_LEAST;
+    *grid = (pel_vtk_grid){0};
+    scan->binary = true;
+    pel_status status = read_head(&reader);
+    if (status == PEL_OK)
+        status = take_grid(&reader, grid);
+    pel_free(reader.arrays);
     return status;
 }
 
