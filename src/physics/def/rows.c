@@ -343,7 +343,8 @@ static const pel_def_row rows[] = {
      WORDS("uv"), .preset = "[1, 0, 0]", .initial = 1, WHEN(has_warp),
      .doc =
          "the warp of an orthotropic membrane, and of bending with `weft`: a vector, projected into each triangle at "
-         "rest; uv: along the first texture coordinate, the field u of the mesh; or the direction in which a number "
+         "rest; uv: along the first texture coordinate, the field u, s or texture_u of a PLY file; or the direction in "
+         "which a number "
          "rises, such as the distance from a point"},
     {"bodies[].membrane.direction.field", TEXT, ALTERNATIVE,
      .doc = "scalar field of the mesh: the warp is its gradient in each triangle"},

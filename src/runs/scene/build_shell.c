@@ -183,15 +183,19 @@ static pel_status read_warp(const pel_scene_part *source, pel_membrane_def *memb
         return pel_scene_field(source->reader, field, source->mesh, &membrane->coordinate);
     if (center != NULL)
         return read_distances(source, center, &membrane->coordinate);
-    const pel_field *u = pel_mesh_field(source->mesh, "u");
-    if (u != NULL && u->component_count == 1) {
+    /* as PLY files of several programs name them */
+    static const char *const names[] = {"u", "s", "texture_u"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const pel_field *u = pel_mesh_field(source->mesh, names[i]);
+        if (u == NULL || u->component_count != 1)
+            continue;
         membrane->coordinate = u->values;
         return PEL_OK;
     }
-    pel_scene_fail(source->reader, &value->place, "the mesh has no texture coordinates: no field u");
+    pel_scene_fail(source->reader, &value->place, "the mesh has no texture coordinates: no field u, s or texture_u");
     pel_fail_remedy(source->reader->error,
-                    "give the warp as a vector [x, y, z], or as { field: NAME }; an OBJ file has a "
-                    "field u if each vertex has one texture coordinate");
+                    "save it as PLY with texture coordinates of the vertices, or give the warp as a "
+                    "vector [x, y, z] or { field: NAME }");
     return PEL_BAD_SCENE;
 }
 
