@@ -343,7 +343,7 @@ static pel_status read_tetgen(const char *path, const pel_log *log, pel_mesh **m
 {
     char names[2][1024], *bytes[2] = {NULL, NULL};
     size_t sizes[2];
-    int64_t first;
+    int64_t first = 1;
     pel_tetra_soup soup = {0};
     if (!find_partner(path, ".node", names[0], sizeof names[0]) ||
         !find_partner(path, ".ele", names[1], sizeof names[1]))
