@@ -37,12 +37,13 @@ typedef struct pel_contact_list {
     const int32_t *active; /* (active_count) rising: those that may push at present, all others carry nothing; null =
                               all may */
     int32_t active_count;
-    double substep;     /* s, whose square is in the multipliers */
-    double carried;     /* m: the largest way that a load moved its gap by, in the last sweep */
-    pel_rigids *rigids; /* null = all vertices move by themselves */
-    double rigid_moved; /* m: the largest correction of a gap where nothing but rigid bodies gives way, in the last
-                           sweep */
-    bool is_rubbed;     /* friction uses much of what it can hold somewhere, since the substep began */
+    double substep;         /* s, whose square is in the multipliers */
+    double carried;         /* m: the largest way that a load moved its gap by, in the last sweep */
+    pel_rigids *rigids;     /* null = all vertices move by themselves */
+    pel_contact **supports; /* (vertex_count) see pel_contacts_find_supports; null = none are known */
+    double rigid_moved;     /* m: the largest correction of a gap where nothing but rigid bodies gives way, in the last
+                               sweep */
+    bool is_rubbed;         /* friction uses much of what it can hold somewhere, since the substep began */
 } pel_contact_list;
 
 /* how many a sweep looks at, and the i-th of them */

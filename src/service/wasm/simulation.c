@@ -3,6 +3,7 @@
 #include "io/json.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_rigid.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
 #include "wasm/calls.h"

@@ -6,6 +6,7 @@
 #include "boundary/loads.h"
 #include "boundary/wind.h"
 #include "contact/sweep.h"
+#include "contact/sweep_rigid.h"
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
@@ -103,6 +104,19 @@ static void follow_contacts(pel_sim *sim, const pel_record *start)
         pel_solids_refresh(sim, start, false);
 }
 
+/* what holds vertices that rigid bodies press, in both lists */
+static void find_supports(pel_sim *sim, pel_contact_list *const lists[2])
+{
+    pel_contact **supports = sim->rigids != NULL ? sim->supports : NULL;
+    if (supports != NULL)
+        memset(supports, 0, (size_t)sim->model->vertex_count * sizeof *supports);
+    for (int k = 0; k < 2 && supports != NULL; k++)
+        if (lists[k] != NULL) {
+            pel_contacts_find_supports(lists[k], sim->state->position_next, supports);
+            lists[k]->supports = supports;
+        }
+}
+
 /* one sweep over the elements, then over contacts until their loads hardly change */
 static void sweep(pel_sim *sim, double end, const pel_record *start)
 {
@@ -117,6 +131,7 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
     for (int i = 0; i < (is_stacked ? RIGID_SWEEP_LIMIT : SWEEP_LIMIT) && !is_over; i++) {
         if (moved > most)
             follow_contacts(sim, start);
+        find_supports(sim, lists);
         moved = 0;
         is_over = true;
         is_stacked = false;
@@ -133,6 +148,9 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
         if (lists[0] != NULL)
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
+    for (int k = 0; k < 2; k++)
+        if (lists[k] != NULL)
+            lists[k]->supports = NULL;
 }
 
 /* whether contacts carry loads from the substep before */
