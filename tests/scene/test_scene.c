@@ -423,6 +423,7 @@ static void test_fixed_point(void **unused)
     (void)unused;
     check_fixed_point("everything", everything);
     check_fixed_point("ball", BALL "loads: [{force: [1, 0, 0]}]\n");
+    check_fixed_point("rigid", "version: 1\nduration: 1\nbodies: [{mesh: {shape: geodesic-sphere}, rigid: {}}]\n");
     check_fixed_point("names", "version: 1\nduration: 1\nbodies:\n"
                                "  - {name: 'true', mesh: {shape: grid}}\n  - {name: 12, mesh: {shape: grid}}\n"
                                "  - {name: 'a: #b\\', mesh: {shape: grid}}\n  - {name: \"\\x01\\t\\n\\\"\", mesh: "

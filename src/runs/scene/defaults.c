@@ -298,12 +298,25 @@ static pel_status imply_viscosity(pel_scene_reader *reader, pel_scene_value *bod
 }
 
 /* a rigid body has no material: its mass and inertia are those of `rigid` */
+static const char *const soft_keys[] = {"mass",     "springs",  "volumetric", "membrane",   "bending",
+                                        "volume",   "pressure", "fluid",      "anisotropy", "refine",
+                                        "supports", "follow",   "preset",     NULL};
+
+void pel_scene_forget_soft_keys(pel_scene_value *root)
+{
+    const pel_scene_value *bodies = pel_scene_value_entry(root, "bodies");
+    for (pel_scene_value *body = bodies != NULL ? bodies->first : NULL; body != NULL; body = body->next)
+        for (const char *const *key = soft_keys; *key != NULL && find_map(body, "rigid") != NULL; key++) {
+            pel_scene_value *value = find(body, *key);
+            if (value != NULL)
+                pel_scene_value_remove(value);
+        }
+}
+
 static pel_status check_rigid(pel_scene_reader *reader, pel_scene_value *body)
 {
-    static const char *const keys[] = {"mass",  "springs",    "volumetric", "membrane", "bending", "volume", "pressure",
-                                       "fluid", "anisotropy", "refine",     "supports", "follow",  "preset", NULL};
     static const char *const remedies[] = {"give rigid.density, or rigid.mass", "give pinned vertices", NULL};
-    for (const char *const *key = keys; *key != NULL; key++) {
+    for (const char *const *key = soft_keys; *key != NULL; key++) {
         const pel_scene_value *value = find(body, *key);
         if (value == NULL)
             continue;

@@ -15,4 +15,7 @@
  */
 pel_status pel_scene_fill_defaults(pel_scene_reader *reader, pel_scene_value *root);
 
+/* Removes the defaults of keys that rigid bodies refuse, so that the printed scene can be read. */
+void pel_scene_forget_soft_keys(pel_scene_value *root);
+
 #endif

@@ -199,6 +199,7 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         status = pel_scene_check(reader, root);
     if (status != PEL_OK)
         return status;
+    pel_scene_forget_soft_keys(root);
     storage->root = root;
     storage->text = pel_scene_print(reader, root);
     return storage->text != NULL ? PEL_OK : PEL_OUT_OF_MEMORY;
