@@ -480,18 +480,75 @@ static void test_allocation_failure(void **unused)
     free_sheet(&s);
 }
 
+/* N along z on each vertex, with a matrix that is too stiff, each vertex by another factor: a long tail */
+static double evaluate_push(void *context, const double *unknowns, double *gradient)
+{
+    (void)context;
+    for (int v = 0; v < VERTICES; v++)
+        gradient[3 * v + 2] -= v + 1;
+    double energy = 0;
+    for (int v = 0; v < VERTICES; v++)
+        energy -= (v + 1) * unknowns[3 * v + 2];
+    return energy;
+}
+
+static void add_stiff(void *context, pel_matrix *matrix)
+{
+    (void)context;
+    for (int v = 0; v < VERTICES; v++)
+        matrix->values[matrix->block_start[pel_matrix_block(matrix, v, v)] + 8] += v;
+}
+
+/* systems until a run in time has settled whose sheet as a whole goes by `way` in the step; the largest error [m] */
+static int settle(bool settles, double way, double *error)
+{
+    sheet s = make_sheet_of(1e-6, 1, 0);
+    const pel_newton_terms terms = {.evaluate = evaluate_push, .add_matrix = add_stiff, .has_kinks = true};
+    pel_newton_problem problem = problem_of(&s, &terms);
+    pel_newton_result result;
+    pel_state *state;
+    assert_int_equal(pel_state_create(s.model, true, &state, NULL), PEL_OK);
+    problem.state = state;
+    problem.settles = settles;
+    problem.iterations = 200;
+    for (int v = 0; v < VERTICES; v++) {
+        s.points[v][2] += way;
+        s.unknowns[3 * v + 2] += way;
+    }
+    assert_int_equal(pel_newton_run(s.newton, &problem, s.unknowns, &result, NULL), PEL_OK);
+    assert_true(result.converged);
+    *error = 0;
+    for (int v = 0; v < VERTICES; v++) {
+        double off = fabs(s.unknowns[3 * v + 2] - s.points[v][2] - (v + 1));
+        *error = off > *error ? off : *error;
+    }
+    pel_state_destroy(state);
+    free_sheet(&s);
+    return result.iterations;
+}
+
+/* Runs in time end before their tail, and as early where the body moves as a whole. */
+static void test_settled(void **unused)
+{
+    (void)unused;
+    double still, moving, whole;
+    int count = settle(true, 0, &still), last = settle(false, 0, &whole);
+    print_message("%d systems of %d, %g m are left\n", count, last, still);
+    assert_true(count > 3 && count < last);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        assert_int_equal(settle(true, 10 * sign, &moving), count);
+        assert_near(moving, still, 1e-6);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_couplings),
-        cmocka_unit_test(test_kinks),
-        cmocka_unit_test(test_crossed_kinks),
-        cmocka_unit_test(test_open_pressure),
-        cmocka_unit_test(test_deadline),
-        cmocka_unit_test(test_stop),
-        cmocka_unit_test(test_quasi),
-        cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_couplings),     cmocka_unit_test(test_kinks),
+        cmocka_unit_test(test_crossed_kinks), cmocka_unit_test(test_open_pressure),
+        cmocka_unit_test(test_deadline),      cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_quasi),         cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_settled),       cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

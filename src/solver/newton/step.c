@@ -165,25 +165,55 @@ static void measure_inertia(const newton_run *run)
     run->result->inertia_force = sqrt(square);
 }
 
-/* Under constraints: the work of what acts since the start of the step, and how much constraints press. The gradient is
-   along x, y, z, with that before the terms in newton->before_terms. */
-static void measure_work(newton_run *run)
+static void find_way(const newton_run *run, int32_t v, double way[3])
+{
+    double from[3];
+    pel_vertex_position(run->problem->state->position, v, from);
+    pel_vec3_subtract(run->unknowns + 3 * (size_t)v, from, way);
+}
+
+/* m, of the masses of a body since the start of the step */
+static void find_drift(const newton_run *run, int32_t begin, int32_t end, double drift[3])
+{
+    double mass = 0, way[3];
+    pel_vec3_set(drift, 0, 0, 0);
+    for (int32_t v = begin; v < end; v++) {
+        find_way(run, v, way);
+        pel_vec3_along(drift, run->problem->point_stiffness[v], way, drift);
+        mass += run->problem->point_stiffness[v];
+    }
+    pel_vec3_scale(drift, mass > 0 ? 1 / mass : 0, drift);
+}
+
+/* Under constraints: the work of what acts on a body since the start of the step, beside its drift, so that it is the
+   same in every frame that moves uniformly; and how much constraints press. The gradient is along x, y, z, with that
+   before the terms in newton->before_terms. */
+static void measure_work(newton_run *run, int32_t begin, int32_t end)
 {
     const pel_newton *newton = run->newton;
     const pel_newton_problem *problem = run->problem;
-    run->work = run->press = 0;
-    for (int32_t v = 0; v < newton->pattern->vertex_count; v++) {
+    double drift[3];
+    find_drift(run, begin, end, drift);
+    for (int32_t v = begin; v < end; v++) {
         const double *gradient = newton->gradient + 3 * (size_t)v, *before = newton->before_terms + 3 * (size_t)v;
-        double push[3], way[3], from[3], inertia[3];
-        pel_vertex_position(problem->state->position, v, from);
+        double push[3], way[3], inertia[3];
+        find_way(run, v, way);
+        pel_vec3_subtract(way, drift, way);
         pel_vec3_subtract(gradient, before, push);
-        pel_vec3_subtract(run->unknowns + 3 * (size_t)v, from, way);
         pel_vec3_subtract(run->unknowns + 3 * (size_t)v, problem->points[v], inertia);
         run->press += pel_vec3_length(push);
         run->work += fabs(pel_vec3_dot(push, way)) + fabs(problem->point_stiffness[v] * pel_vec3_dot(inertia, way));
         for (int k = 0; k < 3; k++)
             run->work += newton->fixed[3 * v + k] ? fabs(gradient[k] * way[k]) : 0;
     }
+}
+
+static void measure_works(newton_run *run)
+{
+    const pel_model *model = run->newton->model;
+    run->work = run->press = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        measure_work(run, model->bodies[b].slice_begin * PEL_WIDTH, pel_body_place_end(model, b));
 }
 
 /* energy at the unknowns, and gradient along the axes of the vertices; nothing once the pool is stopped, where line
@@ -218,7 +248,7 @@ void pel_newton_evaluate(newton_run *run)
     if (problem->terms != NULL)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
     if (may_settle)
-        measure_work(run);
+        measure_works(run);
     run->parts = fabs(energy.membrane) + fabs(energy.volume) + fabs(energy.fibres) + fabs(energy.bending) +
                  fabs(energy.edges) + fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) +
                  fabs(terms);
