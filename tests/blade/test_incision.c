@@ -192,31 +192,34 @@ static void guillotine(void **unused)
 
 #define SHARPNESS 1000.0
 
+static const pel_method firm_methods[] = {PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT, PEL_METHOD_DESCENT};
+
 /* the force is sharpness times thickness in the mean, and its work is the energy of the new area but for what is left
-   in the sheet */
+   in the sheet; the cut lies on the way of the blade, and never runs ahead of it */
 static void resistance(void **unused)
 {
     (void)unused;
-    skip_if_long();
-    {
+    for (size_t m = 0; m < sizeof firm_methods / sizeof *firm_methods; m++) {
         pel_pose_key keys[2];
         pel_tool_def tool = straight(keys, 0.2);
         double limit = SHARPNESS * THICKNESS, mean = 0;
         tool.sharpness = SHARPNESS;
-        sheet s = make_sheet(PEL_METHOD_XPBD, 1e-3, &tool, 1);
+        sheet s = make_sheet(firm_methods[m], 1e-3, &tool, 1);
         for (int i = 0; i < 200; i++) {
             pel_tool_reading reading;
             step(s.sim, 1);
             pel_sim_get_tool(s.sim, 0, &reading);
             assert_true(pel_vec3_length(reading.force) < 2.5 * limit);
             mean += i >= 100 ? pel_vec3_length(reading.force) / 100 : 0;
+            double way = (i + 1) / 200.0 * pel_vec3_distance(keys[0].position, keys[1].position) - 0.1 * LENGTH;
+            assert_true(length_of(s.sim) < (way > 0 ? way : 0) + EDGE);
         }
         pel_sim_ledger ledger;
         pel_sim_get_ledger(s.sim, &ledger);
         assert_near(mean, limit, 0.25 * limit);
-        assert_true(length_of(s.sim) > 0.07);
+        assert_true(length_of(s.sim) > 0.07 && farthest(&s, &tool) < EDGE);
         assert_near(ledger.dissipated_fracture, limit * length_of(s.sim), 1e-9);
-        assert_near(ledger.work_tools, ledger.dissipated_fracture, 0.25 * ledger.dissipated_fracture);
+        assert_near(ledger.work_tools, ledger.dissipated_fracture, 0.1 * ledger.dissipated_fracture);
         end_sheet(&s);
     }
 }
@@ -294,16 +297,21 @@ static void hook(void **unused)
 
 /* ---- refusals ---- */
 
-static void refuse(const pel_model *model, const pel_tool_def *tool, const char *why)
+static void refuse_under(pel_method method, const pel_model *model, const pel_tool_def *tool, const char *why)
 {
     pel_error error;
     pel_sim *sim;
-    pel_sim_def def = lone_sim(model, PEL_METHOD_XPBD, 1e-3);
+    pel_sim_def def = lone_sim(model, method, method == PEL_METHOD_EXPLICIT ? 2e-6 : 1e-3);
     def.tools = tool;
     def.tool_count = 1;
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, why));
     assert_true(error.remedy[0] != '\0');
+}
+
+static void refuse(const pel_model *model, const pel_tool_def *tool, const char *why)
+{
+    refuse_under(PEL_METHOD_XPBD, model, tool, why);
 }
 
 static pel_status create(const void *def, pel_error *error)
@@ -332,6 +340,11 @@ static void refusals(void **unused)
     bad.grasp = true;
     bad.reach = 1;
     refuse(model, &bad, "an edge and a grasp");
+    bad = good;
+    bad.sharpness = SHARPNESS;
+    const pel_method loose[] = {PEL_METHOD_PBD, PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT};
+    for (size_t m = 0; m < sizeof loose / sizeof *loose; m++)
+        refuse_under(loose[m], model, &bad, "a method that does not balance its force");
     pel_pose_key within = {.position = {0.0012, 0.0007, 0}, .rotation = {0, 0, 0, 1}};
     bad = good;
     bad.keys = &within;

@@ -54,6 +54,11 @@ static pel_status check_def(const pel_sim *sim, const pel_tool_def *def, int32_t
     if (sim->def.tie_count > 0 && def->shape == PEL_TOOL_BLADE)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "leave attachments and stitches out",
                                   "blade '%s' beside attachments or stitches", def->name);
+    const pel_stepper *stepper = sim->stepper;
+    if (def->sharpness > 0 && def->shape == PEL_TOOL_BLADE && !stepper->is_compliant && !stepper->minimises)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use method: implicit, or leave out sharpness",
+                                  "blade '%s' has a sharpness under a method that does not balance its force",
+                                  def->name);
     if (sim->def.solver.path != PEL_PATH_TIME || sim->def.solver.analysis != PEL_ANALYSIS_NONE)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use steps over time",
                                   "'%s' along a path of balances or in an analysis", def->name);

@@ -199,7 +199,6 @@ static void slide(hold *h, double limit)
     pel_vec3_scale(h->along, 1 / firm, slip);
     pel_vec3_along(slip, force > 0 ? way / force : 0, h->force, slip);
     shift(h, slip);
-    h->tip->slip += way;
 }
 
 /* a hook lets go of all above its limit, a blade slides */

@@ -47,7 +47,7 @@ enum { MOST_AROUND = 61 };
 #define FLATNESS 1e-4
 /* between the last edge of a cut and the next one of a blade that resists */
 #define LEAST_COSINE 0.3
-/* of an edge at rest: the least way that it takes the blade to cut it */
+/* of an edge at rest: a blade nearer to its tip than this does not cut on */
 #define LEAST_WAY 0.25
 
 /* a stretch of the way in one triangle */
@@ -687,25 +687,6 @@ static void pull_back(const search *s, int32_t v, const double present[3], doubl
     pel_vec3_normalize(rest);
 }
 
-/* towards a point one edge ahead of the blade, against the force on it; straight ahead where the sheet is folded over
- */
-static void find_course(const search *s, const pel_blade_tip *tip, double size, double direction[3])
-{
-    double edge[2][3], x[3], weights[2], aim[3], ahead[3];
-    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
-    pel_vertex_position(s->sim->state->position, s->own->model_index[tip->vertex], x);
-    pel_closest_point_segment(x, edge[0], edge[1], weights);
-    pel_vec3_copy(tip->pull, ahead);
-    pel_vec3_normalize(ahead);
-    pel_vec3_scale(edge[0], weights[0], aim);
-    pel_vec3_along(aim, weights[1], edge[1], aim);
-    pel_vec3_along(aim, -size, ahead, aim);
-    pel_vec3_subtract(aim, x, aim);
-    pull_back(s, tip->vertex, aim, direction);
-    if (pel_vec3_length(tip->ahead) > 0 && pel_vec3_dot(direction, tip->ahead) < LEAST_COSINE)
-        pel_vec3_copy(tip->ahead, direction);
-}
-
 static void place(const search *s, int32_t v, double x[3])
 {
     pel_vertex_position(s->sim->state->position, s->own->model_index[v], x);
@@ -729,37 +710,36 @@ static double present_stretch(const search *s, int32_t v)
     return sum / rest;
 }
 
-/* m, from one vertex to another at present, against the pull on the blade; a share of the edge at rest at least */
-static double way_between(const search *s, const pel_blade_tip *tip, int32_t from, int32_t to)
+/* m, from the tip to the edge of the blade at present: by as much as the blade has slid on since it took the vertex */
+static double way_ahead(const search *s, const pel_blade_tip *tip, double way[3])
 {
-    double x[3], y[3], ahead[3];
-    place(s, from, x);
-    place(s, to, y);
-    pel_vec3_subtract(x, y, y);
-    pel_vec3_copy(tip->pull, ahead);
-    double rest = pel_vec3_distance(s->mesh->positions[from], s->mesh->positions[to]);
-    return pel_max(LEAST_WAY * rest, pel_vec3_normalize(ahead) > 0 ? pel_vec3_dot(y, ahead) : rest);
+    double edge[2][3], x[3], weights[2];
+    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
+    place(s, tip->vertex, x);
+    pel_closest_point_segment(x, edge[0], edge[1], weights);
+    pel_vec3_scale(edge[0], weights[0], way);
+    pel_vec3_along(way, weights[1], edge[1], way);
+    pel_vec3_subtract(way, x, way);
+    return pel_vec3_length(way);
 }
 
-/* A blade that resists cuts the length by which it has slid, so that it stays where the cut ends. */
+/* A blade that resists cuts towards where it is, by the length that it has slid on: the cut never runs ahead of it. */
 static pel_status cut_slip(search *s, pel_blade_tip *tip, pel_error *error)
 {
-    if (tip->is_pressing || !(tip->slip > LEAST_WAY * size_of(s, 0)))
+    double way[3], direction[3], length = way_ahead(s, tip, way);
+    if (tip->is_pressing || !(length > LEAST_WAY * size_of(s, 0)))
         return PEL_OK;
     pel_status status = prepare(s, error);
     int32_t before = tip->vertex;
-    double size = status == PEL_OK ? mean_edge(s, before) : 0, direction[3];
-    if (status != PEL_OK || !(tip->slip > size * pel_min(1, present_stretch(s, before))))
+    if (status != PEL_OK || !(length > mean_edge(s, before) * pel_min(1, present_stretch(s, before))))
         return status;
-    find_course(s, tip, size, direction);
+    pull_back(s, before, way, direction);
+    if (pel_vec3_length(tip->ahead) > 0 && pel_vec3_dot(direction, tip->ahead) < LEAST_COSINE)
+        return status;
     /* inside the surface two edges open together, or none */
     bool is_first = !tip->is_open && !is_on_border(s, before), is_done = false;
-    for (int i = 0; status == PEL_OK && !is_done && i < 1 + is_first; i++) {
-        int32_t from = tip->vertex;
+    for (int i = 0; status == PEL_OK && !is_done && i < 1 + is_first; i++)
         status = advance(s, tip, i > 0 ? tip->ahead : direction, &is_done, error);
-        if (tip->vertex != from)
-            tip->slip -= way_between(s, tip, from, tip->vertex);
-    }
     if (is_done && tip->vertex != before)
         remove_tip(s, tip);
     return status;

@@ -72,7 +72,6 @@ typedef struct pel_blade_tip {
     double ahead[3];      /* unit, at rest: the last edge; 0 = none yet */
     double pull[3];       /* N, of the vertex on the blade when it last held it; 0 = not yet */
     double width;         /* m, at rest, of the edge that presses */
-    double slip;          /* m, by which the blade has slid on since the cut came to the vertex */
 } pel_blade_tip;
 
 /* places at which one blade cuts at most */

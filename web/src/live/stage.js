@@ -201,11 +201,22 @@ function outsideOf(corners, positions) {
     return volume < 0 ? BackSide : FrontSide;
 }
 
+// of a blade or hook: a rod along the edge, six numbers
+function edgeGeometry(edge) {
+    const from = new Vector3(...edge.slice(0, 3));
+    const along = new Vector3(...edge.slice(3)).sub(from);
+    const length = along.length();
+    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along.clone().normalize());
+    const middle = from.addScaledVector(along, 0.5);
+    return new CapsuleGeometry(length / 40, length, 4, 12).applyQuaternion(turn).translate(middle.x, middle.y, middle.z);
+}
+
 function toolGeometry(tool, size) {
     const length = (value) => value / size;
     if (tool.shape === "sphere") return new SphereGeometry(length(tool.radius), 40, 24);
     if (tool.shape === "capsule") return new CapsuleGeometry(length(tool.radius), length(2 * tool.half_length), 12, 32).rotateX(Math.PI / 2);
     if (tool.shape === "box") return new BoxGeometry(...tool.half_extents.map((half) => length(2 * half)));
+    if (tool.edge) return edgeGeometry(tool.edge.map(length));
     if (!tool.positions) return null;
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(Float32Array.from(tool.positions, length), 3));
