@@ -294,8 +294,8 @@ static const bad_scene bad_scenes[] = {
      "--set bodies.bell.name=x: error: unknown element 'bell'. did you me"},
     {BALL, "bodies.0.mesh={shape: grid, radus: 1}",
      "--set bodies.0.mesh={shape: grid, radus: 1}: error: unknown key 'radus'. known are: shape, nx, "},
-    {BALL, "bodies.0.mesh.nz=1",
-     "--set bodies.0.mesh.nz=1: error: unknown key 'nz'. known are: shape, frequency, radius"},
+    {BALL, "bodies.0.mesh.nn=1",
+     "--set bodies.0.mesh.nn=1: error: unknown key 'nn'. known are: shape, frequency, radius"},
     {BALL, "bodies.0.mesh=", "a.yaml:4:5: error: bodies.0 lacks 'mesh'"},
     {BALL, "duration=", "a.yaml:1:1: error: the scene lacks 'duration'"},
 };
