@@ -75,6 +75,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_CLOSE_START] = "close-start",
     [PEL_WARN_POISSON] = "poisson-above-half",
     [PEL_WARN_COARSE_VOLUME] = "coarse-volume",
+    [PEL_WARN_FAST_BLADE] = "fast-blade",
     [PEL_WARN_WEIGHTLESS] = "weightless-filling",
     [PEL_WARN_HOLLOW] = "hollow-body",
     [PEL_WARN_FALLS] = "falls-away",
@@ -184,6 +185,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
     if (status == PEL_OK)
         status = pel_warnings_check_rows(run, error);
     pel_warnings_check_pressures(run);
+    pel_warnings_check_blades(run);
     if (softness > SOFTNESS_LIMIT)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
     for (int32_t b = 0; status == PEL_OK && b < run->scene->model.body_count; b++) {
@@ -676,6 +678,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_POISSON] = pel_tell_poisson,
     [PEL_WARN_SPRING_NET] = pel_tell_springs,
     [PEL_WARN_COARSE_VOLUME] = pel_tell_coarse_volume,
+    [PEL_WARN_FAST_BLADE] = pel_tell_fast_blade,
     [PEL_WARN_WEIGHTLESS] = pel_tell_weightless,
     [PEL_WARN_HOLLOW] = pel_tell_hollow,
     [PEL_WARN_FALLS] = pel_tell_falls,
@@ -773,7 +776,7 @@ static bool is_of_scene(int kind)
     return kind == PEL_WARN_SOFT || kind == PEL_WARN_MILLIMETRES || kind == PEL_WARN_INVERTED_MESH ||
            kind == PEL_WARN_HELD_IN_PLACE || kind == PEL_WARN_CLOSE_START || kind == PEL_WARN_HINGE_ROW ||
            kind == PEL_WARN_OPEN_SEAM || kind == PEL_WARN_LARGEST_PRESSURE || kind == PEL_WARN_POISSON ||
-           kind == PEL_WARN_WEIGHTLESS || kind == PEL_WARN_COARSE_VOLUME;
+           kind == PEL_WARN_WEIGHTLESS || kind == PEL_WARN_COARSE_VOLUME || kind == PEL_WARN_FAST_BLADE;
 }
 
 void pel_warnings_tell(pel_run_state *run, bool is_over)
