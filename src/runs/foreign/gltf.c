@@ -158,8 +158,10 @@ static pel_status read_primitive(gltf_reader *reader, primitive *p, const pel_js
     if (status == PEL_OK)
         status = pel_gltf_named(g, p->node, "indices", PEL_GLTF_ACCESSORS, &indices, error);
     /* without positions a primitive is not drawn */
-    if (status != PEL_OK || positions == NULL)
+    if (status != PEL_OK || positions == NULL) {
+        p->skin = -1;
         return status;
+    }
     status = pel_gltf_numbers(g, positions, 3, &p->rest, &p->count, error);
     p->corner_count = p->count;
     if (status == PEL_OK && indices != NULL)
