@@ -153,6 +153,9 @@ pel_status pel_gltf_influences_read(pel_gltf *g, const pel_json_node *attributes
         status = check_influences(g, attributes, count, joint_count, influences, error);
     if (status == PEL_OK)
         normalise(influences, count);
+    /* without a weight any number may stand there */
+    for (size_t i = 0; i < all && status == PEL_OK; i++)
+        influences->joints[i] = influences->weights[i] > 0 ? influences->joints[i] : 0;
     return status;
 }
 
