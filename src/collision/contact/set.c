@@ -251,6 +251,17 @@ static void add_load(const pel_contact_key *from, double side, pel_contact_key *
     pel_vec3_along(to->mean_drag, side, from->mean_drag, to->mean_drag);
 }
 
+/* the same of a pair with the same normal, within a substep */
+static void add_multiplier(const pel_contact *from, pel_contact *to)
+{
+    to->multiplier += from->multiplier;
+    to->earlier += from->earlier;
+    for (int k = 0; k < 3; k++) {
+        to->drag[k] += from->drag[k];
+        to->stopped[k] += from->stopped[k];
+    }
+}
+
 void pel_contact_set_sort(pel_contact_set *set)
 {
     int32_t count = set->list.count > 0 ? 1 : 0;
@@ -267,6 +278,7 @@ void pel_contact_set_sort(pel_contact_set *set)
             at--;
         if (at > 0 && compare_keys(&set->keys[at - 1], &key) == 0) {
             add_load(&key, 1, &set->keys[at - 1]);
+            add_multiplier(&contact, &set->list.contacts[at - 1]);
             continue;
         }
         for (int32_t i = count; i > at; i--) {
@@ -919,6 +931,8 @@ pel_status pel_contact_set_add_way(pel_contact_set *set, const pel_collision_res
     merger m = {.set = set, .impacts = set->impacts, .obstacle_reach = HUGE_VAL, .vertex = -1};
     set->has_home = false;
     set->statistics.rounds++;
+    /* pairs have gone to other triangles since their loads were kept */
+    pel_contact_set_sort(set);
     return merge(&m, found, error);
 }
 

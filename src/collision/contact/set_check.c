@@ -22,9 +22,7 @@ static bool is_before(const pel_contact_key *a, const pel_contact_key *b)
 {
     if (a->edge_edge != b->edge_edge)
         return b->edge_edge;
-    /* a pair that stands for a ring moves among its triangles, and one of them may have a pair of its own */
-    const bool moves = a->ring != 0 || b->ring != 0;
-    return a->first < b->first || (a->first == b->first && (moves || a->second < b->second));
+    return a->first < b->first || (a->first == b->first && a->second < b->second);
 }
 
 /* points of bodies stand in the contact, those of obstacles weigh nothing there */
