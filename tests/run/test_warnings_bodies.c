@@ -153,6 +153,14 @@ static void test_nothing_acts(void **unused)
     assert_non_null(strstr(warning->text, "load 'push' begins at t = 3 s, and the run ends at 0.1 s"));
     run_scene(ball, &gravity, 1, NULL, 0, &summary);
     assert_null(find_warning(&summary, "nothing-acts"));
+    /* a cut acts, though nothing moves */
+    static const char sheet[] = "version: 1\nbodies: [{ name: sheet, mesh: { shape: grid, nx: 8, ny: 8 }, membrane: { "
+                                "preset: rubber }, pinned: boundary }]\nduration: 0.02\n";
+    const char *cut = "cuts=[{ at: 0, path: [[-0.3, 0, 0], [0.3, 0, 0]] }]";
+    run_scene(sheet, NULL, 0, NULL, 0, &summary);
+    assert_non_null(find_warning(&summary, "nothing-acts"));
+    run_scene(sheet, &cut, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "nothing-acts"));
     /* a liquid needs gravity */
     static const char tub[] = "version: 1\nbodies: [{ name: tub, mesh: { shape: grid }, membrane: { preset: rubber }, "
                               "pinned: boundary, fluid: { level: 0.5 } }]\nduration: 0.02\n";

@@ -238,7 +238,7 @@ int pel_contact_smooth_ring(const pel_contact_set *set, int32_t triangle, int32_
 /* Without a surface. PEL_OUT_OF_MEMORY; free with pel_contact_set_destroy, also what failed. */
 pel_status pel_contact_set_create(const pel_contact_set_def *def, pel_contact_set **set, pel_error *error);
 void pel_contact_set_destroy(pel_contact_set *set);
-/* Pairs that went to other triangles of their rings in the order of their keys; what came to the same triangle is one.
+/* Sorts pairs by their keys after some moved to other triangles of their rings, and merges pairs of the same triangle.
  */
 void pel_contact_set_sort(pel_contact_set *set);
 /* Before a step: nothing has pushed in it. */

@@ -85,6 +85,11 @@ void pel_inertia_of_sheet(const pel_mesh *mesh, double density, pel_inertia *ine
 
 bool pel_inertia_invert(const double m[3][3], double inverse[3][3])
 {
+    return pel_inertia_invert_above(m, LEAST_DETERMINANT, inverse);
+}
+
+bool pel_inertia_invert_above(const double m[3][3], double least, double inverse[3][3])
+{
     double trace = m[0][0] + m[1][1] + m[2][2], determinant = 0;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
@@ -93,7 +98,7 @@ bool pel_inertia_invert(const double m[3][3], double inverse[3][3])
         }
     for (int k = 0; k < 3; k++)
         determinant += m[0][k] * inverse[k][0];
-    bool has_inverse = determinant > LEAST_DETERMINANT * trace * trace * trace;
+    bool has_inverse = determinant > least * trace * trace * trace;
     for (int i = 0; i < 3; i++)
         pel_vec3_scale(inverse[i], has_inverse ? 1 / determinant : 0, inverse[i]);
     return has_inverse;

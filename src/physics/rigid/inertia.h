@@ -16,6 +16,8 @@ void pel_inertia_of_sheet(const pel_mesh *mesh, double density, pel_inertia *ine
 
 /* the inverse of a symmetric matrix; false, and zeros, where it has none */
 bool pel_inertia_invert(const double tensor[3][3], double inverse[3][3]);
+/* The same, none if its determinant is at most `least` of the cube of its trace. */
+bool pel_inertia_invert_above(const double tensor[3][3], double least, double inverse[3][3]);
 
 /* Masses (vertex_count) of vertices whose sum and center are those of the inertia: shares (vertex_count) > 0, tilted as
    little as that takes. The center has to be inside of their convex hull; false if it is not. masses may be shares. */

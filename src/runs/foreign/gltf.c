@@ -392,15 +392,16 @@ static pel_status read_sequence(gltf_reader *reader, const char *name, double fp
 
 /* ---- files ---- */
 
-static void begin(gltf_reader *reader, const char *name, const void *bytes, size_t size)
-{
-    reader->g.path = name;
-    reader->g.bytes = bytes;
-    reader->g.size = size;
-    pel_polygon_soup_init(&reader->soup, 0);
-}
+/* the result that is asked for: a mesh, or a sequence where mesh is null */
+typedef struct wanted {
+    const pel_log *log;
+    pel_mesh **mesh;
+    const char *animation;
+    double fps;
+    pel_sequence **sequence;
+} wanted;
 
-static void end(gltf_reader *reader)
+static void free_reader(gltf_reader *reader)
 {
     pel_polygon_soup_free(&reader->soup);
     for (size_t i = 0; i < reader->primitive_count; i++)
@@ -412,66 +413,57 @@ static void end(gltf_reader *reader)
     pel_gltf_free(&reader->g);
 }
 
-static pel_status parse(gltf_reader *reader, const char *name, const void *bytes, size_t size, const pel_log *log,
-                        pel_mesh **mesh, pel_error *error)
+static pel_status parse(const char *name, const void *bytes, size_t size, bool is_alone, const wanted *want,
+                        pel_error *error)
 {
-    begin(reader, name, bytes, size);
-    pel_status status = read_mesh(reader, log, mesh, NULL, error);
-    if (status != PEL_OK) {
-        pel_mesh_destroy(*mesh);
-        *mesh = NULL;
+    gltf_reader reader = {.g = {.path = name, .bytes = bytes, .size = size, .is_alone = is_alone}};
+    pel_polygon_soup_init(&reader.soup, 0);
+    pel_status status = want->mesh != NULL ? read_mesh(&reader, want->log, want->mesh, NULL, error)
+                                           : read_sequence(&reader, want->animation, want->fps, want->sequence, error);
+    if (status != PEL_OK && want->mesh != NULL) {
+        pel_mesh_destroy(*want->mesh);
+        *want->mesh = NULL;
     }
-    end(reader);
+    free_reader(&reader);
+    return status;
+}
+
+static pel_status read_file(const char *path, const wanted *want, pel_error *error)
+{
+    char *bytes;
+    size_t size;
+    pel_status status = pel_file_read(path, &bytes, &size, error);
+    if (status == PEL_OK)
+        status = parse(path, bytes, size, false, want, error);
+    pel_free(bytes);
     return status;
 }
 
 pel_status pel_gltf_parse(const char *name, const void *bytes, size_t size, const pel_log *log, pel_mesh **mesh,
                           pel_error *error)
 {
-    gltf_reader reader = {.g.is_alone = true};
     *mesh = NULL;
-    return parse(&reader, name, bytes, size, log, mesh, error);
+    return parse(name, bytes, size, true, &(wanted){.log = log, .mesh = mesh}, error);
 }
 
 pel_status pel_gltf_read(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error)
 {
-    gltf_reader reader = {.mesh_count = 0};
-    char *bytes;
-    size_t size;
     *mesh = NULL;
-    pel_status status = pel_file_read(path, &bytes, &size, error);
-    if (status == PEL_OK)
-        status = parse(&reader, path, bytes, size, log, mesh, error);
-    pel_free(bytes);
-    return status;
+    return read_file(path, &(wanted){.log = log, .mesh = mesh}, error);
 }
 
 pel_status pel_gltf_parse_sequence(const char *name, const void *bytes, size_t size, const char *animation, double fps,
                                    pel_sequence **sequence, pel_error *error)
 {
-    gltf_reader reader = {.g.is_alone = true};
     *sequence = NULL;
-    begin(&reader, name, bytes, size);
-    pel_status status = read_sequence(&reader, animation, fps, sequence, error);
-    end(&reader);
-    return status;
+    return parse(name, bytes, size, true, &(wanted){.animation = animation, .fps = fps, .sequence = sequence}, error);
 }
 
 pel_status pel_gltf_read_sequence(const char *path, const char *animation, double fps, pel_sequence **sequence,
                                   pel_error *error)
 {
-    gltf_reader reader = {.mesh_count = 0};
-    char *bytes;
-    size_t size;
     *sequence = NULL;
-    pel_status status = pel_file_read(path, &bytes, &size, error);
-    if (status == PEL_OK) {
-        begin(&reader, path, bytes, size);
-        status = read_sequence(&reader, animation, fps, sequence, error);
-        end(&reader);
-    }
-    pel_free(bytes);
-    return status;
+    return read_file(path, &(wanted){.animation = animation, .fps = fps, .sequence = sequence}, error);
 }
 
 bool pel_gltf_is(const char *path)

@@ -9,6 +9,7 @@
 #include "model/model.h"
 #include "model/quantity.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "run/state.h"
 
 #include <math.h>
@@ -154,6 +155,13 @@ static double least_size(const pel_scene *scene)
     return least;
 }
 
+/* a cut in a sheet without stress moves nothing */
+static bool is_cut(const pel_run_state *run)
+{
+    pel_cut_reading cuts;
+    return pel_sim_get_cuts(run->sim, -1, &cuts, NULL) == PEL_OK && cuts.length > 0;
+}
+
 /* A tool that touches nothing has a warning of its own, and so has one that is held back. */
 static void check_action(pel_run_state *run, int64_t frame)
 {
@@ -161,7 +169,7 @@ static void check_action(pel_run_state *run, int64_t frame)
     bool is_still = run->ledger.supplied <= run->ledger.tolerance && most <= STILL_SHARE * least_size(run->scene);
     bool is_idle =
         run->totals.warnings.of[PEL_WARN_TOOL_IDLE].count > 0 || run->totals.warnings.of[PEL_WARN_TOOL_HELD].count > 0;
-    if (is_still && !is_idle && run->session == NULL && pel_sim_analysis(run->sim) == PEL_ANALYSIS_NONE)
+    if (is_still && !is_idle && !is_cut(run) && run->session == NULL && pel_sim_analysis(run->sim) == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_NOTHING, frame, 0);
 }
 

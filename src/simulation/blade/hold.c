@@ -124,17 +124,17 @@ void pel_blade_pierce(pel_sim *sim, pel_tool *tool)
 
 /* ---- sliding ---- */
 
-/* N/m, of the sheet around a vertex */
-static double stiffness_of(const pel_sim *sim, int32_t body)
-{
-    const pel_body *own = &sim->model->bodies[body];
-    return TIP_SHARE * sim->tools->strengths[body] / sqrt(own->rest_area / own->mesh->vertex_count);
-}
-
+/* m, about the mean edge at rest */
 static double edge_of(const pel_sim *sim, int32_t body)
 {
     const pel_body *own = &sim->model->bodies[body];
     return sqrt(own->rest_area / own->mesh->vertex_count);
+}
+
+/* N/m, of the sheet around a vertex */
+static double stiffness_of(const pel_sim *sim, int32_t body)
+{
+    return TIP_SHARE * sim->tools->strengths[body] / edge_of(sim, body);
 }
 
 /* the point of the edge nearest to x, and its way in the step */

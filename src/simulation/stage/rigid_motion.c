@@ -4,23 +4,9 @@
 #include "base/assert.h"
 #include "math/pose.h"
 #include "math/vec3.h"
+#include "rigid/inertia.h"
 
 #define LEAST_INERTIA 1e-12
-
-static void invert(const double m[3][3], double inverse[3][3])
-{
-    double trace = m[0][0] + m[1][1] + m[2][2], determinant = 0;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
-            inverse[k][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
-        }
-    for (int k = 0; k < 3; k++)
-        determinant += m[0][k] * inverse[k][0];
-    double scale = determinant > LEAST_INERTIA * trace * trace * trace ? 1 / determinant : 0;
-    for (int i = 0; i < 3; i++)
-        pel_vec3_scale(inverse[i], scale, inverse[i]);
-}
 
 void pel_rigid_apply(const double m[3][3], const double x[3], double y[3])
 {
@@ -110,7 +96,7 @@ pel_rigid_motion pel_rigid_motion_of(const pel_sim *sim, int32_t body, const pel
             for (int b = 0; b < 3; b++)
                 inertia[a][b] += mass * ((a == b ? pel_vec3_squared_length(x) : 0) - x[a] * x[b]);
     }
-    invert((const double(*)[3])inertia, motion.inverse_inertia);
+    pel_inertia_invert_above((const double(*)[3])inertia, LEAST_INERTIA, motion.inverse_inertia);
     pel_rigid_apply((const double(*)[3])motion.inverse_inertia, motion.momentum, motion.spin);
     return motion;
 }
