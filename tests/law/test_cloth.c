@@ -37,6 +37,24 @@ static void pull(const pel_membrane_law *law, double strain[3])
     strain[2] = c13 / determinant;
 }
 
+/* the largest energy of a unit strain, over all directions of warp: by brute force over strains e, with e12 twice in
+   their size */
+static void test_stiffness(void **unused)
+{
+    (void)unused;
+    const pel_membrane_law law = turned(0);
+    const double rest[3] = {0, 0, 0}, step = 3.14159265358979323846 / 400;
+    double d[6], most = 0;
+    pel_membrane_law_response(&law, rest, NULL, d, NULL);
+    for (int i = 0; i < 400; i++)
+        for (int k = 0; k < 400; k++) {
+            const double e11 = sin(k * step) * cos(i * step), e22 = sin(k * step) * sin(i * step);
+            const double shear = sqrt(2) * cos(k * step);
+            most = fmax(most, d[0] * e11 * e11 + 2 * d[1] * e11 * e22 + d[3] * e22 * e22 + d[5] * shear * shear);
+        }
+    assert_near(pel_membrane_law_stiffness(&law), most, 1e-4 * most);
+}
+
 /* Jones 1975: modulus, lateral strain and shear of a pull at the angle a to the warp */
 static void test_off_axis(void **unused)
 {
@@ -211,9 +229,13 @@ static void test_derivatives(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_off_axis),     cmocka_unit_test(test_turned_stress_and_tangent),
-        cmocka_unit_test(test_refusals),     cmocka_unit_test(test_sheared_sheet),
-        cmocka_unit_test(test_pulled_sheet), cmocka_unit_test(test_derivatives),
+        cmocka_unit_test(test_stiffness),
+        cmocka_unit_test(test_off_axis),
+        cmocka_unit_test(test_turned_stress_and_tangent),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_sheared_sheet),
+        cmocka_unit_test(test_pulled_sheet),
+        cmocka_unit_test(test_derivatives),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,15 +66,13 @@ static void check_hello(const char *text)
     free(list);
 }
 
-/* the spring of the hand in a scene with one body [N/m] */
-static double proposed(const char *body)
+/* the first message of a scene; to be freed */
+static char *hello_of(const char *text)
 {
-    char text[600];
     pel_scene *scene;
     pel_model *model;
     pel_sim *sim;
     size_t size;
-    snprintf(text, sizeof text, "version: 1\nbodies:\n  - { name: a, %s }\nduration: 1\n", body);
     assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
     assert_int_equal(pel_model_create(&scene->model, &model, NULL), PEL_OK);
     scene->sim.model = model;
@@ -85,15 +83,35 @@ static double proposed(const char *body)
     memcpy(head, message, size);
     head[size] = 0;
     check_hello(head);
-    const char *found = strstr(head, "\"stiffness\":");
-    assert_non_null(found);
-    double stiffness = strtod(found + strlen("\"stiffness\":"), NULL);
-    free(head);
     pel_free(message);
     pel_sim_destroy(sim);
     pel_model_destroy(model);
     pel_scene_destroy(scene);
+    return head;
+}
+
+/* the spring of the hand in a scene with one body [N/m] */
+static double proposed(const char *body)
+{
+    char text[600];
+    snprintf(text, sizeof text, "version: 1\nbodies:\n  - { name: a, %s }\nduration: 1\n", body);
+    char *head = hello_of(text);
+    const char *found = strstr(head, "\"stiffness\":");
+    assert_non_null(found);
+    double stiffness = strtod(found + strlen("\"stiffness\":"), NULL);
+    free(head);
     return stiffness;
+}
+
+/* the page draws blades and hooks between the ends of their edges */
+static void test_edges(void **unused)
+{
+    (void)unused;
+    char *head = hello_of("version: 1\nbodies:\n  - { name: a, mesh: { shape: grid }, membrane: { preset: rubber } }\n"
+                          "tools:\n  - { name: knife, shape: blade, edge: [[0, 0.5, -0.25], [0.125, 0, 0.75]], motion: "
+                          "[{ position: [3, 0, 0] }] }\nduration: 1\n");
+    assert_non_null(strstr(head, "\"edge\":[0,0.5,-0.25,0.125,0,0.75]"));
+    free(head);
 }
 
 static double of_tissue(double radius, double young)
@@ -130,6 +148,7 @@ static void test_stiffnesses(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moduli), cmocka_unit_test(test_stiffnesses)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_edges), cmocka_unit_test(test_moduli),
+                                       cmocka_unit_test(test_stiffnesses)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

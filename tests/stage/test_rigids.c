@@ -366,6 +366,33 @@ static void test_tie(void **state)
     rigid_scene_end(&scene);
 }
 
+/* a body on a slack thread moves freely */
+static void test_slack(void **state)
+{
+    (void)state;
+    static const double low[3] = {0, 0, 0}, high[3] = {0, 0, 0.4};
+    static const int32_t corners[4] = {4, 5, 6, 7};
+    rigid_scene scene;
+    rigid_scene_begin(&scene);
+    rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, low), 1000)->velocity[2] = 0.5;
+    rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, high), 1000);
+    pel_tie_def tie = pel_tie_def_default();
+    tie.name = "rope";
+    tie.vertices = corners;
+    tie.vertex_count = 4;
+    tie.target = PEL_TIE_BODY;
+    tie.to_body = 1;
+    tie.stiffness = 1000;
+    scene.def.ties = &tie;
+    scene.def.tie_count = 1;
+    rigid_scene_make(&scene);
+    rigid_scene_run(&scene, 0.2);
+    pel_rigid_reading thrown = rigid_scene_read(&scene, 0), still = rigid_scene_read(&scene, 1);
+    assert_near(thrown.velocity[2], 0.5, 1e-12);
+    assert_near(pel_vec3_length(still.velocity), 0, 1e-12);
+    rigid_scene_end(&scene);
+}
+
 /* a tool that grasps a vertex holds the body as a whole, and carries its weight */
 static void test_grasp(void **state)
 {
@@ -455,7 +482,8 @@ int main(void)
         cmocka_unit_test(test_pendulum), cmocka_unit_test(test_reaction),  cmocka_unit_test(test_slide),
         cmocka_unit_test(test_topple),   cmocka_unit_test(test_roll),      cmocka_unit_test(test_stack),
         cmocka_unit_test(test_snapshot), cmocka_unit_test(test_setters),   cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_grasp),    cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_slack),    cmocka_unit_test(test_grasp),     cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
