@@ -142,7 +142,7 @@ static double load_at(const pel_minimise_contact *constraint, double gap)
 static bool find_drag(const pel_sim *sim, const pel_minimise_contact *constraint, const double *position,
                       double drag[3])
 {
-    if (!(constraint->friction > 0) || !(constraint->load > 0))
+    if (!(constraint->friction > 0) || !(constraint->grip > 0))
         return false;
     double now[3], before[3], slip[3];
     pel_minimise_contact_point(constraint, position, now);
@@ -183,7 +183,7 @@ static double evaluate(const pel_sim *sim, const pel_minimise_contact *constrain
         energy += along * along / (2 * constraint->share * constraint->stiffness);
     }
     if (find_drag(sim, constraint, position, drag)) {
-        double limit = constraint->friction * constraint->load, length = limit_length(drag, limit);
+        double limit = constraint->friction * constraint->grip, length = limit_length(drag, limit);
         push(constraint, constraint->weights, drag, force);
         energy += (length <= limit ? 0.5 * length * length : limit * (length - 0.5 * limit)) / constraint->across;
     }
@@ -193,7 +193,7 @@ static double evaluate(const pel_sim *sim, const pel_minimise_contact *constrain
 /* a stick holds with all of the stiffness across the normal; a slip turns its force at most */
 static void drag_stiffness(const pel_minimise_contact *constraint, const double drag[3], double across[3][3])
 {
-    double length = pel_vec3_length(drag), limit = constraint->friction * constraint->load;
+    double length = pel_vec3_length(drag), limit = constraint->friction * constraint->grip;
     bool slips = length > limit;
     double stiffness = constraint->across * (slips ? limit / length : 1);
     for (int a = 0; a < 3; a++)
@@ -349,6 +349,7 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
     double own = minimise->stiffness / free;
     double most = added->load > 0 ? MOST_DEPTH * added->thickness / added->load : HUGE_VAL;
     double compliance = minimise->penalty >= PEL_JAM_PENALTY ? pel_min(added->compliance, most) : 0;
+    added->grip = added->load;
     added->stiffness = minimise->penalty * own;
     if (compliance * MOST_LAYER * own > 1)
         added->stiffness = pel_max(added->stiffness, ALONE / compliance);
@@ -358,17 +359,34 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
     return PEL_OK;
 }
 
+bool pel_minimise_contacts_grip(pel_sim *sim, const double *position)
+{
+    pel_minimise *minimise = sim->minimise;
+    bool any = false;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        pel_minimise_contact *constraint = &minimise->constraints[c];
+        pel_gap_sample meeting;
+        if (!(constraint->friction > 0))
+            continue;
+        pel_minimise_contact_meet(sim, constraint, position, &meeting);
+        double grip = pel_max(0, load_at(constraint, meeting.gap));
+        any |= grip != constraint->grip;
+        constraint->grip = grip;
+    }
+    return any;
+}
+
 /* N, how much the friction force differs from Coulomb's limit under a new load */
 static double misfit_of(const pel_sim *sim, const pel_minimise_contact *constraint, double load)
 {
     pel_minimise_contact loaded = *constraint;
     double drag[3];
-    loaded.load = pel_max(load, constraint->load);
+    loaded.grip = pel_max(load, constraint->grip);
     if (!find_drag(sim, &loaded, sim->minimise->position, drag))
         return 0;
     double length = pel_vec3_length(drag);
     return fabs(pel_min(length, constraint->friction * load) -
-                pel_min(length, constraint->friction * constraint->load));
+                pel_min(length, constraint->friction * constraint->grip));
 }
 
 static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_contact_change *sum)
@@ -381,14 +399,14 @@ static void update(const pel_sim *sim, pel_minimise_contact *constraint, pel_con
     sum->misfit += misfit_of(sim, constraint, load);
     sum->limit += constraint->friction * load;
     if (find_drag(sim, constraint, position, drag)) {
-        limit_length(drag, constraint->friction * constraint->load);
+        limit_length(drag, constraint->friction * constraint->grip);
         change = pel_vec3_distance(drag, constraint->drag);
         pel_vec3_copy(drag, constraint->drag);
     } else {
         pel_vec3_set(constraint->drag, 0, 0, 0);
     }
     double gap = fabs(load - constraint->load) / (constraint->share * constraint->stiffness);
-    constraint->load = load;
+    constraint->load = constraint->grip = load;
     sum->gap = pel_max(sum->gap, gap / constraint->tolerance);
     sum->slip = pel_max(sum->slip, change / (constraint->across * constraint->tolerance));
 }
@@ -448,7 +466,7 @@ static void balance(const pel_sim *sim, pel_minimise_contact *constraint, double
     pel_vec3_subtract(drag, constraint->drag, change);
     pel_vec3_along(change, load - constraint->load, meeting.normal, change);
     push(constraint, meeting.weights, change, force);
-    constraint->load = load;
+    constraint->load = constraint->grip = load;
     pel_vec3_copy(drag, constraint->drag);
 }
 
@@ -532,7 +550,7 @@ void pel_minimise_contacts_take_kept(pel_sim *sim)
     for (int32_t c = 0; c < minimise->count; c++) {
         pel_minimise_contact *constraint = &minimise->constraints[c];
         const pel_minimise_load *found = find_kept(minimise, constraint), *kept = found != NULL ? found : &none;
-        constraint->load = kept->load;
+        constraint->load = constraint->grip = kept->load;
         pel_vec3_along(kept->drag, -pel_vec3_dot(kept->drag, constraint->normal), constraint->normal, constraint->drag);
     }
 }

@@ -22,6 +22,8 @@ bool pel_minimise_contact_stiffness(const pel_sim *sim, const pel_minimise_conta
                                     pel_contact_stiffness *stiffness);
 /* Constraints as kinks (count) at positions; until pel_minimise_contacts_evaluate stiffnesses are of those that act. */
 void pel_minimise_contacts_list_kinks(pel_sim *sim, const double *position, pel_newton_kink *kinks);
+/* Friction is limited by the loads at positions from here on; false where none has changed. */
+bool pel_minimise_contacts_grip(pel_sim *sim, const double *position);
 /* Loads and drags after a minimisation. */
 pel_contact_change pel_minimise_contacts_update(pel_sim *sim);
 /* Loads that best balance `force`, the forces of the bodies at the end of the step, which is overwritten. stiffness

@@ -12,7 +12,7 @@
 
    Friction resists the tangential displacement u of a point since the start of the step, in the same way: with t = drag
    - stiffness u the energy is that of a spring, |t|^2 / (2 stiffness), up to |t| = friction load and proportional to
-     |t| beyond. The load of the last round is used, so that this is a potential. */
+     |t| beyond. The load at the last linear system or update is used, so that this is a potential. */
 #ifndef PEL_CONSTRAINT_FRAME_H
 #define PEL_CONSTRAINT_FRAME_H
 
@@ -41,6 +41,7 @@ typedef struct pel_minimise_contact {
     double compliance, thickness; /* m/N and m, of the layer; 0 = rigid */
     double tolerance;             /* m, of the gap */
     double load;                  /* N, along the normal */
+    double grip;                  /* N, the load that limits friction: that at the last update or linear system */
     double drag[3];               /* N, across it */
     double drift[3];              /* m, way of the tool there since the step began */
     double friction;

@@ -71,7 +71,8 @@ enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 /* Where they jam, gaps may stay open by this many tolerances, 0.3 of the thickness. The certified distance is less than
    half of the rest. */
 #define JAM_GAP 8
-/* A round limits friction by the loads of the round before. Largest difference from the limits by its own loads. */
+/* A round limits friction by the loads at its last linear system. Largest difference from the limits by its own loads.
+ */
 #define FRICTION_SHARE 0.05
 /* displacement of a tool in one part of a step, relative to half its thickness; share of the path to an impact that is
    taken */

@@ -36,6 +36,10 @@ enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30 }
 /* of a run of a step in time, without constraints and with them */
 enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40 };
 
+/* systems of the first round that are not ended where little energy is left: smooth motion needs no more, and converges
+   fast */
+enum { FIRST_SYSTEMS = 3 };
+
 /* bodies that press against each other; sums are kept with the first of them */
 typedef struct newton_group {
     int32_t leader;   /* a body of the same group with a lower number, or itself */
@@ -120,6 +124,8 @@ void pel_sim_newton_choose(pel_sim *sim)
     pel_newton_choice *choice = &newton->choice;
     double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
     newton->work += (int64_t)work;
+    if (sim->minimise->count > 0)
+        return;
     cost[newton->way] += (cost[newton->way] > 0 ? MEAN_SHARE : 1) * (work - cost[newton->way]);
     bool is_worth = newton->way == PEL_PREPARED || cost[newton->way] > LEAST_COST;
     int32_t first = is_worth && may_prepare(sim) ? PEL_PREPARED : PEL_QUASI, cheapest = newton->way, next = -1;
@@ -377,6 +383,12 @@ static double evaluate_constraints(void *context, const double *unknowns, double
     return energy + springs;
 }
 
+static bool renew_constraints(void *context, const double *unknowns)
+{
+    const pel_minimise_context *at = context;
+    return pel_minimise_contacts_grip(at->sim, unknowns);
+}
+
 static void add_block(pel_matrix *matrix, int32_t i, int32_t j, double weight, const double stiffness[3][3])
 {
     int32_t block = pel_matrix_block(matrix, i, j);
@@ -604,6 +616,7 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context)
     return (pel_newton_terms){
         .context = context,
         .evaluate = evaluate_constraints,
+        .renew = context->is_constrained ? renew_constraints : NULL,
         .add_matrix = add_constraints,
         .list_couplings = list_couplings,
         .add_skew = context->sim->loads->follower_count > 0 ? add_skew : NULL,
@@ -653,12 +666,14 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
-        .keeps_factor = is_dynamic,
+        .keeps_factor = is_dynamic && sim->minimise->count == 0,
         .is_quasi = is_dynamic && !is_exact && newton->lead == NULL && newton->way != PEL_SYSTEMS,
         .is_in_motion = is_dynamic && !is_exact,
         .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
         .rounding = is_exact ? 0 : problem->rounding,
-        .settles = is_dynamic && !is_exact,
+        .settles = !is_dynamic || is_exact ? 0
+                   : problem->goes_on      ? 1
+                                           : FIRST_SYSTEMS,
         .is_dynamic = is_dynamic,
     };
 }
@@ -680,6 +695,16 @@ static pel_descent_result result_of(const pel_newton_result *run)
     };
 }
 
+/* of a run: constraints begin and cease to act along steps of L-BFGS, which then take more time than systems */
+static void choose_way(const pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    if (sim->minimise->count > 0)
+        newton->way = PEL_SYSTEMS;
+    else if (newton->way == PEL_PREPARED && !may_prepare(sim))
+        newton->way = PEL_QUASI;
+}
+
 pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error)
 {
@@ -693,11 +718,10 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         return pel_fail_memory(error);
     bool is_first = !newton->goes_on;
     pel_sim_newton_gather(sim, context->span, !is_dynamic && !context->is_constrained);
+    choose_way(sim);
     pel_newton_problem own = problem_of(context, problem, &terms);
     pel_newton_result run;
     pel_status status = PEL_OK;
-    if (newton->way == PEL_PREPARED && !may_prepare(sim))
-        newton->way = PEL_QUASI;
     if (is_first && newton->way == PEL_PREPARED) {
         status = pel_sim_prepared_begin(sim, &own, error);
         if (status != PEL_OK)

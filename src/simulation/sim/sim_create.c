@@ -40,8 +40,8 @@
 
 enum { SIM_COOKIE = 0x73696d21 };
 
-/* below this many chunks (of 512 vertices) threads cost more than they give */
-enum { CHUNKS_WORTH_THREADS = 4 };
+/* below this many chunks (of 512 vertices) threads cost more than they give; vertices, where steps solve systems */
+enum { CHUNKS_WORTH_THREADS = 4, VERTICES_WORTH_THREADS = 128 };
 
 /* positions farther than this many model sizes from the model count as diverged */
 #define BOUND_SIZES 1e3
@@ -163,7 +163,8 @@ static pel_status start_threads(pel_sim *sim, const pel_sim_def *def, pel_error 
     sim->step.longest = sim->chunk_longest;
     sim->step.ways = def->contact.enabled ? sim->chunk_longest + most : NULL;
     int threads = def->thread_count > 0 ? def->thread_count : pel_thread_limit();
-    bool helps = threads > 1 && most >= CHUNKS_WORTH_THREADS;
+    bool solves = sim->stepper->minimises && sim->model->vertex_count >= VERTICES_WORTH_THREADS;
+    bool helps = threads > 1 && (most >= CHUNKS_WORTH_THREADS || solves);
     /* a pool without helpers asks whether the step is wanted */
     if (!helps && def->wanted == NULL)
         return PEL_OK;

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* sizes of chunks: some 20 microseconds each */
-enum { ROWS_PER_CHUNK = 256, ELEMENTS_PER_PIECE = 64 };
+enum { ROWS_PER_CHUNK = 64, ELEMENTS_PER_PIECE = 64 };
 enum { COLORS_PER_ROUND = 64, CLASS_COUNT = 256 * (PEL_ELEMENT_SIZE_LIMIT + 1) };
 /* values behind the last one that a product may load */
 enum { OVERHANG = 4 };

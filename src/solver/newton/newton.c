@@ -598,6 +598,14 @@ static bool ends_settled(newton_run *run, double press)
     return true;
 }
 
+static void renew_terms(newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    bool renews = terms != NULL && terms->renew != NULL && pel_newton_is_at_targets(run);
+    if (renews && terms->renew(terms->context, run->unknowns))
+        pel_newton_evaluate(run);
+}
+
 /* Full steps of mixed integration points, or as far as the energy falls under constraints. False where they lead
    nowhere. */
 static bool go_full_steps(newton_run *run)
@@ -635,12 +643,15 @@ static bool go_full_steps(newton_run *run)
             since = 0;
             continue;
         }
+        renew_terms(run);
         if (!find_full_step(run))
             return false;
         bool is_short =
             run->kind == PEL_TANGENT_EXACT && pel_newton_longest_move(run->newton) <= run->problem->short_move;
         double before = result->residual;
         is_evaluated = take_step(run);
+        if (is_evaluated)
+            renew_terms(run);
         if (is_evaluated && ends_settled(run, press))
             return true;
         short_steps = is_short ? short_steps + 1 : 0;

@@ -34,6 +34,10 @@ typedef struct pel_newton_terms {
     void *context;
     /* Energy [J] at unknowns; adds its gradient. */
     double (*evaluate)(void *context, const double *unknowns, double *gradient);
+    /* Renews what stays between linear systems, such as limits of friction; false where nothing has changed. Null =
+     * none.
+     */
+    bool (*renew)(void *context, const double *unknowns);
     /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. */
     void (*add_matrix)(void *context, pel_matrix *matrix);
     /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
@@ -90,7 +94,8 @@ typedef struct pel_newton_problem {
     double rest_share; /* Has converged before one step only where each body rests: forces below the tolerance move what
                           is light. This share of the forces that act on a body, or `rounding` [N]; 0 = off */
     double rounding;
-    bool settles;    /* under constraints a step in time may end before that, where little energy is left */
+    int32_t settles; /* under constraints a step in time may end before that, where little energy is left: systems from
+                        which on; 0 = never */
     bool is_dynamic; /* no steps of least energy: masses hold the matrix; else a state of rest that is stable */
 } pel_newton_problem;
 

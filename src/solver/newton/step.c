@@ -30,10 +30,8 @@ enum { KEPT_PRODUCTS = 8 };
 enum { ASSEMBLY_WORK = 2, FACTOR_WORK = 5 };
 
 /* Of the work in a step: energy that constraints may leave. Of what they press: change by the last step. */
-#define SETTLED_SHARE 1e-3
-#define PRESS_SHARE 5e-3
-/* systems before that: smooth motion needs no more, and converges fast */
-enum { FIRST_SYSTEMS = 3 };
+#define SETTLED_SHARE 4e-3
+#define PRESS_SHARE 0.02
 /* of the tolerance, that a step of L-BFGS may leave */
 #define QUASI_SHARE 0.1
 /* multiples of the masses under the matrix of the preconditioner, of stiffness over mass; their growth */
@@ -601,7 +599,7 @@ bool pel_newton_has_converged(newton_run *run)
 
 bool pel_newton_has_settled(const newton_run *run, double slope, double press)
 {
-    return run->problem->settles && run->result->iterations >= FIRST_SYSTEMS && run->press > 0 &&
+    return run->problem->settles > 0 && run->result->iterations >= run->problem->settles && run->press > 0 &&
            -0.5 * slope <= SETTLED_SHARE * run->work && fabs(run->press - press) <= PRESS_SHARE * run->press;
 }
 
