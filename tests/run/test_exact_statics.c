@@ -133,6 +133,25 @@ static void test_bent(void **unused)
     check_near(text, run_quietly(text).max_displacement, 0.01 * 0.02 * 0.008 / 3 / stiffness, 0.01);
 }
 
+/* a strip that a moment at its end rolls up: sin(k L) / k along, (1 - cos(k L)) / k across */
+static void test_rolled(void **unused)
+{
+    (void)unused;
+    const double turns[] = {0.1, 0.2, 0.5}, rigidity = 2e9 * 1e-9 / 12;
+    for (int i = 0; i < 3; i++) {
+        char text[700];
+        double curvature = turns[i] * 2 * 3.14159265358979 / 0.3, angle = 0.3 * curvature;
+        snprintf(text, sizeof text,
+                 SHEET "    mesh: { shape: grid, nx: 40, ny: 4, size_x: 0.3, size_y: 0.03 }\n"
+                       "    membrane: { young: 2.0e9, poisson: 0, thickness: 0.001 }\n    supports: [ { at: { box: { "
+                       "min: [-1, -1, -1], max: [-0.1499, 1, 1] } }, rotation: fixed } ]\nloads: [ { per: moment, "
+                       "force: [0, %.17g, 0], at: { box: { min: [0.1499, -1, -1], max: [1, 1, 1] } } } ]\n" STATIC,
+                 rigidity * curvature);
+        check_near(text, run_quietly(text).max_displacement,
+                   hypot(0.3 - sin(angle) / curvature, (1 - cos(angle)) / curvature), 2e-3);
+    }
+}
+
 static void test_count(void **unused)
 {
     (void)unused;
@@ -143,7 +162,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stretched), cmocka_unit_test(test_pulled), cmocka_unit_test(test_balloons),
-        cmocka_unit_test(test_bent),      cmocka_unit_test(test_count),
+        cmocka_unit_test(test_bent),      cmocka_unit_test(test_rolled), cmocka_unit_test(test_count),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

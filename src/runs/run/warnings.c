@@ -46,6 +46,8 @@ enum { JAM_STEPS = 10 };
 #define EXCESS_SHARE 0.05
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
+/* steps, of which a run shows a motion at any rate; those of a quarter of a vibration that are as long as it needs */
+enum { FEW_STEPS = 4, QUARTER = 10 };
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000
 
@@ -304,6 +306,17 @@ static void check_rest(pel_run_state *run, int64_t frame)
     }
 }
 
+/* Whether a run of few steps is long enough to show a motion: a quarter of the slowest vibration of a body, or an
+   eighth of what a load does. Before that, steps of first order have lost energy, and no amplitude. */
+static bool shows_motion(const pel_run_state *run)
+{
+    pel_motions motions;
+    if (pel_sim_step_count(run->sim) >= FEW_STEPS)
+        return true;
+    bool is_known = pel_scene_find_motions(run->scene, HUGE_VAL, 0, &motions) == PEL_OK;
+    return is_known && pel_sim_time(run->sim) > QUARTER * motions.fastest.dt;
+}
+
 /* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
    followed, not resolved. */
 static void check_motion(pel_run_state *run, int64_t frame)
@@ -314,7 +327,7 @@ static void check_motion(pel_run_state *run, int64_t frame)
     bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
     for (int32_t b = 0; b < scene->model.body_count; b++)
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
-    if (moves && pel_scene_is_undamped(scene) && run->totals.free_loss > ledger->tolerance)
+    if (moves && pel_scene_is_undamped(scene) && run->totals.free_loss > ledger->tolerance && shows_motion(run))
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, run->totals.free_loss / ledger->supplied);
 }
 

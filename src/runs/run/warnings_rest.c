@@ -22,6 +22,8 @@
 /* the static method moves a vertex by more than this share of the body, and this many times as far as the run did */
 #define FAR_SHARE 1e-3
 #define FAR_TIMES 10
+/* of the supplied energy: bodies that have more of it as motion have only just begun to move */
+#define MOST_MOTION 0.6
 /* an equilibrium of more takes too long */
 enum { MOST_VERTICES = 20000 };
 
@@ -55,6 +57,7 @@ static bool is_judged(const pel_run_state *run)
            scene->sim.tool_count == 0 && scene->sim.tie_count == 0 && scene->sim.cut_count == 0 &&
            scene->sim.seam_count == 0 && scene->sim.wind.density == 0 && run->session == NULL &&
            contact.contacts == 0 && run->ledger.elastic > 0 &&
+           run->ledger.kinetic < MOST_MOTION * run->ledger.supplied &&
            run->measures.max_displacement < NEAR_SHARE * least_size(run);
 }
 

@@ -4,7 +4,8 @@
    about it. That is meant for a door, and does not matter for cloth, which its own stiffness could not hold up either.
    It is told where a clamp could: with the moment M of the loads about the row, its length w, the length L of the body
    across it and the bending stiffness D, a clamped strip sags by s = M L / (3 D w) of its length (a force at its end;
-   3/4 of that under its weight). Told where s < 1.
+   3/4 of that under its weight). Told where s < 1. A body that hangs from the row turns back by its weight, as a
+   pendulum or a sign does: there only loads count that turn it farther than its weight can hold.
 
    Loads on few vertices. Under a force P normal to a plate with the bending stiffness D, elements with edges e give a
    deflection under the force that is too large by POINT_ERROR P e^2 / D: measured on a clamped disc with edges of 1/4,
@@ -41,9 +42,11 @@
 #define MOST_SAG 1.0
 /* of all moments of single vertices, that is rounding */
 #define LEAST_MOMENT 1e-6
+/* cosine of the largest angle between gravity and the way from the row to the center of mass of a body that hangs */
+#define LEAST_HANG 0.5
 #define POINT_ERROR 0.15
-#define MOST_ERROR 0.05
-#define GOOD_ERROR 0.03
+#define MOST_ERROR 0.03
+#define GOOD_ERROR 0.02
 /* Edges of a wave of a mode of a body that is no shell. A frequency has half the error of a stiffness. */
 #define LEAST_BUCKLING_WAVE 10.0
 #define LEAST_WAVE 7.0
@@ -163,21 +166,36 @@ static double size_of_moment(const double moment[2])
     return fabs(moment[0]) > LEAST_MOMENT * moment[1] ? fabs(moment[0]) : 0;
 }
 
+/* N m about the row that the weight makes; below 0: of a body that hangs from it, the most that its weight holds */
+static double find_weight_moment(const held_row *row)
+{
+    const pel_model *model = row->run->sim->model;
+    double weight[2] = {0}, center[3] = {0}, gravity[3], mass = 0;
+    for (int32_t v = row->first; v < row->end; v++) {
+        double force[3], arm[3];
+        if (!(model->inverse_mass[v] > 0))
+            continue;
+        double own = 1 / (double)model->inverse_mass[v];
+        pel_vec3_scale(row->run->scene->model.gravity, own, force);
+        add_moment(row, v, force, weight);
+        arm_of(row, v, arm);
+        pel_vec3_along(center, own, arm, center);
+        mass += own;
+    }
+    pel_vec3_copy(row->run->scene->model.gravity, gravity);
+    pel_vec3_along(gravity, -pel_vec3_dot(gravity, row->axis), row->axis, gravity);
+    double most = pel_vec3_length(center) * pel_vec3_length(gravity), along = pel_vec3_dot(center, gravity);
+    bool hangs = mass > 0 && along > LEAST_HANG * most;
+    return hangs ? -most : size_of_moment(weight);
+}
+
 /* N m about the row: of the weight, of each load and of the pressure, as if all turned it the same way */
 static double find_moment(const held_row *row)
 {
     const pel_sim *sim = row->run->sim;
     const pel_model *model = sim->model;
     const pel_body_def *def = &row->run->scene->model.bodies[row->body];
-    double weight[2] = {0}, pressure[2] = {0}, sum = 0;
-    for (int32_t v = row->first; v < row->end; v++) {
-        double force[3];
-        if (!(model->inverse_mass[v] > 0))
-            continue;
-        pel_vec3_scale(row->run->scene->model.gravity, 1 / (double)model->inverse_mass[v], force);
-        add_moment(row, v, force, weight);
-    }
-    sum += size_of_moment(weight);
+    double pressure[2] = {0}, sum = find_weight_moment(row);
     for (int32_t l = 0; l < sim->loads->count; l++) {
         const pel_load *load = &sim->loads->items[l];
         double own[2] = {0};

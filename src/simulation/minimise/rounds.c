@@ -324,12 +324,13 @@ static double deepest_gap(const pel_sim *sim)
     return deepest;
 }
 
-/* N, loads, contacts and holding forces: those are sums of forces of the bodies, whose rounding holds nothing */
+/* N, loads, moments on edges, contacts and holding forces: those are sums of forces of the bodies, whose rounding holds
+   nothing */
 static double acting_force(const pel_sim *sim, double loads)
 {
     double contact = pel_minimise_contacts_force(sim), held = sim->minimise->result.held_force;
     held = held > rounding_force(sim) ? held : 0;
-    return sqrt(loads * loads + contact * contact + held * held);
+    return pel_hypot(sqrt(loads * loads + contact * contact + held * held), sim->minimise->result.moment_force);
 }
 
 /* Relative to the acting forces, or to the rounding of the forces of a body where those are lost in it. If none acts

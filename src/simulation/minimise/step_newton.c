@@ -739,6 +739,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->minimise->position[3 * v + k] = newton->unknowns[3 * v + k];
     *result = result_of(&run);
+    result->moment_force = pel_newton_moment_force(sim->newton, newton->loads);
     pel_edge_loads_add_work(sim, context->span, pel_newton_turns(sim->newton));
     return status;
 }

@@ -42,6 +42,7 @@ typedef struct pel_descent_result {
     double first_residual; /* N, that at the start */
     double held_force;     /* N, root of the sum of squares of the forces on the vertices that are held */
     double inertia_force;  /* N, (Newton's method) root of the sum of squares of the forces of inertia */
+    double moment_force;   /* N, (Newton's method) that of moments on edges, each as a force at the end of its edge */
     bool converged;
     bool is_near;  /* by short_move */
     bool unstable; /* (Newton's method) no minimum was found beside the balance */
