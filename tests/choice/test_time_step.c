@@ -94,8 +94,34 @@ static void test_choice(void **unused)
     }
 }
 
+/* a solid whose systems take long is told before the first step, with an edge that would do; xpbd solves none */
+static void test_solid_cost(void **unused)
+{
+    (void)unused;
+    const char *const text = "version: 1\nbodies:\n  - name: organ\n    mesh: { shape: box, nx: 8, ny: 8, nz: 8 }\n"
+                             "    volume: { young: 10000, edge: %s }\n    pinned: { nearest: [0, 0, 0] }\n"
+                             "solver: { method: %s }\nduration: 1\n";
+    static const struct {
+        const char *edge, *method;
+        bool tells;
+    } cases[] = {{"0.03", "static", true}, {"0.06", "static", false}, {"0.03", "xpbd", false}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        char scene_text[500];
+        heard told = {""};
+        pel_log log = {.write = hear, .user = &told};
+        pel_scene *scene = NULL;
+        snprintf(scene_text, sizeof scene_text, text, cases[c].edge, cases[c].method);
+        assert_int_equal(pel_scene_parse("a.yaml", scene_text, strlen(scene_text), NULL, 0, &log, &scene, NULL),
+                         PEL_OK);
+        assert_true((strstr(told.text, "'organ' has ") != NULL) == cases[c].tells);
+        /* 12 tetrahedra a cell of the lattice: 431,000, three systems of a minute */
+        assert_true(!cases[c].tells || strstr(told.text, "volume.edge at least 1.7 times as long") != NULL);
+        pel_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice), cmocka_unit_test(test_solid_cost)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -221,6 +221,16 @@ static void what_cannot_be_filled_is_refused(void **state)
     assert_refused(box, 1e-3, PEL_BAD_ARGUMENT, "");
     assert_refused(disk, 0.1, PEL_BAD_MESH, "triangle");
     assert_refused(torus, 1.5, PEL_BAD_MESH, "triangle");
+    /* a torus about as thin as the edge, whose surface would touch itself: the edge of the remedy serves */
+    pel_error error;
+    pel_transform transform = pel_transform_default();
+    const double turn[4] = {1, 2, 3, 14}; /* x, y, z, w */
+    memcpy(transform.rotation, turn, sizeof turn);
+    assert_int_equal(pel_mesh_transform(torus, &transform, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_fill(torus, 0.4, &filled, &error), PEL_BAD_MESH);
+    assert_non_null(strstr(error.what, "about as thin as the tetrahedra"));
+    assert_non_null(strstr(error.remedy, "at most 0.28 m"));
+    pel_mesh_destroy(fill(torus, 0.28));
     filled = fill(plate, 0.1); /* one cell thick */
     assert_near(check_whole(filled).volume, 1e-3, 1e-15);
     pel_mesh_destroy(filled);

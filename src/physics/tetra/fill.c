@@ -24,6 +24,9 @@
 #include <math.h>
 #include <string.h>
 
+/* of an edge, at which the walls of a body come apart where they touched */
+#define PINCHED_SHARE 0.7
+
 /* vertices of the result are nodes, then crossings (node_count + cut) */
 typedef struct stuffing {
     const pel_lattice *lattice;
@@ -294,6 +297,16 @@ static pel_status check_parts(const pel_mesh *surface, const pel_mesh *filled, d
     return status;
 }
 
+/* where walls are about as thin as the tetrahedra, their surface may touch itself in an edge */
+static pel_status refuse_pinch(double edge, pel_error *error)
+{
+    pel_fail(error, PEL_BAD_MESH,
+             "parts of the body are about as thin as the tetrahedra (edge %.3g m), whose surface touches itself there",
+             edge);
+    pel_fail_remedy(error, "use an edge of at most %.2g m, or cut off the thin parts", PINCHED_SHARE * edge);
+    return PEL_BAD_MESH;
+}
+
 /* ---- the whole ---- */
 
 static pel_status collect(const pel_mesh *surface, const pel_lattice *lattice, double edge, stuffing *job,
@@ -311,9 +324,14 @@ static pel_status collect(const pel_mesh *surface, const pel_lattice *lattice, d
     memcpy(points, lattice->positions, (size_t)lattice->node_count * sizeof *points);
     if (lattice->cut_count > 0)
         memcpy(points + lattice->node_count, lattice->cut_positions, (size_t)lattice->cut_count * sizeof *points);
+    pel_error found;
     pel_status status =
-        pel_mesh_create_filled(points[0], (int32_t)count, job->tetrahedra[0], job->count, filled, error);
+        pel_mesh_create_filled(points[0], (int32_t)count, job->tetrahedra[0], job->count, filled, &found);
     pel_free(points);
+    if (status == PEL_BAD_MESH)
+        return refuse_pinch(edge, error);
+    if (status != PEL_OK && error != NULL)
+        *error = found;
     return status;
 }
 

@@ -11,6 +11,7 @@
 #include "choice/method.h"
 #include "keys/arena.h"
 #include "math/extremes.h"
+#include "math/functions.h"
 #include "minimise/step_modes.h"
 #include "pellicle/sim_step.h"
 #include "stage/stepper.h"
@@ -22,6 +23,10 @@
 enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8, STEPS_A_POSE = 4 };
 /* s of one core, for a whole run */
 #define MOST_COST 10
+/* and for one system of equations: an analysis solves dozens */
+#define MOST_SYSTEM 2
+/* systems of a step of static, at least */
+#define STATIC_SYSTEMS 3
 /* those of a free body and one that is none */
 enum { MODE_COUNT = 7 };
 /* of the largest of these: lower frequencies are rigid motions */
@@ -264,7 +269,7 @@ pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shor
     *motions = (pel_motions){.shortest = shortest, .fastest.dt = dt, .chosen.dt = dt};
     take_loads(motions, scene);
     take_poses(motions, scene);
-    return take_vibrations(motions, scene);
+    return 1e-3 * pel_scene_step_cost(scene) > MOST_SYSTEM ? PEL_OK : take_vibrations(motions, scene);
 }
 
 /* ---- choice ---- */
@@ -301,8 +306,28 @@ static pel_status follow_frames(pel_scene_reader *reader, const pel_scene_value 
     return may ? set_dt(reader, root, scene, every) : PEL_OK;
 }
 
+/* Solids are the only bodies whose systems take long on usual meshes: the time grows with the sixth power of 1 / edge.
+ */
+static void tell_solid_cost(pel_scene_reader *reader, const pel_scene *scene)
+{
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    int32_t solid = 0;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        if (scene->model.bodies[b].mesh->tetrahedron_count > scene->model.bodies[solid].mesh->tetrahedron_count)
+            solid = b;
+    const pel_body_def *body = &scene->model.bodies[solid];
+    const double cost = 1e-3 * pel_scene_step_cost(scene) * (stepper->is_static ? STATIC_SYSTEMS : 1);
+    if (stepper->turns_edges && body->mesh->tetrahedron_count > 0 && cost > MOST_COST)
+        pel_log_line(reader->log,
+                     "body '%s' has %d tetrahedra: a step of %s takes %.2g s of one core or more. use a volume.edge at "
+                     "least %.1f times as long, or the method xpbd%s",
+                     body->name, (int)body->mesh->tetrahedron_count, pel_method_words[scene->sim.solver.method], cost,
+                     pel_pow(cost / MOST_COST, 1.0 / 6) + 0.05, stepper->is_static ? " with solver.drag" : "");
+}
+
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
+    tell_solid_cost(reader, scene);
     pel_status status = follow_frames(reader, root, scene);
     if (status != PEL_OK)
         return status;
