@@ -11,6 +11,7 @@
 #include "contact/layer.h"
 #include "contact/set.h"
 #include "contact/sweep.h"
+#include "geom/wide4.h"
 #include "math/extremes.h"
 
 #include <string.h>
@@ -51,7 +52,9 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
     set->calm_until = 0;
     set->is_moved = set->moves = false;
     for (int32_t c = 0; c < set->list.count; c++) {
-        set->calm[c] = pel_contact_sleeps(set, &set->keys[c]) ? HUGE_VAL : 0;
+        bool sleeps = pel_contact_sleeps(set, &set->keys[c]);
+        set->calm[c] = sleeps ? HUGE_VAL : 0;
+        set->acts[c] = !sleeps;
         memset(set->owed[c], 0, sizeof set->owed[c]);
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);
@@ -385,10 +388,14 @@ static void keep_calm(const refresh_job *job, int32_t c, double thickness, doubl
     key->room = is_far && !(set->list.contacts[c].multiplier > 0) ? room : 0;
     double left = key->room > 0 ? 0.5 * key->room : key->slack > 0 ? 0 : KEEP_SHARE * thickness;
     set->calm[c] = set->travel.approach + left;
-    if (set->def.has_layers) {
-        way_between(x, weights, key->apart);
-        memcpy(key->place, weights, sizeof key->place);
-    }
+    double apart[3];
+    way_between(x, weights, apart);
+    pel_contact_watch *watch = &set->watches[c];
+    *watch = (pel_contact_watch){.limit = (float)(MOVED_SHARE * key->room)};
+    memcpy(watch->place, weights, sizeof watch->place);
+    memcpy(watch->points, key->points, sizeof watch->points);
+    for (int k = 0; k < 3; k++)
+        watch->apart[k] = (float)apart[k];
 }
 
 /* Whether the places of a pair that need not be looked at yet have moved so little against each other that it has room
@@ -396,15 +403,24 @@ static void keep_calm(const refresh_job *job, int32_t c, double thickness, doubl
 static bool has_hardly_moved(const refresh_job *job, int32_t c)
 {
     pel_contact_set *set = job->set;
-    const pel_contact_key *key = &set->keys[c];
-    double x[4][3], way[3];
-    for (int i = 0; i < 4; i++)
-        load_point(job, key->points[i], x[i]);
-    way_between(x, key->place, way);
-    double moved = pel_vec3_distance(way, key->apart);
-    if (!(moved < MOVED_SHARE * key->room))
+    const pel_contact_watch *watch = &set->watches[c];
+    const float *apart = watch->apart;
+    wide4 way = {0, 0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        int32_t point = watch->points[i];
+        if (point < set->vertex_count) {
+            way += watch->place[i] * __builtin_convertvector(job->positions[point], wide4);
+            continue;
+        }
+        const double *x = set->substep_end[point - set->vertex_count];
+        way += watch->place[i] * (wide4){x[0], x[1], x[2], 0};
+    }
+    way -= (wide4){(double)apart[0], (double)apart[1], (double)apart[2], 0};
+    way *= way;
+    double limit = (double)watch->limit;
+    if (!(way[0] + way[1] + way[2] < limit * limit))
         return false;
-    set->calm[c] = set->travel.approach + MOVED_SHARE * key->room;
+    set->calm[c] = set->travel.approach + limit;
     return true;
 }
 
@@ -420,6 +436,7 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         set->calm[c] = key->room = 0;
         if (set->minds_sides)
             check_impact(job, x, key, contact);
+        set->acts[c] = !key->is_off;
         if (is_far_through(set, x, key, contact))
             pel_contact_switch_off(contact);
         return;
@@ -432,7 +449,8 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         contact->normal[k] = (pel_real)normal[k];
     key->gap = gap_of(x, weights, normal);
     keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
-    if (key->room > 0 || key->is_off)
+    set->acts[c] = !(key->room > 0 || key->is_off);
+    if (!set->acts[c])
         pel_contact_switch_off(contact);
 }
 
@@ -450,7 +468,7 @@ static void refresh_chunk(void *context, int32_t chunk)
             continue;
         if (pel_contact_sleeps(set, &set->keys[c]))
             continue;
-        bool has_room = set->calm[c] > 0 && set->keys[c].room > 0;
+        bool has_room = set->calm[c] > 0 && set->watches[c].limit > 0;
         if (job->looks_at_all || !has_room || !has_hardly_moved(job, c))
             refresh_pair(job, c);
     }
@@ -472,18 +490,32 @@ static bool is_again(const pel_contact_set *set, int32_t c)
     return false;
 }
 
+/* m, the least of `calm` */
+static double least_calm(const pel_contact_set *set)
+{
+    int32_t count = set->list.count, c = 0;
+    wide4 least = wide4_set(HUGE_VAL);
+    for (; c + 4 <= count; c += 4) {
+        wide4 calm;
+        memcpy(&calm, set->calm + c, sizeof calm);
+        least = wide4_min(calm, least);
+    }
+    double all = pel_min(pel_min(least[0], least[1]), pel_min(least[2], least[3]));
+    for (; c < count; c++)
+        all = pel_min(all, set->calm[c]);
+    return all;
+}
+
 static void list_active(pel_contact_set *set)
 {
     pel_contact_list *list = &set->list;
     list->active = set->active;
     list->active_count = 0;
-    set->calm_until = HUGE_VAL;
+    set->calm_until = least_calm(set);
     for (int32_t c = 0; c < list->count; c++) {
-        bool is_loaded = list->contacts[c].multiplier > 0;
-        set->calm_until = pel_min(set->calm_until, set->calm[c]);
-        if (pel_contact_sleeps(set, &set->keys[c]) || (!is_loaded && (set->keys[c].room > 0 || set->keys[c].is_off)))
+        if (!set->acts[c] || pel_contact_sleeps(set, &set->keys[c]))
             continue;
-        if (is_again(set, c) && !is_loaded)
+        if (is_again(set, c) && !(list->contacts[c].multiplier > 0))
             pel_contact_switch_off(&list->contacts[c]);
         else
             set->active[list->active_count++] = c;

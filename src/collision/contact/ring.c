@@ -53,20 +53,38 @@ static void find_normal(const double (*x)[3], const int32_t corners[3], double n
     pel_vec3_normalize(normal);
 }
 
+/* the edges at a corner of triangles that are wound alike, each once, with their lengths [m]; returns how many */
+static int find_spokes(const pel_contact_set *set, const int32_t *ring, int count, int32_t corner,
+                       double edges[2 * PEL_RING_LIMIT][3], double lengths[2 * PEL_RING_LIMIT])
+{
+    const pel_tree *tree = pel_collider_tree(set->collider);
+    const double(*x)[3] = (const double(*)[3])set->start;
+    int spokes = 0;
+    for (int32_t i = 0; i < 3 * count; i++) {
+        int32_t h = 3 * ring[i / 3] + i % 3, from = pel_tree_corner(tree, h);
+        int32_t to = pel_tree_corner(tree, pel_half_edge_next(h));
+        /* the last edge of a ring that is open comes in only */
+        if (from != corner && (to != corner || tree->next_in_edge[h] != h))
+            continue;
+        pel_vec3_subtract(x[from != corner ? from : to], x[corner], edges[spokes]);
+        lengths[spokes] = pel_vec3_length(edges[spokes]);
+        spokes++;
+    }
+    return spokes;
+}
+
 /* whether no edge at a corner rises much over the plane of a triangle there; side: 1 = that of normals, -1 = the other
  */
 static bool is_smooth(const pel_contact_set *set, const int32_t *ring, int count, int32_t corner, double side)
 {
     const pel_tree *tree = pel_collider_tree(set->collider);
-    const double(*x)[3] = (const double(*)[3])set->start;
+    double edges[2 * PEL_RING_LIMIT][3], lengths[2 * PEL_RING_LIMIT], normal[3];
+    int spokes = find_spokes(set, ring, count, corner, edges, lengths);
     for (int i = 0; i < count; i++) {
-        double normal[3], edge[3];
-        find_normal(x, tree->triangles[ring[i]], normal);
-        for (int k = 0; k < 3 * count; k++) {
-            pel_vec3_subtract(x[tree->triangles[ring[k / 3]][k % 3]], x[corner], edge);
-            if (side * pel_vec3_dot(edge, normal) > FLAT * pel_vec3_length(edge))
+        find_normal((const double(*)[3])set->start, tree->triangles[ring[i]], normal);
+        for (int k = 0; k < spokes; k++)
+            if (side * pel_vec3_dot(edges[k], normal) > FLAT * lengths[k])
                 return false;
-        }
     }
     return true;
 }

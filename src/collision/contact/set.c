@@ -94,10 +94,10 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
                  set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
-                 set->other_keys, set->calm, set->active, set->owed, set->other_contacts, set->heights.list.contacts,
-                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
-                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
-                 set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->other_keys, set->calm, set->watches, set->acts, set->active, set->owed, set->other_contacts,
+                 set->heights.list.contacts, set->heights.triangles, set->heights.bounds, set->heights.places,
+                 set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
+                 set->rigid_wanted, set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
     pel_travel_destroy(&set->travel);
     pel_free(set);
 }
@@ -179,6 +179,8 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
     if (pel_reserve((void **)&set->other_contacts, &set->other_capacity, count, sizeof *set->other_contacts) &&
         pel_reserve((void **)&set->other_keys, &set->other_key_capacity, count, sizeof *set->other_keys) &&
         pel_reserve((void **)&set->calm, &set->calm_capacity, count, sizeof *set->calm) &&
+        pel_reserve((void **)&set->watches, &set->watch_capacity, count, sizeof *set->watches) &&
+        pel_reserve((void **)&set->acts, &set->act_capacity, count, sizeof *set->acts) &&
         pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active) &&
         pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed))
         return PEL_OK;
@@ -479,6 +481,18 @@ static double measure_start(const pel_contact_set *set, pel_collision *pair)
     return distance;
 }
 
+/* m, at `start`, of a pair that was found */
+static double start_distance(const merger *m, const pel_collision *pair)
+{
+    double way[3] = {0, 0, 0};
+    if (m->impacts != NULL || !m->set->def.has_layers)
+        return pel_contact_start_distance(m->set, pair);
+    /* the search has measured it */
+    for (int i = 0; i < 4; i++)
+        pel_vec3_along(way, pair->hit.weight[i], m->set->start[pair->vertices[i]], way);
+    return pel_vec3_length(way);
+}
+
 /* whether straight ways from start to end bring a pair within a distance, by the conservative test */
 static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
 {
@@ -644,7 +658,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (pel_contact_sleeps(set, &key))
         return;
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
-    double start = pel_contact_start_distance(set, pair);
+    double start = start_distance(m, pair);
     double thickness = pel_contact_pair_thickness(set, pair->vertices);
     key.slack = thickness > start ? thickness - start : 0;
     if (m->is_same)

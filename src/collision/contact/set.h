@@ -99,12 +99,20 @@ typedef struct pel_contact_key {
     bool has_pushed;                /* in any substep of this step */
     double slack;                   /* m, by how much it may be nearer than the thickness: it was so at the start */
     double gap;                     /* m, between the features, when it was looked at last */
-    double apart[3];                /* m, way between its places at that time */
     double room;                    /* m, by which it was farther apart than its layer; 0 = it is near */
     double load, earlier,           /* N, along the normal in the last substep and the one before */
         drag[3];                    /* N, across it; warm start of the next substep */
     double mean_load, mean_drag[3]; /* N, over the substeps of this step */
 } pel_contact_key;
+
+/* Where the places of a pair were against each other when it was looked at last: a line of the cache tells whether it
+   has to be looked at again. */
+typedef struct pel_contact_watch {
+    double place[4]; /* weights */
+    int32_t points[4];
+    float apart[3]; /* m, the way between the places */
+    float limit;    /* m, change of that way below which it need not; 0 = it has no room */
+} pel_contact_watch;
 
 /* What comes too near on the way of a step. */
 typedef struct pel_conflict {
@@ -201,10 +209,12 @@ typedef struct pel_contact_set {
     pel_contact_key *keys, *other_keys;
     pel_contact *other_contacts;
     size_t capacity, other_capacity, key_capacity, other_key_capacity;
-    double *calm;      /* (list.count) m, travel.approach up to which a pair need not be looked at */
-    int32_t *active;   /* (list.active_count) the list's */
+    double *calm;               /* (list.count) m, travel.approach up to which a pair need not be looked at */
+    pel_contact_watch *watches; /* (list.count) */
+    uint8_t *acts;              /* (list.count) 1 = it is near and not off */
+    int32_t *active;            /* (list.active_count) the list's */
     double (*owed)[4]; /* (list.count) N, parts of mean_load and mean_drag that are no forces of the step yet */
-    size_t calm_capacity, active_capacity, owed_capacity;
+    size_t calm_capacity, watch_capacity, act_capacity, active_capacity, owed_capacity;
     pel_travel travel; /* in this step */
     double calm_until; /* m, the least of `calm` */
     bool is_moved;     /* an obstacle has moved in this substep, or in the one before: */

@@ -44,8 +44,9 @@ static void way_past_axis(const double a[3], const double b[3], const double c[3
     unit_or(n, sideways, direction);
 }
 
-/* whether a plane across the direction of the middle of a triangle keeps it out of the solid; surely so */
-static bool is_beyond_plane(const pel_solid *solid, const double a[3], const double b[3], const double c[3])
+/* How far a plane across the direction of the middle of a triangle keeps it out of the solid, surely; 0 or less = it
+   does not. */
+static double room_before_plane(const pel_solid *solid, const double a[3], const double b[3], const double c[3])
 {
     const double half = solid->half_length;
     double way[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
@@ -53,16 +54,19 @@ static bool is_beyond_plane(const pel_solid *solid, const double a[3], const dou
     double along[3] = {pel_vec3_dot(way, a), pel_vec3_dot(way, b), pel_vec3_dot(way, c)};
     double least = along[0] < along[1] ? along[0] : along[1];
     least = along[2] < least ? along[2] : least;
-    double clear = 0.999999 * (least - half * fabs(way[2]));
-    return clear > 0 && clear * clear > solid->radius * solid->radius * pel_vec3_squared_length(way);
+    double clear = 0.999999 * (least - half * fabs(way[2])), square = pel_vec3_squared_length(way);
+    if (!(clear > 0 && clear * clear > solid->radius * solid->radius * square))
+        return 0;
+    return clear / sqrt(square) - solid->radius;
 }
 
 static double round_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                           double weights[3], double normal[3])
 {
     const double half = solid->half_length;
-    if (is_beyond_plane(solid, a, b, c))
-        return 0;
+    double room = room_before_plane(solid, a, b, c);
+    if (room > 0)
+        return -room;
     const double low[3] = {0, 0, -half}, high[3] = {0, 0, half};
     double both[5] = {1, 0, 0, 0, 0};
     double square = half > 0 ? pel_closest_segment_triangle(low, high, a, b, c, both)

@@ -62,8 +62,9 @@ pel_solid pel_solid_of(const pel_tool_def *def);
 double pel_solid_distance(const pel_solid *solid, const double p[3], double normal[3]);
 
 /* Depth of the triangle in the solid: positive at its deepest point, whose weights (3) are written, along `normal` (3),
-   the direction out; 0 or less if it stays out (weights and normal are not written then). Exact: closest points for
-   round solids; for a box the deepest point by a small linear program and the direction by pel_solid_separation. */
+   the direction out; 0 or less if it stays out (weights and normal are not written then): of a round solid minus a
+   lower bound of the distance. Exact: closest points for round solids; for a box the deepest point by a small linear
+   program and the direction by pel_solid_separation. */
 double pel_solid_depth(const pel_solid *solid, const double a[3], const double b[3], const double c[3],
                        double weights[3], double normal[3]);
 

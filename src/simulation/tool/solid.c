@@ -306,11 +306,14 @@ void pel_solids_begin_substep(pel_sim *sim, double substep)
         for (int k = 0; k < 3; k++)
             contact->drag[k] *= (pel_real)(ratio * ratio);
     }
-    for (int32_t c = 0; solids->has_slack && c < solids->list.count; c++) {
+    bool had_slack = solids->has_slack;
+    solids->has_slack = false;
+    for (int32_t c = 0; had_slack && c < solids->list.count; c++) {
         pel_solid_pair *pair = &solids->pairs[c];
         double gain = thickness_of(sim, pair) * substep / PEL_CONTACT_RECOVERY_TIME;
         if (!sleeps(sim, c))
             pair->slack = pair->slack > gain ? pair->slack - gain : 0;
+        solids->has_slack |= pair->slack > 0;
     }
 }
 
@@ -454,6 +457,8 @@ static double refresh_triangle(const pel_sim *sim, const pel_record *start, pel_
     if (!(depth > 0) || pel_max(weights[0], pel_max(weights[1], weights[2])) > CORNER_WEIGHT) {
         pel_contact_switch_off(contact);
         pair->is_near = false;
+        if (!is_vertex && depth < 0 && pel_solid_is_round(solid))
+            room = -ROOM_SHARE * depth;
         return pel_max(keep, room);
     }
     for (int c = 0; c < 3; c++) {
@@ -533,10 +538,16 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
     if (!needs_look(sim))
         return;
     tell(sim);
+    bool follows_any = solids->is_moved && is_first;
+    double longest = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        longest = pel_max(longest, solids->travel.way[b]);
     for (int32_t c = 0; c < solids->list.count; c++) {
         const pel_solid_pair *pair = &solids->pairs[c];
+        if (!follows_any && solids->calm[c] > longest)
+            continue;
         /* planes follow a tool */
-        bool follows = solids->is_moved && is_first && pair->is_near;
+        bool follows = follows_any && pair->is_near;
         if ((!follows && solids->calm[c] > solids->travel.way[body_of(sim, pair)]) || sleeps(sim, c))
             continue;
         /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
