@@ -5,6 +5,7 @@
 #include "base/pool.h"
 #include "pellicle/parallel.h"
 
+#include <pthread.h>
 #include <stdatomic.h>
 #include <time.h>
 
@@ -116,13 +117,48 @@ static void test_stop(void **unused)
     assert_false(pel_pool_is_stopped(NULL));
 }
 
+typedef struct long_chunk {
+    pel_pool *pool;
+    pthread_t caller;
+    atomic_int looks, heard; /* by the calling thread */
+} long_chunk;
+
+/* a chunk that looks until it hears the answer, or a thousand times */
+static void look(void *context, int32_t chunk)
+{
+    (void)chunk;
+    long_chunk *c = context;
+    bool is_caller = pthread_equal(pthread_self(), c->caller);
+    for (int i = 0; i < 1000 && !pel_pool_is_stopped_now(c->pool); i++)
+        if (is_caller)
+            atomic_fetch_add(&c->looks, 1);
+    if (is_caller)
+        atomic_fetch_add(&c->heard, pel_pool_is_stopped(c->pool));
+}
+
+/* long chunks are stopped on their way: the calling thread asks within them, and no other one does */
+static void test_stop_within(void **unused)
+{
+    (void)unused;
+    for (int threads = 1; threads <= 3; threads++) {
+        long_chunk c = {.caller = pthread_self()};
+        int left = 5;
+        assert_int_equal(pel_pool_create(threads, &c.pool, NULL), PEL_OK);
+        pel_pool_watch(c.pool, is_wanted, &left);
+        pel_pool_run(c.pool, 1, look, &c);
+        assert_int_equal(c.looks, 5);
+        assert_int_equal(c.heard, 1);
+        assert_int_equal(left, -1);
+        pel_pool_destroy(c.pool);
+    }
+    assert_false(pel_pool_is_stopped_now(NULL));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_chunk_once),
-        cmocka_unit_test(test_after_sleep),
-        cmocka_unit_test(test_stop),
-        cmocka_unit_test(test_allocation_failure),
+        cmocka_unit_test(test_each_chunk_once), cmocka_unit_test(test_after_sleep),        cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_stop_within),     cmocka_unit_test(test_allocation_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,6 +28,7 @@ struct pel_pool {
     _Atomic bool is_stopped;    /* `wanted` has said no */
     bool (*wanted)(void *user); /* null = nobody is asked */
     void *user;
+    pthread_t asker; /* the thread that runs loops */
     pthread_mutex_t mutex;
     pthread_cond_t wake;
     int helper_count;
@@ -103,6 +104,7 @@ pel_status pel_pool_create(int thread_count, pel_pool **pool, pel_error *error)
     pel_pool *made = pel_allocate(1, sizeof *made + (size_t)helper_count * sizeof *made->helpers);
     if (made == NULL)
         return pel_fail_memory(error);
+    made->asker = pthread_self();
     pthread_mutex_init(&made->mutex, NULL);
     pthread_cond_init(&made->wake, NULL);
     for (int i = 0; i < helper_count; i++) {
@@ -150,6 +152,7 @@ void pel_pool_watch(pel_pool *pool, bool (*wanted)(void *user), void *user)
         return;
     pool->wanted = wanted;
     pool->user = user;
+    pool->asker = pthread_self();
     atomic_store(&pool->is_stopped, false);
 }
 
@@ -164,6 +167,13 @@ static void ask(pel_pool *pool)
 bool pel_pool_is_stopped(const pel_pool *pool)
 {
     return pool != NULL ? atomic_load(&pool->is_stopped) : pel_patience_is_lost();
+}
+
+bool pel_pool_is_stopped_now(pel_pool *pool)
+{
+    if (pool != NULL && pthread_equal(pthread_self(), pool->asker))
+        ask(pool);
+    return pel_pool_is_stopped(pool);
 }
 
 pel_status pel_pool_check(const pel_pool *pool, pel_error *error)
@@ -184,12 +194,14 @@ void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *funct
     open_loop(pool, chunk_count, function, context);
     while (run_chunk(pool))
         ask(pool);
-    /* chunks that helpers have begun are short: wait for those only */
+    /* chunks that helpers have begun are short, or look whether they are stopped: wait for those only */
     for (int spins = 0; atomic_load(&pool->done_count) < chunk_count; spins++) {
         if (spins < SPIN_LIMIT)
             pause_briefly();
-        else
+        else {
+            ask(pool);
             sched_yield();
+        }
     }
 }
 

@@ -33,6 +33,8 @@ void pel_pool_run(pel_pool *pool, int32_t chunk_count, pel_chunk_function *funct
 void pel_pool_watch(pel_pool *pool, bool (*wanted)(void *user), void *user);
 /* Callable from any thread; a null pool is stopped when the thread has no patience left. */
 bool pel_pool_is_stopped(const pel_pool *pool);
+/* For chunks that take long, and loops without a pool: asks as well, in the thread that called pel_pool_watch. */
+bool pel_pool_is_stopped_now(pel_pool *pool);
 /* PEL_STOPPED for a pool that is stopped, else PEL_OK. */
 pel_status pel_pool_check(const pel_pool *pool, pel_error *error);
 

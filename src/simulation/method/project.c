@@ -195,7 +195,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     const pel_record *start = pel_project_substep_start(projector);
     begin_contacts(sim, start);
     pel_ties_begin_substep(sim);
-    for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped(sim->pool); i++)
+    for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped_now(sim->pool); i++)
         sweep(sim, end, start);
     pel_ties_tally(sim, projector->tau, projector->reaction);
     double rate = 1 / (projector->tau * projector->tau * count);
@@ -229,15 +229,18 @@ static pel_status run_substeps(pel_sim *sim, pel_error *error)
         if (status == PEL_OK)
             status = pel_pool_check(sim->pool, error);
     }
+    /* pairs that were not found are in no order */
+    if (status != PEL_OK)
+        return status;
     if (sim->tools->solids != NULL)
         pel_solids_keep_loads(sim);
     if (!pel_sim_has_loop_contacts(sim))
-        return status;
+        return PEL_OK;
     pel_contacts_end_search(sim, sim->state->position_next);
     pel_contacts_tell(sim);
     pel_contact_set_keep_loads(sim->contacts);
     pel_contacts_tally_asleep(sim);
-    return status;
+    return PEL_OK;
 }
 
 /* nothing can move: a substep as long as the step, without sweeps */

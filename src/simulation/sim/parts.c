@@ -32,35 +32,49 @@ void pel_parts_destroy(pel_sim *sim)
     pel_free(pel_house_of(sim)->parts.before);
 }
 
-/* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
-   pairs in contact, and forces of the caller that come or go, change its size. */
-static pel_status save_before(pel_sim *sim, pel_error *error)
+/* The state before the step; from here on the caller may stop it, which goes back to this state: `can_stop` unless the
+   step has refined surfaces before. Most runs never halve
+   a step, so that the first one that is halved finds the memory for it; pairs in contact, and forces of the caller that
+   come or go, change its size. */
+static pel_status save_before(pel_sim *sim, bool can_stop, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
     parts->before_size = pel_sim_save_size(sim);
     if (!pel_reserve(&parts->before, &parts->before_room, parts->before_size, 1))
         return pel_fail_memory(error);
     pel_sim_save(sim, parts->before);
+    if (sim->def.wanted != NULL && can_stop) {
+        parts->is_kept = true;
+        pel_pool_watch(sim->pool, sim->def.wanted, sim->def.user);
+    }
     return PEL_OK;
 }
 
-/* Substeps from which on a snapshot takes 3 % of a step at most. */
+/* Substeps from which on, and s of a step from which on, a snapshot takes 3 % of it at most. */
 enum { LONG_SUBSTEPS = 32 };
+#define LONG_SECONDS 0.1
+/* s for each vertex in a substep in a jam, for the first step, of which nothing is known yet */
+#define VERTEX_SECONDS 3e-5
 
 static bool is_long(const pel_sim *sim)
 {
-    return sim->stepper->minimises || (sim->stepper->has_substeps && sim->solver.substeps >= LONG_SUBSTEPS);
+    const pel_parts *parts = &pel_house_of(sim)->parts;
+    double substeps = sim->stepper->has_substeps ? sim->solver.substeps : 1;
+    double expected = parts->seconds > 0 ? parts->seconds : VERTEX_SECONDS * sim->model->vertex_count * substeps;
+    return sim->stepper->minimises || substeps >= LONG_SUBSTEPS || expected >= LONG_SECONDS;
 }
 
-/* Contact or many iterations make steps long that are short as a rule: only a caller who says so pays for a snapshot of
-   these. */
+/* Contact or many iterations make single steps long that are short as a rule: only a caller who says so pays for a
+   snapshot of each. A step in parts has one in any case. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
 {
-    bool keeps = sim->def.wanted != NULL && (is_long(sim) || sim->def.stops_short_steps);
-    pel_status status = keeps ? save_before(sim, error) : PEL_OK;
-    pel_house_of(sim)->parts.is_kept = keeps && status == PEL_OK;
-    pel_pool_watch(sim->pool, keeps && status == PEL_OK ? sim->def.wanted : NULL, sim->def.user);
-    return status;
+    pel_parts *parts = &pel_house_of(sim)->parts;
+    parts->is_kept = false;
+    pel_pool_watch(sim->pool, NULL, NULL);
+    if (sim->def.wanted == NULL)
+        return PEL_OK;
+    parts->began = pel_seconds();
+    return is_long(sim) || sim->def.stops_short_steps ? save_before(sim, true, error) : PEL_OK;
 }
 
 /* update quantities that depend on the length of a part */
@@ -90,7 +104,7 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
     }
     if (parts->now.size == PEL_PART_LIMIT)
         return PEL_OK;
-    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
+    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, sim->active == NULL, error);
     if (status == PEL_OK)
         set_size(sim, parts->now.size);
     return status;
@@ -101,7 +115,7 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
     pel_parts *parts = &pel_house_of(sim)->parts;
     sim->part.is_refused = false;
     bool is_first = sim->part.step_size == PEL_PART_LIMIT && !parts->is_kept;
-    pel_status status = is_first ? save_before(sim, error) : PEL_OK;
+    pel_status status = is_first ? save_before(sim, sim->active == NULL, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     if (parts->now.calm == 0)
@@ -153,6 +167,8 @@ void pel_parts_end(pel_sim *sim, pel_status status)
     bool goes_back = status != PEL_OK && (!is_whole || (status == PEL_STOPPED && parts->is_kept));
     sim->part.at = 0;
     parts->is_kept = false;
+    if (sim->def.wanted != NULL && status == PEL_OK)
+        parts->seconds = pel_seconds() - parts->began;
     pel_pool_watch(sim->pool, NULL, NULL);
     if (!is_whole)
         set_size(sim, PEL_PART_LIMIT);

@@ -21,6 +21,8 @@ typedef struct pel_parts {
     bool is_kept; /* `before` is the state before the present step: it may be stopped on its way */
     void *before; /* (before_size) snapshot before a step in parts or a long one; null until there is one */
     size_t before_size, before_room;
+    double began,
+        seconds; /* s by the clock: when the step began, and of the one before; only where it may be stopped */
 } pel_parts;
 
 /* After contacts and restitution, before anything asks for the size of a snapshot. */

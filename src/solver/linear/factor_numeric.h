@@ -198,9 +198,9 @@ static void update_chunk(void *context, int32_t chunk)
 }
 
 /* true in a pool that is stopped: the front counts as one that failed */
-static bool is_given_up(const pel_front *front, const pel_pool *pool, pel_factor_pivot *pivot)
+static bool is_given_up(const pel_front *front, pel_pool *pool, pel_factor_pivot *pivot)
 {
-    if (!pel_pool_is_stopped(pool))
+    if (!pel_pool_is_stopped_now(pool))
         return false;
     *pivot = (pel_factor_pivot){front->first_pivot, 0};
     return true;
@@ -228,7 +228,7 @@ typedef struct run {
     pel_factor *factor;
     const pel_matrix *matrix;
     double shift;
-    const pel_pool *pool;
+    pel_pool *pool;
 } run;
 
 static void factor_task(void *context, int32_t chunk)
