@@ -620,7 +620,7 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context)
         .add_matrix = add_constraints,
         .list_couplings = list_couplings,
         .add_skew = context->sim->loads->follower_count > 0 ? add_skew : NULL,
-        .list_kinks = context->is_constrained ? list_kinks : NULL,
+        .list_kinks = context->is_constrained && context->sim->minimise->count > 0 ? list_kinks : NULL,
         .has_kinks = context->is_constrained,
     };
 }
@@ -666,7 +666,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
-        .keeps_factor = is_dynamic && sim->minimise->count == 0,
+        .keeps_factor = is_dynamic,
         .is_quasi = is_dynamic && !is_exact && newton->lead == NULL && newton->way != PEL_SYSTEMS,
         .is_in_motion = is_dynamic && !is_exact,
         .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
@@ -695,13 +695,11 @@ static pel_descent_result result_of(const pel_newton_result *run)
     };
 }
 
-/* of a run: constraints begin and cease to act along steps of L-BFGS, which then take more time than systems */
+/* of a run; under constraints steps of L-BFGS go as long as none of them begins or ceases to act */
 static void choose_way(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    if (sim->minimise->count > 0)
-        newton->way = PEL_SYSTEMS;
-    else if (newton->way == PEL_PREPARED && !may_prepare(sim))
+    if (sim->minimise->count > 0 || (newton->way == PEL_PREPARED && !may_prepare(sim)))
         newton->way = PEL_QUASI;
 }
 

@@ -438,6 +438,7 @@ bool pel_newton_cross_kinks(newton_run *run)
     c.kinks = run->problem->terms->list_kinks(run->problem->terms->context, &c.count);
     if (!crosses_any(&c))
         return true;
+    newton->is_smooth = false;
     if (!prepare(&c))
         return run->status == PEL_OK;
     for (int32_t u = 0; u < c.unknowns; u++)

@@ -481,6 +481,7 @@ static bool go_by_energy(newton_run *run, double share)
             return true;
         }
         share = is_finite ? find_least(begin, end) : LEAST_CUT * share;
+        run->newton->is_smooth = false;
     }
     walk_to(&walk, 0);
     return false;
@@ -569,10 +570,12 @@ bool pel_newton_go_down_quasi_step(newton_run *run)
     return goes;
 }
 
-/* A step with the factor that there is. False where the next one needs another factor. */
+/* A step with the factor that there is. False where the next one needs another factor: constraints that begin and cease
+   to act make steps of L-BFGS short. */
 static bool go_quasi_step(newton_run *run)
 {
-    if (!run->problem->is_quasi || !pel_newton_is_at_targets(run) || !pel_newton_quasi_pays(run))
+    bool is_smooth = run->newton->is_smooth || !pel_newton_has_kinks(run);
+    if (!run->problem->is_quasi || !is_smooth || !pel_newton_is_at_targets(run) || !pel_newton_quasi_pays(run))
         return false;
     pel_newton_find_quasi_step(run);
     return pel_newton_go_down_quasi_step(run);
@@ -923,7 +926,7 @@ int64_t pel_newton_work(const pel_newton *newton)
 
 void pel_newton_forget(pel_newton *newton)
 {
-    newton->has_factor = false;
+    newton->has_factor = newton->is_smooth = false;
     newton->is_stale = true;
     newton->precision = PEL_FACTOR_FLOAT;
 }

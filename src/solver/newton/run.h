@@ -38,8 +38,9 @@ struct pel_newton {
     pel_factor *factors[2]; /* by precision; that in double is made when one in float does not carry */
     pel_factor_precision precision;
     bool has_factor;
-    bool is_prepared;      /* the factor in float is the one that was prepared */
-    bool is_new;           /* and was made in a run */
+    bool is_prepared; /* the factor in float is the one that was prepared */
+    bool is_new;      /* and was made in a run */
+    bool is_smooth;   /* the last step of the exact matrix went all its way, and no constraint began or ceased to act */
     double *prepared_at;   /* (unknown_count) */
     bool is_kept;          /* the last system was solved with an older factor */
     uint64_t couplings;    /* hash of those in the pattern */
@@ -143,6 +144,8 @@ void pel_newton_return_to_begin(newton_run *run);
 void pel_newton_run_systems(newton_run *run);
 
 /* ---- step.c: energy, forces, matrix, linear systems ---- */
+/* whether there are constraints that begin and cease to act */
+bool pel_newton_has_kinks(const newton_run *run);
 /* energy at the unknowns, and gradient along the axes of the vertices */
 void pel_newton_evaluate(newton_run *run);
 bool pel_newton_is_finite(const newton_run *run);

@@ -338,7 +338,7 @@ static void fill_stresses(newton_run *run)
     run->predicted = 0;
 }
 
-static bool crosses_kinks(const newton_run *run)
+bool pel_newton_has_kinks(const newton_run *run)
 {
     const pel_newton_terms *terms = run->problem->terms;
     return terms != NULL && terms->list_kinks != NULL;
@@ -352,7 +352,7 @@ static size_t value_bytes(const pel_newton *newton)
 static void keep_plain(newton_run *run)
 {
     pel_newton *newton = run->newton;
-    if (!crosses_kinks(run))
+    if (!pel_newton_has_kinks(run))
         return;
     if (!pel_reserve((void **)&newton->plain, &newton->plain_capacity, value_bytes(newton), 1)) {
         run->status = pel_fail_memory(run->error);
@@ -483,11 +483,13 @@ pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
     return solved.end;
 }
 
-/* newton->step of newton->right by the matrix alone */
+/* newton->step of newton->right by the matrix alone; across constraints that begin and cease to act an older factor is
+   seldom of use */
 bool pel_newton_solve_symmetric(newton_run *run)
 {
-    run->newton->is_kept = run->problem->keeps_factor && run->newton->has_factor &&
-                           pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED;
+    bool keeps = run->problem->keeps_factor && (!pel_newton_has_kinks(run) || run->newton->is_smooth);
+    run->newton->is_kept =
+        keeps && run->newton->has_factor && pel_newton_solve(run, KEPT_PRODUCTS) == PEL_PCG_CONVERGED;
     if (run->newton->is_kept)
         return true;
     if (!pel_newton_make_factor(run) || (run->problem->is_quasi && !pel_newton_meet_volumes(run)))
@@ -512,7 +514,8 @@ bool pel_newton_find_step(newton_run *run)
     pel_newton_assemble(run);
     if (run->status != PEL_OK || !pel_newton_solve_symmetric(run))
         return false;
-    if (crosses_kinks(run) && pel_newton_is_at_targets(run) && !pel_newton_cross_kinks(run))
+    run->newton->is_smooth = run->kind == PEL_TANGENT_EXACT;
+    if (pel_newton_has_kinks(run) && pel_newton_is_at_targets(run) && !pel_newton_cross_kinks(run))
         return false;
     set_fixed_steps(run);
     return terms == NULL || terms->add_skew == NULL || pel_newton_solve_skew(run);
