@@ -37,6 +37,7 @@ typedef struct pel_scene {
     pel_model_def model;
     pel_sim_def sim; /* sim.model is null: create the model first */
     pel_output_def output;
+    bool hinges_are_implied;       /* no body names its model of bending */
     bool contact_is_implied;       /* several bodies and no `contact`: they touch each other, but not themselves */
     double duration;               /* s */
     int32_t imperfection_mode;     /* buckling mode that the meshes have been changed by, from 1 */

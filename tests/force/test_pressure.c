@@ -86,18 +86,24 @@ static void test_conservative(void **unused)
 
 /* ---- the largest pressure ---- */
 
-static double largest_of(pel_membrane_kind kind, double thickness, bool is_open, double *ratio)
+static double pressure_of(pel_membrane_kind kind, double thickness, bool is_open, bool is_peak, double *ratio)
 {
     pel_mesh *mesh = is_open ? make_grid(2, 2, 1, 1, PEL_GRID_ONE_DIAGONAL) : make_sphere(6);
     pel_body_def body = shell_body(mesh, kind);
     body.shell.membrane.young.value = 3e5;
     body.shell.membrane.poisson = kind == PEL_MEMBRANE_STVK ? 0.3 : 0.5;
     body.shell.membrane.thickness.value = thickness;
+    body.shell.membrane.mooney_ratio = 0.1;
     pel_model *model = make_model(&body);
-    double largest = pel_pressure_largest(model, 0, ratio);
+    double largest = (is_peak ? pel_pressure_peak : pel_pressure_largest)(model, 0, ratio);
     pel_model_destroy(model);
     pel_mesh_destroy(mesh);
     return largest;
+}
+
+static double largest_of(pel_membrane_kind kind, double thickness, bool is_open, double *ratio)
+{
+    return pressure_of(kind, thickness, is_open, false, ratio);
 }
 
 static void test_largest(void **unused)
@@ -122,12 +128,33 @@ static void test_largest(void **unused)
     assert_true(pel_pressure_given(&keyed) == 21 && pel_pressure_given(&pressed) == 0);
 }
 
+/* of rubber with two terms the pressure has a maximum, falls, and rises without end */
+static void test_peak(void **unused)
+{
+    (void)unused;
+    double ratio, best = 0, at = 1;
+    assert_true(largest_of(PEL_MEMBRANE_MOONEY_RIVLIN, 0.01, false, &ratio) == HUGE_VAL);
+    for (double l = 1; l < 2; l += 1e-5) {
+        double pressure = 4 * 0.01 * (1 / l - pow(l, -7)) * (0.5e5 / 1.1) * (1 + 0.1 * l * l);
+        at = pressure > best ? l : at;
+        best = pressure > best ? pressure : best;
+    }
+    double peak = pressure_of(PEL_MEMBRANE_MOONEY_RIVLIN, 0.01, false, true, &ratio);
+    assert_near(peak / best, 1, 0.02);
+    assert_near(ratio, at * at * at, 1e-3);
+    /* the largest of all is the first where it falls for ever, and none where it never falls */
+    double same = pressure_of(PEL_MEMBRANE_NEO_HOOKEAN, 0.01, false, true, &ratio);
+    assert_true(same == largest_of(PEL_MEMBRANE_NEO_HOOKEAN, 0.01, false, &ratio));
+    assert_true(pressure_of(PEL_MEMBRANE_STVK, 0.01, false, true, &ratio) == HUGE_VAL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_potentials),
         cmocka_unit_test(test_conservative),
         cmocka_unit_test(test_largest),
+        cmocka_unit_test(test_peak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,6 +113,10 @@ static void test_largest_pressure(void **unused)
     assert_false(warns(BALLOON, less, 1, "largest-pressure"));
     assert_false(warns(BALLOON, stiff, 2, "largest-pressure"));
     assert_false(warns(BALLOON, kept, 1, "largest-pressure"));
+    /* rubber with two terms holds any pressure, but jumps there */
+    const char *latex[] = {"bodies.0.membrane={ preset: latex-balloon, thickness: 0.001 }"};
+    text = warning_of(BALLOON, latex, 1, "largest-pressure", &summary);
+    assert_true(text != NULL && strstr(text, "jumps to a far larger size") != NULL);
 }
 
 /* ---- loads ---- */

@@ -133,7 +133,8 @@ static double weight_of(const pel_shell *shell)
     return sum;
 }
 
-double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio)
+/* the largest, or the first maximum */
+static double find_largest(const pel_model *model, int32_t body, bool is_first, double *ratio)
 {
     PEL_ASSERT_INDEX(body, model->body_count);
     const pel_body *own = &model->bodies[body];
@@ -145,6 +146,8 @@ double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio)
         return HUGE_VAL;
     for (double stretch = 1; stretch < MOST_STRETCH; stretch *= STRETCH_RATIO) {
         double pressure = tension_at(&shell->material, stretch) / (stretch * stretch);
+        if (is_first && pressure < best)
+            break;
         at = pressure > best ? stretch : at;
         best = pel_max(best, pressure);
     }
@@ -159,6 +162,16 @@ double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio)
     at = 0.5 * (low + high);
     *ratio = at * at * at;
     return weight_of(shell) * tension_at(&shell->material, at) / (3 * at * at * own->rest_volume);
+}
+
+double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio)
+{
+    return find_largest(model, body, false, ratio);
+}
+
+double pel_pressure_peak(const pel_model *model, int32_t body, double *ratio)
+{
+    return find_largest(model, body, true, ratio);
 }
 
 double pel_pressure_given(const pel_shell *shell)

@@ -28,6 +28,9 @@ double pel_pressure_potential(const pel_shell *shell, pel_span span, double load
    does exactly: the largest dU/dV of its elastic energy. HUGE_VAL where the pressure rises without end, or where
    something else resists: springs, fibres. *ratio = volume there over that at rest. */
 double pel_pressure_largest(const pel_model *model, int32_t body, double *ratio);
+/* The first maximum of the pressure as it grows so, beyond which it jumps to a far larger size, or grows without end.
+ */
+double pel_pressure_peak(const pel_model *model, int32_t body, double *ratio);
 /* The largest given pressure from inside over time, as far as it is the same everywhere; 0 = none. */
 double pel_pressure_given(const pel_shell *shell);
 

@@ -187,6 +187,11 @@ static bool needs_hinges(const pel_shell_def *shell)
 void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)
 {
     const pel_scene_value *list = pel_scene_value_entry(root, "bodies");
+    scene->hinges_are_implied = true;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        const pel_scene_value *model = pel_scene_value_at(pel_scene_value_element(list, b), "bending.model");
+        scene->hinges_are_implied &= model == NULL || model->is_implied;
+    }
     if (!pel_stepper_of(scene->sim.solver.method)->turns_edges)
         return;
     for (int32_t b = 0; b < scene->model.body_count; b++) {

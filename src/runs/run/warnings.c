@@ -21,6 +21,7 @@
 #include "run/state.h"
 #include "run/warnings_bodies.h"
 #include "run/warnings_contact.h"
+#include "run/warnings_hinges.h"
 #include "run/warnings_rest.h"
 #include "run/warnings_shell.h"
 #include "run/warnings_springs.h"
@@ -87,6 +88,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
     [PEL_WARN_COARSE_MODE] = "coarse-mode",
     [PEL_WARN_SPRING_NET] = "spring-net",
+    [PEL_WARN_HINGES] = "hinge-bending",
     [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
 };
 
@@ -361,6 +363,7 @@ void pel_warnings_check_end(pel_run_state *run)
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
     pel_warnings_check_springs(run, frame);
+    pel_warnings_check_hinges(run, frame);
     check_motion(run, frame);
     pel_warnings_check_balance(run, frame);
 }
@@ -690,6 +693,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_MILLIMETRES] = pel_tell_millimetres,
     [PEL_WARN_POISSON] = pel_tell_poisson,
     [PEL_WARN_SPRING_NET] = pel_tell_springs,
+    [PEL_WARN_HINGES] = pel_tell_hinges,
     [PEL_WARN_COARSE_VOLUME] = pel_tell_coarse_volume,
     [PEL_WARN_FAST_BLADE] = pel_tell_fast_blade,
     [PEL_WARN_WEIGHTLESS] = pel_tell_weightless,

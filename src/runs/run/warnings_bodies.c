@@ -162,13 +162,14 @@ static bool is_cut(const pel_run_state *run)
     return pel_sim_get_cuts(run->sim, -1, &cuts, NULL) == PEL_OK && cuts.length > 0;
 }
 
-/* A tool that touches nothing has a warning of its own, and so has one that is held back. */
+/* A tool that touches nothing has a warning of its own, and so have one that is held back and steps that failed. */
 static void check_action(pel_run_state *run, int64_t frame)
 {
     double most = pel_max(run->totals.max_displacement, run->measures.max_displacement);
     bool is_still = run->ledger.supplied <= run->ledger.tolerance && most <= STILL_SHARE * least_size(run->scene);
-    bool is_idle =
-        run->totals.warnings.of[PEL_WARN_TOOL_IDLE].count > 0 || run->totals.warnings.of[PEL_WARN_TOOL_HELD].count > 0;
+    const pel_warning_tally *tallies = run->totals.warnings.of;
+    bool is_idle = tallies[PEL_WARN_TOOL_IDLE].count > 0 || tallies[PEL_WARN_TOOL_HELD].count > 0 ||
+                   tallies[PEL_WARN_UNCONVERGED].count > 0;
     if (is_still && !is_idle && !is_cut(run) && run->session == NULL && pel_sim_analysis(run->sim) == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_NOTHING, frame, 0);
 }

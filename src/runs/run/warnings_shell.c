@@ -271,7 +271,7 @@ void pel_warnings_check_pressures(pel_run_state *run)
     bool is_judged = solver->path != PEL_PATH_ARC_LENGTH && solver->analysis == PEL_ANALYSIS_NONE &&
                      pel_stepper_knows_material(pel_stepper_of(solver->method));
     for (int32_t b = 0; is_judged && b < model->body_count; b++) {
-        double ratio, largest = pel_pressure_largest(model, b, &ratio);
+        double ratio, largest = pel_pressure_peak(model, b, &ratio);
         double given = model->bodies[b].shell != NULL ? pel_pressure_given(model->bodies[b].shell) : 0;
         if (!(given > largest))
             continue;
@@ -285,13 +285,15 @@ void pel_warnings_tell_pressure(const pel_run_state *run, char *text, size_t siz
 {
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_LARGEST_PRESSURE];
     double ratio;
-    pel_pressure_largest(run->model, flagged->body, &ratio);
+    bool has_end = pel_pressure_largest(run->model, flagged->body, &ratio) <= flagged->value;
+    pel_pressure_peak(run->model, flagged->body, &ratio);
     snprintf(
         text, size,
         "the pressure in body '%s' is up to %.4g Pa, but the largest that it balances is about %.4g Pa, at %.3g times "
-        "its volume: beyond it grows without bound. use less, prescribe the volume (pressure: { volume: ... }), or "
-        "follow the equilibria (solver: { path: arc-length })",
-        run->scene->model.bodies[flagged->body].name, flagged->value, flagged->limit, ratio);
+        "its volume: beyond it %s. use less, prescribe the volume (pressure: { volume: ... }), or follow the "
+        "equilibria (solver: { path: arc-length })",
+        run->scene->model.bodies[flagged->body].name, flagged->value, flagged->limit, ratio,
+        has_end ? "grows without bound" : "jumps to a far larger size");
 }
 
 /* ---- modes ---- */

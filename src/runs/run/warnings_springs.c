@@ -33,7 +33,7 @@ typedef struct net_sums {
     double area, stress[4], strain[4], square;
 } net_sums;
 
-static bool find_plane(const pel_mesh *mesh, double axes[2][3])
+bool pel_warnings_find_plane(const pel_mesh *mesh, double axes[2][3])
 {
     double sum[3] = {0}, normal[3], area = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
@@ -134,7 +134,7 @@ void pel_warnings_check_springs(pel_run_state *run, int64_t frame)
         const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
         double axes[2][3];
         if (!is_net(run, b) || !pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)) ||
-            !find_plane(mesh, axes))
+            !pel_warnings_find_plane(mesh, axes))
             continue;
         net_sums sums = {0};
         double *now = pel_allocate(3 * (size_t)mesh->vertex_count, sizeof *now);

@@ -88,13 +88,15 @@ static pel_status report_divergence(const pel_sim *sim, pel_error *error)
              (long long)sim->state->step + 1, pel_sim_time(sim) + sim->step.dt);
     pel_fail_element(error, "vertex", model->mesh_vertex[bad]);
     sim->stepper->advise(sim, error);
-    double ratio, largest = pel_pressure_largest(model, (int32_t)(body - model->bodies), &ratio);
+    double ratio, largest = pel_pressure_peak(model, (int32_t)(body - model->bodies), &ratio);
     double given = body->shell != NULL ? pel_pressure_given(body->shell) : 0;
     if (given > largest)
-        pel_fail_remedy(error,
-                        "use less than %.4g Pa, the largest pressure that it balances (at %.3g times its volume), or "
-                        "prescribe the volume (pressure: { volume: ... })",
-                        largest, ratio);
+        pel_fail_remedy(
+            error,
+            "use less than %.4g Pa, the largest pressure that it balances before it jumps to a far larger size (at "
+            "%.3g times its volume), or "
+            "prescribe the volume (pressure: { volume: ... })",
+            largest, ratio);
     else if (given > SUDDEN_SHARE * largest)
         pel_fail_remedy(error,
                         "let the pressure grow in time (inside: { keys: [[0, 0], [1, %g]] }): at once it swings past "
