@@ -634,8 +634,54 @@ static bool solves_layers(const pel_sim *sim)
     return sim->contacts->def.has_layers || (sim->contact_in_loop && sim->stepper->minimises);
 }
 
-/* Search and correct until all distances hold; return the remaining conflicts. What a solver with contacts in its loop
-   has left is corrected only so far that the guard lets it be: its layers decide all else. */
+/* relative to the mean edge: longer motions in a part do not locate an impact */
+#define FAR_SHARE 0.25
+
+/* conflicts of fast motion, and of straight paths that cut a corner although their ends are free */
+static int32_t count_far_conflicts(const pel_contact_set *contacts)
+{
+    int32_t count = 0;
+    for (size_t c = 0; c < contacts->conflict_count; c++)
+        count += contacts->conflicts[c].ends_free ||
+                 pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
+    return count;
+}
+
+/* whether there are conflicts of fast motion, and halving has lowered their number until now */
+static bool helps_to_halve(const pel_sim *sim, int32_t far_count)
+{
+    return far_count > 0 && (sim->part.conflict_count == 0 || far_count < sim->part.conflict_count);
+}
+
+/* Whether to repeat the part in two halves: surfaces move too far in it. */
+static bool is_refused(pel_sim *sim)
+{
+    if (!pel_parts_can_halve(sim))
+        return false;
+    if (!solves_layers(sim))
+        return sim->contacts->conflict_count > 0;
+    int32_t count = count_far_conflicts(sim->contacts);
+    bool helps = helps_to_halve(sim, count);
+    sim->part.conflict_count = count;
+    return helps;
+}
+
+/* Whether to do so at once: most conflicts are of straight ways alone. What went around an edge in the substeps is
+   where it should be, and a correction would pull it off its way: stiff sheets gained energy by it. */
+static bool is_refused_at_once(pel_sim *sim)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    size_t around = 0;
+    for (size_t c = 0; c < contacts->conflict_count; c++)
+        around += contacts->conflicts[c].ends_free;
+    if (!contacts->def.has_layers || around == 0 || 2 * around < contacts->conflict_count)
+        return false;
+    return helps_to_halve(sim, count_far_conflicts(contacts)) && is_refused(sim);
+}
+
+/* Search and correct until all distances hold, or find that the part is to be repeated in halves; return the remaining
+   conflicts. What a solver with contacts in its loop has left is corrected only so far that the guard lets it be: its
+   layers decide all else. */
 static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
@@ -651,6 +697,9 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
             return status;
         /* without conflicts, the contacts of the solver need no correction */
         if (contacts->conflict_count == 0 && (has_layers || found.collision_count + contacts->list.count == 0))
+            return PEL_OK;
+        sim->part.is_refused = round == 0 && is_refused_at_once(sim);
+        if (sim->part.is_refused)
             return PEL_OK;
         double began = pel_seconds();
         status = pel_contact_set_add_way(contacts, &found, error);
@@ -670,33 +719,6 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
 #define SAFE_SHARE 0.9
 #define STRIDE_SHARE 0.05
 enum { MOST_REPEATS = 3 };
-
-/* relative to the mean edge: longer motions in a part do not locate an impact */
-#define FAR_SHARE 0.25
-
-/* conflicts of fast motion, and of straight paths that cut a corner although their ends are free */
-static int32_t count_far_conflicts(const pel_contact_set *contacts)
-{
-    int32_t count = 0;
-    for (size_t c = 0; c < contacts->conflict_count; c++)
-        count += contacts->conflicts[c].ends_free ||
-                 pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
-    return count;
-}
-
-/* Whether to repeat the part in two halves: surfaces move too far in it, and halving has lowered the number of
-   conflicts until now. */
-static bool is_refused(pel_sim *sim)
-{
-    if (!pel_parts_can_halve(sim))
-        return false;
-    if (!solves_layers(sim))
-        return sim->contacts->conflict_count > 0;
-    int32_t count = count_far_conflicts(sim->contacts);
-    bool helps = count > 0 && (sim->part.conflict_count == 0 || count < sim->part.conflict_count);
-    sim->part.conflict_count = count;
-    return helps;
-}
 
 static void release_tools(pel_sim *sim)
 {
@@ -750,8 +772,9 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
         return PEL_OK;
     }
     pel_contacts_place(sim);
+    sim->part.is_refused = false;
     pel_status status = respond(sim, result->longest, error);
-    if (status != PEL_OK)
+    if (status != PEL_OK || sim->part.is_refused)
         return status;
     sim->part.is_refused = contacts->conflict_count > 0 && is_refused(sim);
     if (sim->part.is_refused)
