@@ -221,6 +221,70 @@ static void test_groups(void **unused)
     free_surface(&s);
 }
 
+/* the k-th of some spheres, each a group that does not meet itself */
+static void place_spheres(const surface *one, int count, double angle, double (*places)[3])
+{
+    for (int k = 0; k < count; k++)
+        for (int32_t v = 0; v < one->vertex_count; v++) {
+            double *x = places[k * one->vertex_count + v];
+            const double *y = one->start[v];
+            double turn = (k % 2 == 0 ? 1 : -1) * angle;
+            x[0] = cos(turn) * y[0] - sin(turn) * y[1] + 1.98 * (k % 3);
+            x[1] = sin(turn) * y[0] + cos(turn) * y[1] + 1.98 * (k / 3);
+            x[2] = y[2];
+        }
+}
+
+/* many bodies: nodes have one of them alone, and the pairs between them are those of a search without groups */
+static void test_bodies(void **unused)
+{
+    (void)unused;
+    enum { BODIES = 6 };
+    surface one = make_sphere(4, 0), s = make_surface(BODIES * one.vertex_count, BODIES * one.triangle_count);
+    int32_t *group_of_vertex = malloc((size_t)s.vertex_count * sizeof *group_of_vertex), own = 0;
+    uint8_t may_meet[BODIES * BODIES];
+    for (int i = 0; i < BODIES * BODIES; i++)
+        may_meet[i] = i / BODIES != i % BODIES;
+    for (int32_t v = 0; v < s.vertex_count; v++)
+        group_of_vertex[v] = v / one.vertex_count;
+    for (int32_t h = 0; h < 3 * s.triangle_count; h++) {
+        int32_t k = h / (3 * one.triangle_count);
+        s.triangles[h / 3][h % 3] = one.triangles[h / 3 - k * one.triangle_count][h % 3] + k * one.vertex_count;
+    }
+    place_spheres(&one, BODIES, 0, s.end);
+    memcpy(s.start, s.end, (size_t)s.vertex_count * sizeof *s.start);
+    pel_candidates *c = make_candidates(&s, 0.02), *all = make_candidates(&s, 0.02);
+    assert_int_equal(pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, BODIES}), PEL_OK);
+    for (int step = 1; step < 5; step++) {
+        memcpy(s.start, s.end, (size_t)s.vertex_count * sizeof *s.start);
+        place_spheres(&one, BODIES, 0.02 * step, s.end);
+        update(c, &s, 0.01, NULL);
+        update(all, &s, 0.01, NULL);
+        for (int edges = 0; edges < 2; edges++) {
+            pair_set expected = {0};
+            const pel_pair *pairs = edges ? all->edge_edge : all->vertex_face;
+            for (size_t i = 0; i < (edges ? all->edge_edge_count : all->vertex_face_count); i++) {
+                int32_t a = edges ? pel_tree_corner(c->tree, pairs[i].first) : pairs[i].first;
+                int32_t b = edges ? pel_tree_corner(c->tree, pairs[i].second) : c->tree->triangles[pairs[i].second][0];
+                if (group_of_vertex[a] != group_of_vertex[b])
+                    add_pair(&expected, pairs[i]);
+            }
+            assert_true(expected.count > 0);
+            assert_true(same_list(edges ? c->edge_edge : c->vertex_face,
+                                  edges ? c->edge_edge_count : c->vertex_face_count, &expected));
+        }
+    }
+    for (int32_t n = 0; n < c->tree->node_count; n++)
+        own += c->tree->node_groups[n] >= 0;
+    assert_true(own > 0.8 * c->tree->node_count);
+    assert_null(all->tree->node_groups);
+    pel_candidates_destroy(c);
+    pel_candidates_destroy(all);
+    free(group_of_vertex);
+    free_surface(&one);
+    free_surface(&s);
+}
+
 /* a search that kept nothing useful is not repeated every time */
 static void test_pause(void **unused)
 {
@@ -451,12 +515,19 @@ static void test_damaged_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_damaged_memory), cmocka_unit_test(test_motion),
-        cmocka_unit_test(test_extension),      cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_pause),          cmocka_unit_test(test_waste),
-        cmocka_unit_test(test_threads),        cmocka_unit_test(test_rebuild),
-        cmocka_unit_test(test_no_allocation),  cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_allocations),    cmocka_unit_test(test_limit_shrinks_margin),
+        cmocka_unit_test(test_damaged_memory),
+        cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_extension),
+        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_bodies),
+        cmocka_unit_test(test_pause),
+        cmocka_unit_test(test_waste),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_rebuild),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_limit_shrinks_margin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -278,6 +278,30 @@ static void test_stack(void **state)
     rigid_scene_end(&scene);
 }
 
+/* a ball that rolls over another one is not stopped, though the chord of its path crosses it */
+static void test_chords(void **state)
+{
+    (void)state;
+    static const int32_t pins[3] = {0, 1, 2};
+    rigid_scene scene;
+    pel_contact_statistics statistics;
+    rigid_scene_begin(&scene);
+    scene.gravity = -GRAVITY;
+    scene.def.contact.friction = 0.3;
+    scene.def.solver.dt = 0.04;
+    pel_body_def *below = rigid_scene_add(&scene, make_ball(0.05, 8, 0, 0, 0), 1000);
+    below->pinned = pins;
+    below->pinned_count = 3;
+    pel_vec3_set(rigid_scene_add(&scene, make_ball(0.05, 8, 0, 0, 0.1001), 1000)->velocity, 0.6, 0, 0);
+    rigid_scene_make(&scene);
+    rigid_scene_run(&scene, 0.15);
+    pel_sim_get_contact_statistics(scene.sim, &statistics);
+    assert_true(statistics.contacts > 10);
+    assert_int_equal(statistics.fall_backs, 0);
+    assert_int_equal(statistics.rounds, 0);
+    rigid_scene_end(&scene);
+}
+
 /* ---- the rest of a simulation ---- */
 
 static void make_bouncing(rigid_scene *scene)
@@ -481,9 +505,9 @@ int main(void)
         cmocka_unit_test(test_fall),     cmocka_unit_test(test_collision), cmocka_unit_test(test_top),
         cmocka_unit_test(test_pendulum), cmocka_unit_test(test_reaction),  cmocka_unit_test(test_slide),
         cmocka_unit_test(test_topple),   cmocka_unit_test(test_roll),      cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_setters),   cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_slack),    cmocka_unit_test(test_grasp),     cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_chords),   cmocka_unit_test(test_snapshot),  cmocka_unit_test(test_setters),
+        cmocka_unit_test(test_tie),      cmocka_unit_test(test_slack),     cmocka_unit_test(test_grasp),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

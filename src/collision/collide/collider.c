@@ -121,11 +121,12 @@ static pel_status make_surface(const pel_collider *collider, const double (*posi
                                               memory / BYTES_PER_PAIR, made, error);
     if (status != PEL_OK)
         return status;
-    status = pel_clearance_create(vertex_count, clearance, error);
+    if (collider->candidates != NULL && pel_candidates_use_groups(*made, &collider->candidates->tree->groups) != PEL_OK)
+        status = pel_fail_memory(error);
+    if (status == PEL_OK)
+        status = pel_clearance_create(vertex_count, clearance, error);
     if (status != PEL_OK)
         pel_candidates_destroy(*made);
-    else if (collider->candidates != NULL)
-        pel_candidates_use_groups(*made, &collider->candidates->groups);
     return status;
 }
 
@@ -252,10 +253,10 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
     collider->pool = pool;
 }
 
-void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups)
+pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups, pel_error *error)
 {
-    pel_candidates_use_groups(collider->candidates, groups);
     collider->clearance.reach = 0;
+    return pel_candidates_use_groups(collider->candidates, groups) == PEL_OK ? PEL_OK : pel_fail_memory(error);
 }
 
 const pel_tree *pel_collider_tree(const pel_collider *collider)

@@ -10,7 +10,7 @@
 void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
 
 /* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
-void pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups);
+pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups, pel_error *error);
 
 /* The tree over the present surface, owned by the collider with its triangles: numbers of edges and triangles in
    results refer to it. */

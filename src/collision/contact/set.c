@@ -981,6 +981,7 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     for (int32_t i = 0; i < sweeps; i++)
         if (pel_contacts_project(&set->list, motion->next, motion->position) < tolerance)
             break;
+    pel_rigids_place(set->def.rigids, motion->next);
     set->list.substep = substep;
     set->way_is_searched = false;
     for (int32_t p = 0; p < set->vertex_count; p++)

@@ -200,9 +200,9 @@ static pel_status create_collider(pel_contact_set *set, pel_error *error)
     pel_collider_use_pool(set->collider, set->def.pool);
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
                                          set->def.body_count + set->def.obstacle_count};
-    pel_collider_use_groups(set->collider, &groups);
     pel_free(set->next_triangles); /* it has a copy */
-    return PEL_OK;
+    set->next_triangles = NULL;
+    return pel_collider_use_groups(set->collider, &groups, error);
 }
 
 pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)

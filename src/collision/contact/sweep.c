@@ -124,7 +124,6 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         carried = free * (load + change) > carried ? free * (load + change) : carried;
     }
     list->carried = carried;
-    pel_rigids_place(list->rigids, positions);
     return largest;
 }
 

@@ -12,7 +12,8 @@ void pel_contacts_begin(pel_contact_list *list, double substep);
    most `most` [m]: positions (vertex_count) position and inverse mass, what has inverse mass 0 stays. */
 void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most);
 /* One sweep over the contacts in their order; start: positions at the start of the substep, from which friction counts
-   the way. Returns the largest correction of a gap [m], 0 = nothing changed. */
+   the way. Returns the largest correction of a gap [m], 0 = nothing changed. Vertices of rigid bodies are left to
+   pel_rigids_place. */
 double pel_contacts_project(pel_contact_list *list, pel_record *positions, const pel_record *start);
 /* It carries nothing, and no sweep gives it a load. */
 void pel_contact_switch_off(pel_contact *contact);

@@ -9,6 +9,7 @@
    without torque). No functions of angles are needed. Fast rotations are divided, so that the angle is right too. */
 #include "rigid/rigid.h"
 
+#include "geom/wide4.h"
 #include "math/pose.h"
 
 #include <string.h>
@@ -202,18 +203,29 @@ static void arm_of(const pel_rigid *rigid, const pel_rigids *rigids, int32_t v, 
     multiply((const double(*)[3])rigid->matrix, local, arm);
 }
 
+/* four numbers at once, the sums in the order of arm_of */
+static void place(const pel_rigid *rigid, const pel_rigids *rigids, pel_record *positions)
+{
+    const double(*m)[3] = (const double(*)[3])rigid->matrix, *p = rigid->state.pivot, *middle = rigid->shape->pivot;
+    const wide4 x = {m[0][0], m[1][0], m[2][0], 0}, y = {m[0][1], m[1][1], m[2][1], 0};
+    const wide4 z = {m[0][2], m[1][2], m[2][2], 0}, pivot = {p[0], p[1], p[2], 0};
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        const pel_record rest = rigids->rest[v];
+        if (!(rigids->inverse_mass[v] > 0) && !rigid->shape->is_free)
+            continue;
+        pel_real w = positions[v][3];
+        wide4 arm = x * ((double)rest[0] - middle[0]) + y * ((double)rest[1] - middle[1]);
+        positions[v] = __builtin_convertvector(pivot + (arm + z * ((double)rest[2] - middle[2])), pel_record);
+        positions[v][3] = w;
+    }
+}
+
 void pel_rigids_place(pel_rigids *rigids, pel_record *positions)
 {
     for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
         pel_rigid *rigid = &rigids->items[i];
-        for (int32_t v = rigid->begin; rigid->is_moved && v < rigid->end; v++) {
-            double arm[3];
-            if (!(rigids->inverse_mass[v] > 0) && !rigid->shape->is_free)
-                continue;
-            arm_of(rigid, rigids, v, arm);
-            for (int k = 0; k < 3; k++)
-                positions[v][k] = (pel_real)(rigid->state.pivot[k] + arm[k]);
-        }
+        if (rigid->is_moved)
+            place(rigid, rigids, positions);
         rigid->is_moved = false;
     }
 }
@@ -391,6 +403,37 @@ void pel_rigid_go_back(pel_rigid *rigid, const pel_rigid_state *state, double sh
     pel_vec3_scale(state->angular_momentum, share, rigid->state.angular_momentum);
     set_matrix(rigid);
     rigid->is_moved = true;
+    rigid->path_count = 0;
+}
+
+double pel_rigid_turned(const pel_rigid *rigid)
+{
+    static const double shorter[3] = {0};
+    double angle = 0, turn[3];
+    for (int32_t i = 0; i <= rigid->path_count; i++) {
+        const pel_rigid_state *from = i > 0 ? &rigid->path[i - 1] : &rigid->before;
+        const pel_rigid_state *to = i < rigid->path_count ? &rigid->path[i] : &rigid->state;
+        pel_rotation_between(from->rotation, to->rotation, shorter, turn);
+        angle += pel_vec3_length(turn);
+    }
+    return angle;
+}
+
+void pel_rigid_place_between(const pel_rigid *rigid, const pel_rigids *rigids, int32_t v, double share, double x[3])
+{
+    static const double shorter[3] = {0};
+    double parts = share * (rigid->path_count + 1), turn[3], rotation[4], way[3], arm[3];
+    int32_t part = (int32_t)(parts < rigid->path_count ? parts : rigid->path_count);
+    const pel_rigid_state *from = part > 0 ? &rigid->path[part - 1] : &rigid->before;
+    const pel_rigid_state *to = part < rigid->path_count ? &rigid->path[part] : &rigid->state;
+    pel_rotation_between(from->rotation, to->rotation, shorter, turn);
+    pel_rotation_turn(from->rotation, turn, parts - part, rotation);
+    pel_vertex_position(rigids->rest, v, arm);
+    pel_vec3_subtract(arm, rigid->shape->pivot, arm);
+    pel_rotate(rotation, arm, arm);
+    pel_vec3_subtract(to->pivot, from->pivot, way);
+    pel_vec3_along(arm, parts - part, way, arm);
+    pel_vec3_add(from->pivot, arm, x);
 }
 
 /* sum of r_k x a_k over the columns of the rotation and of A, and the size of the latter */

@@ -15,6 +15,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+enum { PEL_RIGID_KNOTS = 15 };
+
 /* constant numbers of a body, at rest */
 typedef struct pel_rigid_shape {
     double mass, inverse_mass; /* kg; 1/kg of the pivot, 0 where it is pinned */
@@ -40,6 +42,8 @@ typedef struct pel_rigid {
     double matrix[3][3];          /* the rotation of the state */
     pel_rigid_state started;      /* at the start of the substep */
     pel_rigid_state before;       /* at the start of the step, or of a part of it */
+    pel_rigid_state *path;        /* (PEL_RIGID_KNOTS) states between them, at equal times: */
+    int32_t path_count;           /* as many, 0 = it went straight */
     double force[3], torque[3];   /* N, N m about the pivot: loads in this substep */
     double impulse[3], moment[3]; /* N s and N m s about the pivot, of all pushes in this substep */
     bool is_fixed;                /* it moves only as it is told in this step: held, or asleep */
@@ -54,6 +58,8 @@ typedef struct pel_rigids {
     const pel_record *rest;       /* (vertex_count) */
     const pel_real *inverse_mass; /* (vertex_count) 0 = pinned */
     double rate;                  /* 1/s: impulses over the numbers that move the bodies, 0 = momenta stay */
+    pel_rigid_state *path;        /* (count x PEL_RIGID_KNOTS) theirs */
+    int32_t substep;              /* of the step */
 } pel_rigids;
 
 /* the rigid body of a vertex; null = none */
@@ -81,6 +87,10 @@ double pel_rigid_kinetic_energy(const pel_rigid_shape *shape, const pel_rigid_st
 void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state);
 /* Goes back to a share of the way from `before` to a state: places and momenta. */
 void pel_rigid_go_back(pel_rigid *rigid, const pel_rigid_state *state, double share);
+/* rad, by which a body has turned since `before` */
+double pel_rigid_turned(const pel_rigid *rigid);
+/* the place of a vertex after a share of the path from `before` to the state now */
+void pel_rigid_place_between(const pel_rigid *rigid, const pel_rigids *rigids, int32_t v, double share, double x[3]);
 /* Takes the place of its vertices, as far as they are a rigid image of those at rest; masses (vertex_count). */
 void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *positions);
 /* Takes momenta from a motion: of the center [m/s], and angular [rad/s]. */

@@ -61,7 +61,7 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
 
 static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
 {
-    const pel_collision_groups *groups = &c->groups;
+    const pel_collision_groups *groups = &c->tree->groups;
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
     int32_t first = edges ? pel_tree_corner(c->tree, pair.first) : pair.first;
     int32_t second = edges ? pel_tree_corner(c->tree, pair.second) : c->tree->triangles[pair.second][0];
@@ -77,15 +77,16 @@ static bool keep_meeting(void *context, int32_t chunk, pel_pair_kind kind, pel_p
 /* the searches list only pairs that may meet: a rigid tool of fine triangles would have millions of others */
 static void keep_of_groups(pel_candidates *c)
 {
-    c->search.keep = c->groups.group_of_vertex != NULL ? keep_meeting : NULL;
+    c->search.keep = c->tree->groups.group_of_vertex != NULL ? keep_meeting : NULL;
     c->search.context = c;
 }
 
-void pel_candidates_use_groups(pel_candidates *c, const pel_collision_groups *groups)
+pel_status pel_candidates_use_groups(pel_candidates *c, const pel_collision_groups *groups)
 {
-    c->groups = *groups;
     c->has_kept = false;
+    pel_status status = pel_tree_use_groups(c->tree, groups);
     keep_of_groups(c);
+    return status;
 }
 
 void pel_candidates_destroy(pel_candidates *c)
@@ -121,7 +122,7 @@ static bool choose_margin(pel_candidates *c)
 static void fit_tree(pel_candidates *c, const pel_motion *motion, const pel_box *boxes, pel_pool *pool)
 {
     pel_tree_refit(c->tree, boxes, pool);
-    if (pel_tree_cost(c->tree) <= cost_growth * c->tree->built_cost)
+    if (!c->tree->is_stale && pel_tree_cost(c->tree) <= cost_growth * c->tree->built_cost)
         return;
     pel_tree_rebuild(c->tree, motion->start);
     pel_tree_refit(c->tree, boxes, pool);
@@ -386,7 +387,7 @@ static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair
     const double(*x)[3] = near->positions;
     double weights[4], square;
     (void)chunk;
-    if (near->c->groups.group_of_vertex != NULL && !may_meet(near->c, kind, pair))
+    if (near->c->tree->groups.group_of_vertex != NULL && !may_meet(near->c, kind, pair))
         return false;
     if (kind == PEL_PAIR_EDGE_EDGE) {
         int32_t a[2], b[2];

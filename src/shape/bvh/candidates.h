@@ -24,14 +24,6 @@ typedef struct pel_candidate_counts {
     int64_t kept;       /* pairs that are kept at present */
 } pel_candidate_counts;
 
-/* Groups of vertices, and which of them can meet at all; a triangle and an edge belong to the group of their first
-   vertex. */
-typedef struct pel_collision_groups {
-    const int32_t *group_of_vertex; /* (vertex_count) null = everything may meet */
-    const uint8_t *may_meet;        /* (group_count x group_count) symmetric */
-    int32_t group_count;
-} pel_collision_groups;
-
 /* A piece of memory that is saved as it stands. */
 typedef struct pel_memory_part {
     void *data;
@@ -41,9 +33,8 @@ typedef struct pel_memory_part {
 enum { PEL_CANDIDATES_PARTS = 8 };
 
 typedef struct pel_candidates {
-    pel_tree *tree;              /* own */
-    pel_collision_groups groups; /* not owned */
-    double margin;               /* m; 0 = keep nothing */
+    pel_tree *tree; /* own */
+    double margin;  /* m; 0 = keep nothing */
 
     pel_pair *vertex_face, *edge_edge; /* of the last update: vertex and triangle, edge and edge */
     size_t vertex_face_count, edge_edge_count;
@@ -71,8 +62,8 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
                                  pel_error *error);
 void pel_candidates_destroy(pel_candidates *candidates);
 /* Only pairs of these groups are found from now on. The arrays have to live on; their values stay while the surface
-   stays. */
-void pel_candidates_use_groups(pel_candidates *candidates, const pel_collision_groups *groups);
+   stays. PEL_OUT_OF_MEMORY. */
+pel_status pel_candidates_use_groups(pel_candidates *candidates, const pel_collision_groups *groups);
 
 /* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only for
    more candidates than ever before. pool is nullable; the result does not depend on it. PEL_BAD_ARGUMENT with the

@@ -431,6 +431,8 @@ static bool may_touch(const search_plan *plan, const task *t)
 {
     if (plan->growth != NULL && !plan->growth->node_grew[t->a.node] && !plan->growth->node_grew[t->b.node])
         return false;
+    if (!pel_tree_nodes_may_meet(plan->a, t->a.node, plan->b, t->b.node))
+        return false;
     return is_single(plan, t) || pel_box_overlaps(&plan->a->nodes[t->a.node], &plan->b->nodes[t->b.node]);
 }
 

@@ -18,6 +18,7 @@ typedef struct build {
     const double *origin;
     uint64_t *keys;        /* (triangle_count) place along an axis, triangle */
     float (*centroids)[3]; /* (triangle_count) null = they are computed again and again */
+    bool is_mixed;         /* what is sorted has several groups */
 } build;
 
 static float centroid(const build *b, uint32_t t, int axis)
@@ -29,8 +30,21 @@ static float centroid(const build *b, uint32_t t, int axis)
     return isfinite(sum) ? (float)sum : 0;
 }
 
+static int32_t group_of(const pel_tree *tree, uint32_t t)
+{
+    return tree->node_groups != NULL ? tree->groups.group_of_vertex[tree->triangles[t][0]] : 0;
+}
+
+static bool is_kept_together(const pel_tree *tree, int32_t group)
+{
+    return tree->node_groups != NULL && !tree->groups.may_meet[group * tree->groups.group_count + group];
+}
+
 static float get_centroid(const build *b, uint32_t t, int axis)
 {
+    int32_t group = group_of(b->tree, t);
+    if (b->is_mixed && is_kept_together(b->tree, group))
+        return b->tree->group_places[group][axis];
     return b->centroids != NULL ? b->centroids[t][axis] : centroid(b, t, axis);
 }
 
@@ -96,6 +110,16 @@ static void select_key(uint64_t *keys, int32_t begin, int32_t end, int32_t nth)
     }
 }
 
+/* the group of all keys, -1 = there are several */
+static int32_t common_group(const build *b, int32_t begin, int32_t end)
+{
+    int32_t group = group_of(b->tree, (uint32_t)b->keys[begin]);
+    for (int32_t i = begin + 1; i < end && b->tree->node_groups != NULL; i++)
+        if (group_of(b->tree, (uint32_t)b->keys[i]) != group)
+            return -1;
+    return group;
+}
+
 /* leaves begin..end; depth is the logarithm of their number */
 static void sort_triangles(build *b, int32_t begin, int32_t end)
 {
@@ -104,6 +128,7 @@ static void sort_triangles(build *b, int32_t begin, int32_t end)
     const pel_tree *tree = b->tree;
     int32_t first = PEL_LANES * begin, middle = pel_tree_middle(begin, end);
     int32_t last = end == tree->leaf_count ? tree->triangle_count : PEL_LANES * end;
+    b->is_mixed = common_group(b, first, last) < 0;
     int axis = longest_axis(b, first, last);
     for (int32_t i = first; i < last; i++) {
         uint32_t t = (uint32_t)b->keys[i];
@@ -124,6 +149,44 @@ static void fill_leaves(const build *b)
         }
 }
 
+static void place_groups(build *b)
+{
+    pel_tree *tree = b->tree;
+    int32_t count = tree->node_groups != NULL ? tree->groups.group_count : 0;
+    b->is_mixed = false;
+    for (int32_t g = 0; g < count; g++)
+        memset(tree->group_places[g], 0, sizeof tree->group_places[g]);
+    for (int32_t t = 0; t < tree->triangle_count && count > 0; t++) {
+        float *place = tree->group_places[group_of(tree, (uint32_t)t)];
+        place[3]++;
+        for (int k = 0; k < 3; k++)
+            place[k] += (get_centroid(b, (uint32_t)t, k) - place[k]) / place[3];
+    }
+}
+
+/* of all corners in a leaf */
+static int32_t group_of_leaf(const pel_tree *tree, int32_t leaf)
+{
+    const int32_t *triangles = tree->leaves[leaf], *groups = tree->groups.group_of_vertex;
+    int32_t group = group_of(tree, (uint32_t)triangles[0]);
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)
+        for (int i = 0; i < 3; i++)
+            if (groups[tree->triangles[triangles[lane]][i]] != group)
+                return -1;
+    return group;
+}
+
+/* of a node over leaves begin..end and all below; returns its own */
+static int32_t group_nodes(pel_tree *tree, int32_t node, int32_t begin, int32_t end)
+{
+    int32_t middle = pel_tree_middle(begin, end);
+    if (end - begin == 1)
+        return tree->node_groups[node] = group_of_leaf(tree, begin);
+    int32_t left = group_nodes(tree, node + 1, begin, middle);
+    int32_t right = group_nodes(tree, node + 2 * (middle - begin), middle, end);
+    return tree->node_groups[node] = left == right ? left : -1;
+}
+
 static void run_build(build *b)
 {
     pel_tree *tree = b->tree;
@@ -134,11 +197,15 @@ static void run_build(build *b)
     for (int32_t t = 0; b->centroids != NULL && t < tree->triangle_count; t++)
         for (int k = 0; k < 3; k++)
             b->centroids[t][k] = centroid(b, (uint32_t)t, k);
+    place_groups(b);
     sort_triangles(b, 0, tree->leaf_count);
     fill_leaves(b);
+    if (tree->node_groups != NULL)
+        group_nodes(tree, 0, 0, tree->leaf_count);
     for (int32_t n = 0; n < tree->node_count; n++)
         tree->nodes[n] = pel_box_empty();
     tree->built_cost = 0;
+    tree->is_stale = false;
 }
 
 void pel_tree_rebuild(pel_tree *tree, const double (*positions)[3])
@@ -158,6 +225,34 @@ static pel_status build_first(pel_tree *tree, const double (*positions)[3])
     run_build(&b);
     pel_free(b.centroids);
     return PEL_OK;
+}
+
+/* whether half of the triangles do not meet their own group: a tree is built once more for them */
+static bool is_worth_groups(const pel_tree *tree)
+{
+    const pel_collision_groups *groups = &tree->groups;
+    int32_t count = 0;
+    for (int32_t t = 0; groups->group_of_vertex != NULL && t < tree->triangle_count; t++) {
+        int32_t group = groups->group_of_vertex[tree->triangles[t][0]];
+        count += !groups->may_meet[group * groups->group_count + group];
+    }
+    return count > tree->triangle_count / 2;
+}
+
+pel_status pel_tree_use_groups(pel_tree *tree, const pel_collision_groups *groups)
+{
+    PEL_FREE_ALL(tree->node_groups, tree->group_places);
+    tree->node_groups = NULL;
+    tree->group_places = NULL;
+    tree->groups = *groups;
+    if (!is_worth_groups(tree))
+        return PEL_OK;
+    tree->is_stale = true;
+    bool made = PEL_ALLOCATE_ALL(PEL_ROOM(tree->node_groups, tree->node_count),
+                                 PEL_ROOM(tree->group_places, groups->group_count));
+    for (int32_t n = 0; made && n < tree->node_count; n++)
+        tree->node_groups[n] = -1;
+    return made ? PEL_OK : PEL_OUT_OF_MEMORY;
 }
 
 /* ---- creation ---- */
@@ -240,7 +335,8 @@ void pel_tree_destroy(pel_tree *tree)
 {
     if (tree == NULL)
         return;
-    PEL_FREE_ALL(tree->next_in_edge, tree->features, tree->nodes, tree->leaves, tree);
+    PEL_FREE_ALL(tree->next_in_edge, tree->features, tree->nodes, tree->leaves, tree->node_groups, tree->group_places,
+                 tree);
 }
 
 /* ---- boxes ---- */

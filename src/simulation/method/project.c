@@ -65,7 +65,9 @@ static pel_contact_list *loop_contacts(const pel_sim *sim)
 /* m, of the layers in the loop */
 static double least_thickness(const pel_sim *sim)
 {
-    double least = sim->contacts != NULL ? sim->contacts->def.thickness : HUGE_VAL;
+    double least = HUGE_VAL;
+    if (sim->contacts != NULL)
+        least = sim->rigids != NULL ? sim->contacts->least : sim->contacts->def.thickness;
     return sim->tools->solids != NULL ? pel_min(least, pel_solids_thickness(sim)) : least;
 }
 
@@ -98,6 +100,7 @@ static bool has_settled(const pel_sim *sim, const pel_contact_list *list, double
 /* update the contacts between two sweeps */
 static void follow_contacts(pel_sim *sim, const pel_record *start)
 {
+    pel_rigids_place(sim->rigids, sim->state->position_next);
     if (loop_contacts(sim) != NULL)
         pel_contacts_refresh(sim, start, false);
     if (sim->tools->solids != NULL)
@@ -148,6 +151,7 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
         if (lists[0] != NULL)
             pel_contacts_project(&sim->contacts->heights.list, positions, start);
     }
+    pel_rigids_place(sim->rigids, positions);
     for (int k = 0; k < 2; k++)
         if (lists[k] != NULL)
             lists[k]->supports = NULL;

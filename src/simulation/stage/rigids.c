@@ -44,6 +44,7 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
     pel_rigids *rigids = sim->rigids = pel_allocate(1, sizeof *rigids);
     if (rigids == NULL ||
         !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count),
+                          PEL_ROOM(rigids->path, (size_t)count * PEL_RIGID_KNOTS),
                           PEL_ROOM(sim->supports, model->vertex_count)))
         return pel_fail_memory(error);
     rigids->rest = model->rest;
@@ -56,9 +57,11 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
             continue;
         for (int32_t s = body->slice_begin; s < body->slice_end; s++)
             rigids->of_slice[s] = rigids->count;
-        pel_rigid *rigid = &rigids->items[rigids->count++];
-        *rigid = (pel_rigid){
-            .shape = body->rigid, .begin = body->slice_begin * PEL_WIDTH, .end = body->slice_end * PEL_WIDTH};
+        pel_rigid *rigid = &rigids->items[rigids->count];
+        *rigid = (pel_rigid){.shape = body->rigid,
+                             .begin = body->slice_begin * PEL_WIDTH,
+                             .end = body->slice_end * PEL_WIDTH,
+                             .path = rigids->path + rigids->count++ * PEL_RIGID_KNOTS};
         pel_rigid_begin(rigid, &sim->state->rigids[b]);
     }
     return PEL_OK;
@@ -68,7 +71,7 @@ void pel_rigids_destroy(pel_sim *sim)
 {
     if (sim->rigids == NULL)
         return;
-    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->supports);
+    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->rigids->path, sim->supports);
     pel_free(sim->rigids);
 }
 
@@ -92,8 +95,20 @@ void pel_rigids_begin(pel_sim *sim)
     for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
         pel_rigid *rigid = &sim->rigids->items[i];
         rigid->before = sim->state->rigids[body_of(sim, rigid)];
+        rigid->path_count = 0;
         pel_rigid_begin(rigid, &rigid->before);
     }
+    if (sim->rigids != NULL)
+        sim->rigids->substep = 0;
+}
+
+/* knots of paths: at the starts of substeps, of every n-th one where there are more */
+static void keep_path(const pel_sim *sim, pel_rigid *rigid)
+{
+    int32_t number = sim->rigids->substep, every = sim->solver.substeps / (PEL_RIGID_KNOTS + 1) + 1;
+    every = sim->solver.substeps <= PEL_RIGID_KNOTS + 1 ? 1 : every;
+    if (number > 0 && number % every == 0)
+        rigid->path[rigid->path_count++] = rigid->state;
 }
 
 static void sum_forces(const pel_sim *sim, const pel_rigid *rigid, const pel_record *positions, const pel_record *air,
@@ -126,6 +141,7 @@ void pel_rigids_kick(pel_sim *sim, const pel_record *positions, double h, const 
         pel_rigid *rigid = &sim->rigids->items[i];
         const pel_rigid_state state = rigid->state;
         double force[3], torque[3];
+        keep_path(sim, rigid);
         rigid->is_fixed = is_held(sim, rigid) || is_asleep(sim, rigid);
         pel_rigid_begin(rigid, &state);
         rigid->state.is_touched = false;
@@ -137,8 +153,10 @@ void pel_rigids_kick(pel_sim *sim, const pel_record *positions, double h, const 
         if (!is_held(sim, rigid))
             memset(sim->force + rigid->begin, 0, (size_t)(rigid->end - rigid->begin) * sizeof *sim->force);
     }
-    if (sim->rigids != NULL)
+    if (sim->rigids != NULL) {
         sim->rigids->rate = 1 / h;
+        sim->rigids->substep++;
+    }
 }
 
 /* A fall goes by h v + h^2 g / 2, exactly; what something pushed has v at the end of the substep, so that it can lie

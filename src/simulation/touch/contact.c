@@ -109,6 +109,37 @@ static pel_status refuse_thickness(const pel_sim *sim, double thickness, bool is
     return PEL_BAD_ARGUMENT;
 }
 
+/* of g dt^2: a thinner layer is lost in one substep of a fall, the guard stops what it cannot hold, and the step is
+   divided; at most so much of the least side of the box around a rigid body, and of its shortest edge */
+#define FALL_SHARE 0.0625
+#define SIDE_SHARE 3e-3
+#define EDGE_SHARE 0.25
+
+/* m, of the layer of a rigid body that has none of its own; 0 = it is given, or not rigid */
+static double rigid_thickness(const pel_sim *sim, int32_t body)
+{
+    const pel_mesh *mesh = sim->given->bodies[body].mesh;
+    double low[3], high[3], least = HUGE_VAL;
+    if (sim->model->bodies[body].rigid == NULL || sim->touch->def.thickness > 0)
+        return 0;
+    pel_bounds_clear(low, high);
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        pel_bounds_add(low, high, mesh->positions[v]);
+    for (int k = 0; k < 3; k++)
+        least = pel_min(least, high[k] - low[k]);
+    double fall = FALL_SHARE * pel_vec3_length(sim->model->gravity) * sim->solver.dt * sim->solver.dt;
+    return pel_min(fall, pel_min(SIDE_SHARE * least, EDGE_SHARE * shortest_edge(sim->given, body).length));
+}
+
+/* m, the least one where all bodies are rigid, else 0 */
+static double all_rigid_thickness(const pel_sim *sim)
+{
+    double least = HUGE_VAL;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        least = pel_min(least, rigid_thickness(sim, b));
+    return least;
+}
+
 /* the thickness of all groups without their own: a given one is accepted or refused, the relative one is reduced for
    short edges */
 static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortest, double *thickness, pel_error *error)
@@ -116,7 +147,8 @@ static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortes
     const pel_contact_def *def = &sim->touch->def;
     *thickness = def->thickness;
     if (!(*thickness > 0))
-        *thickness = pel_min(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length);
+        *thickness = pel_max(pel_min(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length),
+                             all_rigid_thickness(sim));
     if (*thickness > 0)
         return PEL_OK;
     return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", shortest->vertex,
@@ -158,6 +190,8 @@ static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thi
     double friction = tool < 0 ? sim->model->bodies[number].friction : sim->tools->items[tool].friction;
     if (tool < 0 && is_shell(sim, number))
         own = sheet_thickness(sim, number);
+    if (tool < 0 && !(own > 0))
+        own = pel_max(thickness, rigid_thickness(sim, number));
     return (pel_contact_group){.thickness = own > 0 ? own : thickness,
                                .friction = friction >= 0 ? friction : sim->touch->def.friction};
 }

@@ -162,12 +162,13 @@ pel_status pel_contacts_find_start_gap(pel_sim *sim, pel_start_gap *gap, pel_err
         return status;
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
                                          set->def.body_count + set->def.obstacle_count};
-    pel_collider_use_groups(collider, &groups);
+    status = pel_collider_use_groups(collider, &groups, error);
     pel_collision_query query = pel_collision_query_default();
     query.start = query.end = set->start[0];
     query.min_separation = set->largest;
     pel_collision_result result;
-    status = pel_collider_detect(collider, &query, &result, error);
+    if (status == PEL_OK)
+        status = pel_collider_detect(collider, &query, &result, error);
     for (int64_t i = 0; status == PEL_OK && i < result.collision_count; i++)
         note_gap(set, &result.collisions[i], gap);
     pel_collider_destroy(collider);
