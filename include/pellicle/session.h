@@ -12,6 +12,9 @@
        set PATH VALUE                     a parameter as in pel_set_parameter_text
        grab OX OY OZ DX DY DZ K REACH     grasp a body where the ray from O along D meets it: spring K [N/m], vertices
                                           within REACH [m]
+       grasp OX OY OZ DX DY DZ REACH ANEW  forceps: hold one connected patch of the surface within REACH [m] of where
+   the ray meets it, and go where `move` asks. Forceps of the scene that lead a tear (pel_tool_def) let go then and
+   leave; with ANEW 1 those of the hand grasp the flap anew behind the tip as they did, with 0 they hold what they have
        press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation (unit quaternion). SHAPE: sphere, box
                                           (half edge R), capsule (radius R, half length 2 R), blade and hook (edge from
                                           -R to R along its z axis) with R [m]. If the scene
@@ -33,6 +36,7 @@
 
 #include "live.h"
 #include "scene.h"
+#include "tear.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,13 +47,14 @@ enum { PEL_SESSION_LINE = 512 };
 
 typedef struct pel_session pel_session;
 
-typedef enum pel_hand_kind { PEL_HAND_FREE, PEL_HAND_GRAB, PEL_HAND_PRESS, PEL_HAND_CUT } pel_hand_kind;
+typedef enum pel_hand_kind { PEL_HAND_FREE, PEL_HAND_GRAB, PEL_HAND_PRESS, PEL_HAND_CUT, PEL_HAND_GRASP } pel_hand_kind;
 
-/* State of the hand: the spring of `grab`, the tool of `press` or the blade of `cut` that the user moves. */
+/* State of the hand: the spring of `grab`, the tool of `press` or `grasp`, or the blade of `cut` that the user moves.
+ */
 typedef struct pel_hand_reading {
     pel_hand_kind kind;
     pel_tool_shape shape; /* of the tool */
-    double radius;        /* m, of the tool */
+    double radius;        /* m, of the tool; of forceps how far from their place they hold */
     double point[3];      /* m, the held point, or the position of the tool */
     double rotation[4];   /* of the tool */
     double target[3];     /* m, its target */
@@ -76,6 +81,18 @@ PEL_API pel_status pel_session_reset(pel_session *session, pel_error *error);
 PEL_API void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading);
 /* The mesh of the pressing tool, relative to its origin [m]; null if it has none. Lives until the hand is free. */
 PEL_API const pel_mesh *pel_session_tool_mesh(const pel_session *session);
+/* How a tear is led: by forceps of the scene (pel_tool_def.leads), and by the hand that takes over from them. Undo and
+   reset return to the score of that time. */
+typedef struct pel_score {
+    pel_hole_reading hole;
+    double force_peak;   /* N, largest force on one tool so far */
+    double force_rms;    /* N, root of the mean square over the steps in which a tool had a force; 0 = none yet */
+    double time;         /* s, from the first to the last of these steps */
+    int64_t touch_count; /* steps in which a tool was at the surface on the far side of the circle's centre, or behind
+                            it: in an eye's lens the posterior capsule, which must stay whole */
+} pel_score;
+/* False, with a score of zeros, if no tool of the scene leads a tear. */
+PEL_API bool pel_session_get_score(const pel_session *session, pel_score *score);
 /* Number of marks for undo. */
 PEL_API int32_t pel_session_undo_count(const pel_session *session);
 /* (*count, the vertices of the body's mesh) 1 for pinned vertices, otherwise 0; lives until the next command. */

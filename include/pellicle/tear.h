@@ -62,6 +62,26 @@ typedef struct pel_tip {
 PEL_API pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room, int32_t *count,
                                 pel_error *error);
 
+/* The hole that a tear opens around the axis of the first tool that leads one (pel_tool_def.leads), against the circle
+   of that tool. All lengths are distances from the axis in the rest shape, across it. */
+enum { PEL_HOLE_SECTORS = 72 };
+typedef struct pel_hole_reading {
+    double aim;                      /* m, radius of the circle */
+    double along[3], across[3];      /* unit: sector k is around the direction cos(a) along + sin(a) across with
+                                        a = 2 pi (k + 1/2) / PEL_HOLE_SECTORS; right-handed with the axis */
+    double radius[PEL_HOLE_SECTORS]; /* m, farthest open edge in a sector; 0 = none beyond half of the aim */
+    double swept;                    /* rad, all sectors with a radius */
+    double diameter;       /* m, of the circle with the area of the sectors: of all once they are open, else twice the
+                              mean radius; 0 = none is open */
+    double offset;         /* m, of the centroid of the hole from the axis; NaN until all sectors are open */
+    double roundness;      /* smallest over largest distance of the edge from that centroid; NaN likewise */
+    double largest;        /* m, the largest radius; 0 = none */
+    int32_t run_out_count; /* places where the edge is farther out than 1.15 times the aim: neighbours are one */
+    bool is_whole;         /* all sectors are open and the piece within has come off */
+} pel_hole_reading;
+/* False, with a reading of zeros, if no tool leads a tear. */
+PEL_API bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading);
+
 /* Whether the surface of any body may open: it has a toughness, or the def has cuts or tools with an edge. */
 PEL_API bool pel_sim_can_tear(const pel_sim *sim);
 

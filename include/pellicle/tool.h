@@ -64,11 +64,12 @@ typedef struct pel_tool_def {
                               the tear follows the circle, at lead_speed, and keeps the height along the axis of its
                               first key. Where it holds nothing, and farther from the tip than lead_regrasp, it grasps
                               one patch of the inner lip, five edges behind the tip. Without a tip it moves along the
-                              axis. A pose that the caller sets ends this */
+                              axis. A pose that the caller sets ends this, unless lead_speed is 0 */
     double lead_center[3]; /* m */
     double lead_axis[3];   /* of any length but 0 */
     double lead_radius;    /* m, of the circle at rest */
-    double lead_speed;     /* m/s */
+    double lead_speed;     /* m/s; 0 = the caller sets the poses, and the tool grasps anew, also where it holds the
+                              surface outside the tear */
     double lead_outward;   /* rad, of the pull away from the axis, -pi / 2 to pi / 2; not 0: the tear is not led back */
     double lead_regrasp;   /* m, from the tip; at least four times how far from its centre it grasps */
     /* PEL_TOOL_SUPPORT: x = R (X - center) + position with the rest position X and the pose (R, position) of the keys.

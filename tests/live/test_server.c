@@ -514,6 +514,23 @@ static void test_drag_undo_reset(void **unused)
     say(&who, "echo 3");
     copy_value(await(&who, "frame", "\"echo\":3"), "\"hash\":\"", hash, sizeof hash);
     assert_string_equal(hash, start_hash);
+    /* the same steps from the start repeat what was done */
+    for (int round = 0; round < 2; round++) {
+        if (round == 0)
+            say(&who, "grab 0 -5 0 0 1 0 20 0.3");
+        if (round == 0)
+            say(&who, "move 0 -1.5 0");
+        for (int i = 0; i < 5; i++)
+            say(&who, "step");
+        say(&who, round == 0 ? "echo 4" : "echo 5");
+        copy_value(await(&who, "frame", round == 0 ? "\"echo\":4" : "\"echo\":5"), "\"hash\":\"", value, sizeof value);
+        if (round == 0)
+            memcpy(hash, value, sizeof hash);
+        say(&who, "replay");
+        (void)await(&who, "hello", "a ball");
+    }
+    assert_string_equal(value, hash);
+    assert_string_not_equal(value, start_hash);
     say(&who, "field displacement");
     (void)await(&who, "frame", "\"field\":\"displacement\"");
     say(&who, "field nonsense");

@@ -520,6 +520,8 @@ static void test_cuts(void **unused)
     SURVIVES(pel_sim_cuts_done(NULL));
     SURVIVES(pel_sim_cut_is_held(NULL));
     SURVIVES(pel_sim_can_tear(NULL));
+    SURVIVES(pel_sim_get_hole(NULL, NULL));
+    SURVIVES(pel_sim_get_hole(sim, NULL));
     SURVIVES(pel_seam_def_default());
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));
@@ -843,6 +845,8 @@ static void test_session(void **unused)
     REFUSED("session", pel_session_repeat(NULL, &error));
     SURVIVES(pel_session_get_hand(NULL, &hand));
     SURVIVES(pel_session_get_hand(session, NULL));
+    SURVIVES(pel_session_get_score(NULL, NULL));
+    SURVIVES(pel_session_get_score(session, NULL));
     SURVIVES(pel_session_free_text(NULL));
     SURVIVES(pel_session_destroy(NULL));
     GIVES(pel_session_undo_count(NULL) == 0);

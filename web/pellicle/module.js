@@ -335,6 +335,11 @@ export class Simulation {
         this.apply(`set ${path} ${format(value)}`);
     }
 
+    grasp(origin, direction, { reach = 0, anew = false } = {}) {
+        this.apply(`grasp ${numbers(origin, direction, reach, anew ? 1 : 0)}`);
+        return this.summary().hand.kind === "grasp";
+    }
+
     grab(origin, direction, { stiffness = this.#hello.stiffness, reach = 0 } = {}) {
         this.apply(`grab ${numbers(origin, direction, stiffness, reach)}`);
         return this.summary().hand.kind === "grab";

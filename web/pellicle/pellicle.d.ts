@@ -106,9 +106,9 @@ export interface Summary {
     readonly step: number;
     /** of time, positions and velocities, 16 hexadecimal digits */
     readonly hash: string;
-    /** the spring of `grab`, the tool of `press` or the blade of `cut`; lengths in m, force in N */
+    /** the spring of `grab`, the tool of `press` or `grasp`, or the blade of `cut`; lengths in m, force in N */
     readonly hand: {
-        readonly kind: "free" | "grab" | "press" | "cut";
+        readonly kind: "free" | "grab" | "press" | "cut" | "grasp";
         readonly shape: string;
         readonly radius: number;
         readonly point: readonly number[];
@@ -130,6 +130,30 @@ export interface Summary {
         readonly work_hand: number;
         readonly dissipated: number;
         readonly energy_error: number;
+    };
+    /** If the surface may open: length in m, energy in J, release in N, rate in J/m2. */
+    readonly tear?: {
+        readonly length: number;
+        readonly fracture_energy: number;
+        readonly islands: number;
+        readonly tips: readonly { position: readonly number[]; release: number; rate: number | null }[];
+    };
+    /** If forceps of the scene lead a tear: the hole around their axis and the forces (pel_score of pellicle/session.h); SI units. */
+    readonly score?: {
+        readonly whole: boolean;
+        readonly aim: number;
+        readonly along: readonly number[];
+        readonly across: readonly number[];
+        readonly radius: readonly number[];
+        readonly swept: number;
+        readonly diameter: number;
+        readonly offset: number | null;
+        readonly roundness: number | null;
+        readonly run_outs: number;
+        readonly force_peak: number;
+        readonly force_rms: number;
+        readonly time: number;
+        readonly touches: number;
     };
 }
 
@@ -202,8 +226,16 @@ export interface Simulation {
      * False: the ray meets no body.
      */
     grab(origin: Vector, direction: Vector, options?: { stiffness?: number; reach?: number }): boolean;
-    /** Adds a tool that `move` moves: sphere, box (half edge `radius`) or capsule (half length 2 `radius`); lengths in m. */
-    press(options: { shape?: "sphere" | "capsule" | "box"; radius: number; position: Vector; rotation?: Quaternion }): void;
+    /**
+     * Forceps: holds one connected patch of the surface within `reach` [m] of where a ray meets it, and goes where `move` asks. With `anew`,
+     * where forceps of the scene lead a tear, it grasps the flap anew behind the tip. False: the ray meets no body.
+     */
+    grasp(origin: Vector, direction: Vector, options?: { reach?: number; anew?: boolean }): boolean;
+    /**
+     * Adds a tool that `move` moves: sphere, box (half edge `radius`), capsule (half length 2 `radius`), blade or hook (edge from -`radius` to
+     * `radius` along its z axis); lengths in m.
+     */
+    press(options: { shape?: "sphere" | "capsule" | "box" | "blade" | "hook"; radius: number; position: Vector; rotation?: Quaternion }): void;
     /** Sets the target [m] of the end of the spring, or of the tool. */
     move(target: Vector): void;
     /** Releases the surface, or removes the tool. */

@@ -2,7 +2,7 @@
 import type { SceneOptions, Simulation } from "./pellicle.js";
 
 type Remote<Method> = Method extends (...values: infer Values) => infer Result ? (...values: Values) => Promise<Result> : never;
-type Methods = "step" | "positions" | "triangles" | "field" | "summary" | "pick" | "tips" | "apply" | "parameters" | "set" | "grab" | "press" | "move" | "release" | "pin" | "unpin" | "cut" | "inflate" | "mark" | "undo" | "reset" | "scene" | "surfaceRevision";
+type Methods = "step" | "positions" | "triangles" | "field" | "summary" | "pick" | "tips" | "apply" | "parameters" | "set" | "grab" | "grasp" | "press" | "move" | "release" | "pin" | "unpin" | "cut" | "inflate" | "mark" | "undo" | "reset" | "scene" | "surfaceRevision";
 
 export type RemoteSimulation = { [Name in Methods]: Remote<Simulation[Name]> } & {
     /** a property such as "time", "bodies" or "hash" */

@@ -8,7 +8,7 @@ async function startWorker() {
     return new NodeWorker(url);
 }
 
-const methods = ["step", "advance", "positions", "triangles", "field", "summary", "pick", "tips", "apply", "parameters", "set", "grab", "press", "move", "release", "pin", "unpin", "cut", "inflate", "mark", "undo", "reset", "scene", "surfaceRevision"];
+const methods = ["step", "advance", "positions", "triangles", "field", "summary", "pick", "tips", "apply", "parameters", "set", "grab", "grasp", "press", "move", "release", "pin", "unpin", "cut", "inflate", "mark", "undo", "reset", "scene", "surfaceRevision"];
 
 // { simulation(scene, options), close() }. A simulation has the methods of pellicle.js, which return promises here, and in addition
 // get(property), and advance({ count, positions, fields }): steps, with copies of arrays at their end. Calls are executed in their order.

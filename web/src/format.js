@@ -21,6 +21,9 @@ export function formatNumber(value, digits = 3) {
     return `${short.replace("-", "−")}·10${superscript(Number(power))}`;
 }
 
+// of a force [N], in mN below 1 N
+export const formatForce = (newton, digits = 3) => (newton < 1 ? `${formatNumber(1e3 * newton, digits)} mN` : `${formatNumber(newton, digits)} N`);
+
 // numbers with a common power of ten, with enough digits to distinguish them or `digits` digits of the largest
 export function formatTogether(values, digits = 0) {
     const largest = Math.max(...values.map(Math.abs));

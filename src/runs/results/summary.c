@@ -166,6 +166,23 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
     close_inline(json, '}');
 }
 
+/* of forceps that lead a tear */
+static void write_hole(pel_json *json, const pel_sim *sim)
+{
+    pel_hole_reading hole;
+    if (!pel_sim_get_hole(sim, &hole))
+        return;
+    pel_json_open(json, "hole", '{');
+    pel_json_bool(json, "whole", hole.is_whole);
+    pel_json_number(json, "swept", hole.swept);
+    pel_json_number(json, "diameter", hole.diameter);
+    pel_json_number(json, "offset", hole.offset);
+    pel_json_number(json, "roundness", hole.roundness);
+    pel_json_number(json, "largest_radius", hole.largest);
+    pel_json_integer(json, "run_outs", hole.run_out_count);
+    pel_json_close(json, '}');
+}
+
 static void write_cuts(pel_json *json, const pel_sim *sim, const pel_sim_ledger *ledger)
 {
     pel_cut_reading cuts;
@@ -176,6 +193,7 @@ static void write_cuts(pel_json *json, const pel_sim *sim, const pel_sim_ledger 
     pel_json_integer(json, "islands", cuts.island_count);
     pel_json_integer(json, "released", cuts.released_count);
     pel_json_integer(json, "cuts", pel_sim_cuts_done(sim));
+    write_hole(json, sim);
     close_inline(json, '}');
 }
 

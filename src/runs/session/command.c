@@ -18,6 +18,7 @@ typedef struct grammar {
 static const grammar words[] = {
     [PEL_COMMAND_SET] = {"set", "PATH VALUE", 0, true, true},
     [PEL_COMMAND_GRAB] = {"grab", "OX OY OZ DX DY DZ STIFFNESS REACH", 8, false, false},
+    [PEL_COMMAND_GRASP] = {"grasp", "OX OY OZ DX DY DZ REACH ANEW", 8, false, false},
     [PEL_COMMAND_PRESS] = {"press", "SHAPE RADIUS X Y Z QX QY QZ QW", 8, true, false},
     [PEL_COMMAND_MOVE] = {"move", "X Y Z", 3, false, false},
     [PEL_COMMAND_RELEASE] = {"release", "", 0, false, false},
@@ -77,7 +78,8 @@ static pel_status find_word(const char *word, pel_command *command, pel_error *e
             command->word = (pel_command_word)i;
             return PEL_OK;
         }
-    return pel_refuse(error, PEL_BAD_ARGUMENT, "use set, grab, press, move, release, pin, unpin, inflate, cut or mark",
+    return pel_refuse(error, PEL_BAD_ARGUMENT,
+                      "use set, grab, grasp, press, move, release, pin, unpin, inflate, cut or mark",
                       "'%.40s' is not a command", word);
 }
 

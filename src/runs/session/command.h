@@ -7,6 +7,7 @@
 typedef enum pel_command_word {
     PEL_COMMAND_SET,
     PEL_COMMAND_GRAB,
+    PEL_COMMAND_GRASP,
     PEL_COMMAND_PRESS,
     PEL_COMMAND_MOVE,
     PEL_COMMAND_RELEASE,

@@ -16,6 +16,8 @@
 #include "scene/word_mesh.h"
 #include "session/blade.h"
 #include "session/command.h"
+#include "session/grasp.h"
+#include "session/score.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -28,6 +30,10 @@ enum { MARK_LIMIT = 16 };
 enum { MOST_SIZES = 1000 };
 /* diagonals of the bodies in a second: how fast a tool follows the hand */
 #define TOOL_SPEED 1.5
+/* likewise forceps, which come nearer to their target by a factor of e in these seconds: the force would jump with the
+   pointer */
+#define GRASP_SPEED 0.4
+#define GRASP_SECONDS 0.02
 
 typedef struct event {
     int64_t step;
@@ -50,6 +56,7 @@ typedef struct mark {
     int32_t *counts;     /* (body_count) vertices of their meshes */
     unsigned char *pins; /* of all bodies, one after the other */
     double *pressures;   /* (body_count) */
+    pel_score_sums score;
 } mark;
 
 struct pel_session {
@@ -71,7 +78,9 @@ struct pel_session {
     size_t event_count, event_room;
     mark start, marks[MARK_LIMIT];
     int32_t mark_count;
-    int32_t next_line; /* of the scene's session */
+    int32_t next_line;        /* of the scene's session */
+    const pel_tool_def *lead; /* of the scene, the first that leads a tear; null = none */
+    pel_score_sums score;
     /* scratch of inflate, for the largest body */
     double *positions, *forces;
 };
@@ -163,7 +172,7 @@ static void drop_mark(mark *at)
 
 static pel_status make_mark(const pel_session *session, mark *at, pel_error *error)
 {
-    *at = (mark){.event_count = session->event_count, .next_line = session->next_line};
+    *at = (mark){.event_count = session->event_count, .next_line = session->next_line, .score = session->score};
     size_t pin_count = 0;
     for (int32_t b = 0; b < session->body_count; b++)
         pin_count += (size_t)session->bodies[b].vertex_count;
@@ -219,6 +228,8 @@ pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session 
         return pel_fail_memory(error);
     made->scene = scene;
     made->sim = sim;
+    for (int32_t t = scene->sim.tool_count; t-- > 0;)
+        made->lead = scene->sim.tools[t].leads ? &scene->sim.tools[t] : made->lead;
     pel_status status = check_lines(made, error);
     if (status == PEL_OK)
         status = take_bodies(made) ? make_mark(made, &made->start, error) : pel_fail_memory(error);
@@ -263,6 +274,11 @@ static int32_t find_tool(const pel_sim *sim, const char *name)
     return -1;
 }
 
+static bool has_tool(const pel_session *session)
+{
+    return session->hand == PEL_HAND_PRESS || session->hand == PEL_HAND_GRASP;
+}
+
 static pel_status release(pel_session *session, pel_error *error)
 {
     pel_status status = PEL_OK;
@@ -271,7 +287,7 @@ static pel_status release(pel_session *session, pel_error *error)
         session->drag = NULL;
     }
     pel_blade_end(&session->blade);
-    int32_t tool = session->hand == PEL_HAND_PRESS ? find_tool(session->sim, session->tool) : -1;
+    int32_t tool = has_tool(session) ? find_tool(session->sim, session->tool) : -1;
     if (tool >= 0)
         status = pel_sim_remove_tool(session->sim, tool, error);
     if (status == PEL_OK || session->hand == PEL_HAND_GRAB) {
@@ -348,6 +364,24 @@ static pel_status read_mesh(pel_session *session, pel_command *command, pel_mesh
     return pel_fail(error, PEL_BAD_ARGUMENT, "the path of the mesh '%.150s' is too long for a command", word);
 }
 
+static void choose_name(pel_session *session)
+{
+    snprintf(session->tool, sizeof session->tool, "hand");
+    for (int i = 2; find_tool(session->sim, session->tool) >= 0; i++)
+        snprintf(session->tool, sizeof session->tool, "hand-%d", i);
+}
+
+/* the hand has the tool, which the simulation has now */
+static void take_tool(pel_session *session, pel_hand_kind kind, const pel_tool_def *def)
+{
+    session->hand = kind;
+    session->shape = def->shape;
+    session->radius = def->radius;
+    memcpy(session->place, def->keys[0].position, sizeof session->place);
+    memcpy(session->target, def->keys[0].position, sizeof session->target);
+    memcpy(session->rotation, def->keys[0].rotation, sizeof session->rotation);
+}
+
 static pel_status press(pel_session *session, pel_command *command, pel_error *error)
 {
     const double *n = command->numbers;
@@ -362,9 +396,7 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use a smaller radius",
                           "the tool has the radius %g m, more than %d times the size of all bodies (%g m)", n[0],
                           (int)MOST_SIZES, session->size);
-    snprintf(session->tool, sizeof session->tool, "hand");
-    for (int i = 2; find_tool(session->sim, session->tool) >= 0; i++)
-        snprintf(session->tool, sizeof session->tool, "hand-%d", i);
+    choose_name(session);
     pel_pose_key key = {.position = {n[1], n[2], n[3]}};
     for (int i = 0; i < 4; i++)
         key.rotation[i] = n[4 + i] / length;
@@ -390,30 +422,61 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
         pel_mesh_destroy(mesh);
         return status;
     }
-    session->hand = PEL_HAND_PRESS;
     session->mesh = mesh;
-    session->shape = command->shape;
-    session->radius = n[0];
-    memcpy(session->place, key.position, sizeof session->place);
-    memcpy(session->target, key.position, sizeof session->target);
-    memcpy(session->rotation, key.rotation, sizeof session->rotation);
+    take_tool(session, PEL_HAND_PRESS, &def);
     return PEL_OK;
+}
+
+static pel_status grasp(pel_session *session, const pel_command *command, bool *done, pel_error *error)
+{
+    pel_pick_hit hit;
+    pel_pose_key key = {.rotation = {0, 0, 0, 1}};
+    pel_tool_def def = pel_tool_def_default();
+    if (!(command->numbers[6] >= 0))
+        return pel_fail(error, PEL_BAD_ARGUMENT, "the reach %g m is below 0", command->numbers[6]);
+    pel_status status = refuse_busy(session, error);
+    if (status == PEL_OK)
+        status = pick(session, command, &hit, error);
+    *done = status == PEL_OK && hit.is_hit;
+    if (!*done)
+        return status;
+    choose_name(session);
+    memcpy(key.position, hit.point, sizeof key.position);
+    def.name = session->tool;
+    def.radius = command->numbers[6];
+    status = pel_grasp_begin(session->sim, session->scene, &hit, command->numbers[7] != 0, &def, &key, error);
+    if (status == PEL_OK)
+        take_tool(session, PEL_HAND_GRASP, &def);
+    return status;
+}
+
+/* forceps may have grasped anew elsewhere */
+static void find_place(pel_session *session, int32_t tool)
+{
+    pel_tool_reading reading;
+    pel_sim_get_tool(session->sim, tool, &reading);
+    memcpy(session->place, reading.position, sizeof session->place);
 }
 
 /* The tool moves to its target no faster than TOOL_SPEED: pointers jump, and the tool must not jump into a body. */
 static pel_status move_tool(pel_session *session, pel_error *error)
 {
     double dt = session->scene->sim.solver.dt, way[3], length = 0;
+    bool grasps = session->hand == PEL_HAND_GRASP;
+    int32_t tool = find_tool(session->sim, session->tool);
+    if (grasps)
+        find_place(session, tool);
     for (int i = 0; i < 3; i++) {
         way[i] = session->target[i] - session->place[i];
         length += way[i] * way[i];
     }
     length = sqrt(length);
-    double most = TOOL_SPEED * session->size * dt, share = length > most ? most / length : 1;
+    double most = (grasps ? GRASP_SPEED : TOOL_SPEED) * session->size * dt, share = length > most ? most / length : 1;
+    if (grasps)
+        share = pel_min(share, dt / (dt + GRASP_SECONDS));
     for (int i = 0; i < 3; i++)
         session->place[i] = share < 1 ? session->place[i] + share * way[i] : session->target[i];
-    return pel_sim_set_tool_pose(session->sim, find_tool(session->sim, session->tool), session->place,
-                                 session->rotation, error);
+    return pel_sim_set_tool_pose(session->sim, tool, session->place, session->rotation, error);
 }
 
 static pel_status move_hand(pel_session *session, pel_error *error)
@@ -422,6 +485,7 @@ static pel_status move_hand(pel_session *session, pel_error *error)
     case PEL_HAND_GRAB:
         return pel_drag_move(session->drag, session->target, error);
     case PEL_HAND_PRESS:
+    case PEL_HAND_GRASP:
         return move_tool(session, error);
     case PEL_HAND_CUT:
     case PEL_HAND_FREE:
@@ -442,7 +506,7 @@ void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading)
         pel_drag_get(session->drag, &drag);
         memcpy(reading->point, drag.point, sizeof reading->point);
         memcpy(reading->force, drag.force, sizeof reading->force);
-    } else if (session->hand == PEL_HAND_PRESS) {
+    } else if (has_tool(session)) {
         pel_tool_reading tool;
         pel_sim_get_tool(session->sim, find_tool(session->sim, session->tool), &tool);
         memcpy(reading->point, tool.position, sizeof reading->point);
@@ -450,6 +514,21 @@ void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading)
             reading->force[i] = 0 - tool.force[i];
     } else if (session->hand == PEL_HAND_CUT)
         memcpy(reading->point, session->target, sizeof reading->point);
+}
+
+bool pel_session_get_score(const pel_session *session, pel_score *score)
+{
+    if (session == NULL || score == NULL)
+        return false;
+    const pel_score_sums *sums = &session->score;
+    *score = (pel_score){0};
+    if (session->lead == NULL)
+        return false;
+    score->force_peak = sums->peak;
+    score->force_rms = sums->pulls > 0 ? sqrt(sums->squares / (double)sums->pulls) : 0;
+    score->time = sums->end - sums->begin;
+    score->touch_count = sums->touches;
+    return pel_sim_get_hole(session->sim, &score->hole);
 }
 
 const pel_mesh *pel_session_tool_mesh(const pel_session *session)
@@ -638,6 +717,7 @@ static pel_status go_back(pel_session *session, const mark *to, pel_error *error
         return status;
     cut_record(session, to->event_count);
     session->next_line = to->next_line;
+    session->score = to->score;
     const unsigned char *pins = to->pins;
     for (int32_t b = 0; b < session->body_count; b++) {
         body_grip *body = &session->bodies[b];
@@ -721,6 +801,8 @@ static pel_status do_command(pel_session *session, pel_command *command, bool *d
         return pel_set_parameter_text(session->sim, command->name, command->value, error);
     case PEL_COMMAND_GRAB:
         return grab(session, command, done, error);
+    case PEL_COMMAND_GRASP:
+        return grasp(session, command, done, error);
     case PEL_COMMAND_PRESS:
         return press(session, command, error);
     case PEL_COMMAND_MOVE:
@@ -788,6 +870,8 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
         status = pel_sim_step(session->sim, error);
     if (status == PEL_OK)
         status = follow_surfaces(session, error);
+    if (status == PEL_OK && session->lead != NULL)
+        status = pel_score_add(&session->score, session->sim, session->lead, error);
     if (status != PEL_DIVERGED)
         return status;
     pel_status restored = step_back(session, error);

@@ -10,6 +10,7 @@
 #include "pellicle/sim_ledger.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 #include "scene/word_mesh.h"
 
 #include <inttypes.h>
@@ -38,6 +39,18 @@ static void put_mesh(pel_json *json, const pel_mesh *mesh)
     pel_json_close(json, ']');
 }
 
+/* the circle that forceps lead a tear on, and the height at which they do */
+static void put_circle(pel_json *json, const pel_tool_def *tool)
+{
+    pel_json_open(json, "circle", '{');
+    pel_json_numbers(json, "center", tool->lead_center, 3);
+    pel_json_numbers(json, "axis", tool->lead_axis, 3);
+    pel_json_number(json, "radius", tool->lead_radius);
+    pel_json_number(json, "regrasp", tool->lead_regrasp);
+    pel_json_numbers(json, "place", tool->keys[0].position, 3);
+    pel_json_close(json, '}');
+}
+
 static void put_tools(pel_json *json, const pel_scene *scene)
 {
     pel_json_open(json, "tools", '[');
@@ -47,6 +60,8 @@ static void put_tools(pel_json *json, const pel_scene *scene)
         pel_json_text(json, "name", tool->name);
         pel_json_text(json, "shape", pel_solid_rows[tool->shape].word);
         pel_json_number(json, "radius", tool->radius);
+        if (tool->leads)
+            put_circle(json, tool);
         pel_json_number(json, "half_length", tool->half_length);
         pel_json_numbers(json, "half_extents", tool->half_extents, 3);
         if (tool->shape == PEL_TOOL_BLADE || tool->shape == PEL_TOOL_HOOK)
@@ -206,7 +221,7 @@ static unsigned char *binary_message(pel_json *json, size_t tail, unsigned char 
 
 static void put_hand(pel_json *json, const pel_session *session)
 {
-    static const char *const kinds[] = {"free", "grab", "press", "cut"};
+    static const char *const kinds[] = {"free", "grab", "press", "cut", "grasp"};
     pel_hand_reading hand;
     pel_session_get_hand(session, &hand);
     pel_json_open(json, "hand", '{');
@@ -236,7 +251,60 @@ static void put_poses(pel_json *json, const pel_sim *sim)
     pel_json_close(json, ']');
 }
 
-static void put_measures(pel_json *json, pel_sim *sim)
+/* the tear: its length, what it took, and its tips */
+static void put_tear(pel_json *json, pel_sim *sim, double fracture_energy)
+{
+    enum { MOST = 8 };
+    pel_cut_reading cuts;
+    pel_tip tips[MOST];
+    if (!pel_sim_can_tear(sim) || pel_sim_get_cuts(sim, -1, &cuts, NULL) != PEL_OK)
+        return;
+    pel_json_open(json, "tear", '{');
+    pel_json_number(json, "length", cuts.length);
+    pel_json_number(json, "fracture_energy", fracture_energy);
+    pel_json_integer(json, "islands", cuts.island_count);
+    pel_json_open(json, "tips", '[');
+    for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++) {
+        int32_t count = 0;
+        if (pel_sim_tips(sim, b, tips, MOST, &count, NULL) != PEL_OK)
+            continue;
+        for (int32_t t = 0; t < count && t < MOST; t++) {
+            pel_json_open(json, NULL, '{');
+            pel_json_numbers(json, "position", tips[t].position, 3);
+            pel_json_number(json, "release", tips[t].release);
+            pel_json_number(json, "rate", tips[t].rate);
+            pel_json_close(json, '}');
+        }
+    }
+    pel_json_close(json, ']');
+    pel_json_close(json, '}');
+}
+
+static void put_score(pel_json *json, const pel_session *session)
+{
+    pel_score score;
+    const pel_hole_reading *hole = &score.hole;
+    if (!pel_session_get_score(session, &score))
+        return;
+    pel_json_open(json, "score", '{');
+    pel_json_bool(json, "whole", hole->is_whole);
+    pel_json_number(json, "aim", hole->aim);
+    pel_json_numbers(json, "along", hole->along, 3);
+    pel_json_numbers(json, "across", hole->across, 3);
+    pel_json_numbers(json, "radius", hole->radius, PEL_HOLE_SECTORS);
+    pel_json_number(json, "swept", hole->swept);
+    pel_json_number(json, "diameter", hole->diameter);
+    pel_json_number(json, "offset", hole->offset);
+    pel_json_number(json, "roundness", hole->roundness);
+    pel_json_number(json, "run_outs", hole->run_out_count);
+    pel_json_number(json, "force_peak", score.force_peak);
+    pel_json_number(json, "force_rms", score.force_rms);
+    pel_json_number(json, "time", score.time);
+    pel_json_number(json, "touches", (double)score.touch_count);
+    pel_json_close(json, '}');
+}
+
+static void put_measures(pel_json *json, pel_sim *sim, const pel_session *session)
 {
     pel_sim_measures m;
     pel_sim_ledger ledger;
@@ -254,6 +322,8 @@ static void put_measures(pel_json *json, pel_sim *sim)
     pel_json_number(json, "dissipated", ledger.dissipated_drag + ledger.dissipated_solver);
     pel_json_number(json, "energy_error", ledger.energy_error);
     pel_json_close(json, '}');
+    put_tear(json, sim, ledger.dissipated_fracture);
+    put_score(json, session);
 }
 
 /* one number for each value of the field: its own, its first one, or its length */
@@ -351,7 +421,7 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
     put_poses(&json, sim);
     put_counts(&json, sim);
     if (pace->measures)
-        put_measures(&json, sim);
+        put_measures(&json, sim, session);
     unsigned char *arrays = NULL, *bytes = binary_message(&json, tail, &arrays, size);
     if (bytes != NULL && !fill_frame(sim, field, arrays)) {
         pel_free(bytes);
@@ -369,7 +439,7 @@ unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, siz
     put_hash(&json, sim);
     put_hand(&json, session);
     put_poses(&json, sim);
-    put_measures(&json, sim);
+    put_measures(&json, sim, session);
     pel_json_close(&json, '}');
     return text_message(&json, size);
 }

@@ -1,6 +1,6 @@
-/* In addition to the commands of a session a page may send: play, pause, step, undo, reset, field NAME (or none), save,
-   open TEXT (a scene), contact (from the start with contact, which meshes press by), echo NUMBER (comes back with the
-   next frame).
+/* In addition to the commands of a session a page may send: play, pause, step, undo, reset, replay (from the start;
+   steps repeat the interactions), field NAME (or none), save, open TEXT (a scene), contact (from the start with
+   contact, which meshes press by), echo NUMBER (comes back with the next frame).
 
    The state is kept in a file while it changes, and a file that is there at the start is repeated, as fast as the
    machine can. Until then lines that change the simulation are refused, but undo, reset and open end the repetition.
@@ -325,6 +325,21 @@ static void open_scene(pel_player *player, const char *text, const char *setting
     close_scene(player);
     *player = next;
     post_scene(player);
+}
+
+/* the scene from the start, whose steps repeat all interactions */
+static void replay(pel_player *player)
+{
+    char *text = NULL;
+    pel_error error;
+    if (pel_session_scene(player->session, &text, &error) != PEL_OK) {
+        tell_error(player, "error", "", &error);
+        return;
+    }
+    bool was_opened = player->is_opened;
+    open_scene(player, text, NULL);
+    player->is_opened = was_opened;
+    pel_session_free_text(text);
 }
 
 static void save_scene(pel_player *player)
@@ -666,6 +681,8 @@ static void do_line(pel_player *player, const char *line)
         go_back(player, true);
     else if (strcmp(line, "save") == 0)
         save_scene(player);
+    else if (strcmp(line, "replay") == 0)
+        replay(player);
     else if (strncmp(line, "field ", 6) == 0)
         choose_field(player, line + 6);
     else if (strncmp(line, "open ", 5) == 0)

@@ -92,7 +92,8 @@ static void find_tip(forceps *f)
     double least = HUGE_VAL, ahead[3] = {0}, x[3], found[3];
     for (int32_t i = 0; i < f->sim->tear->survey_count; i++) {
         pel_survey *s = &f->sim->tear->surveys[i];
-        for (int32_t v = 0; pel_tool_acts_on(f->tool, s->body) && v < s->topology->vertex_count; v++) {
+        for (int32_t k = 0; pel_tool_acts_on(f->tool, s->body) && k < pel_survey_count_tips(s); k++) {
+            int32_t v = s->tips[k];
             if (!pel_survey_is_tip(s, v, found) || !is_near_circle(f, s, v))
                 continue;
             place_of(s, v, x);
@@ -169,11 +170,25 @@ static int32_t find_grip(const forceps *f)
     return -1;
 }
 
+static bool is_by_hand(const pel_tool_def *def)
+{
+    return def->lead_speed == 0;
+}
+
+static bool holds(const pel_tool *tool, int32_t v)
+{
+    for (int32_t i = 0; i < tool->held_count; i++)
+        if (tool->held[i] == v)
+            return true;
+    return false;
+}
+
+/* a hand that pulls a stretched flap far keeps what it has */
 static void regrasp(forceps *f)
 {
-    int32_t v = find_grip(f);
-    if (v >= 0)
-        pel_tool_take_patch(f->sim, f->tool, f->sim->model->bodies[f->survey->body].model_index[v]);
+    int32_t grip = find_grip(f), v = grip >= 0 ? f->sim->model->bodies[f->survey->body].model_index[grip] : -1;
+    if (v >= 0 && !(is_by_hand(f->def) && holds(f->tool, v)))
+        pel_tool_take_patch(f->sim, f->tool, v);
 }
 
 /* ---- the step ---- */
@@ -232,6 +247,19 @@ static void find_aim(const forceps *f, double aim[3])
     pel_vec3_along(aim, pel_vec3_dot(way, f->axis), f->axis, aim);
 }
 
+/* m, mean distance from the axis at rest of what is held */
+static double held_radius(const forceps *f)
+{
+    double sum = 0, x[3];
+    for (int32_t i = 0; i < f->tool->held_count; i++) {
+        pel_vertex_position(f->sim->model->rest, f->tool->held[i], x);
+        pel_vec3_subtract(x, f->def->lead_center, x);
+        flatten(f, x);
+        sum += pel_vec3_length(x);
+    }
+    return f->tool->held_count > 0 ? sum / f->tool->held_count : HUGE_VAL;
+}
+
 static void lead(forceps *f)
 {
     pel_tool *tool = f->tool;
@@ -239,8 +267,11 @@ static void lead(forceps *f)
     find_tip(f);
     pel_vec3_subtract(tool->pose.position, f->at, way);
     flatten(f, way);
-    if (f->tip >= 0 && (tool->held_count == 0 || pel_vec3_length(way) > f->def->lead_regrasp))
+    if (f->tip >= 0 && (tool->held_count == 0 || pel_vec3_length(way) > f->def->lead_regrasp ||
+                        (is_by_hand(f->def) && held_radius(f) > f->radius)))
         regrasp(f);
+    if (is_by_hand(f->def))
+        return;
     tool->driven_pose = tool->pose;
     tool->driven = tool->is_leading = true;
     find_aim(f, aim);
@@ -255,7 +286,8 @@ void pel_forceps_lead(pel_sim *sim)
     for (int32_t i = 0; sim->tear != NULL && i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
         forceps f = {.sim = sim, .tool = tool, .def = &sim->def.tools[i], .tip = -1};
-        if (!f.def->leads || tool->phase != PEL_GRASP_HOLDING || (tool->driven && !tool->is_leading))
+        bool is_led = is_by_hand(f.def) || !tool->driven || tool->is_leading;
+        if (!f.def->leads || tool->phase != PEL_GRASP_HOLDING || !is_led)
             continue;
         pel_vec3_copy(f.def->lead_axis, f.axis);
         pel_vec3_normalize(f.axis);

@@ -87,9 +87,10 @@ static void read_drop(const pel_survey *s, const pel_tip *tip)
 static int32_t find_ready(pel_tear *tear, pel_survey *s)
 {
     int32_t count = 0;
-    for (int32_t v = 0; v < s->topology->vertex_count; v++) {
+    for (int32_t i = 0; i < pel_survey_count_tips(s); i++) {
         pel_tip tip;
         double ahead[3];
+        int32_t v = s->tips[i];
         if (!pel_survey_is_tip(s, v, ahead) || pel_survey_is_held(s, v))
             continue;
         pel_survey_read(s, v, ahead, &tip);

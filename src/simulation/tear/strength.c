@@ -253,13 +253,11 @@ static double size_of(const pel_survey *s)
 
 bool pel_start_find(pel_survey *s, int32_t most_tips, pel_start *start)
 {
-    int32_t tip_count = 0;
-    double ahead[3], best = 1;
+    double best = 1;
     bool everywhere = s->sim->def.tear.start == PEL_TEAR_ANYWHERE;
     if (s->stresses == NULL || !fill_stresses(s))
         return false;
-    for (int32_t v = 0; v < s->topology->vertex_count; v++)
-        tip_count += pel_survey_is_tip(s, v, ahead);
+    int32_t tip_count = pel_survey_count_tips(s);
     start->vertex = -1;
     double size = size_of(s);
     for (int32_t v = 0; v < s->topology->vertex_count && tip_count < most_tips; v++) {

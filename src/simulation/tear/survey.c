@@ -377,15 +377,29 @@ bool pel_survey_is_tip(const pel_survey *s, int32_t v, double ahead[3])
     return pel_vec3_normalize(ahead) > 0;
 }
 
+int32_t pel_survey_count_tips(pel_survey *s)
+{
+    double ahead[3];
+    if (s->tip_count >= 0)
+        return s->tip_count;
+    s->tip_count = 0;
+    for (int32_t v = 0; v < s->topology->vertex_count; v++)
+        if (pel_survey_is_tip(s, v, ahead))
+            s->tips[s->tip_count++] = v;
+    return s->tip_count;
+}
+
 pel_status pel_survey_begin(pel_survey *s, pel_sim *sim, int32_t body, pel_error *error)
 {
     const pel_mesh *mesh = sim->model->bodies[body].mesh;
     *s = (pel_survey){.sim = sim, .body = body};
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(s->weights, mesh->vertex_count), PEL_ROOM(s->queue, mesh->vertex_count),
-                          PEL_ROOM(s->rings, mesh->vertex_count), PEL_ROOM(s->is_side, mesh->vertex_count),
-                          PEL_ROOM(s->sums, mesh->vertex_count), PEL_ROOM(s->areas, mesh->vertex_count),
-                          PEL_ROOM(s->triangles, mesh->triangle_count), PEL_ROOM(s->is_listed, mesh->triangle_count),
-                          PEL_ROOM(s->gradients, mesh->triangle_count), PEL_ROOM(s->energies, mesh->triangle_count)))
+    s->tip_count = -1;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(s->tips, mesh->vertex_count), PEL_ROOM(s->weights, mesh->vertex_count),
+                          PEL_ROOM(s->queue, mesh->vertex_count), PEL_ROOM(s->rings, mesh->vertex_count),
+                          PEL_ROOM(s->is_side, mesh->vertex_count), PEL_ROOM(s->sums, mesh->vertex_count),
+                          PEL_ROOM(s->areas, mesh->vertex_count), PEL_ROOM(s->triangles, mesh->triangle_count),
+                          PEL_ROOM(s->is_listed, mesh->triangle_count), PEL_ROOM(s->gradients, mesh->triangle_count),
+                          PEL_ROOM(s->energies, mesh->triangle_count)))
         return pel_fail_memory(error);
     if (pel_body_has_strength(sim, body) && pel_tear_may_start(sim, body) &&
         !PEL_ALLOCATE_ALL(PEL_ROOM(s->stresses, mesh->triangle_count), PEL_ROOM(s->axes, mesh->triangle_count)))
@@ -398,7 +412,7 @@ pel_status pel_survey_begin(pel_survey *s, pel_sim *sim, int32_t body, pel_error
 void pel_survey_end(pel_survey *s)
 {
     pel_topology_destroy(s->topology);
-    PEL_FREE_ALL(s->weights, s->queue, s->rings, s->is_side, s->sums, s->areas, s->triangles, s->is_listed,
+    PEL_FREE_ALL(s->tips, s->weights, s->queue, s->rings, s->is_side, s->sums, s->areas, s->triangles, s->is_listed,
                  s->gradients, s->energies, s->stresses, s->axes);
     *s = (pel_survey){0};
 }

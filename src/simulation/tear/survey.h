@@ -11,6 +11,8 @@ typedef struct pel_survey {
     int32_t body;
     bool has_notches; /* corners of the border that point inward count as tips */
     pel_topology *topology;
+    /* (vertices of the mesh) of its tips, in their order, once they are asked for */
+    int32_t *tips, tip_count; /* -1 = not yet */
     /* (vertices of the mesh) */
     double *weights;   /* q of the tip at work; 0 else */
     int32_t *queue;    /* of vertices around it */
@@ -32,6 +34,8 @@ void pel_survey_end(pel_survey *survey);
 
 /* The direction (unit, in the rest shape) ahead of a tip; false if the vertex is none. */
 bool pel_survey_is_tip(const pel_survey *survey, int32_t vertex, double ahead[3]);
+/* Number of the tips, which `tips` of the survey lists: they stay as long as the survey. */
+int32_t pel_survey_count_tips(pel_survey *survey);
 /* whether a vertex cannot move: pinned, or held by a tool */
 bool pel_survey_is_held(const pel_survey *survey, int32_t vertex);
 bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t vertex);

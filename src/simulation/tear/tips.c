@@ -17,16 +17,12 @@ pel_status pel_sim_tips(pel_sim *sim, int32_t body, pel_tip *tips, int32_t room,
     pel_status status = pel_survey_begin(&s, sim, body, error);
     s.has_notches = has_notches;
     pel_shell_forces_follow(sim->shells, sim->state->position);
-    for (int32_t v = 0; status == PEL_OK && v < s.topology->vertex_count; v++) {
+    *count = status == PEL_OK ? pel_survey_count_tips(&s) : 0;
+    for (int32_t i = 0; i < *count && i < room; i++) {
         double ahead[3];
-        if (!pel_survey_is_tip(&s, v, ahead))
-            continue;
-        if (*count < room) {
-            pel_tip *tip = &tips[*count];
-            pel_survey_read(&s, v, ahead, tip);
-            tip->rate = tip->release / pel_tear_thickness(sim, body, v);
-        }
-        ++*count;
+        if (pel_survey_is_tip(&s, s.tips[i], ahead))
+            pel_survey_read(&s, s.tips[i], ahead, &tips[i]);
+        tips[i].rate = tips[i].release / pel_tear_thickness(sim, body, s.tips[i]);
     }
     pel_survey_end(&s);
     return status;

@@ -82,7 +82,7 @@ static pel_status check_lead(const pel_tool_def *def, int32_t tool, pel_error *e
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use a sphere, capsule or box that grasps",
                                   "a tool that leads a tear does not grasp, or is a mesh");
     if (!isfinite(pel_vec3_length(def->lead_center)) || !(axis > 0 && isfinite(axis)) ||
-        !is_positive(def->lead_speed) || !is_positive(def->lead_radius) ||
+        !(def->lead_speed >= 0 && isfinite(def->lead_speed)) || !is_positive(def->lead_radius) ||
         !(fabs(def->lead_outward) <= 1.5707963267948968))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
                                   "give a center, an axis, a radius and a speed above 0, and -90 to 90 degrees outward",

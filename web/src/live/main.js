@@ -1,12 +1,13 @@
 // The live page: converts input of the user to lines for the program, and messages of the program to pictures.
 import { Vector3 } from "three";
 import { fitColours, mapGradient, mapNames } from "../colour.js";
-import { formatNumber, formatTogether, plainName, withUnit } from "../format.js";
+import { formatForce, formatNumber, formatTogether, plainName, withUnit } from "../format.js";
 import { element } from "../plots.js";
 import { Parameters } from "./parameters.js";
 import { findPad, readPad } from "./pads.js";
 import { LivePlots } from "./plots.js";
 import { Stage } from "./stage.js";
+import { Trainer } from "./trainer.js";
 import { linesOf } from "./yaml.js";
 
 const $ = (id) => document.getElementById(id);
@@ -18,6 +19,10 @@ const state = {
     depth: 0.15, // in the same unit
     reach: 0.15, // in the same unit, of a grasp
     brush: 0.08, // in the same unit
+    bite: 0.045, // in the same unit, of forceps
+    blade: 0.06, // in the same unit, half the edge of a blade or hook
+    anew: true, // forceps grasp the flap of a tear anew
+    lift: 0, // in the same unit, of forceps above the height of those of the scene
     grip: 0, // decimal exponent of a factor on the stiffness that the program proposes
     field: "",
     map: "", // automatic
@@ -37,6 +42,7 @@ const plots = new LivePlots($("plots"));
 let wire = null;
 const send = (line) => wire.send(line);
 const parameters = new Parameters($("parameters"), send);
+const trainer = new Trainer($("trainer"), { send, fromAbove: () => stage.reset() });
 
 /* ---- messages ---- */
 
@@ -50,7 +56,10 @@ function start(message) {
     shown = frame = hand = pointed = null;
     ruler.length = 0;
     range.reset();
+    message.circle = message.tools.find(({ circle }) => circle)?.circle ?? null;
     plots.setTools(message.tools.map(({ name }) => name));
+    trainer.setScene(message);
+    if (message.circle) $("marks").checked = state.marks = false;
     $("notice").hidden = true;
     stage.setScene(message);
     makeOptions();
@@ -78,8 +87,11 @@ function takeFrame(message) {
     owed++;
     if (!document.hidden) acknowledge();
     if (message.measures) plots.add(message);
+    if (message.score) latestScore = message;
     schedule();
 }
+
+let latestScore = null;
 
 // The program sends the next frame while this one is drawn. A hidden page draws no frames and acknowledges none.
 let owed = 0;
@@ -184,6 +196,7 @@ function showTexts(now) {
     const vertices = stage.bodies.reduce((sum, body) => sum + body.count, 0);
     $("facts").textContent = `${vertices.toLocaleString("en")} vertices${pace}`;
     plots.show();
+    if (latestScore) trainer.show(latestScore, frame);
 }
 
 /* ---- colour ---- */
@@ -262,7 +275,7 @@ function put(id, at, text) {
 function placeLabels() {
     const held = shown?.hand ?? frame?.hand;
     const newton = held && held.kind !== "free" ? Math.hypot(...held.force) : 0;
-    put("newton", stage.arrow.visible ? stage.project(stage.tip) : null, `${formatNumber(newton, 3)} N`);
+    put("newton", stage.arrow.visible ? stage.project(stage.tip) : null, formatForce(newton));
     placeRuler();
 }
 
@@ -324,6 +337,16 @@ const modes = {
             end: () => send("release"),
         };
     },
+    forceps(ray, hit) {
+        const anew = state.anew && hello.circle;
+        const most = anew ? hello.circle.regrasp / 4 : Infinity;
+        const place = (now) => (stage.circle ? stage.onCircle(now, state.lift) : stage.onPlane(now, hit.point));
+        send("mark");
+        send(`grasp ${rayText(ray)} ${numbers([Math.min(state.bite * stage.size, most)])} ${anew ? 1 : 0}`);
+        return { kind: "forceps", last: ray, move(now) { this.last = now; moveTo(place(now)); }, end: () => send("release") };
+    },
+    blade: (ray, hit) => lead("blade", ray, hit),
+    hook: (ray, hit) => lead("hook", ray, hit),
     pin: (ray) => brush("pin", ray),
     unpin: (ray) => brush("unpin", ray),
     cut(ray) {
@@ -339,6 +362,16 @@ const modes = {
     },
     turn: () => undefined,
 };
+
+// an edge along the normal, which comes down through the surface and then goes where the pointer is on it
+function lead(shape, ray, hit) {
+    const half = state.blade;
+    const start = hit.point.clone().addScaledVector(hit.normal, 1.5 * half);
+    send("mark");
+    send(`press ${shape} ${numbers([half * stage.size, ...stage.outward(start), ...Stage.facing(hit.normal).toArray()])}`);
+    moveTo(hit.point);
+    return { kind: shape, move: (now) => moveTo(stage.pick(now)?.point ?? stage.onPlane(now, hit.point)), end: () => send("release") };
+}
 
 function brush(word, ray) {
     const paint = (at) => send(`${word} ${rayText(at)} ${numbers([state.brush * stage.size])}`);
@@ -432,10 +465,14 @@ function listenToPicture() {
     canvas.addEventListener(
         "wheel",
         (event) => {
-            if (hand?.kind !== "press") return;
+            if (hand?.kind !== "press" && hand?.kind !== "forceps") return;
             event.preventDefault();
             event.stopImmediatePropagation();
-            state.depth = Math.max(0, Math.min(1, state.depth - 0.0005 * event.deltaY));
+            if (hand.kind === "press") state.depth = Math.max(0, Math.min(1, state.depth - 0.0005 * event.deltaY));
+            else {
+                state.lift = Math.max(-1, Math.min(1, state.lift - 0.0002 * event.deltaY));
+                hand.move(hand.last);
+            }
             makeOptions();
         },
         { capture: true, passive: false },
@@ -502,12 +539,18 @@ function fill(id, entries, value, changed) {
 const modeNames = [
     ["pull", "Pull"],
     ["press", "Press"],
+    ["forceps", "Forceps"],
+    ["blade", "Blade"],
+    ["hook", "Hook"],
     ["pin", "Pin"],
     ["unpin", "Unpin"],
     ["cut", "Cut"],
     ["measure", "Measure"],
     ["turn", "Turn"],
 ];
+
+// 1 to 9, then 0
+const keyOfMode = (i) => String((i + 1) % 10);
 
 function setMode(mode) {
     state.mode = mode;
@@ -537,6 +580,15 @@ function slider(text, key, low, high, show) {
     });
     update();
     label.append(input, value);
+    return label;
+}
+
+function checkbox(text, key) {
+    const label = element("label", "tick", text);
+    const input = element("input");
+    Object.assign(input, { type: "checkbox", checked: state[key] });
+    input.addEventListener("change", () => (state[key] = input.checked));
+    label.append(input);
     return label;
 }
 
@@ -577,6 +629,9 @@ function makeOptions() {
     const made = {
         pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
         press: () => [shape(), ...startContact(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
+        forceps: () => [slider("Bite", "bite", 0.01, 0.15, metres), ...(stage.circle ? [slider("Height", "lift", -1, 1, metres), checkbox("Grasp anew", "anew")] : [])],
+        blade: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
+        hook: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
         unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
     };
@@ -590,7 +645,7 @@ function makeControls() {
             button.type = "button";
             button.role = "radio";
             button.dataset.mode = mode;
-            button.title = `${name} (${i + 1})`;
+            button.title = `${name} (${keyOfMode(i)})`;
             button.addEventListener("click", () => setMode(mode));
             return button;
         }),
@@ -708,7 +763,7 @@ const keys = {
     "shift ArrowRight": () => stage.turn(turn, 0),
     "shift ArrowUp": () => stage.turn(0, turn),
     "shift ArrowDown": () => stage.turn(0, -turn),
-    ...Object.fromEntries(modeNames.map(([mode], i) => [String(i + 1), () => setMode(mode)])),
+    ...Object.fromEntries(modeNames.map(([mode], i) => [keyOfMode(i), () => setMode(mode)])),
 };
 
 function listenToKeys() {

@@ -9,6 +9,8 @@ import {
     CapsuleGeometry,
     DoubleSide,
     FrontSide,
+    LineBasicMaterial,
+    LineLoop,
     Mesh,
     Points,
     PointsMaterial,
@@ -67,6 +69,8 @@ class Body {
         this.pinned = Uint32Array.from(pins.keys()).filter((v) => pins[v]);
         this.edges = null;
         if (vertices !== this.count) this.allocate(vertices);
+        // through a cut the inner side is seen
+        if (this.first && 3 * vertices > this.first.length) this.outside = DoubleSide;
         this.surface.geometry.setIndex(new BufferAttribute(corners, 1));
         this.pins.geometry.setIndex(new BufferAttribute(this.pinned, 1));
     }
@@ -201,6 +205,8 @@ function outsideOf(corners, positions) {
     return volume < 0 ? BackSide : FrontSide;
 }
 
+const edges = new Set(["blade", "hook"]);
+
 // of a blade or hook: a rod along the edge, six numbers
 function edgeGeometry(edge) {
     const from = new Vector3(...edge.slice(0, 3));
@@ -266,7 +272,7 @@ export class Stage {
 
     /* ---- contents ---- */
 
-    setScene({ low, high, bodies, tools, up }) {
+    setScene({ low, high, bodies, tools, up, circle }) {
         // the controls keep the axis that they were made with
         if (!upOf(up).equals(this.camera.up)) {
             this.controls.dispose();
@@ -278,10 +284,36 @@ export class Stage {
         this.centre = low.map((x, c) => (x + high[c]) / 2);
         this.size = Math.hypot(...low.map((x, c) => high[c] - x)) / 2 || 1;
         this.half = low.map((x, c) => (high[c] - x) / 2 / this.size);
+        this.setCircle(circle);
         this.bodies = bodies.map(({ closed }) => new Body(this, closed));
         this.isNew = true;
         for (const tool of tools) this.addTool(tool);
         this.reset();
+    }
+
+    // the circle that a tear is led on, seen from above; none without
+    setCircle(circle) {
+        if (this.circle) this.scene.remove(this.circle.line);
+        this.circle = null;
+        if (!circle) return;
+        const axis = new Vector3(...circle.axis).normalize();
+        const place = this.inward(circle.place);
+        const centre = this.inward(circle.center);
+        centre.addScaledVector(axis, place.clone().sub(centre).dot(axis));
+        const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), axis);
+        const points = Array.from({ length: 96 }, (_, i) => new Vector3(Math.cos((i * Math.PI) / 48), Math.sin((i * Math.PI) / 48), 0).multiplyScalar(circle.radius / this.size).applyQuaternion(turn).add(centre));
+        const material = new LineBasicMaterial({ color: "#d1841d", depthTest: false, transparent: true, opacity: 0.8 });
+        const line = new LineLoop(new BufferGeometry().setFromPoints(points), material);
+        line.renderOrder = 1;
+        this.scene.add(line);
+        this.circle = { line, axis, place };
+    }
+
+    firstAway() {
+        if (!this.circle) return firstView(this.camera.up);
+        // from above, but for the little that keeps the picture upright
+        const side = new Vector3(0, -1, 0).addScaledVector(this.circle.axis, this.circle.axis.y);
+        return this.circle.axis.clone().addScaledVector(side.lengthSq() > 0.1 ? side : new Vector3(1, 0, 0), 1e-3).normalize();
     }
 
     addTool(tool) {
@@ -322,10 +354,10 @@ export class Stage {
     }
 
     showTools({ tools, hand }) {
-        const held = hand.kind === "press" ? tools.at(-1).name : "";
+        const held = hand.kind === "press" || hand.kind === "grasp" ? tools.at(-1).name : "";
         this.held.name = held;
         if (held && !this.tools.has(held))
-            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], ...this.held.mesh });
+            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], edge: edges.has(hand.shape) ? [0, 0, -hand.radius, 0, 0, hand.radius] : undefined, ...this.held.mesh });
         const names = new Set(tools.map((tool) => tool.name));
         for (const name of [...this.tools.keys()]) if (!names.has(name)) this.removeTool(name);
         for (const tool of tools) {
@@ -361,7 +393,7 @@ export class Stage {
 
     // shows all bodies so that they fill the picture; keeps the direction of the view if `turned`
     reset(turned = false) {
-        const away = turned ? this.camera.position.clone().sub(this.controls.target).normalize() : firstView(this.camera.up);
+        const away = turned ? this.camera.position.clone().sub(this.controls.target).normalize() : this.firstAway();
         const right = new Vector3().crossVectors(this.camera.up, away).normalize();
         const axes = [right, new Vector3().crossVectors(away, right)];
         const points = this.outline();
@@ -513,6 +545,13 @@ export class Stage {
         if (place.normal.dot(normal) < 0) across.negate();
         const point = x.multiplyScalar(place.weights[0]).addScaledVector(y, place.weights[1]).addScaledVector(z, place.weights[2]);
         return { body: b, point: this.outward(point), normal: across.toArray() };
+    }
+
+    // intersection of the ray with the plane of the circle's height, moved up by `lift` along its axis
+    onCircle({ origin, direction }, lift) {
+        const { axis, place } = this.circle;
+        const way = (place.clone().sub(origin).dot(axis) + lift) / direction.dot(axis);
+        return origin.clone().addScaledVector(direction, way);
     }
 
     // intersection of the ray with the plane through a point, parallel to the picture
