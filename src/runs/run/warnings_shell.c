@@ -11,7 +11,8 @@
    deflection under the force that is too large by POINT_ERROR P e^2 / D: measured on a clamped disc with edges of 1/4,
    1/8, 1/16 of its radius, 0.104, 0.131, 0.159. On a sphere with edges of 0.72, 0.36, 0.18, 0.12 sqrt(R h) the errors
    are 0.22, 0.45, 0.7, 1 of that. Over a region of radius r the error falls by 1 + (r / e)^2. It is compared with the
-   displacement.
+   displacement. Where the shell carries the load by tension, as a drum does, bending has less than the half of the
+   energy that it has on a sphere, and the error falls by the square: loads on drums are within 1 to 3 %.
 
    Modes. Per edge a mode u has the mean turn q = sum |u_i - u_j|^2 / sum (|u_i|^2 + |u_j|^2), which for a wave of n
    edges is (pi / n)^2, averaged over the directions of edges. Loads of buckling need about ten edges per wave
@@ -419,8 +420,9 @@ static double error_of(const pel_run_state *run, const pel_load *load, const loa
         force += load->weights[i] * fabs(pel_vec3_dot(load->force, spot->normal));
     bool rests = pel_stepper_of(run->scene->sim.solver.method)->is_static;
     double way = rests ? fabs(pel_vec3_dot(spot->displacement, spot->normal)) : run->measures.max_displacement;
-    double share = spot->radius / spot->edge;
-    double error = POINT_ERROR * force * spot->edge * spot->edge / stiffness / (1 + share * share);
+    double share = spot->radius / spot->edge, bending = run->measures.bending_energy;
+    double both = bending + run->measures.membrane_energy, bends = both > 0 ? pel_min(2 * bending / both, 1) : 1;
+    double error = bends * bends * POINT_ERROR * force * spot->edge * spot->edge / stiffness / (1 + share * share);
     return way > 0 ? error / way : 0;
 }
 
