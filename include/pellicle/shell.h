@@ -56,6 +56,10 @@ typedef struct pel_bending_def {
                     axes are the membrane's. Negative (default): that of an orthotropic membrane whose `stiffness` is
                     automatic, else equal to `stiffness` */
     double retardation; /* s, >= 0: of angles, as that of membranes; models hinge and midedge */
+    double yield;       /* 1/m, >= 0: change of curvature from rest beyond which the sheet folds for good (plastically),
+                           under its yield moment, stiffness times yield; 0 (default) = never. Model hinge */
+    double hardening;   /* >= 0: growth of the yield moment over stiffness times plastic curvature (isotropic); default:
+                           0.05 */
 } pel_bending_def;
 
 /* Effect of a region of fibres. */

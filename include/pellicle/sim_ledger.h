@@ -31,7 +31,7 @@ PEL_API double pel_sim_volume_ratio(const pel_sim *sim);
 
 /* Energy balance since the start, in J: supplied, stored and dissipated energy, and the remainder.
 
-     energy_error - dissipated_solver = change + dissipated_drag + dissipated_fracture + dissipated_remesh - work
+     energy_error - dissipated_solver = change + dissipated_drag + ... + dissipated_plastic - work
      change = elastic + kinetic - elastic_start - kinetic_start
      work = work_tools + work_loads + ... + work_setters
 
@@ -52,6 +52,7 @@ typedef struct pel_sim_ledger {
                                    them */
     double dissipated_remesh;   /* of tears: the bending across them, and what vertices that move over the surface lose;
                                    below 0 if they gain */
+    double dissipated_plastic;  /* by folds that yield: their moments times plastic angles */
     double dissipated_solver;   /* magnitude of a negative remainder */
     double energy_error;        /* a positive remainder */
     double supplied;            /* largest sum, over the steps, of the start energies and the magnitudes of all works */

@@ -4,7 +4,7 @@
 #include "shell_fixture.h"
 
 #include "batch/batches.h"
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 #include <stdlib.h>
 

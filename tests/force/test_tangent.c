@@ -7,8 +7,8 @@
 #include "force/tangent.h"
 #include "force/tangent_body.h"
 #include "law_forms.h"
-#include "model/refined_model.h"
 #include "pellicle/shape.h"
+#include "refined/refined_model.h"
 #include "tangent_fixture.h"
 
 /* differences between the tested bodies */

@@ -20,6 +20,7 @@ typedef struct element {
     pel_membrane_law law;
     pel_line line;
     pel_hinge hinge;
+    pel_yield yield;
     pel_midedge midedge;
     double reference[9], alpha[3], sign[3]; /* of mid-edge bending */
     double pressure;
@@ -52,6 +53,12 @@ static double tangent_hinge(const element *e, const double *x, const pel_tangent
                             const pel_tangent_sum *sum)
 {
     return pel_hinge_tangent(&e->hinge, 0.7, x, request, sum);
+}
+
+static double tangent_fold(const element *e, const double *x, const pel_tangent_request *request,
+                           const pel_tangent_sum *sum)
+{
+    return pel_fold_tangent(&e->hinge, &e->yield, 0.7, x, request, sum);
 }
 
 static double tangent_pressure(const element *e, const double *x, const pel_tangent_request *request,
@@ -216,6 +223,16 @@ static element hinge_element(random_state *random)
     return e;
 }
 
+/* yields at once, or never */
+static element fold_element(double angle, random_state *random)
+{
+    element e = hinge_element(random);
+    e.name = angle > 1 ? "fold that stands" : "fold that yields";
+    e.tangent = tangent_fold;
+    e.yield = (pel_yield){angle, pel_fold_share(0.3)};
+    return e;
+}
+
 static element isometric_element(random_state *random)
 {
     element e = {.name = "isometric", .strains = 0, .tangent = tangent_line};
@@ -260,7 +277,7 @@ static element midedge_element(random_state *random)
     return e;
 }
 
-enum { ELEMENT_COUNT = PEL_MEMBRANE_COUNT + 10 };
+enum { ELEMENT_COUNT = PEL_MEMBRANE_COUNT + 12 };
 
 static element make_element(int number, random_state *random)
 {
@@ -285,6 +302,10 @@ static element make_element(int number, random_state *random)
         return push_element(false, random);
     case 9:
         return push_element(true, random);
+    case 10:
+        return fold_element(1e-3, random);
+    case 11:
+        return fold_element(3, random);
     default:
         return membrane_element(number, random);
     }

@@ -28,6 +28,7 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_ISOMETRIC_COMPLIANT,                                    /* the same */
     PEL_CONSTRAINT_ANGLE,           /* cosine and sine of the rest angle, softness */
     PEL_CONSTRAINT_ANGLE_COMPLIANT, /* the same */
+    PEL_CONSTRAINT_FOLD,            /* the same of a rest angle that follows, and the yield angle */
     PEL_CONSTRAINT_FIBRE,           /* image weights of x0 - x2 and x1 - x2, softness, weight of the region */
     PEL_CONSTRAINT_FIBRE_SQUARE,    /* the same, energy in the square of the length */
     PEL_CONSTRAINT_FIBRE_COMPLIANT, /* without the weight */
@@ -47,6 +48,7 @@ enum {
     PEL_TRIANGLE_NUMBERS = 4, /* and the axis of an oriented law: pel_triangle_numbers */
     PEL_ISOMETRIC_NUMBERS = 5,
     PEL_ANGLE_NUMBERS = 3,
+    PEL_FOLD_NUMBERS = 4,
     PEL_FIBRE_NUMBERS = 3,
     PEL_FIBRE_WEIGHTED_NUMBERS = 4,
     PEL_SOLID_NUMBERS = 10
@@ -81,6 +83,7 @@ typedef struct pel_batch_law {
     double modulus;                    /* membrane: shear modulus of the law over young */
     pel_real poisson;                  /* membrane: Poisson's ratio at small strain */
     pel_real weight;                   /* bending of pbd: k_B */
+    pel_real fold_share;               /* folds: of the stiffness, beyond the yield angle */
     pel_real share;          /* pbd: share of a correction that is applied, below 1 if a step has several substeps */
     pel_real least_strain;   /* limit: Green strain of the least principal stretch */
     pel_real most_strain;    /* limit: of the largest one */

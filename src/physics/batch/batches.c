@@ -174,16 +174,28 @@ static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
         *pel_batch_number(batch, i, 0) = (pel_real)p->body->shell->pressure_weights[batch->sources[i]];
 }
 
+static void fill_angle(const pel_batch *batch, const pel_shell *shell, const pel_record *rest, pel_shell_hinge *h,
+                       const pel_fold *folds, int32_t i)
+{
+    PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
+    if (folds != NULL)
+        h->fold = folds[shell->first_fold + h->number].angle;
+    const pel_hinge stencil = pel_shell_angle(shell, rest, h);
+    *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(stencil.rest_angle);
+    *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(stencil.rest_angle);
+    *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h->stiffness * stencil.factor));
+    if (batch->kind == PEL_CONSTRAINT_FOLD)
+        *pel_batch_number(batch, i, 3) =
+            (pel_real)(folds != NULL ? pel_shell_yield(shell, h->number, folds).angle : shell->yield_angles[h->number]);
+}
+
 static void fill_hinge(const plan *p, const pel_batch *batch, int32_t i)
 {
     PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
     const pel_shell *shell = p->body->shell;
-    const pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
+    pel_shell_hinge h = pel_shell_hinge_of(shell, batch->sources[i]);
     if (shell->bending->is_angle) {
-        const pel_hinge stencil = pel_shell_angle(shell, p->model->rest, &h);
-        *pel_batch_number(batch, i, 0) = (pel_real)pel_cos(stencil.rest_angle);
-        *pel_batch_number(batch, i, 1) = (pel_real)pel_sin(stencil.rest_angle);
-        *pel_batch_number(batch, i, 2) = (pel_real)(1 / (h.stiffness * stencil.factor));
+        fill_angle(batch, shell, p->model->rest, &h, NULL, i);
         return;
     }
     const pel_bending_isometric stencil = pel_shell_isometric(p->model->rest, &h);
@@ -404,13 +416,19 @@ static pel_status add_limit(plan *p, pel_error *error)
 
 static pel_status add_bending(plan *p, pel_error *error)
 {
-    bool hinge = p->body->shell->bending->is_angle;
+    const pel_shell *shell = p->body->shell;
+    bool hinge = shell->bending->is_angle;
     pel_batch batch = {.arity = 4, .region = -1, .is_projected = projects_shells(p)};
     batch.kind = p->literal ? PEL_CONSTRAINT_ISOMETRIC : PEL_CONSTRAINT_ISOMETRIC_COMPLIANT;
     if (hinge)
         batch.kind = p->literal ? PEL_CONSTRAINT_ANGLE : PEL_CONSTRAINT_ANGLE_COMPLIANT;
     batch.number_count = hinge ? PEL_ANGLE_NUMBERS : PEL_ISOMETRIC_NUMBERS;
     batch.multiplier_count = hinge ? 1 : 3;
+    if (shell->yield_angles != NULL && !p->literal) {
+        batch.kind = PEL_CONSTRAINT_FOLD;
+        batch.number_count = PEL_FOLD_NUMBERS;
+        batch.law.fold_share = (pel_real)pel_fold_share(shell->hardening);
+    }
     return add_batch(p, batch, error);
 }
 
@@ -426,8 +444,8 @@ static pel_status add_solid(plan *p, pel_error *error)
 
 static bool changes(const plan *p, const pel_batch *batch)
 {
-    return batch->region >= 0 && (batch->kind == PEL_CONSTRAINT_CAVE ||
-                                  p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
+    return batch->kind == PEL_CONSTRAINT_FOLD || batch->kind == PEL_CONSTRAINT_CAVE ||
+           (batch->region >= 0 && p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
 }
 
 /* the batch of the membrane, when it has all triangles and no event changes them; else null */
@@ -736,5 +754,19 @@ void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *po
         int32_t region = own->batches[i].region;
         if (region >= 0 && shell->regions[region].def.direction == PEL_FIBRE_PRINCIPAL)
             follow_region(&own->batches[i], shell, positions);
+    }
+}
+
+/* ---- folds ---- */
+
+void pel_batch_fold(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
+                    const pel_fold *folds)
+{
+    PEL_ASSERT_INDEX(body, batches->model->body_count);
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const pel_shell *shell = batches->model->bodies[body].shell;
+    for (int32_t i = block * PEL_BLOCK; i < (block + 1) * PEL_BLOCK; i++) {
+        pel_shell_hinge hinge = pel_shell_hinge_of(shell, batch->sources[i]);
+        fill_angle(batch, shell, batches->model->rest, &hinge, folds, i);
     }
 }

@@ -74,6 +74,7 @@ CONDITION(is_rigid, pel_body_def, def->rigid.on)
 CONDITION(has_rigid_density, pel_body_def, def->rigid.on && !(def->rigid.mass > 0))
 CONDITION(has_rigid_mass, pel_body_def, def->rigid.on && def->rigid.mass > 0)
 CONDITION(has_bending, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE)
+CONDITION(does_yield, pel_body_def, def->shell.bending.model != PEL_BENDING_NONE && def->shell.bending.yield > 0)
 CONDITION(is_pressed, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GIVEN)
 CONDITION(is_gas, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_GAS)
 CONDITION(has_target, pel_body_def, def->shell.pressure.kind == PEL_PRESSURE_VOLUME)
@@ -396,6 +397,15 @@ static const pel_def_row rows[] = {
      WHEN(has_bending),
      .doc = "flexural rigidity of the weft, where `stiffness` is that of the warp (`membrane.direction`); auto: by the "
             "moduli of an orthotropic membrane, or equal to a `stiffness` that is given"},
+    {"bodies[].bending.yield", BENDING(yield), NUMBER, .unit = "1/m", POSITIVE, AUTO(0), WHEN(has_bending),
+     STRUCTURE("snapshots of bodies that fold for good hold more"),
+     .doc = "change of curvature beyond which the sheet folds for good, as paper and foil do: its rest angles follow "
+            "(model hinge, methods with a material); default: never"},
+    {"bodies[].bending.hardening", BENDING(hardening), NUMBER, AT_LEAST(0), DEFAULT(0.05), .needs = "yield",
+     WHEN(does_yield),
+     .doc =
+         "growth of the yield moment, over `stiffness` times plastic curvature: the moment rises by hardening / (1 + "
+         "hardening) of the elastic slope beyond `yield`"},
     {"bodies[].bending.damping", MAP,
      .doc = "damping by the rate of bending, as that of `membrane`; models hinge and midedge; optional"},
     {"bodies[].bending.damping.stiffness", BENDING(retardation), NUMBER, .unit = "s", AT_LEAST(0), ALTERNATIVE,

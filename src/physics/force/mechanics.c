@@ -221,7 +221,7 @@ void pel_mechanics_fill(const pel_shell_forces *forces, int32_t body, int32_t tr
     for (int32_t t = 0; t < own->shell->triangle_count; t++)
         fill_triangle(own, t, position, time, &triangles[t]);
     for (int32_t i = 0; i < pel_shell_elastic_hinges(own->shell); i++) {
-        const pel_shell_hinge hinge = pel_shell_hinge_of(own->shell, i);
+        const pel_shell_hinge hinge = pel_shell_hinge_now(forces, own->shell, i);
         add_hinge(own->shell, forces->model->rest, &hinge, position, triangles);
     }
 }

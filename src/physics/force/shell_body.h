@@ -34,7 +34,17 @@ struct pel_shell_forces {
                                                and of their lengths; null without that form */
     double *sums;                           /* (vertex_count) scratch of bounds */
     double load_factor;                     /* of given pressure */
+    const pel_fold *folds;                  /* (pel_model_fold_count) null = none */
 };
+
+/* hinge i of a shell with its fold */
+static inline pel_shell_hinge pel_shell_hinge_now(const pel_shell_forces *forces, const pel_shell *shell, int32_t i)
+{
+    pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+    if (shell->yield_angles != NULL && forces->folds != NULL)
+        hinge.fold = forces->folds[shell->first_fold + i].angle;
+    return hinge;
+}
 
 static inline bool pel_shell_is_normal_form(const pel_shell *shell)
 {

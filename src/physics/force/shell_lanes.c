@@ -85,6 +85,21 @@ PEL_INLINE pel_lane bend_angle(const pel_batch *batch, int32_t block, const pel_
     return PEL_CONSTANT(0.5) * moment * h.difference;
 }
 
+/* a hinge whose rest angle follows: the energy of a step from its present one */
+PEL_INLINE pel_lane bend_fold(const pel_batch *batch, int32_t block, const pel_record *position, pel_lane3 force[4])
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_particle x[4];
+    for (int k = 0; k < 4; k++)
+        x[k] = corner_of(batch, block, k, position);
+    pel_hinge_lanes h = pel_hinge_of(x, number_of(batch, block, 0), number_of(batch, block, 1));
+    const pel_fold_response r =
+        pel_fold_respond(h.difference, number_of(batch, block, 3), pel_lane_splat(batch->law.fold_share));
+    const pel_lane stiffness = pel_lane_splat(1) / number_of(batch, block, 2);
+    pel_hinge_gradients(&h, stiffness * r.moment * h.length, force);
+    return stiffness * r.energy;
+}
+
 PEL_INLINE pel_lane bend_isometric(const pel_batch *batch, int32_t block, const pel_record *position,
                                    pel_lane3 force[4])
 {
@@ -204,6 +219,7 @@ PEL_INLINE pel_lane strain_tetra(const pel_batch *batch, int32_t block, const pe
                     press_membrane(batch, block, position, PEL_MEMBRANE_##KIND, forces))
 PEL_MEMBRANE_LAWS(PEL_FORCE_LAW)
 PEL_FORCE_SWEEP(sweep_angle, 4, PEL_ANGLE_NUMBERS, bend_angle(batch, block, position, forces))
+PEL_FORCE_SWEEP(sweep_fold, 4, PEL_FOLD_NUMBERS, bend_fold(batch, block, position, forces))
 PEL_FORCE_SWEEP(sweep_isometric, 4, PEL_ISOMETRIC_NUMBERS, bend_isometric(batch, block, position, forces))
 PEL_FORCE_SWEEP(sweep_fibre, 3, given->number_count, pull_fibre(batch, block, position, amount, false, forces))
 PEL_FORCE_SWEEP(sweep_fibre_square, 3, given->number_count, pull_fibre(batch, block, position, amount, true, forces))
@@ -228,6 +244,7 @@ static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
     [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_isometric,
     [PEL_CONSTRAINT_ANGLE] = sweep_angle,
     [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_angle,
+    [PEL_CONSTRAINT_FOLD] = sweep_fold,
     [PEL_CONSTRAINT_FIBRE] = sweep_fibre,
     [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_fibre,
     [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,

@@ -93,7 +93,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     add_membrane(&sums, membrane);
     add_fibres(&sums, fibres);
     for (int32_t i = 0; i < pel_shell_elastic_hinges(shell); i++) {
-        const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+        const pel_shell_hinge hinge = pel_shell_hinge_now(forces, shell, i);
         double x[4][3];
         pel_load_points(position, hinge.vertices, 4, x);
         double energy = pel_shell_hinge_factor(shell, &hinge) *
@@ -130,14 +130,14 @@ static int corner_at(const int32_t *vertices, int32_t place)
     return corner;
 }
 
-static void subtract_hinge(const pel_shell *shell, const pel_record *rest, int32_t i, const pel_record *position,
-                           int32_t place, double force[3])
+static void subtract_hinge(const pel_shell_forces *forces, const pel_shell *shell, int32_t i,
+                           const pel_record *position, int32_t place, double force[3])
 {
     PEL_ASSERT_INDEX(i, shell->hinge_count);
-    const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
+    const pel_shell_hinge hinge = pel_shell_hinge_now(forces, shell, i);
     double x[4][3], gradient[4][3];
     pel_load_points(position, hinge.vertices, 4, x);
-    pel_shell_hinge_energy(shell, rest, &hinge, (const double(*)[3])x, gradient);
+    pel_shell_hinge_energy(shell, forces->model->rest, &hinge, (const double(*)[3])x, gradient);
     pel_vec3_along(force, -pel_shell_hinge_factor(shell, &hinge), gradient[corner_at(hinge.vertices, place)], force);
 }
 
@@ -174,6 +174,6 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
         if (element < triangle_count)
             subtract_triangle(own, element, position, time, place, force);
         else if (element - triangle_count < pel_shell_elastic_hinges(own->shell))
-            subtract_hinge(own->shell, forces->model->rest, element - triangle_count, position, place, force);
+            subtract_hinge(forces, own->shell, element - triangle_count, position, place, force);
     }
 }

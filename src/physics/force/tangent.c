@@ -101,6 +101,20 @@ static void add_triangle(const pel_tangent_loop *loop, const pel_tangent_part *p
     }
 }
 
+static double add_angle(const pel_tangent_loop *loop, const pel_tangent_shell *own, int32_t i,
+                        const tangent_element *element, const pel_tangent_request *request)
+{
+    const pel_shell *shell = own->shell;
+    const double stiffness = pel_shell_hinge_stiffness(shell, i);
+    const pel_fold *folds = loop->input->state != NULL ? loop->input->state->folds : NULL;
+    if (shell->yield_angles == NULL || folds == NULL)
+        return pel_hinge_tangent(&own->hinges[i], stiffness, element->x, request, &element->sum);
+    const pel_yield yield = pel_shell_yield(shell, i, folds);
+    pel_hinge hinge = own->hinges[i];
+    hinge.rest_angle += folds[shell->first_fold + i].angle;
+    return pel_fold_tangent(&hinge, &yield, stiffness, element->x, request, &element->sum);
+}
+
 static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, tangent_element *element,
                       pel_tangent_energy *energy)
 {
@@ -110,8 +124,7 @@ static void add_hinge(const pel_tangent_loop *loop, const pel_tangent_part *part
     const int32_t stress = part->first_stress + i * part->strains;
     const pel_tangent_request request = request_of(loop, element, stress);
     if (own->hinges != NULL) {
-        energy->bending += pel_hinge_tangent(&own->hinges[i], pel_shell_hinge_stiffness(shell, i), element->x, &request,
-                                             &element->sum);
+        energy->bending += add_angle(loop, own, i, element, &request);
         refer(loop, element, stress, shell->bending_retardation);
         return;
     }

@@ -59,28 +59,44 @@ PEL_INLINE void add_side(const double *x, int a, int b, int c, double stress, pe
         add_turn_hessian(&turn, a, b, c, stress, lead);
 }
 
-double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
-                         const pel_tangent_sum *sum)
+/* the rest of a hinge, with energy, strain, stress and tangent at its angle */
+static double add_angle(const double *x, pel_strain_point *point, const pel_tangent_request *request,
+                        const pel_tangent_sum *sum)
 {
-    double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
-    pel_strain_point point;
-    point.energy = 0.5 * factor * angle * angle;
-    point.strain[0] = angle;
-    point.stress[0] = factor * angle;
-    point.tangent[0][0] = factor;
-    pel_strain_damp(&point, PEL_HINGE_STRAINS, request);
+    pel_strain_damp(point, PEL_HINGE_STRAINS, request);
     if (sum->gradient == NULL && sum->hessian == NULL && request->extrapolated == NULL)
-        return point.energy;
-    memset(point.gradient[0], 0, sizeof point.gradient[0]);
+        return point->energy;
+    memset(point->gradient[0], 0, sizeof point->gradient[0]);
     pel_lead_matrix lead;
     if (sum->hessian != NULL)
         pel_lead_clear(&lead, 4);
     bool is_geometric = sum->hessian != NULL && request->kind != PEL_TANGENT_POSITIVE;
-    double stress = is_geometric ? pel_strain_geometric(&point, request)[0] : 0;
-    add_side(x, 0, 1, 2, stress, &point, is_geometric ? &lead : NULL);
-    add_side(x, 1, 0, 3, stress, &point, is_geometric ? &lead : NULL);
-    pel_strain_add(&point, PEL_HINGE_STRAINS, 4, 0, &lead, request, sum);
-    return point.energy;
+    double stress = is_geometric ? pel_strain_geometric(point, request)[0] : 0;
+    add_side(x, 0, 1, 2, stress, point, is_geometric ? &lead : NULL);
+    add_side(x, 1, 0, 3, stress, point, is_geometric ? &lead : NULL);
+    pel_strain_add(point, PEL_HINGE_STRAINS, 4, 0, &lead, request, sum);
+    return point->energy;
+}
+
+double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
+                         const pel_tangent_sum *sum)
+{
+    const double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
+    pel_strain_point point = {
+        .energy = 0.5 * factor * angle * angle, .strain = {angle}, .stress = {factor * angle}, .tangent = {{factor}}};
+    return add_angle(x, &point, request, sum);
+}
+
+double pel_fold_tangent(const pel_hinge *hinge, const pel_yield *yield, double stiffness, const double *x,
+                        const pel_tangent_request *request, const pel_tangent_sum *sum)
+{
+    const double factor = stiffness * hinge->factor, angle = pel_angle_from_rest(x, hinge->rest_angle);
+    const pel_fold_response r = pel_fold_respond(angle, yield->angle, yield->share);
+    pel_strain_point point = {.energy = factor * r.energy,
+                              .strain = {angle},
+                              .stress = {factor * r.moment},
+                              .tangent = {{fabs(angle) > yield->angle ? yield->share * factor : factor}}};
+    return add_angle(x, &point, request, sum);
 }
 
 /* ---- mid-edge ---- */

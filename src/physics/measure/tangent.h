@@ -14,6 +14,7 @@
 #define PEL_MEASURE_TANGENT_H
 
 #include "measure/element.h"
+#include "measure/fold.h"
 #include "pellicle/bending.h"
 
 typedef enum pel_tangent_kind {
@@ -87,6 +88,9 @@ double pel_angle_from_rest(const double *x, double rest_angle);
 /* Hinge of the bending stiffness D [N m], x (12) as in pellicle/bending.h. */
 double pel_hinge_tangent(const pel_hinge *hinge, double stiffness, const double *x, const pel_tangent_request *request,
                          const pel_tangent_sum *sum);
+/* The same of a hinge that yields (measure/fold.h). */
+double pel_fold_tangent(const pel_hinge *hinge, const pel_yield *yield, double stiffness, const double *x,
+                        const pel_tangent_request *request, const pel_tangent_sum *sum);
 
 /* Pressure on the back of a triangle (positive inflates), x (9): gradient minus pel_triangle_pressure_force on each
    corner. The Hessian is the symmetric part of its derivative, which is the exact one summed over a closed surface or

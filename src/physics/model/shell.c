@@ -141,6 +141,24 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
     return status == PEL_OK ? check_warp(def, body, error) : status;
 }
 
+static pel_status check_yield(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_bending_def *bending = &def->shell.bending;
+    pel_status status = check_number(bending->yield, 0, HUGE_VAL, body, "yield of the bending", error);
+    if (status == PEL_OK && bending->yield > 0)
+        status = check_number(bending->hardening, 0, HUGE_VAL, body, "hardening of the bending", error);
+    if (status != PEL_OK || !(bending->yield > 0))
+        return status;
+    if (!pel_bending_traits_of(bending->model)->is_angle)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give the bending the model hinge",
+                                  "plastic folds change rest angles of hinges, but the body has none");
+    if (def->refine.levels > 0 || def->origins != NULL || def->shell.membrane.toughness.value > 0)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "leave out `yield`, or `refine`, cuts and `toughness`",
+                                  "a body with plastic folds keeps its triangles: it neither refines nor is cut");
+    return PEL_OK;
+}
+
 static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_bending_def *bending = &def->shell.bending;
@@ -152,6 +170,8 @@ static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
                                   "damp the bending with the model hinge or midedge",
                                   "isometric bending has no angle whose rate could be damped");
+    if (status == PEL_OK)
+        status = check_yield(def, body, error);
     if (status != PEL_OK)
         return status;
     if (!(bending->weight < 0)) {
@@ -448,17 +468,15 @@ static double hinge_stiffness(const pel_body_def *def, const pel_shell *shell, c
 }
 
 /* false when there is no hinge */
-static bool find_rest_angle(const pel_mesh *mesh, const int32_t sides[2], double *angle)
+static bool find_hinge(const pel_mesh *mesh, const int32_t sides[2], pel_hinge *hinge, double *length)
 {
     const int32_t corners[4] = {sides[0], pel_half_edge_next(sides[0]), pel_half_edge_previous(sides[0]),
                                 pel_half_edge_previous(sides[1])};
     double x[4][3];
-    pel_hinge stencil;
     for (int i = 0; i < 4; i++)
         memcpy(x[i], mesh->positions[mesh->triangles[corners[i] / 3][corners[i] % 3]], sizeof x[i]);
-    bool is_hinge = pel_hinge_setup((const double(*)[3])x, &stencil);
-    *angle = stencil.rest_angle;
-    return is_hinge;
+    *length = pel_vec3_distance(x[0], x[1]);
+    return pel_hinge_setup((const double(*)[3])x, hinge);
 }
 
 static pel_status fail_folded(const int32_t sides[2], pel_error *error)
@@ -496,12 +514,11 @@ static pel_status allocate_hinges(const pel_body_def *def, const pel_topology *t
     size_t limit = (size_t)topology->edge_count;
     bool keeps = refines || has_curls(def),
          varies = shell->sheets != NULL || shell->axes != NULL || def->shell.bending.stiffness.field != NULL;
-    shell->hinge_sides = pel_allocate(limit, sizeof *shell->hinge_sides);
-    shell->rest_angles = keeps ? pel_allocate(limit, sizeof *shell->rest_angles) : NULL;
-    shell->hinge_stiffnesses = varies ? pel_allocate(limit, sizeof *shell->hinge_stiffnesses) : NULL;
-    bool made = shell->hinge_sides != NULL && (!keeps || shell->rest_angles != NULL) &&
-                (!varies || shell->hinge_stiffnesses != NULL);
-    return made ? PEL_OK : pel_fail_memory(error);
+    return PEL_ALLOCATE_ALL(PEL_ROOM(shell->hinge_sides, limit), PEL_ROOM_IF(keeps, shell->rest_angles, limit),
+                            PEL_ROOM_IF(varies, shell->hinge_stiffnesses, limit),
+                            PEL_ROOM_IF(def->shell.bending.yield > 0, shell->yield_angles, limit))
+               ? PEL_OK
+               : pel_fail_memory(error);
 }
 
 static pel_status create_hinges(const pel_body_def *def, const pel_body *body, const pel_topology *topology,
@@ -509,6 +526,7 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
 {
     shell->bending = pel_bending_traits_of(def->shell.bending.model);
     shell->bending_weight = def->shell.bending.weight;
+    shell->hardening = def->shell.bending.hardening;
     create_plate(&def->shell.bending, shell);
     if (!pel_bending_is_on(shell->bending))
         return PEL_OK;
@@ -520,17 +538,21 @@ static pel_status create_hinges(const pel_body_def *def, const pel_body *body, c
         int32_t h = topology->half_edge_of_edge[e], i = shell->hinge_count;
         const int32_t sides[2] = {h, topology->twin[h]};
         const int32_t ends[2] = {pel_half_edge_origin(topology, h), pel_half_edge_target(topology, h)};
-        double angle;
-        if (sides[1] < 0 || !find_rest_angle(shell->mesh, sides, &angle))
+        pel_hinge hinge;
+        double length;
+        if (sides[1] < 0 || !find_hinge(shell->mesh, sides, &hinge, &length))
             continue;
-        if (fabs(angle) > FOLDED_ANGLE)
+        if (fabs(hinge.rest_angle) > FOLDED_ANGLE)
             return fail_folded(sides, error);
         shell->hinge_stiffness = hinge_stiffness(def, shell, sides, ends);
         if (shell->axes != NULL)
             shell->hinge_stiffness *= pel_shell_hinge_share(shell, sides);
         memcpy(shell->hinge_sides[i], sides, sizeof sides);
         if (shell->rest_angles != NULL)
-            shell->rest_angles[i] = curl(def, ends, angle);
+            shell->rest_angles[i] = curl(def, ends, hinge.rest_angle);
+        /* a hinge of the length L stands for a strip of the width (A0 + A1) / L */
+        if (shell->yield_angles != NULL)
+            shell->yield_angles[i] = def->shell.bending.yield * length / hinge.factor;
         if (shell->hinge_stiffnesses != NULL)
             shell->hinge_stiffnesses[i] = shell->hinge_stiffness;
         shell->hinge_count++;
@@ -640,9 +662,11 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     if (!is_on(&def->shell) && !def->volume.on)
         return PEL_OK;
     pel_body *b = &model->bodies[body];
+    const int32_t first_fold = pel_model_fold_count(model);
     pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);
     if (shell == NULL)
         return pel_fail_memory(error);
+    shell->first_fold = first_fold;
     pel_status status = check_closed(def, b, body, topology, error);
     if (status == PEL_OK)
         status = create_triangles(def, model, b, shell, error);
@@ -693,8 +717,8 @@ void pel_shell_destroy(pel_shell *shell)
         PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].rest_length.keys);
     }
     PEL_FREE_ALL(shell->sheets, shell->axes, shell->coordinate, shell->hinge_sides, shell->hinge_stiffnesses,
-                 shell->rest_angles, shell->regions, shell->parts, shell->outside.keys, shell->target.keys,
-                 shell->pressure_weights);
+                 shell->rest_angles, shell->yield_angles, shell->regions, shell->parts, shell->outside.keys,
+                 shell->target.keys, shell->pressure_weights);
     pel_filled_destroy(shell);
     pel_free(shell);
 }
@@ -728,11 +752,21 @@ pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i)
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i)
 {
     PEL_ASSERT_INDEX(i, shell->hinge_count);
-    double angle;
+    pel_hinge hinge;
+    double length;
     if (shell->rest_angles != NULL)
         return shell->rest_angles[i];
-    find_rest_angle(shell->mesh, shell->hinge_sides[i], &angle);
-    return angle;
+    find_hinge(shell->mesh, shell->hinge_sides[i], &hinge, &length);
+    return hinge.rest_angle;
+}
+
+int32_t pel_model_fold_count(const pel_model *model)
+{
+    int32_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].shell != NULL && model->bodies[b].shell->yield_angles != NULL)
+            count += model->bodies[b].shell->hinge_count;
+    return count;
 }
 
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)

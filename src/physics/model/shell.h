@@ -8,6 +8,7 @@
 #include "base/assert.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
+#include "measure/fold.h"
 #include "measure/midedge.h"
 #include "measure/tetra.h"
 #include "model/model.h"
@@ -26,6 +27,7 @@ typedef struct pel_shell_hinge {
     int32_t vertices[4];
     int32_t triangles[2]; /* of the shell, left and right */
     double stiffness;     /* D, N m; 0 = unknown (no membrane and none given) */
+    double fold;          /* rad, plastic change of its rest angle; the caller's, 0 at first */
 } pel_shell_hinge;
 
 /* Fibres of one region in one triangle. */
@@ -77,6 +79,9 @@ struct pel_shell {
     double hinge_stiffness;    /* D of every hinge, unless they differ: */
     double *hinge_stiffnesses; /* (hinge_count) else null */
     double *rest_angles;       /* (hinge_count) rad, with curls applied; null = as in the rest shape */
+    double *yield_angles;      /* (hinge_count) rad, of hinges that have not folded; null = they never do */
+    double hardening;          /* of folds */
+    int32_t first_fold;        /* of the state */
 
     int32_t region_count;
     pel_shell_region *regions;
@@ -162,6 +167,15 @@ static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i
 }
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
+/* Folds in a state of the model: one for each hinge of bodies that yield. */
+int32_t pel_model_fold_count(const pel_model *model);
+/* The yield angle of hinge i at present, and its share beyond; folds are those of the state. */
+static inline pel_yield pel_shell_yield(const pel_shell *shell, int32_t i, const pel_fold *folds)
+{
+    PEL_ASSERT_INDEX(i, shell->hinge_count);
+    return (pel_yield){shell->yield_angles[i] + shell->hardening * folds[shell->first_fold + i].slip,
+                       pel_fold_share(shell->hardening)};
+}
 
 /* fibres with an energy of their own: caving in and curls have none, and the push of PEL_FIBRE_NORMAL has no potential
  */
@@ -191,7 +205,7 @@ static inline pel_hinge pel_shell_angle(const pel_shell *shell, const pel_record
     pel_hinge stencil;
     pel_load_points(rest, hinge->vertices, 4, x);
     pel_hinge_setup((const double(*)[3])x, &stencil);
-    stencil.rest_angle = pel_shell_rest_angle(shell, hinge->number);
+    stencil.rest_angle = pel_shell_rest_angle(shell, hinge->number) + hinge->fold;
     return stencil;
 }
 static inline pel_bending_isometric pel_shell_isometric(const pel_record *rest, const pel_shell_hinge *hinge)

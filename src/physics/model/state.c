@@ -4,6 +4,7 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
+#include "model/shell.h"
 
 /* states at rest */
 static bool make_rigids(const pel_model *model, pel_state *state)
@@ -29,13 +30,14 @@ static bool make_rigids(const pel_model *model, pel_state *state)
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
     *state = NULL;
-    size_t count = (size_t)model->vertex_count;
+    size_t count = (size_t)model->vertex_count, folds = (size_t)pel_model_fold_count(model);
     pel_state *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
     if (!PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->position, count), PEL_ROOM_ALIGNED(made->position_before, count),
                           PEL_ROOM_ALIGNED(made->position_next, count), PEL_ROOM(made->contact, count),
                           PEL_ROOM(made->factors, model->body_count), PEL_ROOM(made->bending, model->body_count),
+                          PEL_ROOM_IF(folds > 0, made->folds, folds), PEL_ROOM_IF(folds > 0, made->folds_next, folds),
                           PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity, count),
                           PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity_next, count))) {
         pel_state_destroy(made);
@@ -152,5 +154,5 @@ void pel_state_destroy(pel_state *state)
         return;
     PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
                  state->older_position, state->older_velocity, state->contact, state->factors, state->bending,
-                 state->rigids, state->rigids_before, state->rigids_next, state);
+                 state->rigids, state->rigids_before, state->rigids_next, state->folds, state->folds_next, state);
 }

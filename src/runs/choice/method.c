@@ -200,7 +200,7 @@ static bool needs_hinges(const pel_shell_def *shell)
     for (int32_t r = 0; r < shell->anisotropy_count; r++)
         if (shell->anisotropies[r].mode == PEL_FIBRE_CURL)
             return true;
-    return false;
+    return shell->bending.yield > 0;
 }
 
 void pel_scene_choose_bending(const pel_scene_value *root, pel_scene *scene)

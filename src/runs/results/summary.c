@@ -157,6 +157,7 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
                    {"dissipated_drag", ledger->dissipated_drag},
                    {"dissipated_fracture", ledger->dissipated_fracture},
                    {"dissipated_remesh", ledger->dissipated_remesh},
+                   {"dissipated_plastic", ledger->dissipated_plastic},
                    {"dissipated_solver", ledger->dissipated_solver},
                    {"energy_error", ledger->energy_error},
                    {"supplied", ledger->supplied}};

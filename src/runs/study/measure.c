@@ -72,6 +72,7 @@ static const struct summary_key {
     ENERGY(work_gravity),
     ENERGY(work_material),
     ENERGY(dissipated_drag),
+    ENERGY(dissipated_plastic),
     ENERGY(dissipated_solver),
     ENERGY(energy_error),
     ENERGY(supplied),

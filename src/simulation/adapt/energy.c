@@ -2,7 +2,7 @@
 
 #include "base/assert.h"
 #include "math/extremes.h"
-#include "model/event_energy.h"
+#include "refined/event_energy.h"
 
 #include <float.h>
 #include <string.h>

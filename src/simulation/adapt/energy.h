@@ -1,6 +1,6 @@
 /* The elastic energy over an event of refinement.
 
-   The placement of new vertices (model/refine_transfer.c) and the loss of detail by coarsening change the elastic
+   The placement of new vertices (refined/refine_transfer.c) and the loss of detail by coarsening change the elastic
    energy. So vertices of the event move along their forces until the energy is as before: first the new ones, if any,
    then all whose triangles changed. This is the projection of one constraint, energy - energy before = 0, with a
    parabola through each trial, as the energy of a bent sheet is far from linear. Velocities, and so momentum, do not

@@ -169,6 +169,7 @@ static void add_dissipation(pel_sim *sim)
 {
     double drag = sim->solver.drag * sim->step.dt;
     sim->ledger->sums.dissipated_drag += sim->viscous_loss;
+    sim->ledger->sums.dissipated_plastic += sim->fold_loss;
     if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger->has_damping || sim->ledger->has_radial_damping))
         return;
     /* half of the drag acts before the velocity in the middle of the step, half after it */
@@ -468,7 +469,7 @@ void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
     /* modes are drawn: nothing supplies their energy */
     double left = sim->modes != NULL ? 0
                                      : gained - work + ledger->dissipated_drag + ledger->dissipated_fracture +
-                                           ledger->dissipated_remesh;
+                                           ledger->dissipated_remesh + ledger->dissipated_plastic;
     ledger->dissipated_solver = pel_max(-left, 0);
     ledger->energy_error = pel_max(left, 0);
     ledger->tolerance = EXCESS_SHARE * ledger->supplied + sim->ledger->rounding;

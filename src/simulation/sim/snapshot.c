@@ -25,6 +25,7 @@
 #include "sim/parts.h"
 #include "sim/sim.h"
 #include "sim/topology.h"
+#include "stage/folds.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/reading.h"
@@ -85,7 +86,8 @@ uint64_t pel_sim_hash(const pel_sim *sim)
 static void transfer_sim(pel_cursor *at, const pel_sim *sim)
 {
     static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
-                                                pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors};
+                                                pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors,
+                                                pel_transfer_folds};
     static pel_transfer_part *const after[] = {
         pel_supports_transfer,       pel_touch_transfer_forces, pel_touch_transfer_pairs,
         pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
@@ -277,6 +279,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads->items[l].force,
                sizeof sim->loads->items[l].force);
     rest_unused_places(sim);
+    pel_folds_begin(sim);
     pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
     sim->touch->is_loaded = sim->contacts != NULL;
     sim->touch->is_carried = false;
@@ -553,10 +556,13 @@ static void carry_parts(carrier *c)
                                                pel_tear_drop_transfer, pel_ties_transfer};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         carry(c, parts[i], 0, 0);
-    if (c->places == NULL)
-        carry(c, pel_touch_transfer_forces, 0, 0);
-    else
+    if (c->places != NULL) {
         pel_minimise_forget_contacts(c->to);
+        return;
+    }
+    carry(c, pel_touch_transfer_forces, 0, 0);
+    carry(c, pel_transfer_folds, 0, 0);
+    pel_folds_begin(c->to);
 }
 
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfaces *surfaces, pel_error *error)

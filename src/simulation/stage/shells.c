@@ -69,6 +69,9 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 "strain_limit is a constraint of the methods pbd and xpbd");
+        if (body->shell->yield_angles != NULL && pel_sim_is_projected(sim) && !sim->stepper->is_compliant)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, or leave `yield` out",
+                                      "plastic folds follow moments, which pbd does not know");
         if (would_flatten(sim, body->shell))
             return pel_refuse_element(
                 error, PEL_BAD_ARGUMENT, "body", b, "use the bending model hinge or midedge, or the method xpbd",
@@ -90,6 +93,8 @@ pel_status pel_shells_create(pel_sim *sim, pel_error *error)
         status = pel_batches_create(sim->model, sim->solver.method, &sim->batches, error);
     if (status == PEL_OK)
         status = pel_shell_forces_create(sim->batches, &sim->shells, error);
+    if (status == PEL_OK)
+        pel_shell_forces_fold(sim->shells, sim->state->folds_next);
     for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         /* the criterion of refinement looks at single vertices */

@@ -53,7 +53,7 @@ static double retardation_of(const pel_body *body, const pel_batch *batch)
 {
     if (batch->kind == PEL_CONSTRAINT_SPRING)
         return body->spring_retardation;
-    if (batch->kind == PEL_CONSTRAINT_ANGLE_COMPLIANT)
+    if (batch->kind == PEL_CONSTRAINT_ANGLE_COMPLIANT || batch->kind == PEL_CONSTRAINT_FOLD)
         return body->shell->bending_retardation;
     bool is_strain = batch->kind >= PEL_CONSTRAINT_STRAIN && batch->kind < PEL_CONSTRAINT_ISOMETRIC;
     return is_strain ? body->shell->membrane_retardation : 0;

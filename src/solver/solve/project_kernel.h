@@ -575,11 +575,10 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
 /* the dihedral angle and its gradients g2, g3 on the tips; on the ends they are -(1 - t2) g2 - (1 - t3) g3 and
    -t2 g2 - t3 g3 (measure/hinge.h) */
 PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
-                              pel_particle p[4], pel_lane3 *ways, bool compliant)
+                              pel_particle p[4], pel_lane3 *ways, bool compliant, int count)
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_lane one = pel_lane_splat(1);
-    const int count = PEL_ANGLE_NUMBERS;
     for (int k = 0; k < 4; k++)
         p[k] = load_particle(batch, block, k, lane, positions);
     pel_hinge_lanes h =
@@ -923,8 +922,11 @@ PEL_MEMBRANE_LAWS(PEL_PROJECT_LAW)
 PEL_VOLUME_LAWS(PEL_PROJECT_SOLID)
 PEL_PROJECT_SPLIT_SWEEP(sweep_bending, 4, project_isometric(batch, block, lane, positions, points, ways, false))
 PEL_PROJECT_SWEEP(sweep_soft_bending, 4, project_isometric(batch, block, lane, positions, points, ways, true))
-PEL_PROJECT_SPLIT_SWEEP(sweep_hinge, 4, project_angle(batch, block, lane, positions, points, ways, false))
-PEL_PROJECT_SWEEP(sweep_soft_hinge, 4, project_angle(batch, block, lane, positions, points, ways, true))
+PEL_PROJECT_SPLIT_SWEEP(sweep_hinge, 4,
+                        project_angle(batch, block, lane, positions, points, ways, false, PEL_ANGLE_NUMBERS))
+PEL_PROJECT_SWEEP(sweep_soft_hinge, 4,
+                  project_angle(batch, block, lane, positions, points, ways, true, PEL_ANGLE_NUMBERS))
+PEL_PROJECT_SWEEP(sweep_fold, 4, project_angle(batch, block, lane, positions, points, ways, true, PEL_FOLD_NUMBERS))
 PEL_PROJECT_SWEEP(sweep_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, false))
 PEL_PROJECT_SWEEP(sweep_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, false))
 PEL_PROJECT_SWEEP(sweep_soft_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, true))
@@ -952,8 +954,9 @@ PEL_PROJECT_SWEEP(sweep_normal_square, 3, project_normal(batch, block, lane, pos
         [PEL_CONSTRAINT_DISTANCE] = sweep_distance, [PEL_CONSTRAINT_SPRING] = sweep_spring,                            \
         PEL_MEMBRANE_LAWS(PEL_PROJECT_LAW_ROW)[PEL_CONSTRAINT_ISOMETRIC] = sweep_bending,                              \
         [PEL_CONSTRAINT_ISOMETRIC_COMPLIANT] = sweep_soft_bending, [PEL_CONSTRAINT_ANGLE] = sweep_hinge,               \
-        [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge, [PEL_CONSTRAINT_FIBRE] = sweep_fibre,                     \
-        [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square, [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,       \
+        [PEL_CONSTRAINT_ANGLE_COMPLIANT] = sweep_soft_hinge, [PEL_CONSTRAINT_FOLD] = sweep_fold,                       \
+        [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
+        [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
         [PEL_CONSTRAINT_NORMAL] = sweep_normal, [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,                  \
         PEL_VOLUME_LAWS(PEL_PROJECT_SOLID_ROW)[PEL_CONSTRAINT_LIMIT] = sweep_limit,                                    \

@@ -1,4 +1,4 @@
-/* The quasi-static step of fine vertices (model/refined_model.h).
+/* The quasi-static step of fine vertices (refined/refined_model.h).
 
    The method x += alpha dt^2 M^-1 F (eq. A-5) is gradient flow in a pseudo time that does not depend on the mesh:
    smooth modes have the same K / M on all levels. One step of it is stable below z = alpha dt^2 (K / M) = 2, and z
@@ -21,7 +21,7 @@
 #define PEL_SOLVE_RELAX_H
 
 #include "base/pool.h"
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 typedef struct pel_relax {
     const pel_refined_model *active;

@@ -19,7 +19,7 @@
 #include "base/assert.h"
 #include "math/matrix2.h"
 #include "math/vec3.h"
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #include "failing_malloc.h"
 #include "shell_fixture.h"
 
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "model/shell_front.h"
+#include "refined/shell_front.h"
 
 #include "base/memory.h"
 #include "base/room.h"

@@ -1,11 +1,11 @@
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "math/vec3.h"
-#include "model/event_energy.h"
+#include "refined/event_energy.h"
 
 #include <math.h>
 #include <string.h>

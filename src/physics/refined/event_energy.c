@@ -1,4 +1,4 @@
-#include "model/event_energy.h"
+#include "refined/event_energy.h"
 
 #include "base/assert.h"
 #include "math/vec3.h"

@@ -6,8 +6,8 @@
    all edges between two triangles of the surface, bisected ones included. Unrefined parts are copied from the base:
    without refinement the shell is that of the plain model, bit by bit. An event rebuilds all of it, without
    allocation. */
-#ifndef PEL_MODEL_SHELL_FRONT_H
-#define PEL_MODEL_SHELL_FRONT_H
+#ifndef PEL_REFINED_SHELL_FRONT_H
+#define PEL_REFINED_SHELL_FRONT_H
 
 #include "model/shell.h"
 

@@ -16,12 +16,12 @@
 
    An event costs what changes, and allocates nothing. Tried and rejected: moving the last vertex into a hole keeps the
    slices dense, but every list of places that a tool or a load holds would have to follow. */
-#ifndef PEL_MODEL_REFINED_MODEL_H
-#define PEL_MODEL_REFINED_MODEL_H
+#ifndef PEL_REFINED_REFINED_MODEL_H
+#define PEL_REFINED_REFINED_MODEL_H
 
 #include "model/levels.h"
-#include "model/shell_front.h"
 #include "model/state.h"
+#include "refined/shell_front.h"
 
 /* The quasi-static method moves a vertex by factor F / m. On a finer level m falls by 4 and k stays, so that one such
    step is unstable there: those vertices are fine, and solve/relax.h moves them instead. */

@@ -1,8 +1,8 @@
 /* Energy of the springs that an event of refinement changes. */
-#ifndef PEL_MODEL_EVENT_ENERGY_H
-#define PEL_MODEL_EVENT_ENERGY_H
+#ifndef PEL_REFINED_EVENT_ENERGY_H
+#define PEL_REFINED_EVENT_ENERGY_H
 
-#include "model/refined_model.h"
+#include "refined/refined_model.h"
 
 /* Energy of the springs at some places of a body, each once, and of their volumetric springs [J]. force (by place),
    when given, gets their forces added at these places. */
