@@ -35,6 +35,8 @@
 enum { ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* rounds, and unconverged rounds, after which a step is repeated in parts */
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
+/* rounds of a part after the systems of the step are spent */
+enum { SPENT_ROUNDS = 2 };
 
 /* forces are balanced when the residual is this share of the forces that act */
 #define LOAD_SHARE 1e-6
@@ -423,7 +425,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
     pel_descent_result *sum = &minimise->result, round;
     pel_status status = PEL_OK;
     bool closed = false, is_dynamic = pel_sim_has_velocity(sim), can_halve = pel_parts_can_halve(sim);
-    int failures = 0, limit = can_halve ? HALVING_ROUNDS : ROUND_LIMIT;
+    int failures = 0, limit = can_halve ? HALVING_ROUNDS : pel_parts_are_spent(sim) ? SPENT_ROUNDS : ROUND_LIMIT;
     double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < limit; n++) {
@@ -434,6 +436,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         status = run_and_round(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;
+        sim->part.systems += is_dynamic ? round.iterations : 0;
         sum->iterations += round.iterations;
         sum->evaluations += round.evaluations;
         sum->residual = round.residual;
@@ -463,7 +466,8 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         closed = !again && pel_max(error_of_gaps, deepest_gap(sim)) <= allowed;
         sum->converged = closed && slips_by_law(sim, &change, problem.tolerance) && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
-        if (sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline)
+        bool is_late = sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline;
+        if (is_late || (can_halve && pel_parts_are_spent(sim)))
             break;
     }
     return status;

@@ -25,7 +25,7 @@
 /* share of the diagonal of a preconditioner that rounding in float may remove */
 #define HELD_SHIFT 1e-7
 /* constraints nearer than this many of their tolerances get blocks in the matrix before they act */
-#define NEAR_TOLERANCES 10
+#define NEAR_TOLERANCES 200
 /* of the forces on a body that may be left where it stays as it is: a tenth of the tolerance */
 #define REST_SHARE 1e-4
 /* steps between tries of a way that costs as much, by the square of the ratio more where it costs more; the first try;
@@ -33,8 +33,8 @@
 enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30 };
 /* of the cost of a step in its mean */
 #define MEAN_SHARE 0.5
-/* of a run of a step in time, without constraints and with them */
-enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40 };
+/* of a run of a step in time, without constraints and with them; after the systems of the step are spent */
+enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40, SPENT_ITERATIONS = 10 };
 
 /* systems of the first round that are not ended where little energy is left: smooth motion needs no more, and converges
    fast */
@@ -642,8 +642,9 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
     bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
     double tolerance = pel_hypot(problem->tolerance, problem->held_share * moments);
+    int32_t constrained = pel_parts_are_spent(sim) ? SPENT_ITERATIONS : CONSTRAINED_ITERATIONS;
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
-                        : context->is_constrained ? CONSTRAINED_ITERATIONS
+                        : context->is_constrained ? constrained
                                                   : DYNAMIC_ITERATIONS;
     return (pel_newton_problem){
         .span = context->span,

@@ -90,7 +90,7 @@ static void set_size(pel_sim *sim, int32_t size)
 pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
-    sim->part.at = 0;
+    sim->part.at = sim->part.systems = 0;
     sim->part.is_refused = false;
     sim->part.conflict_count = sim->part.repeat_count = 0;
     if (pel_sim_is_projected(sim))
@@ -150,7 +150,7 @@ void pel_parts_accept(pel_sim *sim)
     if (now->size == PEL_PART_LIMIT)
         return;
     now->calm++;
-    if (now->calm < now->patience || sim->part.at % (2 * now->size) != 0)
+    if ((now->calm < now->patience && !pel_parts_are_spent(sim)) || sim->part.at % (2 * now->size) != 0)
         return;
     now->size *= 2;
     now->calm = 0;

@@ -41,6 +41,10 @@ typedef struct pel_contact_set pel_contact_set;
 /* Parts of a step. Sizes are in units of a step over PEL_PART_LIMIT. */
 enum { PEL_PART_LIMIT = 64 };
 
+/* Linear systems under constraints after which a step is divided no more: the rest of it goes in parts that grow, and
+   each of them ends after few systems, converged or not. */
+enum { PEL_STEP_SYSTEMS = 60 };
+
 /* the part of the step in progress */
 typedef struct pel_step_part {
     int32_t at;        /* where it begins; 0 between steps */
@@ -50,6 +54,7 @@ typedef struct pel_step_part {
     bool is_repeated;  /* repeat it, with shorter strides of tools */
     int32_t repeat_count;
     bool can_halve;         /* false = all steps are whole */
+    int32_t systems;        /* of the step so far under constraints, those of refused parts included */
     int32_t conflict_count; /* conflicts of fast motion when this part was last refused; 0 = it was not */
 } pel_step_part;
 
@@ -195,10 +200,15 @@ typedef struct pel_gains {
     double position, velocity;
 } pel_gains;
 
+static inline bool pel_parts_are_spent(const pel_sim *sim)
+{
+    return sim->part.systems >= PEL_STEP_SYSTEMS;
+}
+
 /* Whether the present part may be refused and repeated in two halves. */
 static inline bool pel_parts_can_halve(const pel_sim *sim)
 {
-    return sim->part.can_halve && sim->part.step_size > 1;
+    return sim->part.can_halve && sim->part.step_size > 1 && !pel_parts_are_spent(sim);
 }
 /* of the present part in its step */
 static inline double pel_part_share(const pel_sim *sim)
