@@ -20,7 +20,7 @@ typedef struct pel_tool_reading {
     int32_t held_count;    /* vertices held by the grasp after the step */
     bool is_held_back;     /* contact stopped the tool in the last step, because a body was trapped */
     bool force_known;      /* false = the guard took the tool back after the solver, in the last step: force and torque
-                              are those of a way that it did not go */
+                              are those of a way that it did not go; or a step of implicit has not converged */
     int64_t lost_count;    /* vertices released by grasp_max_force since the start */
     double lost_time;      /* s, end of the step that lost the first ones; 0 = none yet */
     double lost_limit;     /* N, the limit that they exceeded; 0 = none yet, or contact held the grasp */

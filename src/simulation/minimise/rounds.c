@@ -763,9 +763,22 @@ void pel_minimise_read_tools(pel_sim *sim)
     }
 }
 
+/* Forces of a part in time that has not converged, although nobody limits its work, are not known. */
+static void forget_forces(pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        sim->tools->items[t].is_stopped |= sim->tools->items[t].held_count > 0;
+    for (int32_t c = 0; c < minimise->count; c++)
+        if (minimise->constraints[c].tool >= 0 && minimise->constraints[c].load > 0)
+            sim->tools->items[minimise->constraints[c].tool].is_stopped = true;
+}
+
 void pel_minimise_accept(pel_sim *sim)
 {
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
+    if (!part->converged && sim->part.can_halve)
+        forget_forces(sim);
     pel_sim_newton_choose(sim);
     if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)
         sim->minimise->newton->base->is_due |= !pel_newton_is_prepared(sim->newton);
