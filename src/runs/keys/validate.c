@@ -359,8 +359,14 @@ static pel_status check_scalar(pel_scene_reader *reader, const pel_def_row *row,
         return fail_form(reader, row, value);
     if ((row->forms & PEL_FORM_WORD) != 0)
         return check_word(reader, row, value);
+    if (value->text[0] == '\0') {
+        char path[PATH_SIZE];
+        pel_scene_fail(reader, &value->place, "%s is empty", pel_scene_value_path(value, path, sizeof path));
+        pel_fail_remedy(reader->error, "give a text, or leave the key out");
+        return PEL_BAD_SCENE;
+    }
     /* the range of a text applies to its length */
-    if (value->text[0] == '\0' || !pel_range_has(row->range, (double)strlen(value->text)))
+    if (!pel_range_has(row->range, (double)strlen(value->text)))
         return fail_range(reader, row, value);
     return accept(value, PEL_FORM_TEXT, 0);
 }
