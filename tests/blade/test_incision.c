@@ -7,6 +7,7 @@
 #include "pellicle/sim.h"
 #include "pellicle/tear.h"
 #include "stage/stage.h"
+#include "tool/tool.h"
 
 #define LENGTH 0.1
 #define WIDTH 0.06
@@ -270,6 +271,32 @@ static void returns(void **unused)
     }
 }
 
+/* what a damaged snapshot says of a blade is refused: number of places, their bodies and vertices */
+static void ranges(void **unused)
+{
+    (void)unused;
+    pel_pose_key keys[2];
+    pel_tool_def tool = straight(keys, 0.1);
+    sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1);
+    step(s.sim, 50);
+    size_t size = pel_sim_save_size(s.sim);
+    unsigned char *bytes = malloc(size);
+    pel_blade *blade = s.sim->tools->items[0].blade, kept = *blade;
+    assert_int_equal(kept.tip_count, 1);
+    for (int i = 0; i < 7; i++) {
+        pel_blade_tip *tip = &blade->tips[0];
+        blade->tip_count = i == 0 ? PEL_BLADE_TIPS + 1 : i == 1 ? -1 : 1;
+        tip->body = i == 2 ? 1 : i == 3 ? -1 : 0;
+        tip->vertex = i == 4 ? s.sim->model->bodies[0].mesh->vertex_count : i == 5 ? -1 : kept.tips[0].vertex;
+        pel_sim_save(s.sim, bytes);
+        *blade = kept;
+        assert_int_equal(pel_sim_load(s.sim, bytes, size, NULL), i < 6 ? PEL_BAD_FORMAT : PEL_OK);
+        *blade = kept;
+    }
+    free(bytes);
+    end_sheet(&s);
+}
+
 /* ---- hooks ---- */
 
 static void hook(void **unused)
@@ -367,12 +394,57 @@ static void refusals(void **unused)
     pel_mesh_destroy(ball);
 }
 
+/* a blade goes into a pile of sheets, one above the other, at its border: as many as it can, and one more */
+static void places(void **unused)
+{
+    (void)unused;
+    for (int32_t count = PEL_BLADE_TIPS; count <= PEL_BLADE_TIPS + 1; count++) {
+        pel_mesh *one = make_grid(10, 6, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL), *pile;
+        int32_t n = one->vertex_count, m = one->triangle_count;
+        double(*x)[3] = calloc((size_t)(count * n), sizeof *x);
+        int32_t(*triangles)[3] = calloc((size_t)(count * m), sizeof *triangles);
+        for (int32_t k = 0; k < count; k++) {
+            for (int32_t v = 0; v < n; v++) {
+                pel_vec3_copy(one->positions[v], x[k * n + v]);
+                x[k * n + v][2] = 0.03 * k;
+            }
+            for (int32_t t = 0; t < 3 * m; t++)
+                triangles[k * m][t] = one->triangles[0][t] + k * n;
+        }
+        assert_int_equal(pel_mesh_create(x[0], count * n, triangles[0], count * m, &pile, NULL), PEL_OK);
+        pel_model *model = model_of(pile);
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, 0.1);
+        tool.edge[1][2] = 0.03 * count;
+        pel_sim_def def = lone_sim(model, PEL_METHOD_XPBD, 1e-3);
+        def.tools = &tool;
+        def.tool_count = 1;
+        pel_sim *sim = make_sim(&def);
+        pel_status status = PEL_OK;
+        pel_error error;
+        for (int i = 0; i < 60 && status == PEL_OK; i++)
+            status = pel_sim_step(sim, &error);
+        assert_int_equal(status, count > PEL_BLADE_TIPS ? PEL_BAD_ARGUMENT : PEL_OK);
+        if (status != PEL_OK) {
+            assert_non_null(strstr(error.what, "at more than 8 places"));
+            assert_true(error.remedy[0] != '\0');
+        }
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+        pel_mesh_destroy(pile);
+        pel_mesh_destroy(one);
+        free(x);
+        free(triangles);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_speed),  cmocka_unit_test(falls_apart), cmocka_unit_test(inside),
         cmocka_unit_test(guillotine), cmocka_unit_test(resistance),  cmocka_unit_test(presses),
         cmocka_unit_test(returns),    cmocka_unit_test(hook),        cmocka_unit_test(refusals),
+        cmocka_unit_test(ranges),     cmocka_unit_test(places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
