@@ -74,9 +74,9 @@ typedef struct pel_sim_def {
     pel_contact_def contact;
     bool record_contacts; /* stores contacts for pel_sim_get_contact_records; default: false */
     int32_t thread_count; /* 0 = the processors of this machine; results do not depend on it */
-    /* Called often during long steps (static, implicit, descent, methods with 32 substeps or more, steps that contact
-       divides, and those after a step of 0.1 s), in the stepping thread; returning false ends the step with
-       PEL_STOPPED. Must be fast, such as reading a flag. Nullable. */
+    /* Called often during long steps (static, implicit, descent, methods with 32 substeps or more, steps after one that
+       contact divided or that took 0.03 s, the first step of large meshes), in the stepping thread; returning false
+       ends the step with PEL_STOPPED. Must be fast, such as reading a flag. Nullable. */
     bool (*wanted)(void *user);
     void *user; /* passed to `wanted`; both must live as long as the simulation */
     /* True: `wanted` is called in all steps. Each takes a snapshot, some percent of a short one; default: false. */

@@ -7,6 +7,11 @@
     "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
     "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n    membrane: { preset: steel-sheet }\n"     \
     "    supports: [ { at: { box: { min: [-0.1001, -1, -1], max: [-0.0999, 1, 1] } }, rotation: fixed } ]\n"
+#define THICK(thickness)                                                                                               \
+    "version: 1\nduration: 0.5\nbodies:\n  - name: ruler\n"                                                            \
+    "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n"                                            \
+    "    membrane: { preset: steel-sheet, thickness: " thickness " }\n"                                                \
+    "    supports: [ { at: { box: { min: [-0.1001, -1, -1], max: [-0.0999, 1, 1] } }, rotation: fixed } ]\n"
 #define SHAKEN                                                                                                         \
     "version: 1\nbodies:\n  - name: ruler\n"                                                                           \
     "    mesh: { shape: grid, nx: 16, ny: 3, size_x: 0.2, size_y: 0.02 }\n    membrane: { preset: steel-sheet }\n"     \
@@ -31,6 +36,8 @@ static void test_choice(void **unused)
         const char *says; /* null = nothing of dt */
     } cases[] = {
         {RULER "duration: 1\n", 0.002, "vibration of body 'ruler', 10."},
+        {THICK("0.0015"), 0.000625, "vibration of body 'ruler', 3"},
+        {THICK("0.00325"), 0.0003125, "vibration of body 'ruler', 6"},
         {RULER "duration: 1\nsolver: { dt: 0.01 }\n", 0.01, NULL},
         {RULER "duration: 1\nsolver: { drag: 5 }\n", 0.01, NULL},
         {RULER "duration: 1\nsolver: { method: static }\n", 0.01, NULL},

@@ -106,6 +106,49 @@ static void test_snapshot_implicit(void **unused)
     check_snapshot(PEL_METHOD_IMPLICIT);
 }
 
+typedef struct patience {
+    int64_t asked, last;
+} patience;
+
+static bool is_wanted(void *user)
+{
+    patience *p = user;
+    return p->asked++ < p->last;
+}
+
+/* The caller is asked in steps that are divided, though they are short as a rule: they stop at any question, leave the
+   state before them to the bit, and go on to the same bits. */
+static void test_stops(void **unused)
+{
+    (void)unused;
+    contact_scene scene, other;
+    patience p = {0, INT64_MAX};
+    pel_sim *sim = bullet(&scene, PEL_METHOD_XPBD), *wanted = bullet(&other, PEL_METHOD_XPBD);
+    pel_sim_destroy(sim);
+    scene.def.wanted = is_wanted;
+    scene.def.user = &p;
+    sim = make_sim(&scene.def);
+    shoot(sim, 1, 0, 0, -100);
+    int stops = 0;
+    for (int n = 0; n < 5; n++) {
+        pel_status status = PEL_STOPPED;
+        uint64_t before = pel_sim_hash(sim);
+        for (int64_t last = 0; status == PEL_STOPPED; last = 2 * last + 1) {
+            p = (patience){0, last};
+            status = pel_sim_step(sim, NULL);
+            stops += status == PEL_STOPPED;
+            if (status == PEL_STOPPED)
+                assert_true(pel_sim_hash(sim) == before);
+        }
+        assert_int_equal(status, PEL_OK);
+        run_steps(wanted, 1);
+        assert_true(pel_sim_hash(sim) == pel_sim_hash(wanted));
+    }
+    assert_true(stops > 3);
+    scene_end(&other, wanted);
+    scene_end(&scene, sim);
+}
+
 /* a part that fails takes the state back to the start of the step */
 static void test_failure(void **unused)
 {
@@ -344,6 +387,7 @@ int main(void)
         cmocka_unit_test(test_bullet_implicit),
         cmocka_unit_test(test_snapshot),
         cmocka_unit_test(test_snapshot_implicit),
+        cmocka_unit_test(test_stops),
         cmocka_unit_test(test_failure),
         cmocka_unit_test(test_collapse),
         cmocka_unit_test(test_caving),

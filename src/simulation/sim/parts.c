@@ -32,27 +32,21 @@ void pel_parts_destroy(pel_sim *sim)
     pel_free(pel_house_of(sim)->parts.before);
 }
 
-/* The state before the step; from here on the caller may stop it, which goes back to this state: `can_stop` unless the
-   step has refined surfaces before. Most runs never halve
-   a step, so that the first one that is halved finds the memory for it; pairs in contact, and forces of the caller that
-   come or go, change its size. */
-static pel_status save_before(pel_sim *sim, bool can_stop, pel_error *error)
+/* The state before the step. Most runs never halve one, so that the first step that is halved finds the memory for it;
+   pairs in contact, and forces of the caller that come or go, change its size. */
+static pel_status save_before(pel_sim *sim, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
     parts->before_size = pel_sim_save_size(sim);
     if (!pel_reserve(&parts->before, &parts->before_room, parts->before_size, 1))
         return pel_fail_memory(error);
     pel_sim_save(sim, parts->before);
-    if (sim->def.wanted != NULL && can_stop) {
-        parts->is_kept = true;
-        pel_pool_watch(sim->pool, sim->def.wanted, sim->def.user);
-    }
     return PEL_OK;
 }
 
 /* Substeps from which on, and s of a step from which on, a snapshot takes 3 % of it at most. */
 enum { LONG_SUBSTEPS = 32 };
-#define LONG_SECONDS 0.1
+#define LONG_SECONDS 0.03
 /* s for each vertex in a substep in a jam, for the first step, of which nothing is known yet */
 #define VERTEX_SECONDS 3e-5
 
@@ -61,11 +55,13 @@ static bool is_long(const pel_sim *sim)
     const pel_parts *parts = &pel_house_of(sim)->parts;
     double substeps = sim->stepper->has_substeps ? sim->solver.substeps : 1;
     double expected = parts->seconds > 0 ? parts->seconds : VERTEX_SECONDS * sim->model->vertex_count * substeps;
-    return sim->stepper->minimises || substeps >= LONG_SUBSTEPS || expected >= LONG_SECONDS;
+    bool is_divided = parts->now.size < PEL_PART_LIMIT;
+    return sim->stepper->minimises || substeps >= LONG_SUBSTEPS || is_divided || expected >= LONG_SECONDS;
 }
 
 /* Contact or many iterations make single steps long that are short as a rule: only a caller who says so pays for a
-   snapshot of each. A step in parts has one in any case. */
+   snapshot of each. A step in parts has one in any case; one that is halved on its way goes back to the state of
+   its start only if that was kept before anything looked for contacts. */
 pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
 {
     pel_parts *parts = &pel_house_of(sim)->parts;
@@ -74,7 +70,13 @@ pel_status pel_parts_keep(pel_sim *sim, pel_error *error)
     if (sim->def.wanted == NULL)
         return PEL_OK;
     parts->began = pel_seconds();
-    return is_long(sim) || sim->def.stops_short_steps ? save_before(sim, true, error) : PEL_OK;
+    if (!is_long(sim) && !sim->def.stops_short_steps)
+        return PEL_OK;
+    pel_status status = save_before(sim, error);
+    parts->is_kept = status == PEL_OK;
+    if (status == PEL_OK)
+        pel_pool_watch(sim->pool, sim->def.wanted, sim->def.user);
+    return status;
 }
 
 /* update quantities that depend on the length of a part */
@@ -104,7 +106,7 @@ pel_status pel_parts_begin(pel_sim *sim, pel_error *error)
     }
     if (parts->now.size == PEL_PART_LIMIT)
         return PEL_OK;
-    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, sim->active == NULL, error);
+    pel_status status = parts->is_kept ? PEL_OK : save_before(sim, error);
     if (status == PEL_OK)
         set_size(sim, parts->now.size);
     return status;
@@ -115,7 +117,7 @@ pel_status pel_parts_halve(pel_sim *sim, pel_error *error)
     pel_parts *parts = &pel_house_of(sim)->parts;
     sim->part.is_refused = false;
     bool is_first = sim->part.step_size == PEL_PART_LIMIT && !parts->is_kept;
-    pel_status status = is_first ? save_before(sim, sim->active == NULL, error) : PEL_OK;
+    pel_status status = is_first ? save_before(sim, error) : PEL_OK;
     if (status != PEL_OK)
         return status;
     if (parts->now.calm == 0)
