@@ -10,6 +10,7 @@
 
 #include <pellicle/measure.h>
 #include <pellicle/sim_reading.h>
+#include <pellicle/sim_rigid.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -114,7 +115,8 @@ static magnitudes judge(const pel_scene *scene, const pel_sim *sim, int32_t b)
     for (int i = 0; i < 3; i++)
         high[i] -= low[i];
     found.size = length_of(high);
-    found.mass = mass_of(body, area);
+    pel_rigid_reading rigid;
+    found.mass = pel_sim_get_rigid(sim, b, &rigid) ? rigid.mass : mass_of(body, area);
     if (gravity > 0)
         found.weight = found.mass * gravity;
     if (gravity > 0 && is_free(scene, b))
