@@ -138,8 +138,8 @@ static void test_hold(void **unused)
     assert_near(tool(&made, 1).position[0], 0.0033, 2e-6);
     assert_int_equal(tool(&made, 1).held_count, held);
     apply(&made, "release");
-    /* with it the hand takes the flap at once */
-    apply(&made, "grasp 0.0032 0.0009 1  0 0 -1  0.0003 1");
+    /* with it the hand takes the flap at once, also from a place beside the tip, which is outside */
+    apply(&made, "grasp 0.0015 0.0026 1  0 0 -1  0.0003 1");
     steps(&made, 2);
     double place[3];
     pel_vec3_copy(tool(&made, 1).position, place);

@@ -106,6 +106,12 @@ static void test_far_side(void **unused)
 {
     (void)unused;
     play made = begin(true);
+    /* forceps that begin at the far side take the flap instead */
+    apply(&made, "grasp 0.001 0 -1 0 0 1 0.0003 1");
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(pel_session_step(made.session, NULL), PEL_OK);
+    assert_int_equal(score(&made).touch_count, 0);
+    apply(&made, "release");
     apply(&made, "press hook 0.0001 0 0 -0.001 0 0 0 1");
     assert_int_equal(pel_session_step(made.session, NULL), PEL_OK);
     assert_int_equal(score(&made).touch_count, 0);
