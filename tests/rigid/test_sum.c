@@ -21,7 +21,12 @@ static void make_pair(pair *p)
     static const double centers[2][3] = {{0, 0, 0}, {0.05, 0.02, 0.4}}, velocity[3] = {0.2, 0.5, 0},
                         spin[3] = {1, 2, 3};
     memset(p, 0, sizeof *p);
-    p->rigids = (pel_rigids){2, p->items, p->of_slice, p->rest, p->inverse, 50};
+    p->rigids = (pel_rigids){.count = 2,
+                             .items = p->items,
+                             .of_slice = p->of_slice,
+                             .rest = p->rest,
+                             .inverse_mass = p->inverse,
+                             .rate = 50};
     for (int s = 0; s < SIZE; s++)
         p->of_slice[s] = s * PEL_WIDTH < 8 ? 0 : s * PEL_WIDTH < 16 ? 1 : -1;
     for (int v = 0; v < SIZE; v++) {

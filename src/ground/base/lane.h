@@ -248,10 +248,10 @@ static inline pel_lane pel_lane_atan2(pel_lane y, pel_lane x)
         pel_lane t = y / x;
         return zero + t * pel_lane_polynomial(c, count, pel_lane_normal_square(t));
     }
-    pel_lane ax = pel_lane_abs(x), small = pel_lane_min(ax, ay), large = pel_lane_max(ax, ay);
-    pel_lane_mask beyond = pel_lane_above(small, eighth_tangent * large);
-    pel_lane top = small - pel_lane_where(beyond, large), bottom = large + pel_lane_where(beyond, small);
-    pel_lane t = pel_lane_where(pel_lane_above(large, zero), top / bottom);
+    pel_lane ax = pel_lane_abs(x), less = pel_lane_min(ax, ay), greater = pel_lane_max(ax, ay);
+    pel_lane_mask beyond = pel_lane_above(less, eighth_tangent * greater);
+    pel_lane top = less - pel_lane_where(beyond, greater), bottom = greater + pel_lane_where(beyond, less);
+    pel_lane t = pel_lane_where(pel_lane_above(greater, zero), top / bottom);
     pel_lane angle =
         pel_lane_where(beyond, quarter_turn) + t * pel_lane_polynomial(c, count, pel_lane_normal_square(t));
     angle = pel_lane_select(pel_lane_above(ay, ax), quarter_turn + quarter_turn - angle, angle);
