@@ -58,8 +58,27 @@ static void test_sheet_over_corner(void **unused)
     }
 }
 
+/* Two shells at 10 m/s each: pairs that are found within a step, nearer than the guard permits, are corrected to where
+   it lets them be, so that it steps back nothing. */
+static void test_found_too_near(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene(
+        "version: 1\nbodies:\n"
+        "  - { name: a, mesh: { shape: geodesic-sphere, frequency: 6, radius: 0.05, translate: [-0.07, 0.02, 0] }, "
+        "mass: { total: 0.1 }, membrane: { young: 1.0e7, thickness: 0.003 }, velocity: [10, 0, 0] }\n"
+        "  - { name: b, mesh: { shape: geodesic-sphere, frequency: 6, radius: 0.05, translate: [0.07, -0.02, 0] }, "
+        "mass: { total: 0.1 }, membrane: { young: 1.0e7, thickness: 0.003 }, velocity: [-10, 0, 0] }\n"
+        "contact: {}\nduration: 0.03\noutput: { every: 0.001, fields: [velocity] }\n",
+        NULL, 0, NULL, 0, &summary);
+    assert_int_equal(summary.self_intersections_final, 0);
+    check_contains("warned", "summary.json", "\"fall_backs\": 0,");
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_sheet_over_corner)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_sheet_over_corner),
+                                       cmocka_unit_test(test_found_too_near)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -44,3 +44,11 @@ double pel_contact_pair_thickness(const pel_contact_set *set, const int32_t poin
     const int32_t *group = set->group_of_point;
     return pel_contact_pair_share(set, points) * pel_contact_thickness(set, group[points[0]], group[points[3]]);
 }
+
+double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
+{
+    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
+    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
+    double first = set->groups[a].friction, second = set->groups[b].friction;
+    return first == second ? first : sqrt(first * second);
+}

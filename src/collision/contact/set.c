@@ -102,14 +102,6 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_free(set);
 }
 
-double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b)
-{
-    PEL_ASSERT_INDEX(a, set->def.body_count + set->def.obstacle_count);
-    PEL_ASSERT_INDEX(b, set->def.body_count + set->def.obstacle_count);
-    double first = set->groups[a].friction, second = set->groups[b].friction;
-    return first == second ? first : sqrt(first * second);
-}
-
 /* ---- records ---- */
 
 /* a record from a pair and where it meets; false when none of its points can move */
@@ -650,6 +642,15 @@ static void add_ring(merger *m, const pel_collision *pair, bool is_known)
     key->ring = nearest;
 }
 
+/* m, slack of a conflict that was known: a pair that was found within the step, nearer than the guard permits, has more
+   than brings it back to where corrections end. fresh [m]: by the start of the step. */
+static double slack_of_conflict(const pel_contact_set *set, const pel_contact_key *key, double fresh)
+{
+    double thickness = pel_contact_pair_thickness(set, key->points);
+    double aim = pel_contact_pair_share(set, key->points) * set->aim;
+    return pel_min(key->slack, pel_max(fresh, thickness - aim));
+}
+
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
@@ -660,7 +661,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     key.is_impact = m->impacts != NULL && m->impacts[number].hit.time_of_impact <= 1;
     double start = start_distance(m, pair);
     double thickness = pel_contact_pair_thickness(set, pair->vertices);
-    key.slack = thickness > start ? thickness - start : 0;
+    double fresh = thickness > start ? thickness - start : 0;
+    key.slack = fresh;
     if (m->is_same)
         key.ring = set->keys[number].ring;
     if (is_again(m, pair, &key) || (makes_rings(m, &key) && is_in_ring(m, &key)))
@@ -679,6 +681,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         const pel_contact *old = &set->list.contacts[m->old];
         keep_old(old, &set->keys[m->old], &contact, &key);
+        if (key.is_impact && set->def.has_layers)
+            key.slack = slack_of_conflict(set, &key, fresh);
         /* a layer that carries a load is as hard as it was */
         if (key.load > 0 && old->compliance < contact.compliance)
             contact.compliance = old->compliance;

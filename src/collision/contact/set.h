@@ -302,8 +302,6 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
 bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
-/* Coulomb's coefficient between two groups: the geometric mean of theirs */
-double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
 
 /* ---- distance.c ---- */
 /* m, distance that two groups keep: half the thickness of either */
@@ -314,6 +312,8 @@ double pel_contact_pair_share(const pel_contact_set *set, const int32_t points[4
 double pel_contact_pair_thickness(const pel_contact_set *set, const int32_t points[4]);
 /* the share of kin in a body */
 double pel_contact_kin_share(const pel_contact_set *set, int32_t body);
+/* Coulomb's coefficient between two groups: the geometric mean of theirs */
+double pel_contact_friction(const pel_contact_set *set, int32_t a, int32_t b);
 
 /* ---- surface.c ---- */
 /* Points, groups and the triangles of obstacles, in a set that is empty but for its def and obstacles.
