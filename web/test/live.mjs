@@ -196,7 +196,7 @@ async function playingPads(page) {
     await pad([0, 0, 0, 0], {});
     await until(page, free);
     await pad([0, 0, 0, 0], { 5: 1 });
-    await until(page, () => globalThis.pellicle.state.mode === "pin");
+    await until(page, () => globalThis.pellicle.state.mode === "forceps");
     await pad([0, 0, 0, 0], { 4: 1 });
     await until(page, () => globalThis.pellicle.state.mode === "press");
     // the cap of a SpaceMouse, pushed down
