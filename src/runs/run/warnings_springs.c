@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "linear/eigen.h"
+#include "math/extremes.h"
 #include "math/vec3.h"
 #include "model/quantity.h"
 #include "pellicle/sim_surface.h"
@@ -25,6 +26,8 @@
 /* principal stress across one over the other: at most, of uniaxial tension, and how far from -1, of shear */
 #define ACROSS_SHARE 0.15
 #define MOST_ERROR 0.1
+/* of the strain: shear under tension */
+#define MOST_SKEW 0.2
 /* shear modulus of the sheet, over Young's modulus */
 #define SHEAR_SHARE 0.375
 
@@ -96,9 +99,20 @@ static double strain_along(const double strain[4], const double n[2])
     return sqrt(1 + 2 * green) - 1;
 }
 
-/* stiffness over that of the sheet; 0 = not known */
-static double factor_of(net_sums *sums)
+/* Green shear strain between two directions */
+static double shear_between(const double strain[4], const double a[2], const double b[2])
 {
+    double shear = 0;
+    for (int i = 0; i < 4; i++)
+        shear += strain[i] * a[i / 2] * b[i % 2];
+    return shear;
+}
+
+/* stiffness over that of the sheet; 0 = not known. *skew = under tension in one direction, the angle by which the net
+   shears over its strain. */
+static double factor_of(net_sums *sums, double *skew)
+{
+    *skew = 0;
     double size = 0, values[2], n[4];
     for (int i = 0; i < 4; i++) {
         sums->stress[i] /= sums->area;
@@ -112,8 +126,10 @@ static double factor_of(net_sums *sums)
     double across = values[1 - most] / values[most];
     double along = strain_along(sums->strain, n + 2 * most), beside = strain_along(sums->strain, n + 2 * (1 - most));
     /* the second Piola-Kirchhoff stress is by stretches smaller than that of Hooke's law */
-    if (fabs(across) < ACROSS_SHARE)
+    if (fabs(across) < ACROSS_SHARE) {
+        *skew = fabs(2 * shear_between(sums->strain, n + 2 * most, n + 2 * (1 - most)) / along);
         return values[most] * (1 + along) / along;
+    }
     if (fabs(across + 1) < ACROSS_SHARE)
         return (values[most] - values[1 - most]) / (2 * SHEAR_SHARE * (along - beside));
     return 0;
@@ -144,12 +160,12 @@ void pel_warnings_check_springs(pel_run_state *run, int64_t frame)
         for (int32_t t = 0; t < mesh->triangle_count; t++)
             add_triangle(mesh, mesh->triangles[t], (const double(*)[3])now, (const double(*)[3])axes, &sums);
         pel_free(now);
-        double factor = factor_of(&sums);
-        if (!(factor > 0 && fabs(factor - 1) > MOST_ERROR))
+        double skew, factor = factor_of(&sums, &skew);
+        if (!(factor > 0 && (fabs(factor - 1) > MOST_ERROR || skew > MOST_SKEW)))
             continue;
         if (run->totals.warnings.of[PEL_WARN_SPRING_NET].count == 0)
-            run->flagged[PEL_WARN_SPRING_NET] = (pel_flagged_body){b, factor, 0};
-        pel_warn(&run->totals.warnings, PEL_WARN_SPRING_NET, frame, fabs(factor - 1));
+            run->flagged[PEL_WARN_SPRING_NET] = (pel_flagged_body){b, factor, skew};
+        pel_warn(&run->totals.warnings, PEL_WARN_SPRING_NET, frame, pel_max(fabs(factor - 1), skew));
     }
 }
 
@@ -157,9 +173,13 @@ void pel_tell_springs(const pel_warning_text *at)
 {
     const pel_flagged_body *flagged = &at->run->flagged[PEL_WARN_SPRING_NET];
     const pel_body_def *body = &at->run->scene->model.bodies[flagged->body];
-    snprintf(at->text, at->size,
-             "the springs of body '%s' are %.2g times as stiff as their Young's modulus: in the direction in which it "
-             "is pulled, a net depends on the pattern of its mesh. use equilateral triangles, or in place of springs "
-             "membrane: { young: %.4g, poisson: 0.33, thickness: %.4g }",
-             body->name, flagged->value, pel_quantity_mean(&body->spring_stiffness, 1), body->spring_thickness);
+    char skew[80] = "";
+    if (flagged->limit > MOST_SKEW)
+        snprintf(skew, sizeof skew, ", and shear by %.2g times their stretch, as no sheet does", flagged->limit);
+    snprintf(
+        at->text, at->size,
+        "the springs of body '%s' are %.2g times as stiff as their Young's modulus%s: in the direction in which it "
+        "is pulled, a net depends on the pattern of its mesh. use equilateral triangles, or in place of springs "
+        "membrane: { young: %.4g, poisson: 0.33, thickness: %.4g }",
+        body->name, flagged->value, skew, pel_quantity_mean(&body->spring_stiffness, 1), body->spring_thickness);
 }
