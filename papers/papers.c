@@ -97,8 +97,7 @@ pel_status papers_run(papers *all, const lab_case *which, const lab_experiment *
                              .error = error,
                              .bodies = all->bodies,
                              .body_count = all->body_count,
-                             .given_mesh = all->def.mesh != NULL,
-                             .has_numbers = all->def.mesh == NULL && all->def.data == NULL,
+                             .given_bodies = all->def.mesh != NULL || all->def.data != NULL,
                              .progress = all->def.progress,
                              .user = all->def.user};
     pel_status status = make_folder(folder, error);

@@ -5,6 +5,7 @@
 #include "papers/lab/trial.h"
 
 #include <pellicle/shape.h>
+#include <pellicle/sim.h>
 #include <pellicle/subdivide.h>
 
 #include <math.h>
@@ -218,6 +219,80 @@ static pel_status solve_all(lab_experiment *experiment, study *all)
     return status == PEL_OK ? solve_reference(experiment, &all->reference) : status;
 }
 
+/* ---- physics of a level ---- */
+
+/* of the surface refined everywhere: mass, energy of the structural springs of the ball that is 1 % larger, and energy
+   of the volumetric springs of the ball that is shifted by .01 m */
+typedef struct physics {
+    double mass, stretched, shifted;
+} physics;
+
+static double sum_of(const double *values, int32_t count)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < count; i++)
+        sum += values[i];
+    return sum;
+}
+
+static pel_status weigh_sim(pel_sim *sim, physics *made, pel_error *error)
+{
+    int32_t count = pel_sim_vertex_count(sim, 0);
+    double *rest = malloc(8 * (size_t)count * sizeof *rest);
+    if (rest == NULL)
+        return pel_fail_memory(error);
+    double *at = rest + 3 * (size_t)count, *spring = at + 3 * (size_t)count, *volumetric = spring + count;
+    pel_sim_get_masses(sim, 0, spring);
+    made->mass = sum_of(spring, count);
+    pel_sim_get_rest_positions(sim, 0, rest);
+    for (int32_t i = 0; i < 3 * count; i++)
+        at[i] = 1.01 * rest[i];
+    pel_status status = pel_sim_set_positions(sim, 0, at, error);
+    pel_sim_get_energies(sim, 0, spring, volumetric);
+    made->stretched = sum_of(spring, count);
+    for (int32_t i = 0; i < 3 * count; i++)
+        at[i] = rest[i] + (i % 3 == 2 ? 0.01 : 0);
+    if (status == PEL_OK)
+        status = pel_sim_set_positions(sim, 0, at, error);
+    pel_sim_get_energies(sim, 0, spring, volumetric);
+    made->shifted = sum_of(volumetric, count);
+    free(rest);
+    return status;
+}
+
+static pel_status weigh_level(int level, physics *made, pel_error *error)
+{
+    char refine[64] = "";
+    lab_trial trial;
+    if (level > 0)
+        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
+    pel_status status = start(refine, "quasi-static", &trial, error);
+    if (status == PEL_OK)
+        status = weigh_sim(trial.sim, made, error);
+    lab_close_trial(&trial);
+    return status;
+}
+
+static pel_status judge_physics(lab_experiment *experiment)
+{
+    static const char source[] = "paper A, section 3.3; 0.02 is ours";
+    physics levels[LEVELS + 1] = {{0}};
+    pel_status status = PEL_OK;
+    for (int i = 0; status == PEL_OK && i <= LEVELS; i++)
+        status = weigh_level(i, &levels[i], experiment->error);
+    lab_begin_claim(experiment, LAB_PAPER, "a level changes neither the mass nor the stiffness of the springs", NULL);
+    for (int i = 1; status == PEL_OK && i <= LEVELS; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "level %d / base: mass", i);
+        lab_expect(experiment, name, levels[i].mass / levels[0].mass, 1, 0.02, source);
+        snprintf(name, sizeof name, "level %d / base: energy of the springs, 1 %% larger", i);
+        lab_expect(experiment, name, levels[i].stretched / levels[0].stretched, 1, 0.02, source);
+        snprintf(name, sizeof name, "level %d / base: energy of the volumetric springs, shifted", i);
+        lab_expect(experiment, name, levels[i].shifted / levels[0].shifted, 1, 0.02, source);
+    }
+    return status;
+}
+
 static void judge(lab_experiment *experiment, const study *all)
 {
     double base = error_of(&all->rest, &all->reference, &all->base);
@@ -275,7 +350,9 @@ static pel_status run_precision(lab_experiment *experiment)
     if (status != PEL_OK)
         return status;
     judge(experiment, &all);
-    status = plot_errors(experiment, &all);
+    status = judge_physics(experiment);
+    if (status == PEL_OK)
+        status = plot_errors(experiment, &all);
     const lab_picture picture = {.caption = "the pulled ball in the end",
                                  .columns = 3,
                                  .runs = {"base", "narrow-2", "global-2"},

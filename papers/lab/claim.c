@@ -88,7 +88,7 @@ static void count(const lab_experiment *experiment, int claim, int *judged, int 
 static bool is_excused(const lab_experiment *experiment, const lab_claim *claim)
 {
     bool of_bodies = claim->origin == LAB_PAPER || claim->origin == LAB_REGRESSION;
-    return (claim->origin == LAB_PAPER && claim->reason != NULL) || (of_bodies && experiment->given_mesh);
+    return (claim->origin == LAB_PAPER && claim->reason != NULL) || (of_bodies && experiment->given_bodies);
 }
 
 lab_verdict lab_claim_verdict(const lab_experiment *experiment, int claim)
@@ -140,7 +140,7 @@ const char *lab_claim_text(const lab_experiment *experiment, int claim, char *te
         snprintf(text, size, "told");
     else if (verdict == LAB_DIFFERS)
         snprintf(text, size, "differs (%d of %d hold): %s", held, judged,
-                 said->reason != NULL ? said->reason : "not on the mesh that was given");
+                 said->reason != NULL ? said->reason : "not on all bodies that were given");
     else
         snprintf(text, size, "%s (%d of %d)%s%s", lab_verdict_name(verdict), held, judged,
                  said->by_construction ? ", by construction: " : "", said->by_construction ? said->built : "");

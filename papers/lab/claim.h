@@ -42,7 +42,7 @@ typedef struct lab_claim {
 typedef enum lab_verdict {
     LAB_ONLY_TOLD, /* nothing was judged */
     LAB_HOLDS,
-    LAB_DIFFERS, /* a paper's claim that does not hold for a known reason, or on a mesh of the user */
+    LAB_DIFFERS, /* a paper's claim that does not hold for a known reason, or on bodies of the user */
     LAB_FAILS
 } lab_verdict;
 

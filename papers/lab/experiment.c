@@ -78,7 +78,7 @@ pel_status lab_run_case(const lab_case *which, lab_experiment *experiment)
     if (strcmp(which->group, "own") == 0)
         lab_begin_claim(experiment, which->origin, which->doc, NULL);
     pel_status status = which->run(experiment);
-    if (status == PEL_OK && experiment->has_numbers) {
+    if (status == PEL_OK && !experiment->given_bodies) {
         const lab_stored *numbers;
         int count = lab_stored_numbers(&numbers);
         lab_judge_stored(experiment, numbers, count);

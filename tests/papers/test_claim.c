@@ -170,7 +170,7 @@ static void test_verdicts(void **unused)
         lab_origin origin;
         const char *reason;
         double value;
-        bool given_mesh;
+        bool given_bodies;
         lab_verdict verdict;
     } rows[] = {
         {LAB_PAPER, NULL, 1.25, false, LAB_HOLDS},           {LAB_PAPER, NULL, 1.26, false, LAB_FAILS},
@@ -180,7 +180,7 @@ static void test_verdicts(void **unused)
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         lab_experiment experiment = judged(rows[i].origin, rows[i].reason, rows[i].value);
-        experiment.given_mesh = rows[i].given_mesh;
+        experiment.given_bodies = rows[i].given_bodies;
         assert_int_equal(lab_claim_verdict(&experiment, 0), rows[i].verdict);
         assert_true(lab_finding_holds(&experiment.findings[1]));
         lab_clear(&experiment);
