@@ -16,6 +16,7 @@ typedef struct pel_adjoint_material {
     double poisson;          /* for the ratio */
     double bending;          /* for a factor on the flexural rigidity only */
     double pressure;         /* for a factor on the pressure */
+    double volume;           /* for a factor on Young's modulus of the tetrahedra of a filled body */
 } pel_adjoint_material;
 
 /* Inputs and results of pel_sim_adjoint; initialise with zeros. Arrays of vertices: body after body, vertices of their

@@ -28,12 +28,12 @@ PEL_API pel_status pel_mesh_fill(const pel_mesh *surface, double edge, pel_mesh 
 PEL_API pel_status pel_mesh_create_filled(const double *points, int32_t point_count, const int32_t *tetrahedra,
                                           int32_t tetrahedron_count, pel_mesh **mesh, pel_error *error);
 
-/* Reads a file with tetrahedra, by its extension: .msh (Gmsh 2 and 4.1, text), .vtk (legacy VTK, unstructured grid,
-   text), .vtu (VTK XML, any encoding), .node and .ele (TetGen: either name, both files are read). Of tetrahedra with
-   ten nodes the corners are used. If all tetrahedra are turned inside out, as some programs list their corners, all are
-   turned around. Triangles, lines, groups and data are skipped. log (nullable) receives notes. Errors: PEL_BAD_FILE
-   (missing, unreadable), PEL_BAD_FORMAT with the line or byte, and the tetrahedron, for numbers of nodes that do not
-   exist, tetrahedra without volume or turned inside out among others, cells of other shapes, and what
+/* Reads a file with tetrahedra, by its extension: .msh (Gmsh 2 and 4.1, text or binary), .vtk (legacy VTK, unstructured
+   grid, text), .vtu (VTK XML, any encoding), .node and .ele (TetGen: either name, both files are read). Of tetrahedra
+   with ten nodes the corners are used. If all tetrahedra are turned inside out, as some programs list their corners,
+   all are turned around. Triangles, lines, groups and data are skipped. log (nullable) receives notes. Errors:
+   PEL_BAD_FILE (missing, unreadable), PEL_BAD_FORMAT with the line or byte, and the tetrahedron, for numbers of nodes
+   that do not exist, tetrahedra without volume or turned inside out among others, cells of other shapes, and what
    pel_mesh_create_filled refuses; PEL_OUT_OF_MEMORY. Memory use is bounded by a small multiple of the file's size. On
    failure *mesh is null. Free with pel_mesh_destroy. */
 PEL_API pel_status pel_mesh_read_filled(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
@@ -69,13 +69,23 @@ typedef enum pel_volume_kind { /* PEL_VOLUME_STVK and so on */
 enum { PEL_VOLUME_COUNT = 0 PEL_VOLUME_LAWS(PEL_VOLUME_ONE) }; /* number of laws */
 #undef PEL_VOLUME_ONE
 
+/* How the strain of a filled body is found. */
+typedef enum pel_volume_element {
+    PEL_VOLUME_LINEAR, /* in each tetrahedron: every method. Too stiff in bending, and above a Poisson's ratio of 0.45
+                        */
+    PEL_VOLUME_SMOOTH  /* as means over the tetrahedra at each edge: methods implicit, static, explicit and descent */
+} pel_volume_element;
+
+enum { PEL_VOLUME_ELEMENT_COUNT = PEL_VOLUME_SMOOTH + 1 };
+
 /* A body whose mesh is filled with tetrahedra of a material. */
 typedef struct pel_volume_def {
     bool on; /* default: false, tetrahedra of the mesh are not used */
     pel_volume_kind kind;
-    pel_quantity young;  /* Pa, of a tetrahedron the mean of its corners; > 0; no keys */
-    double poisson;      /* 0 to less than 0.5; default: 0.3 */
-    double mooney_ratio; /* mooney-rivlin: c2 over c1; default: 0.2 */
+    pel_quantity young;         /* Pa, of a tetrahedron the mean of its corners; > 0; no keys */
+    double poisson;             /* 0 to less than 0.5; default: 0.3 */
+    double mooney_ratio;        /* mooney-rivlin: c2 over c1; default: 0.2 */
+    pel_volume_element element; /* default: PEL_VOLUME_LINEAR */
 } pel_volume_def;
 
 /* Energy per volume [J/m3] of a law at the deformation gradient F (3 x 3 by rows), and its derivative by F, the first

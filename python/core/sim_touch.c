@@ -226,7 +226,7 @@ PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_
         return NULL;
     const Py_ssize_t vertices = all_vertices(self), bodies = pel_model_body_count(pel_sim_model(self->sim));
     const Py_ssize_t sizes[ADJOINT_COUNT] = {3 * vertices, 3 * vertices, 3 * vertices, pel_sim_load_count(self->sim), 3,
-                                             5 * bodies};
+                                             6 * bodies};
     int opened = 0;
     while (opened < ADJOINT_COUNT &&
            ((opened == ADJOINT_REST && arguments[opened] == Py_None) ||

@@ -45,7 +45,7 @@ _TIP = np.dtype(
     ],
     align=True,
 )
-_MATERIAL = ("young", "thickness", "poisson", "bending", "pressure")
+_MATERIAL = ("young", "thickness", "poisson", "bending", "pressure", "volume")
 
 
 def _plain(value: Any) -> Any:

@@ -291,8 +291,8 @@ static void test_bad_input(void **unused)
     check_refused(&(pel_matrix_def){4, large, 2, start, nodes, NULL, 0, NULL}, "node", 1);
     check_refused(&(pel_matrix_def){4, NULL, 2, turned, nodes, NULL, 0, NULL}, "element", 1);
     check_refused(&(pel_matrix_def){0, NULL, 0, start, nodes, NULL, 0, NULL}, NULL, -1);
-    const int32_t one[] = {0, 9}, nine[] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
-    check_refused(&(pel_matrix_def){9, NULL, 1, one, nine, NULL, 0, NULL}, "element", 0);
+    const int32_t one[] = {0, 13}, thirteen[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+    check_refused(&(pel_matrix_def){13, NULL, 1, one, thirteen, NULL, 0, NULL}, "element", 0);
 }
 
 static pel_status create_matrix(const void *data, pel_error *error)

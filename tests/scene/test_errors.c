@@ -236,7 +236,8 @@ static const bad_scene bad_scenes[] = {
      "'volume'"},
     {BALL "    pressure: {inside: 3, outside: 1}\n", NULL,
      "a.yaml:5:27: error: 'inside' and 'outside' exclude each other. remove one of them"},
-    {BALL "    mass: {density: 1, thickness: {}}\n", NULL, "a.yaml:5:35: error: bodies.0.mass.thickness lacks 'field'"},
+    {BALL "    mass: {density: 1, thickness: {}}\n", NULL,
+     "a.yaml:5:35: error: bodies.0.mass.thickness lacks one of its main keys. add one of: field, base"},
     {BALL "    supports: [{at: all, symmetry: w}]\n", NULL,
      "a.yaml:5:36: error: bodies.0.supports.0.symmetry is 'w', it must be: "},
 

@@ -128,11 +128,56 @@ static void test_fields(void **unused)
     remove(path);
 }
 
+/* a number with others in parts of the body; later parts take precedence, and a falloff fades */
+static void test_regions_of_numbers(void **unused)
+{
+    (void)unused;
+    static const char head[] =
+        "version: 1\nduration: 1\nbodies:\n  - mesh: {shape: grid, nx: 4, ny: 1, size_x: 4, size_y: 1}\n"
+        "    membrane: {thickness: 0.1, young: %s}\n";
+    char text[600];
+    snprintf(text, sizeof text, head,
+             "{base: 3, regions: [{region: {plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}}, value: 7}, "
+             "{region: {box: {min: [1.9, -1, -1], max: [3, 1, 1]}}, value: 9}]}");
+    pel_scene *scene = load(text);
+    const pel_body_def *body = scene->model.bodies;
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++) {
+        const double x = body->mesh->positions[v][0];
+        assert_true(body->shell.membrane.young.field[v] == (x > 1.9 ? 9 : x > 0.5 ? 7 : 3));
+    }
+    pel_scene_destroy(scene);
+    snprintf(text, sizeof text, head,
+             "{base: 3, regions: [{region: {sphere: {center: [-2, 0, 0], radius: 1}, falloff: 2}, value: 7}]}");
+    scene = load(text);
+    body = scene->model.bodies;
+    bool fades = false;
+    for (int32_t v = 0; v < body->mesh->vertex_count; v++) {
+        const double number = body->shell.membrane.young.field[v];
+        assert_true(number >= 3 && number <= 7);
+        fades |= number > 3.1 && number < 6.9;
+    }
+    assert_true(fades);
+    pel_scene_destroy(scene);
+
+    static const char *const bad[][2] = {
+        {"{base: 3, regions: [{region: all, value: 0}]}", "young.regions.0.value is out of range: 0 Pa"},
+        {"{base: -1, regions: [{region: all, value: 1}]}", "young.base is out of range: -1 Pa"},
+        {"{regions: [{region: all, value: 1}]}", "base"},
+        {"{base: 3, regions: [{region: {sphere: {center: [9, 9, 9], radius: 1}}, value: 1}]}", "the region is empty"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        pel_error error;
+        snprintf(text, sizeof text, head, bad[i][0]);
+        if (parse(text, &scene, &error) != PEL_BAD_SCENE || strstr(error.what, bad[i][1]) == NULL)
+            fail_msg("%s: %s", bad[i][0], error.what);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_words), cmocka_unit_test(test_numbers), cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_keys),  cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_keys),  cmocka_unit_test(test_fields),  cmocka_unit_test(test_regions_of_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

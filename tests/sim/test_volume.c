@@ -383,6 +383,67 @@ static void threads_change_nothing(void **state)
     }
 }
 
+/* deflection of the end of a cantilever under a gravity across it, times its area, and derivatives of that */
+static double sag(pel_volume_element element, double factor, double gravity, pel_adjoint_material *by_material,
+                  double by_gravity[3])
+{
+    pel_mesh *mesh = make_block(width, width, 2, 0.25);
+    pel_body_def body = solid_body(mesh, PEL_VOLUME_NEO_HOOKEAN, 2e5 * factor, 0.4);
+    body.volume.element = element;
+    int32_t *pinned = malloc((size_t)mesh->vertex_count * sizeof *pinned);
+    body.pinned_count = 0;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->positions[v][2] < 1e-9)
+            pinned[body.pinned_count++] = v;
+    body.pinned = pinned;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    def.gravity[0] = gravity;
+    stage s = {.mesh = mesh};
+    assert_int_equal(pel_model_create(&def, &s.model, NULL), PEL_OK);
+    const pel_sim_def sim = lone_sim(s.model, PEL_METHOD_STATIC, 1);
+    s.sim = make_sim(&sim);
+    run_steps(s.sim, 1);
+    double *x = positions_of(&s), *by_positions = calloc(3 * (size_t)mesh->vertex_count, sizeof *x);
+    double *areas = malloc((size_t)mesh->vertex_count * sizeof *areas), sum = 0;
+    end_areas(mesh, 2, areas);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        by_positions[3 * v] = areas[v];
+        sum += areas[v] * (x[3 * v] - mesh->positions[v][0]);
+    }
+    const pel_adjoint adjoint = {.positions = by_positions, .materials = by_material, .gravity = by_gravity};
+    pel_error error;
+    if (pel_sim_adjoint(s.sim, &adjoint, &error) != PEL_OK)
+        fail_msg("%s", error.what);
+    free(areas);
+    free(by_positions);
+    free(x);
+    free(pinned);
+    end_stage(&s);
+    return sum;
+}
+
+/* by Young's modulus and gravity, against differences of whole solutions */
+static void derivatives_are_those_of_equilibria(void **state)
+{
+    (void)state;
+    for (int element = 0; element < PEL_VOLUME_ELEMENT_COUNT; element++) {
+        pel_adjoint_material by_material, unused;
+        double by_gravity[3], none[3];
+        sag((pel_volume_element)element, 1, 1, &by_material, by_gravity);
+        const double h = 1e-3, by_young = (sag((pel_volume_element)element, 1 + h, 1, &unused, none) -
+                                           sag((pel_volume_element)element, 1 - h, 1, &unused, none)) /
+                                          (2 * h);
+        const double gravity = (sag((pel_volume_element)element, 1, 1 + h, &unused, none) -
+                                sag((pel_volume_element)element, 1, 1 - h, &unused, none)) /
+                               (2 * h);
+        assert_true(fabs(by_young) > 1e-3);
+        assert_near(by_material.volume, by_young, IN_FLOAT(1e-4, 1e-2) * fabs(by_young));
+        assert_near(by_gravity[0], gravity, IN_FLOAT(1e-4, 1e-2) * fabs(gravity));
+    }
+}
+
 /* ---- refusals ---- */
 
 static void assert_refused(const pel_body_def *body, const char *words)
@@ -427,15 +488,16 @@ static void what_volumes_lack_is_refused(void **state)
     pel_model *model = make_model(&body);
     pel_sim_def def = lone_sim(model, PEL_METHOD_PBD, 0.01);
     check_refusal(&def, 0, "volume", NULL);
-    /* an equilibrium under its weight has no derivatives, and no cut */
+    /* derivatives by the shape at rest, and cuts */
     def = lone_sim(model, PEL_METHOD_STATIC, 0.01);
     pel_sim *sim = make_sim(&def);
     assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
-    double *by_positions = calloc(3 * (size_t)pel_sim_vertex_count(sim, 0), sizeof *by_positions), gravity[3];
-    const pel_adjoint adjoint = {.positions = by_positions, .gravity = gravity};
+    double *by_positions = calloc(6 * (size_t)pel_sim_vertex_count(sim, 0), sizeof *by_positions);
+    const pel_adjoint adjoint = {.positions = by_positions,
+                                 .rest_positions = by_positions + 3 * (size_t)pel_sim_vertex_count(sim, 0)};
     pel_error error;
     assert_int_equal(pel_sim_adjoint(sim, &adjoint, &error), PEL_BAD_ARGUMENT);
-    assert_non_null(strstr(error.what, "filled bodies"));
+    assert_non_null(strstr(error.what, "rest positions"));
     const int32_t *corners = mesh->triangles[0];
     assert_int_equal(pel_cut(sim, 0, corners, 2, &error), PEL_BAD_ARGUMENT);
     free(by_positions);
@@ -476,11 +538,17 @@ static void memory_may_run_out(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(uniform_strain_is_exact),       cmocka_unit_test(a_bar_stretches_by_its_stiffness),
-        cmocka_unit_test(bodies_keep_their_momentum),    cmocka_unit_test(bodies_fall_freely),
-        cmocka_unit_test(crushed_cubes_recover),         cmocka_unit_test(falling_plates_stay_at_rest),
-        cmocka_unit_test(substeps_follow_the_stiffness), cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(what_volumes_lack_is_refused),  cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(uniform_strain_is_exact),
+        cmocka_unit_test(a_bar_stretches_by_its_stiffness),
+        cmocka_unit_test(bodies_keep_their_momentum),
+        cmocka_unit_test(bodies_fall_freely),
+        cmocka_unit_test(crushed_cubes_recover),
+        cmocka_unit_test(falling_plates_stay_at_rest),
+        cmocka_unit_test(substeps_follow_the_stiffness),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(derivatives_are_those_of_equilibria),
+        cmocka_unit_test(what_volumes_lack_is_refused),
+        cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

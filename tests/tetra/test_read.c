@@ -40,8 +40,9 @@ static void check_two(const char *path)
 static void test_formats(void **unused)
 {
     (void)unused;
-    static const char *const files[] = {"msh/two.msh",  "msh/new.msh", "msh/inverted.msh", "vtk/two.vtk",
-                                        "vtk/five.vtk", "vtu/two.vtu", "vtu/binary.vtu",   "vtu/packed.vtu"};
+    static const char *const files[] = {"msh/two.msh",        "msh/new.msh",       "msh/inverted.msh", "vtk/two.vtk",
+                                        "vtk/five.vtk",       "vtu/two.vtu",       "vtu/binary.vtu",   "vtu/packed.vtu",
+                                        "msh/two_binary.msh", "msh/new_binary.msh"};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         char path[1000];
         snprintf(path, sizeof path, "%s%s", CORPUS, files[i]);
@@ -66,7 +67,10 @@ static void test_errors(void **unused)
                  {"msh/flat.msh", "tetrahedron 2 of the file has no volume", 21},
                  {"msh/hexahedron.msh", "hexahedron", 21},
                  {"msh/twice.msh", "two nodes have the tag 40", 0},
-                 {"msh/binary.msh", "binary", 2},
+                 {"msh/binary_short.msh", "ends too early", 0},
+                 {"msh/binary_order.msh", "another order", 0},
+                 {"msh/binary_nan.msh", "coordinate", 0},
+                 {"msh/binary_count.msh", "more than the file can hold", 0},
                  {"msh/version_1.msh", "$MeshFormat", 1},
                  {"msh/version_40.msh", "version of the format is 4", 2},
                  {"msh/surface.msh", "no tetrahedra", 1},

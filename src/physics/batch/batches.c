@@ -532,7 +532,7 @@ static pel_status add_batches(plan *p, pel_error *error)
         return status;
     if (status == PEL_OK && shell->has_membrane)
         status = add_membrane(p, error);
-    if (status == PEL_OK && shell->tetrahedron_count > 0)
+    if (status == PEL_OK && shell->tetrahedron_count > 0 && shell->stars == NULL)
         status = add_solid(p, error);
     if (status == PEL_OK && shell->bending->has_hinges)
         status = add_bending(p, error);

@@ -154,6 +154,27 @@ static void add_normal_pressures(const shell_loop *loop, pel_pool *pool)
     }
 }
 
+/* ---- smooth tetrahedra ---- */
+
+/* element by element in double, as tangents have them; returns the energy */
+static double add_stars(const shell_loop *loop, const pel_shell *shell)
+{
+    double energy = 0, x[3 * PEL_STAR_NODES], gradient[3 * PEL_STAR_NODES];
+    const pel_tangent_sum sum = {.gradient = loop->force != NULL ? gradient : NULL};
+    for (int32_t e = 0; shell->stars != NULL && e < shell->stars->count; e++) {
+        const int32_t begin = shell->stars->begin[e], count = shell->stars->begin[e + 1] - begin;
+        const int32_t *nodes = shell->stars->nodes + begin;
+        for (int32_t k = 0; k < count; k++)
+            pel_vertex_position(loop->position, nodes[k], x + 3 * k);
+        memset(gradient, 0, 3 * (size_t)count * sizeof *gradient);
+        energy += pel_star_tangent(shell->stars, e, &shell->solid, x, PEL_TANGENT_EXACT, &sum);
+        for (int32_t k = 0; loop->force != NULL && k < count; k++)
+            loop->force[nodes[k]] -= (pel_record){(pel_real)gradient[3 * k], (pel_real)gradient[3 * k + 1],
+                                                  (pel_real)gradient[3 * k + 2], 0};
+    }
+    return energy;
+}
+
 /* ---- evaluation ---- */
 
 static pel_shell_energy evaluate(shell_loop *loop, bool with_potential, pel_pool *pool)
@@ -173,6 +194,9 @@ static pel_shell_energy evaluate(shell_loop *loop, bool with_potential, pel_pool
         energy.fibres += forces->energies[i][PEL_ENERGY_FIBRES];
         energy.volume += forces->energies[i][PEL_ENERGY_VOLUME];
     }
+    for (int32_t b = 0; (loop->parts & PEL_SHELL_VOLUME) != 0 && b < forces->model->body_count; b++)
+        if (forces->bodies[b].shell != NULL)
+            energy.volume += add_stars(loop, forces->bodies[b].shell);
     if (loop->force != NULL)
         add_normal_pressures(loop, pool);
     return energy;

@@ -77,8 +77,8 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
                                const int32_t *output_vertex, const pel_record *position, double time, double *membrane,
                                double *bending, double *fibres);
 
-/* Adds a quarter of the energy of each tetrahedron to the rows of its corners, which are those of
-   pel_shell_vertex_energies. */
+/* Adds the energy of each tetrahedron, or of each element of smooth ones, to the rows of its vertices in equal shares;
+   rows are those of pel_shell_vertex_energies. */
 void pel_shell_add_tetra_energies(const pel_shell_forces *forces, int32_t body, const int32_t *output_vertex,
                                   const pel_record *position, double *energies);
 

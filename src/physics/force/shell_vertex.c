@@ -109,7 +109,17 @@ void pel_shell_add_tetra_energies(const pel_shell_forces *forces, int32_t body, 
     if (own == NULL)
         return;
     const row_map rows = {forces->model->mesh_vertex, output_vertex};
-    for (int32_t t = 0; t < own->shell->tetrahedron_count; t++) {
+    const pel_stars *stars = own->shell->stars;
+    for (int32_t e = 0; stars != NULL && e < stars->count; e++) {
+        const int32_t *nodes = stars->nodes + stars->begin[e], count = stars->begin[e + 1] - stars->begin[e];
+        const pel_tangent_sum none = {0};
+        double x[3 * PEL_STAR_NODES];
+        for (int32_t k = 0; k < count; k++)
+            pel_vertex_position(position, nodes[k], x + 3 * k);
+        share(pel_star_tangent(stars, e, &own->shell->solid, x, PEL_TANGENT_EXACT, &none), nodes, count, &rows,
+              energies);
+    }
+    for (int32_t t = 0; stars == NULL && t < own->shell->tetrahedron_count; t++) {
         const int32_t *vertices = own->shell->tetrahedra[t];
         pel_rest_tetra rest;
         double x[4][3], f[9];

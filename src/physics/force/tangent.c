@@ -146,6 +146,17 @@ static void add_tetra(const pel_tangent_loop *loop, const pel_tangent_part *part
                                         loop->input->kind, &element->sum);
 }
 
+static void add_star(const pel_tangent_loop *loop, const pel_tangent_part *part, int32_t i, const pel_tangent_sum *sum,
+                     pel_tangent_energy *energy)
+{
+    PEL_ASSERT_INDEX(i, part->count);
+    const pel_shell *shell = loop->tangent->shells[part->shell].shell;
+    double x[3 * PEL_STAR_NODES];
+    pel_tangent_points(loop->input->unknowns, loop->tangent->nodes + loop->tangent->node_begin[part->first + i],
+                       part->nodes, x);
+    energy->volume += pel_star_tangent(shell->stars, part->first_star + i, &shell->solid, x, loop->input->kind, sum);
+}
+
 static double factor_of(const pel_tangent_loop *loop, int32_t body, pel_parameter parameter)
 {
     return loop->input->state != NULL ? loop->input->state->factors[body][parameter] : 1;
@@ -213,6 +224,10 @@ static void add_element(const pel_tangent_loop *loop, const pel_tangent_part *pa
 {
     PEL_ASSERT_INDEX(i, part->count);
     tangent_element element;
+    if (part->kind == PEL_TANGENT_PART_STARS) {
+        add_star(loop, part, i, &sum, energy);
+        return;
+    }
     element.sum = sum;
     load_element(loop, part, part->first + i, &element);
     if (part->kind == PEL_TANGENT_PART_TRIANGLES)

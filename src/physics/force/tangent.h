@@ -87,9 +87,10 @@ pel_tangent_energy pel_tangent_evaluate(pel_tangent *tangent, const pel_tangent_
 void pel_tangent_add_rank_ones(const pel_tangent_pattern *pattern, const uint8_t *fixed, const double *x, double *y);
 
 /* Derivatives of m . gradient of one body: by factors, 1 at present, of the stiffness of membranes, of bending (D) and
-   of the pressure; by Poisson's ratio at constant D. */
+   of the pressure; by Poisson's ratio at constant D; by a factor of the stiffness of
+   tetrahedra. */
 typedef struct pel_tangent_derivative {
-    double membrane, bending, pressure, poisson;
+    double membrane, bending, pressure, poisson, volume;
 } pel_tangent_derivative;
 
 /* Adds the derivatives of m . g, with m (unknown_count) and the gradient g of the last evaluation: to bodies

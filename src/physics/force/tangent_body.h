@@ -19,6 +19,7 @@ static inline int32_t pel_tangent_chunk_count(int32_t count)
 typedef enum pel_part_kind {
     PEL_TANGENT_PART_TRIANGLES,
     PEL_TANGENT_PART_TETRAHEDRA,
+    PEL_TANGENT_PART_STARS, /* smooth tetrahedra with one number of nodes */
     PEL_TANGENT_PART_HINGES,
     PEL_TANGENT_PART_SPRINGS,
     PEL_TANGENT_PART_POINTS
@@ -28,6 +29,7 @@ typedef struct pel_tangent_part {
     pel_part_kind kind;
     int32_t shell; /* of tangent->shells; springs and points: -1 */
     int32_t first, count;
+    int32_t first_star;           /* of the shell's */
     int nodes, unknowns, strains; /* of one element, fibres not counted */
     int32_t first_stress, first_chunk;
     size_t first_row;

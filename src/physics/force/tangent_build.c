@@ -45,12 +45,19 @@ static size_t fibre_limit(const pel_shell *shell)
     return count;
 }
 
+/* tetrahedra that are elements by themselves */
+static int32_t linear_tetras(const pel_shell *shell)
+{
+    return shell->stars == NULL ? shell->tetrahedron_count : 0;
+}
+
 static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
 {
     const pel_shell *shell = own->shell;
     int32_t first = tangent->model->bodies[own->body].slice_begin * PEL_WIDTH, triangles = shell->triangle_limit;
     int32_t places = pel_body_place_end(tangent->model, own->body) - first;
     size_t fibres = fibre_limit(shell);
+    const int32_t tetras = linear_tetras(shell);
     bool is_midedge = shell->bending->turns_edges,
          has_normals = shell->pressure.kind != PEL_PRESSURE_NONE && shell->pressure.form == PEL_PRESSURE_VERTEX_NORMAL;
     double **normal = own->normal_pressure;
@@ -59,8 +66,7 @@ static bool allocate_shell(pel_tangent *tangent, pel_tangent_shell *own)
         PEL_ROOM(own->rests, triangles), PEL_ROOM_IF(is_midedge, own->edges, triangles),
         PEL_ROOM_IF(is_midedge, own->midedges, triangles),
         PEL_ROOM_IF(shell->bending->is_angle, own->hinges, shell->hinge_limit),
-        PEL_ROOM_IF(shell->tetrahedron_count > 0, own->tetras, shell->tetrahedron_count),
-        PEL_ROOM_IF(shell->tetrahedron_count > 0, own->tetra_scales, shell->tetrahedron_count),
+        PEL_ROOM_IF(tetras > 0, own->tetras, tetras), PEL_ROOM_IF(tetras > 0, own->tetra_scales, tetras),
         PEL_ROOM_IF(has_normals, normal[0], places), PEL_ROOM_IF(has_normals, normal[1], places),
         PEL_ROOM_IF(has_normals, normal[2], places), PEL_ROOM_IF(has_normals, normal[3], places));
     if (!all || !depends_on_volume(shell))
@@ -94,7 +100,14 @@ static pel_tangent_room room_of(const pel_tangent *tangent)
         add_room(&room, (size_t)shell->triangle_limit, 3, shell->bending->turns_edges ? 3 : 0);
         if (shell->bending->has_hinges)
             add_room(&room, (size_t)shell->hinge_limit, 4, 0);
-        add_room(&room, (size_t)shell->tetrahedron_count, 4, 0);
+        add_room(&room, (size_t)linear_tetras(shell), 4, 0);
+        if (shell->stars != NULL) {
+            const size_t stars = (size_t)shell->stars->count, nodes = (size_t)shell->stars->begin[stars];
+            room.elements += stars;
+            room.nodes += nodes;
+            room.rows += 3 * nodes;
+            room.chunks += stars / PEL_TANGENT_CHUNK + PEL_STAR_NODES;
+        }
         room.edges += (size_t)edge_limit(shell);
         room.stresses += (size_t)shell->triangle_limit *
                          (shell->bending->turns_edges ? PEL_MEMBRANE_STRAINS + 3 : PEL_MEMBRANE_STRAINS);
@@ -208,7 +221,7 @@ static void fill_shell(pel_tangent *tangent, pel_tangent_shell *own)
     fill_fibres(own);
     for (int32_t t = 0; t < shell->triangle_count; t++)
         own->rests[t] = pel_shell_rest(shell, t);
-    for (int32_t t = 0; t < shell->tetrahedron_count; t++)
+    for (int32_t t = 0; t < linear_tetras(shell); t++)
         own->tetra_scales[t] = pel_filled_rest(shell, tangent->model->rest, t, &own->tetras[t]);
     for (int32_t i = 0; own->hinges != NULL && i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
@@ -278,6 +291,17 @@ static pel_tangent_part *add_part(pel_tangent *tangent, pel_part_kind kind, int3
     return part;
 }
 
+/* a part for each number of nodes */
+static void add_star_parts(pel_tangent *tangent, int32_t shell, const pel_stars *stars)
+{
+    for (int32_t first = 0, end; first < stars->count; first = end) {
+        const int32_t nodes = stars->begin[first + 1] - stars->begin[first];
+        for (end = first + 1; end < stars->count && stars->begin[end + 1] - stars->begin[end] == nodes;)
+            end++;
+        add_part(tangent, PEL_TANGENT_PART_STARS, shell, end - first, nodes, 0, 0)->first_star = first;
+    }
+}
+
 static void fill_parts(pel_tangent *tangent)
 {
     tangent->part_count = tangent->chunk_count = tangent->pattern.stress_count = tangent->pattern.element_count = 0;
@@ -290,8 +314,10 @@ static void fill_parts(pel_tangent *tangent)
             tangent->pattern.stress_count += own->fibre_begin[shell->triangle_count];
         if (shell->bending->has_hinges)
             add_part(tangent, PEL_TANGENT_PART_HINGES, i, shell->hinge_count, 4, 0, PEL_HINGE_STRAINS);
-        if (shell->tetrahedron_count > 0)
+        if (linear_tetras(shell) > 0)
             add_part(tangent, PEL_TANGENT_PART_TETRAHEDRA, i, shell->tetrahedron_count, 4, 0, 0);
+        if (shell->stars != NULL)
+            add_star_parts(tangent, i, shell->stars);
     }
     add_part(tangent, PEL_TANGENT_PART_SPRINGS, -1, tangent->spring_count, 2, 0, PEL_LINE_STRAINS);
     add_part(tangent, PEL_TANGENT_PART_POINTS, -1, tangent->point_count, 1, 0, 0);
@@ -311,6 +337,10 @@ static void fill_nodes_of(pel_tangent *tangent, const pel_tangent_part *part, in
         return;
     case PEL_TANGENT_PART_TETRAHEDRA:
         memcpy(nodes, own->shell->tetrahedra[i], 4 * sizeof *nodes);
+        return;
+    case PEL_TANGENT_PART_STARS:
+        memcpy(nodes, own->shell->stars->nodes + own->shell->stars->begin[part->first_star + i],
+               (size_t)part->nodes * sizeof *nodes);
         return;
     case PEL_TANGENT_PART_HINGES:
         memcpy(nodes, pel_shell_hinge_of(own->shell, i).vertices, 4 * sizeof *nodes);
@@ -381,7 +411,7 @@ static pel_status find_shells(pel_tangent *tangent, pel_error *error)
     const pel_model *model = tangent->model;
     size_t bodies = (size_t)model->body_count;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(tangent->shells, bodies), PEL_ROOM(tangent->rank_ones, bodies),
-                          PEL_ROOM(tangent->parts, 3 * bodies + 2)))
+                          PEL_ROOM(tangent->parts, (3 + PEL_STAR_NODES) * bodies + 2)))
         return pel_fail_memory(error);
     for (int32_t b = 0; b < model->body_count; b++) {
         if (model->bodies[b].shell == NULL)

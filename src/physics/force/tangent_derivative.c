@@ -236,6 +236,29 @@ static double hinges_product(const pel_tangent *tangent, const pel_tangent_shell
     return sum;
 }
 
+/* m . g of all tetrahedra of a body */
+static double tetrahedra_product(const pel_tangent *tangent, const pel_tangent_shell *own, const double *m)
+{
+    const pel_shell *shell = own->shell;
+    const pel_stars *stars = shell->stars;
+    const int32_t count = stars != NULL ? stars->count : shell->tetrahedron_count;
+    double sum = 0, x[3 * PEL_STAR_NODES], moved[3 * PEL_STAR_NODES];
+    for (int32_t e = 0; e < count; e++) {
+        const int32_t *nodes = stars != NULL ? stars->nodes + stars->begin[e] : shell->tetrahedra[e];
+        const int nodes_here = stars != NULL ? stars->begin[e + 1] - stars->begin[e] : 4;
+        double gradient[3 * PEL_STAR_NODES] = {0};
+        const pel_tangent_sum adds = {.gradient = gradient};
+        pel_tangent_points(tangent->input.unknowns, nodes, nodes_here, x);
+        pel_tangent_points(m, nodes, nodes_here, moved);
+        if (stars != NULL)
+            pel_star_tangent(stars, e, &shell->solid, x, PEL_TANGENT_EXACT, &adds);
+        else
+            pel_tetra_tangent(&own->tetras[e], &shell->solid, own->tetra_scales[e], x, PEL_TANGENT_EXACT, &adds);
+        sum += product(moved, gradient, 3 * nodes_here);
+    }
+    return sum;
+}
+
 /* ---- all elements ---- */
 
 void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_tangent_derivative *bodies, double *rest)
@@ -246,6 +269,7 @@ void pel_tangent_derivatives(const pel_tangent *tangent, const double *m, pel_ta
         const pel_tangent_shell *own = &tangent->shells[s];
         pel_tangent_derivative *sum = &bodies[own->body];
         sum->bending += hinges_product(tangent, own, m);
+        sum->volume += tetrahedra_product(tangent, own, m);
         for (int32_t t = 0; t < own->shell->triangle_count; t++) {
             triangle at;
             load_triangle(tangent, own, t, m, &at);

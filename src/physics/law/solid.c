@@ -5,6 +5,8 @@
 #define VOLUME_WORD(KIND, name, word) word,
 const char *const pel_volume_words[] = {PEL_VOLUME_LAWS(VOLUME_WORD) NULL};
 
+const char *const pel_volume_element_words[] = {"linear", "smooth", NULL};
+
 pel_solid_law pel_solid_law_of(pel_volume_kind kind, double poisson, double mooney_ratio)
 {
     const double mu = 0.5 / (1 + poisson), lambda = poisson / ((1 + poisson) * (1 - 2 * poisson));

@@ -23,5 +23,7 @@ double pel_solid_law_stiffness(const pel_solid_law *law);
 
 /* words of scenes, by kind; null after the last */
 extern const char *const pel_volume_words[];
+/* the same of elements */
+extern const char *const pel_volume_element_words[];
 
 #endif

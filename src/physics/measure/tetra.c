@@ -32,15 +32,21 @@ bool pel_rest_tetra_setup(const double x[4][3], pel_rest_tetra *rest)
     return rest->volume > 0 && isfinite(1 / rest->volume);
 }
 
-void pel_tetra_deformation(const pel_rest_tetra *rest, const double x[4][3], double f[9])
+void pel_patch_deformation(int count, const double (*gradients)[3], const double *x, double f[9])
 {
+    const double *last = x + 3 * (count - 1);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             double sum = 0;
-            for (int k = 0; k < 3; k++)
-                sum += (x[k][i] - x[3][i]) * rest->gradients[k][j];
+            for (int k = 0; k < count - 1; k++)
+                sum += (x[3 * k + i] - last[i]) * gradients[k][j];
             f[3 * i + j] = sum;
         }
+}
+
+void pel_tetra_deformation(const pel_rest_tetra *rest, const double x[4][3], double f[9])
+{
+    pel_patch_deformation(4, rest->gradients, x[0], f);
 }
 
 static double determinant_of(const double f[9])
@@ -295,22 +301,27 @@ static void make_block(const stiffness *d, const double first[3], const double s
         }
 }
 
-static void add_hessian(const pel_rest_tetra *rest, const pel_solid_law *law, double scale, const double f[9],
-                        pel_tangent_kind kind, const pel_tangent_sum *sum)
+/* V^T b */
+static void turn_back(const double v[9], const double b[3], double turned[3])
 {
-    double u[9], s[3], v[9], turned[4][3];
+    for (int j = 0; j < 3; j++)
+        turned[j] = v[j] * b[0] + v[3 + j] * b[1] + v[6 + j] * b[2];
+}
+
+static void add_hessian(int count, const double (*gradients)[3], const pel_solid_law *law, double scale,
+                        const double f[9], pel_tangent_kind kind, const pel_tangent_sum *sum)
+{
+    double u[9], s[3], v[9];
     pel_signed_svd(f, u, s, v);
     stiffness d = stiffness_of(law, s);
     if (kind == PEL_TANGENT_POSITIVE)
         clamp(&d);
-    for (int k = 0; k < 4; k++)
-        for (int j = 0; j < 3; j++)
-            turned[k][j] =
-                v[j] * rest->gradients[k][0] + v[3 + j] * rest->gradients[k][1] + v[6 + j] * rest->gradients[k][2];
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < count; k++)
         for (int l = 0; l <= k; l++) {
-            double block[9], half[9];
-            make_block(&d, turned[k], turned[l], block);
+            double block[9], half[9], first[3], second[3];
+            turn_back(v, gradients[k], first);
+            turn_back(v, gradients[l], second);
+            make_block(&d, first, second, block);
             multiply(u, block, half);
             for (int i = 0; i < 3; i++)
                 for (int j = 0; j < 3; j++) {
@@ -323,17 +334,22 @@ static void add_hessian(const pel_rest_tetra *rest, const pel_solid_law *law, do
         }
 }
 
+double pel_patch_tangent(int count, const double (*gradients)[3], const pel_solid_law *law, double scale,
+                         const double *x, pel_tangent_kind kind, const pel_tangent_sum *sum)
+{
+    double f[9], stress[9];
+    pel_patch_deformation(count, gradients, x, f);
+    const double energy = scale * pel_solid_density(law, f, sum->gradient != NULL ? stress : NULL);
+    for (int k = 0; sum->gradient != NULL && k < count; k++)
+        for (int i = 0; i < 3; i++)
+            sum->gradient[3 * k + i] += scale * pel_vec3_dot(stress + 3 * i, gradients[k]);
+    if (sum->hessian != NULL)
+        add_hessian(count, gradients, law, scale, f, kind, sum);
+    return energy;
+}
+
 double pel_tetra_tangent(const pel_rest_tetra *rest, const pel_solid_law *law, double scale, const double *x,
                          pel_tangent_kind kind, const pel_tangent_sum *sum)
 {
-    double points[4][3], f[9], stress[9];
-    memcpy(points, x, sizeof points);
-    pel_tetra_deformation(rest, (const double(*)[3])points, f);
-    const double energy = scale * pel_solid_density(law, f, sum->gradient != NULL ? stress : NULL);
-    for (int k = 0; sum->gradient != NULL && k < 4; k++)
-        for (int i = 0; i < 3; i++)
-            sum->gradient[3 * k + i] += scale * pel_vec3_dot(stress + 3 * i, rest->gradients[k]);
-    if (sum->hessian != NULL)
-        add_hessian(rest, law, scale, f, kind, sum);
-    return energy;
+    return pel_patch_tangent(4, rest->gradients, law, scale, x, kind, sum);
 }

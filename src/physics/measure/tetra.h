@@ -32,7 +32,13 @@ void pel_nearest_rotation(const double f[9], double r[9]);
 /* psi for a Young's modulus of 1 and dpsi/dF (nullable). */
 double pel_solid_density(const pel_solid_law *law, const double f[9], double first_piola[9]);
 
-/* Adds gradient and Hessian of scale psi [J] over 12 unknowns, and returns the energy. */
+/* Of F = sum_k x_k b_k^T over `count` points (3 count), whose gradients b_k sum to 0: F by rows; and gradient and
+   Hessian of scale psi [J] added over 3 count unknowns, with the energy. */
+void pel_patch_deformation(int count, const double (*gradients)[3], const double *x, double f[9]);
+double pel_patch_tangent(int count, const double (*gradients)[3], const pel_solid_law *law, double scale,
+                         const double *x, pel_tangent_kind kind, const pel_tangent_sum *sum);
+
+/* The same of a tetrahedron, over 12 unknowns. */
 double pel_tetra_tangent(const pel_rest_tetra *rest, const pel_solid_law *law, double scale, const double *x,
                          pel_tangent_kind kind, const pel_tangent_sum *sum);
 

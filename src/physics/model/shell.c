@@ -796,6 +796,9 @@ static void load_tetra(const pel_mesh *mesh, int32_t t, double x[4][3])
 static pel_status check_material(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_volume_def *volume = &def->volume;
+    if (PEL_IS_NO_CHOICE((int)volume->element, PEL_VOLUME_ELEMENT_COUNT))
+        return pel_body_refuse(error, body, "volume.element", (double)volume->element,
+                               "give one of pel_volume_element");
     if (PEL_IS_NO_CHOICE((int)volume->kind, PEL_VOLUME_COUNT))
         return pel_body_refuse(error, body, "volume.kind", (double)volume->kind, "give one of pel_volume_kind");
     if (!(volume->poisson >= 0 && volume->poisson < 0.5))
@@ -860,6 +863,24 @@ pel_status pel_filled_lump(const pel_mesh *mesh, double *volumes, pel_error *err
     return PEL_OK;
 }
 
+/* elements of smooth tetrahedra, with places for vertices */
+static pel_status create_stars(const pel_body *body, pel_shell *shell, pel_error *error)
+{
+    const pel_mesh *mesh = body->mesh;
+    double *young = pel_allocate((size_t)mesh->tetrahedron_count, sizeof *young);
+    if (young == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < mesh->tetrahedron_count; t++)
+        young[t] = shell->tetra_youngs != NULL ? shell->tetra_youngs[t] : shell->tetra_young;
+    pel_status status =
+        pel_stars_create((const double(*)[3])mesh->positions, mesh->vertex_count, (const int32_t(*)[4])mesh->tetrahedra,
+                         mesh->tetrahedron_count, young, &shell->stars, error);
+    for (int32_t i = 0; status == PEL_OK && i < shell->stars->begin[shell->stars->count]; i++)
+        shell->stars->nodes[i] = body->model_index[shell->stars->nodes[i]];
+    pel_free(young);
+    return status;
+}
+
 pel_status pel_filled_create(const pel_body_def *def, const pel_body *body, pel_shell *shell, pel_error *error)
 {
     const pel_mesh *mesh = body->mesh;
@@ -882,12 +903,13 @@ pel_status pel_filled_create(const pel_body_def *def, const pel_body *body, pel_
         if (varies)
             shell->tetra_youngs[t] = sum / 4;
     }
-    return PEL_OK;
+    return def->volume.element == PEL_VOLUME_SMOOTH ? create_stars(body, shell, error) : PEL_OK;
 }
 
 void pel_filled_destroy(pel_shell *shell)
 {
     PEL_FREE_ALL(shell->tetrahedra, shell->tetra_youngs);
+    pel_stars_destroy(shell->stars);
 }
 
 double pel_filled_rest(const pel_shell *shell, const pel_record *positions, int32_t t, pel_rest_tetra *rest)

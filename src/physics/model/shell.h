@@ -10,6 +10,7 @@
 #include "law/membrane.h"
 #include "measure/fold.h"
 #include "measure/midedge.h"
+#include "measure/star.h"
 #include "measure/tetra.h"
 #include "model/model.h"
 #include "pellicle/bending.h"
@@ -98,6 +99,7 @@ struct pel_shell {
     double *tetra_youngs; /* (tetrahedron_count) null = the same in all */
     int32_t tetrahedron_count;
     int32_t (*tetrahedra)[4]; /* places */
+    pel_stars *stars;         /* of smooth tetrahedra, nodes as places; null = linear ones */
 };
 
 /* hinges with an energy: others only give rest angles */

@@ -132,7 +132,10 @@ static const char *find_edge_feature(const pel_scene *scene, char text[64])
         if (scene->sim.loads[l].kind == PEL_LOAD_MOMENT)
             return "a moment on edges";
     for (int32_t b = 0; b < scene->model.body_count; b++) {
-        pel_bending_model model = scene->model.bodies[b].shell.bending.model;
+        const pel_body_def *body = &scene->model.bodies[b];
+        if (body->volume.on && body->volume.element == PEL_VOLUME_SMOOTH)
+            return "smooth tetrahedra";
+        pel_bending_model model = body->shell.bending.model;
         if (!pel_bending_traits_of(model)->turns_edges)
             continue;
         snprintf(text, 64, "bending of the model %s", pel_bending_words[model]);

@@ -109,6 +109,12 @@ static const pel_def_row run_rows[] = {
     {"<field>.map", .forms = PEL_FORM_PAIR, .scoped = true, .needs = "field",
      .doc = "numbers at the field values 0 and 1; other values are interpolated or extrapolated linearly; default: the "
             "values of the field"},
+    {"<field>.base", NUMBER, ALTERNATIVE, .scoped = true, .doc = "the number outside of `regions`"},
+    {"<field>.regions", LIST, COUNT_FROM(1), .scoped = true, .needs = "base",
+     .doc = "parts of the body with other numbers, such as a stiff nodule; later ones take precedence"},
+    {"<field>.regions[]", MAP, .scoped = true, .doc = "one part"},
+    {"<field>.regions[].region", REGION, REQUIRED, .doc = "its vertices; over a `falloff` the number fades"},
+    {"<field>.regions[].value", NUMBER, REQUIRED, .scoped = true, .doc = "the number there"},
 };
 
 /* after the fibres */

@@ -102,7 +102,7 @@ static double error_of(const volume_shape *shape)
 void pel_warnings_check_volume(pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
-    if (!body->volume.on)
+    if (!body->volume.on || body->volume.element == PEL_VOLUME_SMOOTH)
         return;
     const volume_shape shape = measure_shape(body->mesh);
     double error = error_of(&shape);
@@ -119,13 +119,14 @@ void pel_tell_coarse_volume(const pel_warning_text *at)
         snprintf(
             at->text, at->size,
             "body '%s' is about %.2g m thick, and the edges of its tetrahedra are %.2g m long: it bends about %.2g "
-            "times too stiffly. use volume: { edge: %.2g }, or for a thin sheet a surface with a membrane of that "
-            "thickness",
+            "times too stiffly. use volume: { element: smooth } or { edge: %.2g }, or for a thin sheet a surface with "
+            "a "
+            "membrane of that thickness",
             body->name, shape.thickness, shape.edge, 1 + error, shape.thickness / GOOD_COUNT);
     else
         snprintf(
             at->text, at->size,
             "Poisson's ratio of body '%s' is %.4g: linear tetrahedra lock above %g, and bend and shear too stiffly. "
-            "use a smaller ratio, or half the volume.edge to see by how much",
+            "use volume: { element: smooth }, or a smaller ratio",
             body->name, body->volume.poisson, LOCKING_POISSON);
 }

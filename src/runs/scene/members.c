@@ -3,6 +3,7 @@
 #include "keys/table.h"
 #include "scene/build.h"
 #include "scene/mesh.h"
+#include "scene/region.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,6 +69,35 @@ static pel_status read_field(const pel_scene_part *part, const pel_def_row *row,
     return PEL_OK;
 }
 
+/* numbers on the vertices from a base and regions */
+static pel_status read_regions(const pel_scene_part *part, const pel_def_row *row, const pel_scene_value *value,
+                               void *def)
+{
+    pel_scene_reader *reader = part->reader;
+    const pel_scene_value *list = pel_scene_value_entry(value, "regions");
+    const double base = pel_scene_value_number(value, "base") / pel_def_row_factor(row);
+    double *numbers = pel_arena_take(reader->arena, (size_t)part->mesh->vertex_count, sizeof *numbers);
+    if (numbers == NULL)
+        return pel_fail_memory(reader->error);
+    for (int32_t v = 0; v < part->mesh->vertex_count; v++)
+        numbers[v] = base;
+    for (const pel_scene_value *item = list != NULL ? list->first : NULL; item != NULL; item = item->next) {
+        const double number = pel_scene_value_number(item, "value") / pel_def_row_factor(row);
+        pel_scene_region region;
+        pel_status status = pel_scene_region_find(reader, pel_scene_value_entry(item, "region"), part->mesh, &region);
+        if (status != PEL_OK)
+            return status;
+        for (int32_t i = 0; i < region.count; i++) {
+            double *at = &numbers[region.vertices != NULL ? region.vertices[i] : i];
+            *at += (region.weights != NULL ? region.weights[i] : 1) * (number - *at);
+        }
+    }
+    const double none = 0;
+    pel_member_set(row, def, &none);
+    ((pel_quantity *)(void *)((char *)def + row->offset))->field = numbers;
+    return PEL_OK;
+}
+
 /* The number or numbers of a value; false for other values, which the code of their part reads. NAN is a word such as
    auto. */
 static bool find_numbers(const pel_def_row *row, const pel_scene_value *value, double numbers[3])
@@ -103,7 +133,8 @@ static pel_status read_member(const pel_scene_part *part, const pel_def_row *row
     if (row->store == PEL_STORE_QUANTITY && keys != NULL)
         return read_keys(part->reader, row, keys, def);
     if (row->store == PEL_STORE_QUANTITY && value->form == PEL_FORM_MAP)
-        return read_field(part, row, value, def);
+        return pel_scene_value_entry(value, "base") != NULL ? read_regions(part, row, value, def)
+                                                            : read_field(part, row, value, def);
     if (row->store == PEL_STORE_KEYS)
         return read_keys(part->reader, row, value, def);
     if (row->store == PEL_STORE_TEXT)

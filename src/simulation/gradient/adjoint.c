@@ -29,11 +29,12 @@ static pel_status check_rest(const pel_sim *sim, pel_error *error)
         bool has_volume = body->shell != NULL && (body->shell->pressure.kind == PEL_PRESSURE_GAS ||
                                                   body->shell->pressure.kind == PEL_PRESSURE_VOLUME);
         bool has_hinges = body->shell != NULL && body->shell->bending->has_hinges;
-        if (body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
+        bool is_filled = body->shell != NULL && body->shell->tetrahedron_count > 0;
+        if (is_filled || body->plain_spring != 0 || body->has_volumetric || has_volume || has_hinges ||
             (body->shell != NULL && body->shell->region_count > 0))
             return pel_refuse(
                 error, PEL_BAD_ARGUMENT,
-                "remove springs, fibres, enclosed gas and target volume, use bending model midedge, or do not "
+                "remove volumes, springs, fibres, enclosed gas and target volume, use bending model midedge, or do not "
                 "ask for rest_positions",
                 "derivatives with respect to rest positions exist only for membranes and mid-edge bending");
     }
@@ -67,9 +68,6 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
                           "derivatives exist only without tools and contact");
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_shell *shell = sim->model->bodies[b].shell;
-        if (shell != NULL && shell->tetrahedron_count > 0)
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "take differences of whole runs",
-                                      "filled bodies have no derivatives");
         if (def->materials != NULL && shell != NULL && shell->bends_as_membrane && shell->bending->has_hinges &&
             pel_law_is_oriented(pel_membrane_law_traits(shell->law.kind)))
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
@@ -231,6 +229,7 @@ static void give_materials(const pel_adjoint_work *a)
         result->poisson -= sum->poisson + bending * 2 * poisson / (1 - poisson * poisson);
         result->bending -= sum->bending;
         result->pressure -= sum->pressure;
+        result->volume -= sum->volume;
     }
 }
 

@@ -72,6 +72,10 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
         if (body->shell->yield_angles != NULL && pel_sim_is_projected(sim) && !sim->stepper->is_compliant)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, or leave `yield` out",
                                       "plastic folds follow moments, which pbd does not know");
+        if (body->shell->stars != NULL && sim->stepper->is_compliant)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "use the method implicit, static or explicit, or volume: { element: linear }",
+                                      "smooth tetrahedra have no sweeps: xpbd takes linear ones");
         if (would_flatten(sim, body->shell))
             return pel_refuse_element(
                 error, PEL_BAD_ARGUMENT, "body", b, "use the bending model hinge or midedge, or the method xpbd",

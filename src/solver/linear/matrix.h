@@ -12,7 +12,7 @@
 
 enum {
     PEL_NODE_SIZE_LIMIT = 6,     /* unknowns of one node */
-    PEL_ELEMENT_SIZE_LIMIT = 24, /* unknowns of one element */
+    PEL_ELEMENT_SIZE_LIMIT = 36, /* unknowns of one element */
     PEL_MATRIX_GROUP = 8         /* most elements in one call of a pel_matrix_function */
 };
 
