@@ -38,8 +38,9 @@ typedef struct step_cost {
     double substep, implicit; /* a substep of xpbd, a step of implicit */
 } step_cost;
 
-/* s of one core, that a run of implicit may take where xpbd would do it in less */
-#define MOST_RUN 10
+/* s of one core, that a run of implicit may take in default steps where xpbd would do it in less; shorter ones follow
+ */
+#define MOST_RUN 1
 /* ms of a substep of xpbd, of a tetrahedron; of a system of implicit or static, with so many of them */
 #define SOLID_SUBSTEP 100e-6
 #define SOLID_SYSTEM 900.0
