@@ -43,7 +43,7 @@ enum { PEL_PART_LIMIT = 64 };
 
 /* Linear systems under constraints after which a step is divided no more: the rest of it goes in parts that grow, and
    each of them ends after few systems, converged or not. */
-enum { PEL_STEP_SYSTEMS = 60 };
+enum { PEL_STEP_SYSTEMS = 120 };
 
 /* the part of the step in progress */
 typedef struct pel_step_part {
