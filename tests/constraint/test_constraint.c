@@ -316,7 +316,7 @@ static void test_bound(void **unused)
     }
     pel_sim_ledger ledger;
     pel_sim_get_ledger(sim, &ledger);
-    assert_true(most < 110);
+    assert_true(most < 140);
     assert_in_range(unknown, 1, 10);
     assert_true(ledger.energy_error < 0.01 * ledger.supplied);
     scene_end(&scene, sim);
