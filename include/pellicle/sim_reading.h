@@ -49,6 +49,12 @@ PEL_API int32_t pel_sim_tie_count(const pel_sim *sim);
 PEL_API const char *pel_sim_tie_name(const pel_sim *sim, int32_t tie);
 PEL_API void pel_sim_get_tie(const pel_sim *sim, int32_t tie, pel_tie_reading *reading);
 
+/* Joints of rigid bodies (pel_sim_def.joints), after the last step; 0 for null, "" and false, and nothing is written,
+   for one that does not exist. */
+PEL_API int32_t pel_sim_joint_count(const pel_sim *sim);
+PEL_API const char *pel_sim_joint_name(const pel_sim *sim, int32_t joint);
+PEL_API bool pel_sim_get_joint(const pel_sim *sim, int32_t joint, pel_joint_reading *reading);
+
 PEL_API const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
 PEL_API void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
 

@@ -3,6 +3,7 @@
 #define PELLICLE_SIM_STEP_H
 
 #include "contact.h"
+#include "joint.h"
 #include "load.h"
 #include "model.h"
 #include "solver.h"
@@ -65,6 +66,8 @@ typedef struct pel_sim_def {
     int32_t support_count;
     const pel_tie_def *ties; /* (tie_count), copied */
     int32_t tie_count;
+    const pel_joint_def *joints; /* (joint_count), copied */
+    int32_t joint_count;
     const pel_cut_def *cuts; /* (cut_count) in the order of their times, copied */
     int32_t cut_count;
     const pel_seam_def *seams; /* (seam_count), copied */

@@ -23,6 +23,7 @@ typedef struct all_defs {
     pel_support_def supports[2];
     pel_cut_def cuts[2];
     pel_tie_def ties[2];
+    pel_joint_def joints[2];
     pel_seam_def seams[2];
     pel_model_def model;
     pel_sim_def sim;
@@ -86,6 +87,7 @@ static all_defs *make_defs(void)
         all->ties[i].vertices = all->ties[i].to_vertices = all->vertices;
         all->ties[i].vertex_count = 3;
         all->ties[i].sequence = &all->sequence;
+        all->joints[i] = pel_joint_def_default();
         all->seams[i] = (pel_seam_def){
             .path = all->vertices, .path_count = 3, .vertices = all->vertices, .vertex_count = 3, .strength = 5};
     }
@@ -93,6 +95,8 @@ static all_defs *make_defs(void)
     all->model.bodies = all->bodies;
     all->model.body_count = 2;
     all->sim = pel_sim_def_default();
+    all->sim.joints = all->joints;
+    all->sim.joint_count = 2;
     all->sim.loads = all->loads;
     all->sim.load_count = 2;
     all->sim.tools = all->tools;

@@ -10,7 +10,8 @@ static const size_t def_sizes[PEL_DEF_COUNT] = {
     [PEL_DEF_LOAD] = sizeof(pel_load_def),       [PEL_DEF_TOOL] = sizeof(pel_tool_def),
     [PEL_DEF_CONTACT] = sizeof(pel_contact_def), [PEL_DEF_SOLVER] = sizeof(pel_solver_def),
     [PEL_DEF_SIM] = sizeof(pel_sim_def),         [PEL_DEF_CUT] = sizeof(pel_cut_def),
-    [PEL_DEF_TIE] = sizeof(pel_tie_def),         [PEL_DEF_SEAM] = sizeof(pel_seam_def),
+    [PEL_DEF_JOINT] = sizeof(pel_joint_def),     [PEL_DEF_TIE] = sizeof(pel_tie_def),
+    [PEL_DEF_SEAM] = sizeof(pel_seam_def),
 };
 
 static bool has_count(const pel_def_row *row)

@@ -570,6 +570,9 @@ static void test_sim_calls(void **unused)
     SURVIVES(pel_sim_get_tie(NULL, 0, NULL));
     SURVIVES(pel_sim_get_tie(sim, 0, NULL));
     GIVES(isinf(pel_tie_def_default().until));
+    GIVES(pel_sim_joint_count(NULL) == 0 && pel_sim_joint_name(NULL, 0)[0] == '\0');
+    GIVES(!pel_sim_get_joint(NULL, 0, NULL) && !pel_sim_get_joint(sim, 0, NULL));
+    GIVES(isinf(pel_joint_def_default().most) && pel_joint_def_default().to_body == -1);
     GIVES(pel_sim_tool_count(NULL) == 0 && pel_sim_support_count(NULL) == 0 && !pel_sim_has_shells(NULL));
     GIVES(pel_sim_body_contact_thickness(NULL, 0) == 0);
     GIVES(pel_sim_contact_thickness(NULL) == 0 && pel_sim_softness(NULL) == 0 && pel_sim_volume_ratio(NULL) == 0);

@@ -48,6 +48,7 @@ typedef enum pel_def_kind {
     PEL_DEF_TOOL,
     PEL_DEF_CUT,
     PEL_DEF_TIE,
+    PEL_DEF_JOINT,
     PEL_DEF_SEAM,
     PEL_DEF_CONTACT,
     PEL_DEF_SOLVER,
@@ -94,7 +95,7 @@ typedef enum pel_store {
     ROW(LOADS, "loads")                                                                                                \
     ROW(SUPPORTS, "supports")                                                                                          \
     ROW(TOOLS, "tools")                                                                                                \
-    ROW(TIES, "attachments and stitches")                                                                              \
+    ROW(TIES, "attachments, stitches and joints")                                                                      \
     ROW(CUTS, "cuts")                                                                                                  \
     ROW(CONTACT, "contact")                                                                                            \
     ROW(SOLVER, "solver")

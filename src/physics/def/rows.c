@@ -25,6 +25,7 @@
 #define CUT_LIST(member, count) LIST_OF(CUT, pel_cut_def, member, count, CUTS)
 #define TIE(member) OF(TIE, pel_tie_def, member, TIES)
 #define TIE_LIST(member, count) LIST_OF(TIE, pel_tie_def, member, count, TIES)
+#define JOINT(member) OF(JOINT, pel_joint_def, member, TIES)
 #define SEAM(member) OF(SEAM, pel_seam_def, member, CUTS)
 #define SEAM_LIST(member, count) LIST_OF(SEAM, pel_seam_def, member, count, CUTS)
 #define CONTACT(member) OF(CONTACT, pel_contact_def, member, CONTACT)
@@ -676,6 +677,27 @@ static const pel_def_row rows[] = {
      .doc = "time in which the vertices are drawn to the other body; default: they keep their distance"},
     {"attachments[].strength", TIE(strength), FIXED, NUMBER, .unit = "N", POSITIVE, AUTO(0),
      .doc = "force above which a vertex is let go for good; default: no limit"},
+
+    {"joints", DEFS_OF(SIM, pel_sim_def, joints, joint_count, JOINT, TIES), LIST, .preset = "[]",
+     .doc = "joints of rigid bodies, to the world or to each other, with motors and limits; xpbd and pbd"},
+    {"joints[]", MAP, .doc = "one joint"},
+    {"joints[].name", OF(JOINT, pel_joint_def, name, NONE), FIXED, NAME, .preset = "joint#", .doc = "name in outputs"},
+    {"joints[].body", JOINT(body), FIXED, TEXT, .doc = "rigid body that the joint holds; optional if there is one"},
+    {"joints[].to", JOINT(to_body), FIXED, .initial = -1, TEXT, .doc = "another rigid body; default: the world"},
+    {"joints[].kind", JOINT(kind), FIXED, WORD("ball", "hinge", "slider", "weld"), REQUIRED,
+     .doc = "ball keeps a point of both together, hinge leaves the turn about an axis, slider the way along it, weld "
+            "nothing"},
+    {"joints[].point", JOINT(point), FIXED, VECTOR, .unit = "m", REQUIRED, .doc = "point of the joint at rest"},
+    {"joints[].axis", JOINT(axis), FIXED, VECTOR, .preset = "[0, 0, 1]",
+     .doc = "axis of a hinge or slider at rest, of any length but 0"},
+    {"joints[].least", JOINT(least), FIXED, NUMBER, AUTO(-(double)HUGE_VAL),
+     .doc = "least position of a hinge [degrees, counter-clockwise from rest] or slider [m from rest]; default: none"},
+    {"joints[].most", JOINT(most), FIXED, NUMBER, AUTO((double)HUGE_VAL), .doc = "largest position; default: none"},
+    {"joints[].motor", MAP, .doc = "motor of a hinge or slider"},
+    {"joints[].motor.speed", JOINT(speed), FIXED, NUMBER, REQUIRED,
+     .doc = "speed that it aims at [degrees/s of a hinge, m/s of a slider]; 0 = a brake"},
+    {"joints[].motor.strength", JOINT(strength), FIXED, NUMBER, POSITIVE, REQUIRED,
+     .doc = "largest torque of a hinge [N m] or force of a slider [N]"},
 
     {"stitches", LIST, .preset = "[]",
      .doc = "seams: pairs of vertices of two borders, drawn together and held; each reports its force"},

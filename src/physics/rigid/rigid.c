@@ -347,36 +347,54 @@ double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3])
     return grip->weight * grip->weight * grip->rigid->shape->inverse_mass + pel_vec3_dot(torque, theta);
 }
 
-void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3])
+/* momenta by an impulse and a moment about the pivot */
+static void hit(pel_rigid *rigid, const double impulse[3], const double moment[3])
 {
-    pel_rigid *rigid = grip->rigid;
-    double torque[3];
-    if (rigid->is_fixed)
-        return;
-    pel_vec3_cross(grip->arm, impulse, torque);
-    pel_vec3_along(rigid->impulse, grip->weight, impulse, rigid->impulse);
-    pel_vec3_add(rigid->moment, torque, rigid->moment);
+    pel_vec3_add(rigid->impulse, impulse, rigid->impulse);
+    pel_vec3_add(rigid->moment, moment, rigid->moment);
     if (rigid->shape->is_free)
-        pel_vec3_along(rigid->state.momentum, grip->weight, impulse, rigid->state.momentum);
-    pel_vec3_add(rigid->state.angular_momentum, torque, rigid->state.angular_momentum);
+        pel_vec3_add(rigid->state.momentum, impulse, rigid->state.momentum);
+    pel_vec3_add(rigid->state.angular_momentum, moment, rigid->state.angular_momentum);
     keep_axis(rigid);
     rigid->state.is_touched = true;
 }
 
-void pel_rigid_push(const pel_rigid_grip *grip, const double push[3], double rate)
+void pel_rigid_turn_by(const pel_rigid *rigid, const double moment[3], double turn[3])
 {
-    pel_rigid *rigid = grip->rigid;
-    double torque[3], theta[3], impulse[3];
+    turn_by(rigid, moment, turn);
+}
+
+void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment[3], double rate)
+{
+    double theta[3], impulse[3], turned[3];
     if (rigid->is_fixed)
         return;
     pel_vec3_scale(push, rate, impulse);
-    pel_rigid_hit(grip, impulse);
-    pel_vec3_cross(grip->arm, push, torque);
-    turn_by(rigid, torque, theta);
-    pel_vec3_along(rigid->state.pivot, grip->weight * rigid->shape->inverse_mass, push, rigid->state.pivot);
+    pel_vec3_scale(moment, rate, turned);
+    hit(rigid, impulse, turned);
+    turn_by(rigid, moment, theta);
+    pel_vec3_along(rigid->state.pivot, rigid->shape->inverse_mass, push, rigid->state.pivot);
     turn(rigid->state.rotation, theta, true);
     set_matrix(rigid);
     rigid->is_moved = true;
+}
+
+void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3])
+{
+    double torque[3], own[3];
+    if (grip->rigid->is_fixed)
+        return;
+    pel_vec3_cross(grip->arm, impulse, torque);
+    pel_vec3_scale(impulse, grip->weight, own);
+    hit(grip->rigid, own, torque);
+}
+
+void pel_rigid_push(const pel_rigid_grip *grip, const double push[3], double rate)
+{
+    double torque[3], own[3];
+    pel_vec3_cross(grip->arm, push, torque);
+    pel_vec3_scale(push, grip->weight, own);
+    pel_rigid_shift(grip->rigid, own, torque, rate);
 }
 
 void pel_rigid_grip_velocity(const pel_rigid_grip *grip, double velocity[3])

@@ -117,6 +117,11 @@ void pel_rigid_grip_add(pel_rigid_grip *grip, const pel_rigids *rigids, int32_t 
 double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3]);
 /* Moves the body by an impulse times a time [N s2] on the sum; its momenta change by rate times that. */
 void pel_rigid_push(const pel_rigid_grip *grip, const double push[3], double rate);
+/* the rotation vector of a moment [N m s2] about the pivot */
+void pel_rigid_turn_by(const pel_rigid *rigid, const double moment[3], double turn[3]);
+/* Moves the body by a push [N s2] on its pivot and a moment [N m s2] about it; its momenta change by rate times those.
+ */
+void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment[3], double rate);
 /* momenta alone, by an impulse [N s] */
 void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3]);
 /* m/s, of the sum */

@@ -85,6 +85,8 @@ enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
 
 /* of ties */
 static const char *const tie_columns[] = {"force", "force_x", "force_y", "force_z", "largest", "held"};
+static const char *const joint_columns[] = {"force", "force_x", "force_y", "force_z", "position", "load"};
+enum { JOINT_COLUMN_COUNT = sizeof joint_columns / sizeof joint_columns[0] };
 enum { TIE_COLUMN_COUNT = sizeof tie_columns / sizeof tie_columns[0] };
 
 /* a body whose pins have no tool for columns */
@@ -249,6 +251,9 @@ static void put_header(pel_run_series *series, const pel_sim *sim)
     for (int32_t t = 0; t < pel_sim_tie_count(sim); t++)
         for (int c = 0; c < TIE_COLUMN_COUNT; c++)
             put_named_column(series, pel_sim_tie_name(sim, t), tie_columns[c]);
+    for (int32_t j = 0; j < pel_sim_joint_count(sim); j++)
+        for (int c = 0; c < JOINT_COLUMN_COUNT; c++)
+            put_named_column(series, pel_sim_joint_name(sim, j), joint_columns[c]);
     for (int32_t b = 0; b < pel_model_body_count(model); b++)
         for (int c = 0; have_contact(sim) && c < BODY_COLUMN_COUNT; c++)
             put_named_column(series, pel_model_body_name(model, b), body_columns[c]);
@@ -330,6 +335,15 @@ static void put_tie(pel_run_series *series, const pel_sim *sim, int32_t tie)
     put_count(series, ",", reading.held_count);
 }
 
+static void put_joint(pel_run_series *series, const pel_sim *sim, int32_t joint)
+{
+    pel_joint_reading reading = {0};
+    pel_sim_get_joint(sim, joint, &reading);
+    put_force(series, reading.force);
+    put_number(series, reading.position);
+    put_number(series, reading.load);
+}
+
 static void put_body(pel_run_series *series, const pel_sim *sim, int32_t body)
 {
     double force[3];
@@ -396,6 +410,7 @@ static pel_status prepare(pel_run_series *series, const char *path, const pel_si
         (FIRST_COLUMN_COUNT + SHELL_COLUMN_COUNT + LEDGER_COLUMN_COUNT + CONTACT_COLUMN_COUNT + 2) * PEL_NUMBER_SIZE +
         (size_t)series->tool_count * tool_room + (size_t)pel_sim_support_count(sim) * PART_COLUMN_COUNT * name_room +
         (size_t)pel_sim_tie_count(sim) * TIE_COLUMN_COUNT * name_room +
+        (size_t)pel_sim_joint_count(sim) * JOINT_COLUMN_COUNT * name_room +
         (size_t)pel_model_body_count(pel_sim_model(sim)) *
             (SUPPORT_COLUMN_COUNT + BODY_COLUMN_COUNT + RIGID_COLUMN_COUNT) * name_room;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(series->line, series->room), PEL_ROOM(series->has_pins, body_count)))
@@ -507,6 +522,8 @@ void pel_run_series_make(pel_run_series *series, pel_sim *sim, const pel_run_row
         put_part(series, sim, s);
     for (int32_t t = 0; t < pel_sim_tie_count(sim); t++)
         put_tie(series, sim, t);
+    for (int32_t j = 0; j < pel_sim_joint_count(sim); j++)
+        put_joint(series, sim, j);
     for (int32_t b = 0; have_contact(sim) && b < pel_model_body_count(pel_sim_model(sim)); b++)
         put_body(series, sim, b);
     for (int32_t b = 0; b < pel_model_body_count(pel_sim_model(sim)); b++)

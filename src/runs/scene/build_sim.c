@@ -363,6 +363,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     if (status == PEL_OK)
         status = pel_scene_build_ties(reader, root, scene);
     if (status == PEL_OK)
+        status = pel_scene_build_joints(reader, root, scene);
+    if (status == PEL_OK)
         status = read_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     if (status == PEL_OK)
         status = read_session(reader, pel_scene_value_entry(root, "session"), scene);

@@ -160,6 +160,7 @@ pel_status pel_scene_read_members(const pel_scene_part *part, pel_def_kind kind,
         [PEL_DEF_OUTPUT] = "output.",
         [PEL_DEF_CUT] = "cuts[].",
         [PEL_DEF_TIE] = "attachments[].",
+        [PEL_DEF_JOINT] = "joints[].",
         [PEL_DEF_SEAM] = "seams[].",
     };
     const pel_scene_table *table = part->reader->table;

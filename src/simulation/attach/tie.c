@@ -161,9 +161,9 @@ static void pass_on(pel_sim *sim, const pel_tie *tie, const double mean[3], doub
 void pel_ties_end(pel_sim *sim, double next)
 {
     pel_ties *ties = sim->ties;
+    sim->tie_work = 0;
     if (ties == NULL)
         return;
-    sim->tie_work = 0;
     for (int32_t i = 0; i < ties->count; i++) {
         pel_tie *tie = &ties->items[i];
         double before[3], after[3], mean[3];

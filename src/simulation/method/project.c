@@ -1,5 +1,6 @@
 /* The step of position-based methods: loads and pressure at the start of each substep, then solve/project.h. */
 #include "solve/project.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
 #include "base/status.h"
@@ -30,6 +31,8 @@ enum { SWEEP_LIMIT = 8, RIGID_SWEEP_LIMIT = 60 };
    boxes stands still at 2e-4 and trembles with 10 % of its weight at 1e-2 */
 #define RIGID_TOLERANCE 2e-4
 #define RIGID_SHARE 1e-3
+/* of the size of the bodies */
+#define JOINT_TOLERANCE 1e-8
 /* of the thickness: larger corrections update the contacts between two sweeps */
 #define REFRESH_SHARE 0.25
 
@@ -137,8 +140,8 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
             follow_contacts(sim, start);
         find_supports(sim, lists);
         moved = 0;
-        is_over = true;
-        is_stacked = false;
+        is_stacked = pel_joints_project(sim, sim->projector->tau) > JOINT_TOLERANCE;
+        is_over = !is_stacked;
         for (int k = 0; k < 2; k++) {
             if (lists[k] == NULL)
                 continue;
@@ -200,9 +203,11 @@ static void run_substep(pel_sim *sim, int32_t number)
     const pel_record *start = pel_project_substep_start(projector);
     begin_contacts(sim, start);
     pel_ties_begin_substep(sim);
+    pel_joints_begin_substep(sim);
     for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped_now(sim->pool); i++)
         sweep(sim, end, start);
     pel_ties_tally(sim, projector->tau, projector->reaction);
+    pel_joints_tally(sim, projector->tau);
     double rate = 1 / (projector->tau * projector->tau * count);
     if (pairs != NULL)
         pel_contacts_tally(sim, rate);
@@ -283,6 +288,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     sim->projector->air = pel_wind_forces(sim);
     pel_projector_begin(sim->projector, sim->state, pel_sim_time(sim));
     pel_rigids_begin(sim);
+    pel_joints_begin(sim);
     pel_sleep_begin_step(sim);
     bool rests = pel_sleep_is_everywhere(sim);
     pel_status status = find_contacts(sim, pel_sim_has_loop_contacts(sim) && !rests, error);

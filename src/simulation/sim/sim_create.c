@@ -1,5 +1,6 @@
 /* Creation: all parts of a simulation from its def. */
 #include "adapt/refine.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/memory.h"
 #include "base/patience.h"
@@ -123,11 +124,9 @@ static pel_status check_def(const pel_sim_def *def, pel_error *error)
         const char *name;
         int32_t count;
         const void *array;
-    } arrays[] = {{"load", def->load_count, def->loads},
-                  {"tool", def->tool_count, def->tools},
-                  {"support", def->support_count, def->supports},
-                  {"tie", def->tie_count, def->ties},
-                  {"cut", def->cut_count, def->cuts},
+    } arrays[] = {{"load", def->load_count, def->loads},          {"tool", def->tool_count, def->tools},
+                  {"support", def->support_count, def->supports}, {"tie", def->tie_count, def->ties},
+                  {"joint", def->joint_count, def->joints},       {"cut", def->cut_count, def->cuts},
                   {"seam", def->seam_count, def->seams}};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         if (arrays[i].count < 0 || (arrays[i].count > 0 && arrays[i].array == NULL))
@@ -315,6 +314,8 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     if (status == PEL_OK)
         status = pel_ties_create(sim, def, error);
     if (status == PEL_OK)
+        status = pel_joints_create(sim, def, error);
+    if (status == PEL_OK)
         status = pel_restitution_create(sim, error);
     if (status == PEL_OK)
         status = pel_sleep_create(sim, error);
@@ -414,6 +415,7 @@ void pel_sim_release(pel_house *house)
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->touch->collisions);
+    pel_joints_destroy(sim);
     pel_ties_destroy(sim);
     pel_free(sim->layers);
     pel_contact_forces_destroy(&sim->contact_forces);

@@ -6,6 +6,7 @@
 #include "adapt/criterion.h"
 #include "adapt/refine.h"
 #include "adapt/transfer.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
 #include "base/hash.h"
@@ -93,7 +94,7 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
         pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
         pel_touch_transfer_collider, pel_sleep_transfer,        pel_minimise_transfer,
         pel_sim_path_transfer,       pel_sim_modes_transfer,    pel_ledger_transfer,
-        pel_tear_drop_transfer,      pel_ties_transfer};
+        pel_tear_drop_transfer,      pel_ties_transfer,         pel_joints_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)

@@ -2,6 +2,7 @@
 #include "sim/sim.h"
 
 #include "adapt/refine.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
 #include "base/pool.h"
@@ -196,6 +197,7 @@ static void accept_part(pel_sim *sim, double next)
     bool is_last = pel_parts_are_last(sim);
     pel_rigids_keep(sim);
     pel_ties_end(sim, next);
+    pel_joints_end(sim);
     pel_supports_read(sim, next);
     mark_contacts(sim);
     pel_folds_follow(sim, sim->state->position_next);

@@ -21,6 +21,7 @@ typedef struct pel_surface_rows pel_surface_rows;
 typedef struct pel_loads pel_loads;
 typedef struct pel_holds pel_holds;
 typedef struct pel_tools pel_tools;
+typedef struct pel_joints pel_joints;
 typedef struct pel_ties pel_ties;
 typedef struct pel_ledger pel_ledger;
 typedef struct pel_viscous pel_viscous;
@@ -132,7 +133,7 @@ struct pel_sim {
     double (*reactions)[3];  /* (vertex_count) N, of supports on vertices in the last step; null = none */
     double *checked_volumes; /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
     double *chunk_longest;   /* scratch of the step */
-    double tie_work;         /* J, of ties on the bodies in the last part of a step */
+    double tie_work;         /* J, of ties and motors on the bodies in the last part of a step */
     double fold_loss;        /* J, that folds have dissipated in the part of the step in progress */
     double viscous_loss;     /* J, that damping of the material takes out in the step in progress */
     pel_viscous *viscous;    /* (viscous.h) of methods that do not find this themselves; null = none */
@@ -143,6 +144,7 @@ struct pel_sim {
     pel_holds *holds;              /* (boundary/hold.h) supports of single components; null = none */
     pel_tools *tools;              /* (tool/tool.h) */
     pel_ties *ties;                /* (attach/tie.h) null = none */
+    pel_joints *joints;            /* (attach/joint.h) null = none */
     pel_ledger *ledger;            /* (observe/ledger.h) */
     pel_observer *observer;        /* (observe/observe_field.h) null = nobody looked at a field */
     pel_picker *picker;            /* (observe/pick.h) null = no ray was cast */
