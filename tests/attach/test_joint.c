@@ -1,6 +1,7 @@
 /* Joints of rigid bodies against closed forms: pendulums, slides, motors, limits, momenta. */
 #include "../rigid/rigid_scene.h"
 #include "attach/joint.h"
+#include "contact/set.h"
 #include "failing_malloc.h"
 
 #include <math.h>
@@ -134,6 +135,7 @@ static void test_chain(void **state)
     for (int i = 0; i < LINKS; i++) {
         const double center[3] = {0.1 * i + 0.05, 0, 0};
         joints[i] = joint_of(names[i], PEL_JOINT_BALL, 0.1 * i, 0, 0);
+        joints[i].body = i;
         joints[i].to_body = i - 1;
         rigid_scene_add(&scene, make_box(0.09, 0.02, 0.02, center), 1000);
     }
@@ -163,8 +165,9 @@ static void test_slider(void **state)
     rigid_scene_make(&scene);
     rigid_scene_run(&scene, 0.4);
     double along = GRAVITY * sin(angle);
-    assert_near(read_joint(&scene, 0).position / (0.5 * along * 0.16), 1, 5e-3);
-    assert_near(read_joint(&scene, 0).speed / (along * 0.395), 1, 5e-3);
+    double h = 0.0025;
+    assert_near(read_joint(&scene, 0).position / (0.5 * along * 0.4 * (0.4 + h)), 1, 1e-4);
+    assert_near(read_joint(&scene, 0).speed / (along * (0.395 + 0.5 * h)), 1, 1e-4);
     rigid_scene_run(&scene, 2);
     pel_joint_reading end = read_joint(&scene, 0);
     pel_rigid_reading box = rigid_scene_read(&scene, 0);
@@ -203,7 +206,7 @@ static void test_motor(void **state)
     assert_near(end.position, speed * 4 - 0.5 * speed * speed * moment / torque, 0.02);
     assert_near(end.work / energy, 1, 0.01);
     assert_near(ledger.energy_error / energy, 0, 0.01);
-    assert_near(rigid_scene_read(&scene, 0).spin[1], speed, 1e-6);
+    assert_near(rigid_scene_read(&scene, 0).spin[1], speed, 1e-3);
     rigid_scene_end(&scene);
 }
 
@@ -231,6 +234,71 @@ static void test_limit(void **state)
             assert_near(end.position, -1, 0.02);
         rigid_scene_end(&scene);
     }
+}
+
+/* Two boxes on a hinge fall asleep on a floor together, what the hinge carries stays, and a push of one wakes both. A
+   motor that runs keeps them awake; a brake does not. */
+static void test_sleep(void **state)
+{
+    (void)state;
+    static const double centers[2][3] = {{0, 0, 0.055}, {0.11, 0, 0.055}}, speeds[3] = {0, 0, 1e-9};
+    for (int k = 0; k < 3; k++) {
+        pel_joint_def joint = joint_of("j", PEL_JOINT_HINGE, 0.055, 0, 0.055);
+        rigid_scene scene;
+        joint.to_body = 1;
+        joint.strength = k == 0 ? 0 : 1;
+        joint.speed = speeds[k];
+        begin(&scene, &joint, 1);
+        scene.def.contact.enabled = true;
+        scene.gravity = -GRAVITY;
+        for (int b = 0; b < 2; b++)
+            rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, centers[b]), 500 + 1000 * b);
+        rigid_scene_floor(&scene, 0);
+        rigid_scene_make(&scene);
+        rigid_scene_run(&scene, 4);
+        assert_int_equal(scene.sim->contacts->asleep_count, k < 2 ? 2 : 0);
+        if (k < 2) {
+            static const double up[8][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1},
+                                            {0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+            pel_joint_reading before = read_joint(&scene, 0);
+            rigid_scene_run(&scene, 4.1);
+            pel_joint_reading after = read_joint(&scene, 0);
+            assert_memory_equal(before.force, after.force, sizeof after.force);
+            assert_true(before.load == after.load && after.speed == 0);
+            assert_int_equal(pel_sim_set_velocities(scene.sim, 1, up[0], NULL), PEL_OK);
+            rigid_scene_run(&scene, 4.12);
+            assert_int_equal(scene.sim->contacts->asleep_count, 0);
+        }
+        rigid_scene_end(&scene);
+    }
+}
+
+/* a motor drives into a limit and stays there; then the work that it did is what the bar lost there */
+static void test_stop(void **state)
+{
+    (void)state;
+    static const double center[3] = {0};
+    pel_joint_def joint = joint_of("motor", PEL_JOINT_SLIDER, 0, 0, 0);
+    rigid_scene scene;
+    pel_sim_ledger ledger;
+    joint.strength = 2;
+    joint.speed = 10;
+    joint.most = 0.3;
+    begin(&scene, &joint, 1);
+    rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
+    rigid_scene_make(&scene);
+    for (int i = 0; i < 200; i++) {
+        rigid_scene_run(&scene, 0.01 * (i + 1));
+        assert_true(read_joint(&scene, 0).position < 0.3 + 1e-9);
+    }
+    pel_joint_reading end = read_joint(&scene, 0);
+    pel_sim_get_ledger(scene.sim, &ledger);
+    assert_near(end.position, 0.3, 1e-9);
+    assert_near(end.speed, 0, 1e-9);
+    assert_near(end.work / (joint.strength * 0.3), 1, 0.01);
+    assert_near(ledger.work_tools, end.work, 1e-12);
+    assert_near(ledger.dissipated_solver / end.work, 1, 1e-6);
+    rigid_scene_end(&scene);
 }
 
 static void test_snapshot(void **state)
@@ -332,9 +400,10 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_pairs),    cmocka_unit_test(test_chain),
-        cmocka_unit_test(test_slider),   cmocka_unit_test(test_motor),    cmocka_unit_test(test_limit),
-        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_pairs),  cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_slider),   cmocka_unit_test(test_motor),  cmocka_unit_test(test_limit),
+        cmocka_unit_test(test_sleep),    cmocka_unit_test(test_stop),   cmocka_unit_test(test_snapshot),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

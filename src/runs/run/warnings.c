@@ -320,7 +320,7 @@ static bool shows_motion(const pel_run_state *run)
 }
 
 /* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
-   followed, not resolved. */
+   followed, not resolved; a limit of a joint stops a body as contact does. */
 static void check_motion(pel_run_state *run, int64_t frame)
 {
     const pel_scene *scene = run->scene;
@@ -329,6 +329,8 @@ static void check_motion(pel_run_state *run, int64_t frame)
     bool moves = stepper->has_velocity && !stepper->is_explicit && pel_stepper_knows_material(stepper);
     for (int32_t b = 0; b < scene->model.body_count; b++)
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
+    for (int32_t i = 0; i < scene->sim.joint_count; i++)
+        moves &= isinf(scene->sim.joints[i].least) && isinf(scene->sim.joints[i].most);
     if (moves && pel_scene_is_undamped(scene) && run->totals.free_loss > ledger->tolerance && shows_motion(run))
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, run->totals.free_loss / ledger->supplied);
 }

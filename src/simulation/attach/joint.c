@@ -6,8 +6,8 @@
 
    the loads K^-1 (-error) close it to second order (Mueller et al. 2020, "Detailed rigid body simulation with extended
    position based dynamics", solve the rows one after the other, which takes a dozen sweeps under a lever). The last row
-   is that of the motor or of a limit: where its load is beyond its bounds it gets the nearest one, and the others are
-   solved again.
+   is that of the motor and the limits: a motor too weak for where it aims at gives its strength, and the others are
+   solved again; where the joint would then pass a limit, the row leads to the limit with any load.
 
    Errors are those now; loads act where the joint was when the substep began, along its axes then, with arms to the
    pivots then. So they are the constraint forces of SHAKE (Ryckaert, Ciccotti, Berendsen 1977): the method stays
@@ -79,8 +79,8 @@ static double position_of(const pel_joint *joint)
 
 typedef struct joint_rows {
     int count;
-    bool has_drive;                             /* the last one is that of motor or limit */
-    double least, most;                         /* bounds of its load */
+    bool has_drive;                             /* the last one is that of motor and limits */
+    double position, strength;                  /* rad or m, N s2 or N m s2: where it is, most load of the motor */
     double forces[MOST_ROWS][3];                /* directions of forces */
     double torques[MOST_ROWS][3];               /* of torques beside them */
     double moments[2][MOST_ROWS][3];            /* of both about the pivots */
@@ -122,26 +122,17 @@ static void add_turn_rows(const pel_joint *joint, const double now[3][3], const 
         add_row(rows, NULL, axes[k], pel_vec3_dot(turned, now[k]));
 }
 
-/* a limit that is passed, or the motor; not both: a motor that drives into a limit has no work to do there */
+/* leads to where the motor aims at */
 static void add_drive_row(const pel_joint *joint, const double axis[3], double substep, joint_rows *rows)
 {
     const pel_joint_def *def = &joint->def;
-    double position = position_of(joint), strength = def->strength * substep * substep, error;
-    bool is_below = position < def->least || (position <= def->least && joint->drive > 0);
-    bool is_above = position > def->most || (position >= def->most && joint->drive < 0);
-    bool drives_back = def->strength > 0 && (is_below ? def->speed > 0 : def->speed < 0);
-    if ((is_below || is_above) && !drives_back) {
-        error = position - (is_below ? def->least : def->most);
-        rows->least = is_below ? 0 : -HUGE_VAL;
-        rows->most = is_below ? HUGE_VAL : 0;
-    } else if (def->strength > 0) {
-        error = position - joint->start - def->speed * substep;
-        rows->least = -strength;
-        rows->most = strength;
-    } else
+    if (!is_driven(joint) || !(def->strength > 0 || isfinite(def->least) || isfinite(def->most)))
         return;
+    rows->position = position_of(joint);
+    rows->strength = def->strength * substep * substep;
     rows->has_drive = true;
-    add_row(rows, def->kind == PEL_JOINT_SLIDER ? axis : NULL, def->kind == PEL_JOINT_HINGE ? axis : NULL, error);
+    add_row(rows, def->kind == PEL_JOINT_SLIDER ? axis : NULL, def->kind == PEL_JOINT_HINGE ? axis : NULL,
+            rows->position - joint->start - def->speed * substep);
 }
 
 static bool is_loose(const pel_rigid *rigid)
@@ -217,24 +208,41 @@ static void solve(double k[MOST_ROWS][MOST_ROWS], int count, const double right[
     }
 }
 
-static void find_loads(const pel_joint *joint, joint_rows *rows)
+/* the load of the last row beside those that the others then need */
+static void drive(pel_joint *joint, joint_rows *rows, double k[MOST_ROWS][MOST_ROWS], double right[MOST_ROWS])
+{
+    int last = rows->count - 1;
+    double all = joint->drive + rows->loads[last], after = rows->position;
+    joint->motor = pel_min(pel_max(all, -rows->strength), rows->strength);
+    if (joint->motor != all) {
+        rows->loads[last] = joint->motor - joint->drive;
+        for (int i = 0; i < last; i++)
+            right[i] -= k[i][last] * rows->loads[last];
+        solve(k, last, right, rows->loads);
+    }
+    for (int i = 0; i <= last; i++)
+        after += k[last][i] * rows->loads[i];
+    if (after < joint->def.least || after > joint->def.most) {
+        rows->errors[last] = rows->position - (after < joint->def.least ? joint->def.least : joint->def.most);
+        for (int i = 0; i <= last; i++)
+            right[i] = -rows->errors[i];
+        solve(k, rows->count, right, rows->loads);
+    }
+    joint->drive += rows->loads[last];
+    rows->errors[last] = k[last][last] * rows->loads[last];
+}
+
+static void find_loads(pel_joint *joint, joint_rows *rows)
 {
     double k[MOST_ROWS][MOST_ROWS], right[MOST_ROWS];
-    int count = rows->count, last = count - 1;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < rows->count; i++) {
         right[i] = -rows->errors[i];
-        for (int j = 0; j < count; j++)
+        for (int j = 0; j < rows->count; j++)
             k[i][j] = mobility(joint, rows, i, j);
     }
-    solve(k, count, right, rows->loads);
-    double all = rows->has_drive ? joint->drive + rows->loads[last] : 0;
-    if (!rows->has_drive || (all >= rows->least && all <= rows->most))
-        return;
-    double load = (all < rows->least ? rows->least : rows->most) - joint->drive;
-    for (int i = 0; i < last; i++)
-        right[i] -= k[i][last] * load;
-    solve(k, last, right, rows->loads);
-    rows->loads[last] = load;
+    solve(k, rows->count, right, rows->loads);
+    if (rows->has_drive)
+        drive(joint, rows, k, right);
 }
 
 /* ---- in a step ---- */
@@ -244,6 +252,7 @@ void pel_joints_begin(pel_sim *sim)
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
         joint->present = joint->position;
+        joint->begun = joint->present = position_of(joint);
         joint->done = 0;
         memset(joint->sum, 0, sizeof joint->sum);
     }
@@ -254,7 +263,8 @@ void pel_joints_begin_substep(pel_sim *sim)
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
         joint->start = joint->present;
-        joint->drive = 0;
+        joint->free = position_of(joint);
+        joint->drive = joint->motor = 0;
         memset(joint->pushed, 0, sizeof joint->pushed);
     }
 }
@@ -271,19 +281,16 @@ static double project(pel_joint *joint, double substep)
     }
     add_point_rows(joint, (const double(*)[3])now, (const double(*)[3])axes, &rows);
     add_turn_rows(joint, (const double(*)[3])now, (const double(*)[3])axes, &rows);
-    if (is_driven(joint))
-        add_drive_row(joint, axes[0], substep, &rows);
+    add_drive_row(joint, axes[0], substep, &rows);
     find_moments(joint, &rows);
     find_loads(joint, &rows);
     for (int i = 0; i < rows.count; i++) {
         double error = pel_vec3_squared_length(rows.forces[i]) > 0 ? rows.errors[i] / joint->size : rows.errors[i];
-        bool is_kept = rows.has_drive && i == rows.count - 1;
-        largest = is_kept ? largest : pel_max(largest, fabs(error));
+        largest = pel_max(largest, fabs(error));
         pel_vec3_along(push, rows.loads[i], rows.forces[i], push);
         pel_vec3_along(joint->pushed, rows.loads[i], rows.forces[i], joint->pushed);
         pel_vec3_along(joint->pushed + 3, rows.loads[i], rows.torques[i], joint->pushed + 3);
     }
-    joint->drive += rows.has_drive ? rows.loads[rows.count - 1] : 0;
     for (int side = 0; side < 2; side++) {
         double sign = side == 0 ? 1 : -1;
         pel_vec3_set(moment, 0, 0, 0);
@@ -313,21 +320,38 @@ void pel_joints_tally(pel_sim *sim, double substep)
         for (int k = 0; k < 6; k++)
             joint->sum[k] += rate * joint->pushed[k] / sim->solver.substeps;
         joint->sum[6] += rate * joint->drive / sim->solver.substeps;
-        joint->done += rate * joint->drive * (joint->present - joint->start);
+        /* the mean speed without and with all pushes is that of the work of an impulse */
+        joint->done += rate * joint->motor * (0.5 * (joint->free + joint->present) - joint->start);
     }
+}
+
+/* loads of what sleeps stay */
+static bool is_asleep(const pel_sim *sim, const pel_joint *joint)
+{
+    int32_t other = joint->def.to_body;
+    return sim->asleep != NULL && (sim->asleep[joint->def.body] || (other >= 0 && sim->asleep[other]));
 }
 
 void pel_joints_end(pel_sim *sim)
 {
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
-        joint->speed = (joint->present - joint->position) / sim->step.dt;
+        joint->present = position_of(joint);
+        joint->speed = (joint->present - joint->begun) / sim->step.dt;
         joint->position = joint->present;
+        joint->work += joint->done;
+        sim->tie_work += joint->done;
+        if (is_asleep(sim, joint))
+            continue;
         pel_vec3_copy(joint->sum, joint->force);
         pel_vec3_copy(joint->sum + 3, joint->torque);
         joint->load = joint->sum[6];
-        joint->work += joint->done;
     }
+}
+
+bool pel_joint_is_running(const pel_joint *joint)
+{
+    return joint->def.strength > 0 && joint->def.speed != 0;
 }
 
 /* ---- creation ---- */

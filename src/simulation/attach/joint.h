@@ -13,8 +13,9 @@ typedef struct pel_joint {
     double arms[2][3];    /* m, of the point from the pivots at rest; of the world its place */
     double axes[3][3];    /* at rest: that of the joint, and two across it */
     double size;          /* m, of the bodies */
-    double start;         /* rad or m, position when the substep began */
-    double drive;         /* N s2 or N m s2, of motor and limit in this substep */
+    double begun, start;  /* rad or m, position when the part of a step and the substep began */
+    double free;          /* rad or m, after the substep without what holds the bodies */
+    double drive, motor;  /* N s2 or N m s2, of motor and limit in this substep, and that of the motor */
     double present;       /* rad or m, position at the end of the last substep */
     double pushed[6];     /* N s2 and N m s2, of all rows in this substep */
     double sum[7];        /* N and N m, of the substeps of the step: force, torque, load */
@@ -42,6 +43,9 @@ double pel_joints_project(pel_sim *sim, double substep);
 void pel_joints_tally(pel_sim *sim, double substep);
 /* After a part that is accepted. */
 void pel_joints_end(pel_sim *sim);
+
+/* whether its motor has a speed to reach */
+bool pel_joint_is_running(const pel_joint *joint);
 
 /* a pel_transfer_part */
 void pel_joints_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);

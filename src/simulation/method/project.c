@@ -140,7 +140,7 @@ static void sweep(pel_sim *sim, double end, const pel_record *start)
             follow_contacts(sim, start);
         find_supports(sim, lists);
         moved = 0;
-        is_stacked = pel_joints_project(sim, sim->projector->tau) > JOINT_TOLERANCE;
+        is_stacked = pel_joints_project(sim, sim->projector->substep) > JOINT_TOLERANCE;
         is_over = !is_stacked;
         for (int k = 0; k < 2; k++) {
             if (lists[k] == NULL)
@@ -207,7 +207,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     for (int32_t i = 0; i < sim->solver.iterations && !pel_pool_is_stopped_now(sim->pool); i++)
         sweep(sim, end, start);
     pel_ties_tally(sim, projector->tau, projector->reaction);
-    pel_joints_tally(sim, projector->tau);
+    pel_joints_tally(sim, h);
     double rate = 1 / (projector->tau * projector->tau * count);
     if (pairs != NULL)
         pel_contacts_tally(sim, rate);

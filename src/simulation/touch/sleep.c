@@ -6,6 +6,7 @@
    second, is at rest for any other purpose of contact too. */
 #include "touch/sleep.h"
 
+#include "attach/joint.h"
 #include "base/assert.h"
 #include "base/hash.h"
 #include "base/memory.h"
@@ -367,6 +368,15 @@ static int32_t root_of(const pel_sleep *sleep, int32_t body)
     return body;
 }
 
+static void connect(pel_sleep *sleep, int32_t a, int32_t b)
+{
+    if (!sleep->can_move[a] || !sleep->can_move[b])
+        return;
+    a = root_of(sleep, a);
+    b = root_of(sleep, b);
+    sleep->parents[a < b ? b : a] = a < b ? a : b;
+}
+
 static void connect_islands(const pel_sim *sim)
 {
     const pel_contact_set *contacts = sim->contacts;
@@ -376,16 +386,15 @@ static void connect_islands(const pel_sim *sim)
     for (int32_t c = 0; c < contacts->list.count; c++) {
         const pel_contact_key *key = &contacts->keys[c];
         int32_t a = contacts->group_of_point[key->points[0]], b = contacts->group_of_point[key->points[3]];
-        bool connects = pel_max(a, b) < sim->model->body_count && a != b;
-        if (!connects || !sleep->can_move[a] || !sleep->can_move[b])
-            continue;
-        a = root_of(sleep, a);
-        b = root_of(sleep, b);
-        sleep->parents[a < b ? b : a] = a < b ? a : b;
+        if (pel_max(a, b) < sim->model->body_count)
+            connect(sleep, a, b);
     }
+    for (int32_t i = 0; i < pel_sim_joint_count(sim); i++)
+        if (sim->joints->items[i].def.to_body >= 0)
+            connect(sleep, sim->joints->items[i].def.body, sim->joints->items[i].def.to_body);
 }
 
-/* in a collision with restitution, or caving in */
+/* in a collision with restitution, driven by a motor, or caving in */
 static bool is_busy(const pel_sim *sim, int32_t body)
 {
     int32_t group_count = sim->contact_forces.group_count;
@@ -394,6 +403,11 @@ static bool is_busy(const pel_sim *sim, int32_t body)
         if (sim->touch->collisions[body * group_count + g].is_on ||
             (g < sim->model->body_count && sim->touch->collisions[g * group_count + body].is_on))
             return true;
+    for (int32_t i = 0; i < pel_sim_joint_count(sim); i++) {
+        const pel_joint *joint = &sim->joints->items[i];
+        if (pel_joint_is_running(joint) && (joint->def.body == body || joint->def.to_body == body))
+            return true;
+    }
     for (int32_t i = 0; i < own->batch_count; i++)
         if (own->batches[i].kind == PEL_CONSTRAINT_CAVE && own->batches[i].is_on)
             return true;
