@@ -415,19 +415,44 @@ static PyObject *sim_rigid(core_sim *self, PyObject *argument)
     Py_RETURN_NONE;
 }
 
-/* names of the tools */
-static PyObject *sim_tools(core_sim *self, PyObject *unused)
+static const core_member joint_members[] = {
+    CORE_MEMBER(pel_joint_reading, position, CORE_DOUBLE), CORE_MEMBER(pel_joint_reading, speed, CORE_DOUBLE),
+    CORE_ARRAY(pel_joint_reading, force, CORE_DOUBLE, 3),  CORE_ARRAY(pel_joint_reading, torque, CORE_DOUBLE, 3),
+    CORE_MEMBER(pel_joint_reading, load, CORE_DOUBLE),     CORE_MEMBER(pel_joint_reading, work, CORE_DOUBLE),
+};
+
+static PyObject *sim_joint(core_sim *self, PyObject *argument)
 {
-    (void)unused;
-    if (core_sim_check(self) < 0)
+    int32_t joint;
+    pel_joint_reading reading;
+    if (core_sim_check(self) < 0 ||
+        core_get_index(argument, "joint", 0, (int64_t)pel_sim_joint_count(self->sim) - 1, &joint) < 0)
         return NULL;
-    PyObject *names = PyTuple_New(pel_sim_tool_count(self->sim));
-    for (int32_t t = 0; names != NULL && t < pel_sim_tool_count(self->sim); t++) {
-        PyObject *name = PyUnicode_FromString(pel_sim_tool_name(self->sim, t));
-        if (name == NULL || PyTuple_SetItem(names, t, name) < 0)
+    pel_sim_get_joint(self->sim, joint, &reading);
+    return RECORD(&reading, joint_members);
+}
+
+static PyObject *names_of(core_sim *self, int32_t count, const char *(*name_of)(const pel_sim *, int32_t))
+{
+    PyObject *names = PyTuple_New(count);
+    for (int32_t i = 0; names != NULL && i < count; i++) {
+        PyObject *name = PyUnicode_FromString(name_of(self->sim, i));
+        if (name == NULL || PyTuple_SetItem(names, i, name) < 0)
             Py_CLEAR(names);
     }
     return names;
+}
+
+static PyObject *sim_tools(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    return core_sim_check(self) < 0 ? NULL : names_of(self, pel_sim_tool_count(self->sim), pel_sim_tool_name);
+}
+
+static PyObject *sim_joints(core_sim *self, PyObject *unused)
+{
+    (void)unused;
+    return core_sim_check(self) < 0 ? NULL : names_of(self, pel_sim_joint_count(self->sim), pel_sim_joint_name);
 }
 
 /* time, steps, alpha, its limit, contact thickness */
@@ -487,7 +512,9 @@ static PyMethodDef methods[] = {
     METHOD(tool, METH_O),
     METHOD(support, METH_O),
     METHOD(rigid, METH_O),
+    METHOD(joint, METH_O),
     METHOD(tools, METH_NOARGS),
+    METHOD(joints, METH_NOARGS),
     METHOD(state, METH_NOARGS),
     METHOD(time, METH_NOARGS),
     METHOD(hash, METH_NOARGS),

@@ -396,6 +396,16 @@ class Simulation:
         angular_momentum about the center [N m s] and kinetic_energy [J]; None for a body that deforms."""
         return self._core.rigid(body)
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints of rigid bodies."""
+        return self._core.joints()
+
+    def joint(self, joint: Union[int, str]) -> dict[str, Any]:
+        """A joint after the last step: position [rad or m] and speed [rad/s or m/s] of a hinge or slider, force [N] and torque about the point
+        [N m] on its body, load [N m or N] of motor or limit along the axis, and work [J] of the motor since the start."""
+        return self._core.joint(self._find(joint, self.joints, "joint"))
+
     def set(self, path: str, value: Any) -> None:
         """Set a parameter by its path in the scene, between two steps: ``sim.set("bodies.ball.membrane.young", 2e4)``.
 

@@ -21,7 +21,7 @@ EXEMPT = {
     "stops_short_steps": "changes no result",
 }
 root = pathlib.Path(sys.argv[1])
-headers = "".join((root / "include/pellicle" / name).read_text() for name in ("quantity.h", "shell.h", "model.h", "solver.h", "load.h", "tool.h", "support.h", "tie.h", "contact.h", "wind.h", "volume.h", "sim_step.h"))
+headers = "".join((root / "include/pellicle" / name).read_text() for name in ("quantity.h", "shell.h", "model.h", "solver.h", "load.h", "tool.h", "support.h", "tie.h", "joint.h", "contact.h", "wind.h", "volume.h", "sim_step.h"))
 headers = re.sub(r"/\*.*?\*/", "", headers, flags=re.S)
 rows = (root / "src/physics/def/rows.c").read_text().replace("\\\n", " ")
 defs = {}  # def -> member -> type

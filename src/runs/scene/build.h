@@ -27,7 +27,7 @@ pel_status pel_scene_find_body(pel_scene_reader *reader, const pel_scene_value *
 /* A map without body means the only one, whose name is added to the tree; `what` is the word for the map. */
 pel_status pel_scene_fill_body(pel_scene_reader *reader, pel_scene_value *map, const pel_model_def *model,
                                const char *what);
-/* Joints, after bodies (build_joint.c). */
+/* Joints, after bodies (build_tie.c). */
 pel_status pel_scene_build_joints(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 /* `until` is after `from` */
 pel_status pel_scene_check_times(pel_scene_reader *reader, const pel_scene_value *value, double from, double until);

@@ -132,7 +132,7 @@ static void add_drive_row(const pel_joint *joint, const double axis[3], double s
     rows->strength = def->strength * substep * substep;
     rows->has_drive = true;
     add_row(rows, def->kind == PEL_JOINT_SLIDER ? axis : NULL, def->kind == PEL_JOINT_HINGE ? axis : NULL,
-            rows->position - joint->start - def->speed * substep);
+            rows->position - joint->target - def->speed * substep);
 }
 
 static bool is_loose(const pel_rigid *rigid)
@@ -253,6 +253,7 @@ void pel_joints_begin(pel_sim *sim)
         pel_joint *joint = &sim->joints->items[i];
         joint->present = joint->position;
         joint->begun = joint->present = position_of(joint);
+        joint->target = joint->begun == joint->position ? joint->aim : joint->begun;
         joint->done = 0;
         memset(joint->sum, 0, sizeof joint->sum);
     }
@@ -320,6 +321,9 @@ void pel_joints_tally(pel_sim *sim, double substep)
         for (int k = 0; k < 6; k++)
             joint->sum[k] += rate * joint->pushed[k] / sim->solver.substeps;
         joint->sum[6] += rate * joint->drive / sim->solver.substeps;
+        /* what is left by contact does not add up to a creep */
+        bool holds = fabs(joint->motor) < joint->def.strength * substep * substep && joint->motor == joint->drive;
+        joint->target = holds ? joint->target + joint->def.speed * substep : joint->present;
         /* the mean speed without and with all pushes is that of the work of an impulse */
         joint->done += rate * joint->motor * (0.5 * (joint->free + joint->present) - joint->start);
     }
@@ -339,6 +343,7 @@ void pel_joints_end(pel_sim *sim)
         joint->present = position_of(joint);
         joint->speed = (joint->present - joint->begun) / sim->step.dt;
         joint->position = joint->present;
+        joint->aim = joint->target;
         joint->work += joint->done;
         sim->tie_work += joint->done;
         if (is_asleep(sim, joint))
@@ -443,7 +448,7 @@ static void make(const pel_sim *sim, const pel_joint_def *def, pel_joint *joint)
         pel_vec3_subtract(def->point, joint->bodies[side]->shape->pivot, joint->arms[side]);
         joint->size = pel_max(joint->size, sim->model->bodies[body].diameter);
     }
-    joint->position = joint->present = position_of(joint);
+    joint->position = joint->present = joint->aim = position_of(joint);
 }
 
 pel_status pel_joints_create(pel_sim *sim, const pel_sim_def *def, pel_error *error)

@@ -16,12 +16,13 @@ typedef struct pel_joint {
     double begun, start;  /* rad or m, position when the part of a step and the substep began */
     double free;          /* rad or m, after the substep without what holds the bodies */
     double drive, motor;  /* N s2 or N m s2, of motor and limit in this substep, and that of the motor */
+    double target;        /* rad or m, where the motor has led to */
     double present;       /* rad or m, position at the end of the last substep */
     double pushed[6];     /* N s2 and N m s2, of all rows in this substep */
     double sum[7];        /* N and N m, of the substeps of the step: force, torque, load */
     double done;          /* J, of the motor in the step */
     /* what changes while it runs; the rest of this struct goes through snapshots */
-    double position, speed, force[3], torque[3], load, work;
+    double position, aim, speed, force[3], torque[3], load, work;
 } pel_joint;
 
 struct pel_joints {
