@@ -214,7 +214,7 @@ enum {
     ADJOINT_MATERIALS,
     ADJOINT_COUNT
 };
-_Static_assert(sizeof(pel_adjoint_material) == 5 * sizeof(double), "rows of five numbers");
+_Static_assert(sizeof(pel_adjoint_material) == 6 * sizeof(double), "rows of six numbers");
 
 /* adjoint(gradient, forces, rest positions or None, loads, gravity, materials): fills all arrays except the first */
 PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count)

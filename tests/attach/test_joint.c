@@ -230,8 +230,16 @@ static void test_limit(void **state)
         if (k == 0) {
             assert_near(end.position, 0.4, 1e-6);
             assert_near(end.load, -0.8 * GRAVITY * 0.2 * cos(0.4), 2e-3);
-        } else
+        } else {
+            double moment = 0.8 * ((0.4 * 0.4 + 0.02 * 0.02) / 12 + 0.2 * 0.2);
+            double energy = 0.5 * moment + 0.8 * GRAVITY * 0.2 * sin(1);
+            pel_sim_ledger ledger;
+            pel_sim_get_ledger(scene.sim, &ledger);
             assert_near(end.position, -1, 0.02);
+            assert_near(end.work / energy, 1, 0.01);
+            assert_near(ledger.energy_error / energy, 0, 0.01);
+            assert_near(ledger.dissipated_solver / energy, 0, 0.01);
+        }
         rigid_scene_end(&scene);
     }
 }
@@ -368,7 +376,7 @@ static void test_refusals(void **state)
     expect(&scene, "without an axis");
     joints[0] = joint_of("", PEL_JOINT_BALL, 0, 0, 0);
     expect(&scene, "no name");
-    joints[0] = joint_of("a", PEL_JOINT_SLIDER, 0, NAN, 0);
+    joints[0] = joint_of("a", PEL_JOINT_SLIDER, 0, (double)NAN, 0);
     expect(&scene, "out of range");
     joints[0] = joint_of("a", PEL_JOINT_SLIDER, 0, 0, 0);
     pel_vec3_set(joints[0].axis, 0, 0, 0);

@@ -200,6 +200,23 @@ class State(unittest.TestCase):
         self.assertEqual((reading["force"], reading["position"]), ((0, 0, 0), (0, 0, 3)))
 
 
+    def test_joints_are_read(self):
+        mesh = {"shape": "box", "size_x": 0.1, "size_y": 0.1, "size_z": 0.1}
+        motor = {"name": "lift", "kind": "slider", "point": [0, 0, 0], "motor": {"speed": 0.1, "strength": 20}}
+        sim = pellicle.load_scene({"version": 1, "bodies": [{"name": "box", "mesh": mesh, "rigid": {}}], "joints": [motor],
+                                   "gravity": [0, 0, -9.81], "duration": 2})
+        self.assertEqual(sim.joints, ("lift",))
+        while sim.time < 1.995:
+            sim.step()
+        joint = sim.joint("lift")
+        self.assertAlmostEqual(joint["speed"], 0.1, 6)
+        self.assertAlmostEqual(joint["load"], 9.81, 6)
+        self.assertAlmostEqual(joint["force"][2], 9.81, 6)
+        self.assertAlmostEqual(joint["work"], 9.81 * joint["position"] + sim.rigid()["kinetic_energy"], 2)
+        self.assertAlmostEqual(joint["position"], sim.rigid()["center"][2], 9)
+        with self.assertRaises(KeyError):
+            sim.joint("drop")
+
     def test_contact_records(self):
         motion = [{"time": 0, "position": [0, 0, 1.31]}, {"time": 1, "position": [0, 0, 0.6]}]
         tool = {"name": "probe", "shape": "sphere", "radius": 0.3, "motion": motion}

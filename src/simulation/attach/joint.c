@@ -208,6 +208,23 @@ static void solve(double k[MOST_ROWS][MOST_ROWS], int count, const double right[
     }
 }
 
+/* speed of the last row when the substep began */
+static double start_speed(const pel_joint *joint, const joint_rows *rows)
+{
+    double speed = 0, spin[3];
+    int last = rows->count - 1;
+    for (int side = 0; side < 2; side++) {
+        const pel_rigid *rigid = joint->bodies[side];
+        if (!is_loose(rigid))
+            continue;
+        pel_rigid_turn_by(rigid, rigid->started.angular_momentum, spin);
+        speed += (side == 0 ? 1 : -1) *
+                 (rigid->shape->inverse_mass * pel_vec3_dot(rows->forces[last], rigid->started.momentum) +
+                  pel_vec3_dot(rows->moments[side][last], spin));
+    }
+    return speed;
+}
+
 /* the load of the last row beside those that the others then need */
 static void drive(pel_joint *joint, joint_rows *rows, double k[MOST_ROWS][MOST_ROWS], double right[MOST_ROWS])
 {
@@ -264,7 +281,6 @@ void pel_joints_begin_substep(pel_sim *sim)
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
         joint->start = joint->present;
-        joint->free = position_of(joint);
         joint->drive = joint->motor = 0;
         memset(joint->pushed, 0, sizeof joint->pushed);
     }
@@ -284,6 +300,7 @@ static double project(pel_joint *joint, double substep)
     add_turn_rows(joint, (const double(*)[3])now, (const double(*)[3])axes, &rows);
     add_drive_row(joint, axes[0], substep, &rows);
     find_moments(joint, &rows);
+    joint->pace = rows.has_drive ? substep * start_speed(joint, &rows) : 0;
     find_loads(joint, &rows);
     for (int i = 0; i < rows.count; i++) {
         double error = pel_vec3_squared_length(rows.forces[i]) > 0 ? rows.errors[i] / joint->size : rows.errors[i];
@@ -324,8 +341,8 @@ void pel_joints_tally(pel_sim *sim, double substep)
         /* what is left by contact does not add up to a creep */
         bool holds = fabs(joint->motor) < joint->def.strength * substep * substep && joint->motor == joint->drive;
         joint->target = holds ? joint->target + joint->def.speed * substep : joint->present;
-        /* the mean speed without and with all pushes is that of the work of an impulse */
-        joint->done += rate * joint->motor * (0.5 * (joint->free + joint->present) - joint->start);
+        /* the mean speed before and after is that of the work of an impulse */
+        joint->done += rate * joint->motor * 0.5 * (joint->pace + joint->present - joint->start);
     }
 }
 

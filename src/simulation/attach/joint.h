@@ -14,7 +14,7 @@ typedef struct pel_joint {
     double axes[3][3];    /* at rest: that of the joint, and two across it */
     double size;          /* m, of the bodies */
     double begun, start;  /* rad or m, position when the part of a step and the substep began */
-    double free;          /* rad or m, after the substep without what holds the bodies */
+    double pace;          /* rad or m, way in a substep as fast as when it began */
     double drive, motor;  /* N s2 or N m s2, of motor and limit in this substep, and that of the motor */
     double target;        /* rad or m, where the motor has led to */
     double present;       /* rad or m, position at the end of the last substep */
