@@ -328,7 +328,7 @@ PyObject *core_sim_adjoint_steps(core_sim *self, PyObject *const *arguments, Py_
     for (; opened < STEPS_COUNT; opened++) {
         Py_ssize_t size = opened == STEPS_LOADS       ? pel_sim_load_count(self->sim)
                           : opened == STEPS_GRAVITY   ? 3
-                          : opened == STEPS_MATERIALS ? 5 * bodies
+                          : opened == STEPS_MATERIALS ? 6 * bodies
                                                       : vertices;
         if (opened == STEPS_REST && arguments[FIRST + opened] == Py_None)
             continue;

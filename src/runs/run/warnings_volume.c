@@ -120,8 +120,7 @@ void pel_tell_coarse_volume(const pel_warning_text *at)
             at->text, at->size,
             "body '%s' is about %.2g m thick, and the edges of its tetrahedra are %.2g m long: it bends about %.2g "
             "times too stiffly. use volume: { element: smooth } or { edge: %.2g }, or for a thin sheet a surface with "
-            "a "
-            "membrane of that thickness",
+            "a membrane of that thickness",
             body->name, shape.thickness, shape.edge, 1 + error, shape.thickness / GOOD_COUNT);
     else
         snprintf(
