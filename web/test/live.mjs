@@ -381,8 +381,8 @@ async function typing(page) {
     const { step } = await frame(page);
     await press("s");
     await until(page, (step) => globalThis.pellicle.frame.step === step + 1, step);
-    for (const [i, mode] of ["pull", "press", "pin", "unpin", "cut", "measure", "turn"].entries()) {
-        await press(String(i + 1));
+    for (const [i, mode] of ["pull", "press", "forceps", "blade", "hook", "pin", "unpin", "cut", "measure", "turn"].entries()) {
+        await press(String((i + 1) % 10));
         assert.equal(await page.evaluate(() => globalThis.pellicle.state.mode), mode);
     }
     for (const key of ["+", "-", "Shift+ArrowLeft", "Shift+ArrowUp", "v"]) {
