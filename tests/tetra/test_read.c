@@ -76,6 +76,7 @@ static void test_errors(void **unused)
                  {"msh/surface.msh", "no tetrahedra", 1},
                  {"msh/billion.msh", "more than the file can hold", 9},
                  {"msh/three_on_a_face.msh", "more than two tetrahedra", 0},
+                 {"msh/no_surface.msh", "has no surface", 0},
                  {"vtk/binary.vtk", "binary", 3},
                  {"vtk/polydata.vtk", "no unstructured grid", 4},
                  {"vtk/voxel.vtk", "another shape", 10},
