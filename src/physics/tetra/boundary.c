@@ -189,10 +189,10 @@ static pel_status build_mesh(build *job, pel_mesh **mesh, pel_error *error)
     job->face_count = keep_single(job->faces, 4 * (size_t)job->count, &third);
     if (job->face_count < 0)
         return pel_refuse_element(error, PEL_BAD_MESH, "tetrahedron", third, "remove all but two of them",
-                                  "a face belongs to more than two tetrahedra");
+                                  "has a face that belongs to more than two tetrahedra");
     if (job->face_count == 0)
         return pel_refuse_element(error, PEL_BAD_MESH, "tetrahedron", 0, "remove tetrahedra that stand twice",
-                                  "no face belongs to one tetrahedron alone, so that the body has no surface");
+                                  "has no face of its own, like all others, so that the body has no surface");
     int32_t kept =
         number_points(job->tetrahedra, job->count, job->faces, job->face_count, job->numbers, job->point_count);
     return make_mesh(job, kept, mesh, error);
