@@ -47,7 +47,7 @@ static void test_told(void **unused)
     check_factor(shelf);
 }
 
-/* what is named, stretches, is curved, or folds more sharply than its edges show */
+/* what is named, stretches, is curved, folds more sharply than its edges show, or keeps its folds */
 static void test_not_told(void **unused)
 {
     (void)unused;
@@ -62,6 +62,13 @@ static void test_not_told(void **unused)
     const char *const cloth = "version: 1\nbodies:\n  - name: foam\n    mesh: { shape: grid, nx: 12, ny: 12 }\n"
                               "    membrane: { preset: denim }\n    pinned: { vertices: [0, 12] }\n"
                               "gravity: [0, 0, -9.81]\nsolver: { drag: 2 }\nduration: 1\n";
+    const char *const foil =
+        "version: 1\nbodies:\n  - name: foam\n    mesh: { shape: grid, nx: 12, ny: 12, size_x: 0.1, size_y: 0.1 }\n"
+        "    membrane: { young: 7.0e10, thickness: 5.0e-5 }\n    bending: { yield: 50 }\n    mass: { density: 2700 }\n"
+        "    pinned: { box: { min: [-1, -1, -1], max: [-0.04, 1, 1] } }\n"
+        "loads: [ { at: { box: { min: [0.045, -1, -1], max: [1, 1, 1] } }, force: [0, 0, 0.05], until: 0.5 } ]\n"
+        "duration: 1\n";
+    assert_true(factor_of(foil, NULL, 0, &way) == 0 && way > 0.1);
     assert_true(factor_of(pulled, NULL, 0, &way) == 0 && way > 0.005);
     assert_true(factor_of(load, NULL, 0, &way) > 0);
     assert_true(factor_of(load, hinge, 1, &way) == 0 && way > 0);

@@ -31,7 +31,7 @@ typedef struct plate_sums {
     double energy, covered, area, turn;
 } plate_sums;
 
-/* D and Poisson's ratio are those of all hinges */
+/* D and Poisson's ratio are those of all hinges, and the sheet is flat at rest: folds that stay store no energy */
 static bool is_plate(const pel_run_state *run, int32_t b)
 {
     const pel_body_def *body = &run->scene->model.bodies[b];
@@ -39,7 +39,7 @@ static bool is_plate(const pel_run_state *run, int32_t b)
     double axes[2][3];
     return shell != NULL && shell->has_membrane && body->shell.bending.model == PEL_BENDING_HINGE &&
            body->shell.membrane.kind != PEL_MEMBRANE_ORTHOTROPIC && shell->hinge_stiffnesses == NULL &&
-           shell->hinge_stiffness > 0 && body->refine.levels == 0 &&
+           shell->hinge_stiffness > 0 && shell->yield_angles == NULL && body->refine.levels == 0 &&
            pel_sim_vertex_count(run->sim, b) == body->mesh->vertex_count && pel_warnings_find_plane(body->mesh, axes);
 }
 
@@ -161,8 +161,7 @@ void pel_tell_hinges(const pel_warning_text *at)
     const pel_flagged_body *flagged = &at->run->flagged[PEL_WARN_HINGES];
     snprintf(at->text, at->size,
              "the hinges of body '%s' are about %.2g times as stiff as its material in the shape at the end: their "
-             "stiffness "
-             "depends on the directions of edges. use the method implicit or static, whose bending (model midedge) "
-             "does not",
+             "stiffness depends on the directions of edges. use the method implicit or static, whose bending (model "
+             "midedge) does not",
              at->run->scene->model.bodies[flagged->body].name, flagged->value);
 }
