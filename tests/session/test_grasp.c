@@ -1,11 +1,10 @@
 /* The forceps of the hand: what they hold, what becomes of forceps of the scene, undo, a record that repeats to the
  * bit. */
 #define _XOPEN_SOURCE 700
-#include "run/run_fixture.h"
+#include "session/play.h"
 
 #include "failing_malloc.h"
 #include "math/vec3.h"
-#include "pellicle/session.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/tear.h"
 
@@ -25,49 +24,6 @@ static const char disk[] =
     "solver: {method: quasi-static, dt: 0.0005}\n"
     "duration: 100\n"
     "stop: {time: 50}\n";
-
-typedef struct play {
-    pel_scene *scene;
-    pel_model *model;
-    pel_sim *sim;
-    pel_session *session;
-} play;
-
-static play begin(const char *scene)
-{
-    play made;
-    made.scene = load_scene(scene, NULL, 0);
-    assert_int_equal(pel_model_create(&made.scene->model, &made.model, NULL), PEL_OK);
-    pel_sim_def def = made.scene->sim;
-    def.model = made.model;
-    assert_int_equal(pel_sim_create(&def, &made.sim, NULL), PEL_OK);
-    assert_int_equal(pel_session_create(made.scene, made.sim, &made.session, NULL), PEL_OK);
-    return made;
-}
-
-static void end(play *made)
-{
-    pel_session_destroy(made->session);
-    pel_sim_destroy(made->sim);
-    pel_model_destroy(made->model);
-    pel_scene_destroy(made->scene);
-}
-
-static void apply(play *made, const char *line)
-{
-    char message[900];
-    pel_error error;
-    pel_status status = pel_session_apply(made->session, line, &error);
-    if (status != PEL_OK)
-        print_error("%s: %s\n", line, pel_error_text(&error, message, sizeof message));
-    assert_int_equal(status, PEL_OK);
-}
-
-static void steps(play *made, int count)
-{
-    for (int i = 0; i < count; i++)
-        assert_int_equal(pel_session_step(made->session, NULL), PEL_OK);
-}
 
 static pel_tool_reading tool(const play *made, int32_t index)
 {
@@ -132,18 +88,38 @@ static void test_hold(void **unused)
     steps(&made, 2);
     int32_t held = tool(&made, 1).held_count;
     assert_true(held > 0 && held < 10);
+    /* 0.1 mm, nearer by a factor of e in 20 ms */
     apply(&made, "move 0.0033 0.0009 0");
-    steps(&made, 400);
-    /* 0.1 mm, within the time that forceps need */
+    steps(&made, 40);
+    assert_near(tool(&made, 1).position[0], 0.0033 - 1e-4 * pow(1 + 0.0005 / 0.02, -40), 3e-6);
+    steps(&made, 360);
     assert_near(tool(&made, 1).position[0], 0.0033, 2e-6);
     assert_int_equal(tool(&made, 1).held_count, held);
+    /* and no faster than 0.4 diagonals in a second */
+    double from = tool(&made, 1).position[0], most = 0.4 * hypot(0.008, 0.008) * 0.0005;
+    apply(&made, "move 0.0063 0.0009 0");
+    steps(&made, 5);
+    assert_near(tool(&made, 1).position[0], from + 5 * most, 0.5 * most);
+    apply(&made, "release");
+    /* at least the nearest vertex */
+    apply(&made, "grasp 0.0011 -0.0015 1  0 0 -1  0 0");
+    steps(&made, 2);
+    assert_true(tool(&made, 1).held_count > 0 && tool(&made, 1).held_count < 3);
     apply(&made, "release");
     /* with it the hand takes the flap at once, also from a place beside the tip, which is outside */
     apply(&made, "grasp 0.0015 0.0026 1  0 0 -1  0.0003 1");
     steps(&made, 2);
-    double place[3];
+    double place[3], target[3] = {0.0015, 0.0026, 0};
     pel_vec3_copy(tool(&made, 1).position, place);
     assert_true(hypot(place[0], place[1]) < 0.0027);
+    /* and draws it from there, not from where the hand pressed */
+    for (int i = 0; i < 20; i++) {
+        pel_vec3_copy(tool(&made, 1).position, place);
+        steps(&made, 1);
+        assert_near(pel_vec3_distance(tool(&made, 1).position, place), most, 1e-3 * most);
+        assert_near(pel_vec3_distance(place, target) - pel_vec3_distance(tool(&made, 1).position, target), most,
+                    1e-3 * most);
+    }
     end(&made);
 }
 

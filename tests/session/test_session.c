@@ -1,10 +1,9 @@
 /* Sessions: words that are refused, undo and reset to the bit, a record that a run repeats to the bit. */
 #define _XOPEN_SOURCE 700
-#include "run/run_fixture.h"
+#include "session/play.h"
 
 #include "math/vec3.h"
 #include "pellicle/mesh_io.h"
-#include "pellicle/session.h"
 #include "pellicle/shape.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
@@ -23,55 +22,6 @@ static const char text[] =
     "      motion: [{ time: 0, position: [0, 0, 1.35] }, { time: 0.3, position: [0, 0, 1.2] }] }\n"
     "solver: { method: xpbd, dt: 0.01, substeps: 4 }\nduration: 0.5\nstop: { time: 0.4 }\n"
     "output: { every: 0.1 }\ncontact: none\n";
-
-typedef struct play {
-    pel_scene *scene;
-    pel_model *model;
-    pel_sim *sim;
-    pel_session *session;
-} play;
-
-static play begin(const char *scene)
-{
-    play made;
-    made.scene = load_scene(scene, NULL, 0);
-    assert_int_equal(pel_model_create(&made.scene->model, &made.model, NULL), PEL_OK);
-    pel_sim_def def = made.scene->sim;
-    def.model = made.model;
-    assert_int_equal(pel_sim_create(&def, &made.sim, NULL), PEL_OK);
-    assert_int_equal(pel_session_create(made.scene, made.sim, &made.session, NULL), PEL_OK);
-    return made;
-}
-
-static void end(play *made)
-{
-    pel_session_destroy(made->session);
-    pel_sim_destroy(made->sim);
-    pel_model_destroy(made->model);
-    pel_scene_destroy(made->scene);
-}
-
-static void apply(play *made, const char *line)
-{
-    char message[900];
-    pel_error error;
-    pel_status status = pel_session_apply(made->session, line, &error);
-    if (status != PEL_OK)
-        print_error("%s: %s\n", line, pel_error_text(&error, message, sizeof message));
-    assert_int_equal(status, PEL_OK);
-}
-
-static void steps(play *made, int count)
-{
-    pel_error error;
-    char message[900];
-    for (int i = 0; i < count; i++) {
-        pel_status status = pel_session_step(made->session, &error);
-        if (status != PEL_OK)
-            print_error("%s\n", pel_error_text(&error, message, sizeof message));
-        assert_int_equal(status, PEL_OK);
-    }
-}
 
 /* every word once and more */
 static void act(play *made)
