@@ -50,6 +50,15 @@ static pel_status start(const char *refine, const char *method, lab_trial *trial
     return lab_open_trial("patch", patch, overrides, trial, error);
 }
 
+/* the patch refined everywhere */
+static pel_status start_level(int level, const char *method, lab_trial *trial, pel_error *error)
+{
+    char refine[64] = "";
+    if (level > 0)
+        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
+    return start(refine, method, trial, error);
+}
+
 /* processor time of a step on the settled surface over that on the base: both take turns, the least of each counts */
 static pel_status compare_steps(const char *refine, double *ratio, pel_error *error)
 {
@@ -138,11 +147,8 @@ static pel_status settle_from(pel_sim *sim, pel_mesh *mesh, pel_error *error)
 
 static pel_status settle_level(int level, pel_mesh *mesh, pel_error *error)
 {
-    char refine[64] = "";
     lab_trial trial;
-    if (level > 0)
-        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
-    pel_status status = start(refine, "static", &trial, error);
+    pel_status status = start_level(level, "static", &trial, error);
     if (status == PEL_OK)
         status = settle_from(trial.sim, mesh, error);
     lab_close_trial(&trial);
@@ -262,11 +268,8 @@ static pel_status weigh_sim(pel_sim *sim, physics *made, pel_error *error)
 
 static pel_status weigh_level(int level, physics *made, pel_error *error)
 {
-    char refine[64] = "";
     lab_trial trial;
-    if (level > 0)
-        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
-    pel_status status = start(refine, "quasi-static", &trial, error);
+    pel_status status = start_level(level, "quasi-static", &trial, error);
     if (status == PEL_OK)
         status = weigh_sim(trial.sim, made, error);
     lab_close_trial(&trial);

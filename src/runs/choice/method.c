@@ -38,8 +38,7 @@ typedef struct step_cost {
     double substep, implicit; /* a substep of xpbd, a step of implicit */
 } step_cost;
 
-/* s of one core, that a run of implicit may take in default steps where xpbd would do it in less; shorter ones follow
- */
+/* s of one core: a run of implicit that takes longer in default steps is left to xpbd */
 #define MOST_RUN 1
 /* ms of a substep of xpbd, of a tetrahedron; of a system of implicit or static, with so many of them */
 #define SOLID_SUBSTEP 100e-6

@@ -306,8 +306,7 @@ static pel_status follow_frames(pel_scene_reader *reader, const pel_scene_value 
     return may ? set_dt(reader, root, scene, every) : PEL_OK;
 }
 
-/* Solids are the only bodies whose systems take long on usual meshes: the time grows with the sixth power of 1 / edge.
- */
+/* Only solids have systems that take long on usual meshes: the time grows with the sixth power of 1 / edge. */
 static void tell_solid_cost(pel_scene_reader *reader, const pel_scene *scene)
 {
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);

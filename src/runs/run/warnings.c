@@ -47,7 +47,7 @@ enum { JAM_STEPS = 10 };
 #define EXCESS_SHARE 0.05
 /* of the largest force: forces on free vertices of a quasi-static run at rest */
 #define SETTLED_SHARE 0.05
-/* steps, of which a run shows a motion at any rate; those of a quarter of a vibration that are as long as it needs */
+/* a run of as many steps shows a motion; steps of a quarter of a vibration, at the step that resolves it */
 enum { FEW_STEPS = 4, QUARTER = 10 };
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000

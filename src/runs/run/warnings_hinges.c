@@ -1,7 +1,8 @@
 /* Hinges bend a flat sheet as its material does only in the mean over all directions and meshes: their stiffness
    depends on the directions of edges, and they know no Poisson's ratio, so that twist is up to 2 / (1 - nu) times too
    stiff. The shape at the end tells: with the mean curvature H and the Gaussian curvature K a plate of the rigidity D
-   stores D (2 H^2 - (1 - nu) K) per area. */
+   stores D (2 H^2 - (1 - nu) K) per area. Where hinges take another shape than a plate would, they may store as much as
+   a plate there, and nothing is told. */
 #include "run/warnings_hinges.h"
 
 #include "base/memory.h"
@@ -26,9 +27,12 @@
 /* of the energy of the plate, which the mesh itself gives within a tenth */
 #define MOST_ERROR 0.15
 
-/* sums over the triangles that have a corner inside: J of the plate, m2 of them, of all, turns of their edges */
+/* over triangles with a corner inside */
 typedef struct plate_sums {
-    double energy, covered, area, turn;
+    double energy;  /* J, of the plate */
+    double covered; /* m2 */
+    double area;    /* m2, of all triangles */
+    double turn;    /* of squares of the turns of edges, times area */
 } plate_sums;
 
 /* D and Poisson's ratio are those of all hinges, and the sheet is flat at rest: folds that stay store no energy */
