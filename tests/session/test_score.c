@@ -1,5 +1,6 @@
 /* The score of a tear: forces against those of the tools, the way back, instruments on the far side. */
 #define _XOPEN_SOURCE 700
+#include "run/warned.h"
 #include "session/play.h"
 
 #include "math/vec3.h"
@@ -21,10 +22,15 @@ static const char lens[] =
     "solver: {method: quasi-static, dt: 0.0005}\n"
     "duration: 1\n";
 
+static void write_lens(bool leads, char text[2000])
+{
+    snprintf(text, 2000, lens, leads ? ", lead: {radius: 0.00275, speed: 0.004, regrasp: 0.003}" : "");
+}
+
 static play begin_lens(bool leads)
 {
     char text[2000];
-    snprintf(text, sizeof text, lens, leads ? ", lead: {radius: 0.00275, speed: 0.004, regrasp: 0.003}" : "");
+    write_lens(leads, text);
     return begin(text);
 }
 
@@ -106,12 +112,26 @@ static void test_nothing(void **unused)
     end(&made);
 }
 
+/* the first cut covers 60 degrees of the circle */
+static void test_summary(void **unused)
+{
+    (void)unused;
+    char text[2000];
+    const char *brief = "duration=0.002";
+    pel_run_summary summary;
+    write_lens(true, text);
+    run_scene(text, &brief, 1, NULL, 0, &summary);
+    check_contains("warned", "summary.json", "\"hole\": {\"whole\": false, \"swept\": 1.");
+    check_contains("warned", "summary.json", "\"roundness\": null, \"run_outs\": 0, \"largest_radius\": 0.002");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_far_side),
         cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_summary),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -167,6 +167,16 @@ static void write_ledger(pel_json *json, const pel_sim_ledger *ledger)
     close_inline(json, '}');
 }
 
+void pel_results_put_hole(pel_json *json, const pel_hole_reading *hole)
+{
+    pel_json_bool(json, "whole", hole->is_whole);
+    pel_json_number(json, "swept", hole->swept);
+    pel_json_number(json, "diameter", hole->diameter);
+    pel_json_number(json, "offset", hole->offset);
+    pel_json_number(json, "roundness", hole->roundness);
+    pel_json_integer(json, "run_outs", hole->run_out_count);
+}
+
 /* of forceps that lead a tear */
 static void write_hole(pel_json *json, const pel_sim *sim)
 {
@@ -174,13 +184,8 @@ static void write_hole(pel_json *json, const pel_sim *sim)
     if (!pel_sim_get_hole(sim, &hole))
         return;
     pel_json_open(json, "hole", '{');
-    pel_json_bool(json, "whole", hole.is_whole);
-    pel_json_number(json, "swept", hole.swept);
-    pel_json_number(json, "diameter", hole.diameter);
-    pel_json_number(json, "offset", hole.offset);
-    pel_json_number(json, "roundness", hole.roundness);
+    pel_results_put_hole(json, &hole);
     pel_json_number(json, "largest_radius", hole.largest);
-    pel_json_integer(json, "run_outs", hole.run_out_count);
     pel_json_close(json, '}');
 }
 

@@ -2,7 +2,9 @@
 #ifndef PEL_RESULTS_SUMMARY_H
 #define PEL_RESULTS_SUMMARY_H
 
+#include "io/json.h"
 #include "pellicle/run.h"
+#include "pellicle/tear.h"
 
 /* Input of the file. */
 typedef struct pel_run_ending {
@@ -18,5 +20,8 @@ typedef struct pel_run_ending {
 
 /* PEL_BAD_FILE, PEL_OUT_OF_MEMORY */
 pel_status pel_results_write_summary(const pel_run_ending *ending, pel_error *error);
+
+/* The measures of a hole, into an object that is open. */
+void pel_results_put_hole(pel_json *json, const pel_hole_reading *hole);
 
 #endif

@@ -18,6 +18,7 @@
 #include "session/command.h"
 #include "session/grasp.h"
 #include "session/score.h"
+#include "tear/forceps.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -78,8 +79,7 @@ struct pel_session {
     size_t event_count, event_room;
     mark start, marks[MARK_LIMIT];
     int32_t mark_count;
-    int32_t next_line;        /* of the scene's session */
-    const pel_tool_def *lead; /* of the scene, the first that leads a tear; null = none */
+    int32_t next_line; /* of the scene's session */
     pel_score_sums score;
     /* scratch of inflate, for the largest body */
     double *positions, *forces;
@@ -228,8 +228,6 @@ pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session 
         return pel_fail_memory(error);
     made->scene = scene;
     made->sim = sim;
-    for (int32_t t = scene->sim.tool_count; t-- > 0;)
-        made->lead = scene->sim.tools[t].leads ? &scene->sim.tools[t] : made->lead;
     pel_status status = check_lines(made, error);
     if (status == PEL_OK)
         status = take_bodies(made) ? make_mark(made, &made->start, error) : pel_fail_memory(error);
@@ -522,7 +520,7 @@ bool pel_session_get_score(const pel_session *session, pel_score *score)
         return false;
     const pel_score_sums *sums = &session->score;
     *score = (pel_score){0};
-    if (session->lead == NULL)
+    if (pel_forceps_first(&session->scene->sim) == NULL)
         return false;
     score->force_peak = sums->peak;
     score->force_rms = sums->pulls > 0 ? sqrt(sums->squares / (double)sums->pulls) : 0;
@@ -870,8 +868,9 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
         status = pel_sim_step(session->sim, error);
     if (status == PEL_OK)
         status = follow_surfaces(session, error);
-    if (status == PEL_OK && session->lead != NULL)
-        status = pel_score_add(&session->score, session->sim, session->lead, error);
+    const pel_tool_def *led = pel_forceps_first(&session->scene->sim);
+    if (status == PEL_OK && led != NULL)
+        status = pel_score_add(&session->score, session->sim, led, error);
     if (status != PEL_DIVERGED)
         return status;
     pel_status restored = step_back(session, error);

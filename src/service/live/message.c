@@ -11,6 +11,7 @@
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
+#include "results/summary.h"
 #include "scene/word_mesh.h"
 
 #include <inttypes.h>
@@ -287,16 +288,11 @@ static void put_score(pel_json *json, const pel_session *session)
     if (!pel_session_get_score(session, &score))
         return;
     pel_json_open(json, "score", '{');
-    pel_json_bool(json, "whole", hole->is_whole);
+    pel_results_put_hole(json, hole);
     pel_json_number(json, "aim", hole->aim);
     pel_json_numbers(json, "along", hole->along, 3);
     pel_json_numbers(json, "across", hole->across, 3);
     pel_json_numbers(json, "radius", hole->radius, PEL_HOLE_SECTORS);
-    pel_json_number(json, "swept", hole->swept);
-    pel_json_number(json, "diameter", hole->diameter);
-    pel_json_number(json, "offset", hole->offset);
-    pel_json_number(json, "roundness", hole->roundness);
-    pel_json_number(json, "run_outs", hole->run_out_count);
     pel_json_number(json, "force_peak", score.force_peak);
     pel_json_number(json, "force_rms", score.force_rms);
     pel_json_number(json, "time", score.time);

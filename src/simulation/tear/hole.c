@@ -7,6 +7,7 @@
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "stage/stage.h"
+#include "tear/forceps.h"
 
 #include <math.h>
 
@@ -127,14 +128,6 @@ static void measure(pel_hole_reading *hole)
         measure_whole(hole);
 }
 
-static const pel_tool_def *find_lead(const pel_sim *sim)
-{
-    for (int32_t t = 0; t < sim->def.tool_count; t++)
-        if (sim->def.tools[t].leads)
-            return &sim->def.tools[t];
-    return NULL;
-}
-
 bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading)
 {
     double axis[3];
@@ -142,7 +135,7 @@ bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading)
     if (reading == NULL)
         return false;
     *reading = (pel_hole_reading){0};
-    const pel_tool_def *lead = sim != NULL ? find_lead(sim) : NULL;
+    const pel_tool_def *lead = sim != NULL ? pel_forceps_first(&sim->def) : NULL;
     if (lead == NULL)
         return false;
     reading->aim = lead->lead_radius;
