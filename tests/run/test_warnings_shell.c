@@ -107,9 +107,11 @@ static void test_largest_pressure(void **unused)
                *stiff[] = {"bodies.0.membrane.material=stvk", "bodies.0.membrane.poisson=0.4"};
     const char *kept[] = {"bodies.0.pressure={ volume: { target: 9, bulk: 10 } }"};
     pel_run_summary summary;
+    double times;
     const char *text = warning_of(BALLOON, no_change, 0, "largest-pressure", &summary);
     /* 2 mu h / R (1 / l - 1 / l^7) at l = 7^(1/6): 4.13 kPa */
     assert_true(text != NULL && strstr(text, "5000 Pa") != NULL && strstr(text, "about 41") != NULL);
+    assert_non_null(strstr(text, "at 2.65 times its volume: beyond it grows without bound"));
     assert_false(warns(BALLOON, less, 1, "largest-pressure"));
     assert_false(warns(BALLOON, stiff, 2, "largest-pressure"));
     assert_false(warns(BALLOON, kept, 1, "largest-pressure"));
@@ -117,6 +119,8 @@ static void test_largest_pressure(void **unused)
     const char *latex[] = {"bodies.0.membrane={ preset: latex-balloon, thickness: 0.001 }"};
     text = warning_of(BALLOON, latex, 1, "largest-pressure", &summary);
     assert_true(text != NULL && strstr(text, "jumps to a far larger size") != NULL);
+    assert_int_equal(sscanf(strstr(text, " at "), " at %lf times its volume", &times), 1);
+    assert_true(times > 2 && times < 5);
 }
 
 /* ---- loads ---- */

@@ -22,7 +22,7 @@ const state = {
     bite: 0.045, // in the same unit, of forceps
     blade: 0.06, // in the same unit, half the edge of a blade or hook
     anew: true, // forceps grasp the flap of a tear anew
-    lift: 0, // in the same unit, of forceps above the height of those of the scene
+    lift: 0, // in the same unit, of forceps above the height of those of the scene, or above the surface
     grip: 0, // decimal exponent of a factor on the stiffness that the program proposes
     field: "",
     map: "", // automatic
@@ -34,6 +34,7 @@ const state = {
 let hello = null;
 let frame = null; // the newest frame
 let shown = null; // the last drawn frame
+let latestScore = null; // the newest frame with a score
 let hand = null; // the present action of the pointer
 const ruler = []; // up to two points on surfaces
 
@@ -53,7 +54,7 @@ function receive(message) {
 
 function start(message) {
     hello = message;
-    shown = frame = hand = pointed = null;
+    shown = frame = hand = pointed = latestScore = null;
     ruler.length = 0;
     range.reset();
     message.circle = message.tools.find(({ circle }) => circle)?.circle ?? null;
@@ -90,8 +91,6 @@ function takeFrame(message) {
     if (message.score) latestScore = message;
     schedule();
 }
-
-let latestScore = null;
 
 // The program sends the next frame while this one is drawn. A hidden page draws no frames and acknowledges none.
 let owed = 0;
@@ -340,7 +339,7 @@ const modes = {
     forceps(ray, hit) {
         const anew = state.anew && hello.circle;
         const most = anew ? hello.circle.regrasp / 4 : Infinity;
-        const place = (now) => (stage.circle ? stage.onCircle(now, state.lift) : stage.onPlane(now, hit.point));
+        const place = (now) => (stage.circle ? stage.onCircle(now, state.lift) : stage.onPlane(now, hit.point.clone().addScaledVector(hit.normal, state.lift)));
         send("mark");
         send(`grasp ${rayText(ray)} ${numbers([Math.min(state.bite * stage.size, most)])} ${anew ? 1 : 0}`);
         return { kind: "forceps", last: ray, move(now) { this.last = now; moveTo(place(now)); }, end: () => send("release") };
@@ -629,7 +628,7 @@ function makeOptions() {
     const made = {
         pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
         press: () => [shape(), ...startContact(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
-        forceps: () => [slider("Bite", "bite", 0.01, 0.15, metres), ...(stage.circle ? [slider("Height", "lift", -1, 1, metres), checkbox("Grasp anew", "anew")] : [])],
+        forceps: () => [slider("Bite", "bite", 0.01, 0.15, metres), slider("Height", "lift", -1, 1, metres), ...(stage.circle ? [checkbox("Grasp anew", "anew")] : [])],
         blade: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
         hook: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
