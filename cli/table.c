@@ -273,7 +273,8 @@ static const cli_command commands[] = {
         .summary = "convert a mesh to another format; export a run",
         .text =
             "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
-            "vertices and custom fields; glTF 2.0 is read too, and FBX, 3MF, COLLADA and others through assimp. "
+            "vertices and custom fields; glTF 2.0 and USD are read too, and FBX, 3MF, COLLADA and others through "
+            "assimp. "
             "Changes "
             "(polygons split, vertices welded, fields dropped) are reported on standard error.\n\nIf IN is the "
             "folder of a run, all its frames are written: as a .pc2 point cache (Blender, Maya) with its mesh "

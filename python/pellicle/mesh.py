@@ -78,7 +78,7 @@ class Mesh:
 
     @classmethod
     def read(cls, path: PathLike) -> "Mesh":
-        """Read a mesh file: OBJ, PLY, STL, OFF, VTP, and through assimp glTF, FBX, 3MF, Collada and others.
+        """Read a mesh file: OBJ, PLY, STL, OFF, VTP, glTF, USD as text, and through assimp FBX, 3MF, Collada and others.
 
         Raises
         ------

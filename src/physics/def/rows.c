@@ -234,7 +234,8 @@ static const pel_def_row rows[] = {
      .doc = "vertices that follow an animation, linear in time between its frames; a body that follows as a whole and "
             "has no material is an obstacle that moves. Optional"},
     {"bodies[].follow.file", TEXT, REQUIRED,
-     .doc = "animated .glb or .gltf; point cache (.pc2); folder of meshes, in the order of their names; or a pattern "
+     .doc = "animated .glb, .gltf or .usda; point cache (.pc2); folder of meshes, in the order of their names; or a "
+            "pattern "
             "with one *, such as walk/step_*.obj. The frames have the vertices of `mesh.file`, and are moved like the "
             "mesh"},
     {"bodies[].follow.animation", TEXT,

@@ -216,7 +216,7 @@ static pel_status pose_vertex(const gltf_reader *reader, const primitive *p, siz
     if (p->skin >= 0)
         pel_gltf_skin_point(&reader->skins[p->skin], &p->influences, p->count, v, x, placed);
     else if (node != NULL)
-        pel_gltf_place_point(&node->world, x, placed);
+        pel_place_point(&node->world, x, placed);
     else
         memcpy(placed, x, sizeof x);
     if (isfinite(placed[0]) && isfinite(placed[1]) && isfinite(placed[2]))
@@ -240,8 +240,8 @@ static pel_status pose_all(gltf_reader *reader, pel_error *error)
 static bool mirrors(const gltf_reader *reader, const primitive *p)
 {
     if (p->skin >= 0)
-        return pel_gltf_place_mirrors(&reader->skins[p->skin].bones[(size_t)p->influences.joints[0]]);
-    return p->owner >= 0 && pel_gltf_place_mirrors(&reader->nodes.nodes[p->owner].world);
+        return pel_place_mirrors(&reader->skins[p->skin].bones[(size_t)p->influences.joints[0]]);
+    return p->owner >= 0 && pel_place_mirrors(&reader->nodes.nodes[p->owner].world);
 }
 
 /* ---- meshes ---- */

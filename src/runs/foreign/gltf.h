@@ -10,6 +10,7 @@
 #define PEL_FOREIGN_GLTF_H
 
 #include "foreign/json_tree.h"
+#include "foreign/place.h"
 #include "pellicle/mesh.h"
 #include "pellicle/sequence.h"
 
@@ -80,16 +81,6 @@ pel_status pel_gltf_indices(pel_gltf *g, const pel_json_node *accessor, double *
 
 /* ---- nodes ---- */
 
-/* x -> linear x + shift */
-typedef struct pel_gltf_place {
-    double linear[3][3];
-    double shift[3];
-} pel_gltf_place;
-
-pel_gltf_place pel_gltf_place_product(const pel_gltf_place *outer, const pel_gltf_place *inner);
-void pel_gltf_place_point(const pel_gltf_place *place, const double point[3], double placed[3]);
-bool pel_gltf_place_mirrors(const pel_gltf_place *place);
-
 typedef struct pel_gltf_node {
     const pel_json_node *node;
     int32_t parent; /* -1 = a root */
@@ -97,8 +88,8 @@ typedef struct pel_gltf_node {
     bool has_matrix;              /* `matrix` instead of the three parts */
     double translation[3];        /* of the file, then of an animation */
     double rotation[4], scale[3]; /* quaternion x, y, z, w of any length */
-    pel_gltf_place matrix;        /* in the parent */
-    pel_gltf_place world;         /* of pel_gltf_nodes_place */
+    pel_place matrix;             /* in the parent */
+    pel_place world;              /* of pel_gltf_nodes_place */
     const double *weights;        /* (weight_count) of targets, of an animation; null = those of the file */
     int32_t weight_count;
 } pel_gltf_node;
@@ -138,9 +129,9 @@ void pel_gltf_animation_pose(pel_gltf_animation *animation, double time, pel_glt
 /* ---- skins ---- */
 
 typedef struct pel_gltf_skin {
-    int32_t *joints;          /* (joint_count) nodes */
-    pel_gltf_place *inverses; /* (joint_count) of the bones at rest */
-    pel_gltf_place *bones;    /* (joint_count) from rest to the world, of pel_gltf_skin_pose */
+    int32_t *joints;     /* (joint_count) nodes */
+    pel_place *inverses; /* (joint_count) of the bones at rest */
+    pel_place *bones;    /* (joint_count) from rest to the world, of pel_gltf_skin_pose */
     int32_t joint_count;
 } pel_gltf_skin;
 

@@ -8,66 +8,14 @@
 
 static const char *const again = "export the file again, or as PLY or OBJ";
 
-/* ---- places ---- */
-
-pel_gltf_place pel_gltf_place_product(const pel_gltf_place *outer, const pel_gltf_place *inner)
-{
-    pel_gltf_place product;
-    for (int i = 0; i < 3; i++) {
-        product.shift[i] = outer->shift[i];
-        for (int k = 0; k < 3; k++) {
-            product.shift[i] += outer->linear[i][k] * inner->shift[k];
-            product.linear[i][k] = 0;
-            for (int j = 0; j < 3; j++)
-                product.linear[i][k] += outer->linear[i][j] * inner->linear[j][k];
-        }
-    }
-    return product;
-}
-
-void pel_gltf_place_point(const pel_gltf_place *place, const double point[3], double placed[3])
-{
-    for (int i = 0; i < 3; i++) {
-        placed[i] = place->shift[i];
-        for (int k = 0; k < 3; k++)
-            placed[i] += place->linear[i][k] * point[k];
-    }
-}
-
-bool pel_gltf_place_mirrors(const pel_gltf_place *place)
-{
-    const double(*m)[3] = place->linear;
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]) <
-           0;
-}
-
-/* x -> R (s x) + t */
-static bool place_by_parts(const double t[3], const double q[4], const double s[3], pel_gltf_place *place)
-{
-    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(length > 0))
-        return false;
-    const double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
-    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                            {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                            {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++)
-            place->linear[i][k] = r[i][k] * s[k];
-        place->shift[i] = t[i];
-    }
-    return true;
-}
-
 pel_status pel_gltf_nodes_place(const pel_gltf *g, pel_gltf_nodes *nodes, pel_error *error)
 {
     for (int32_t i = 0; i < nodes->order_count; i++) {
         pel_gltf_node *node = &nodes->nodes[nodes->order[i]];
-        pel_gltf_place local = node->matrix;
-        if (!node->has_matrix && !place_by_parts(node->translation, node->rotation, node->scale, &local))
+        pel_place local = node->matrix;
+        if (!node->has_matrix && !pel_place_by_parts(node->translation, node->rotation, node->scale, &local))
             return pel_gltf_fail(g, node->node, error, again, "the rotation of a node has no length");
-        node->world = node->parent < 0 ? local : pel_gltf_place_product(&nodes->nodes[node->parent].world, &local);
+        node->world = node->parent < 0 ? local : pel_place_product(&nodes->nodes[node->parent].world, &local);
     }
     return PEL_OK;
 }

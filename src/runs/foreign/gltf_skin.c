@@ -70,7 +70,7 @@ void pel_gltf_skin_free(pel_gltf_skin *skin)
 void pel_gltf_skin_pose(pel_gltf_skin *skin, const pel_gltf_nodes *nodes)
 {
     for (int32_t j = 0; j < skin->joint_count; j++)
-        skin->bones[j] = pel_gltf_place_product(&nodes->nodes[skin->joints[j]].world, &skin->inverses[j]);
+        skin->bones[j] = pel_place_product(&nodes->nodes[skin->joints[j]].world, &skin->inverses[j]);
 }
 
 /* ---- vertices ---- */
@@ -175,7 +175,7 @@ void pel_gltf_skin_point(const pel_gltf_skin *skin, const pel_gltf_influences *i
         double moved[3];
         if (!(weight > 0))
             continue;
-        pel_gltf_place_point(&skin->bones[(size_t)influences->joints[at]], point, moved);
+        pel_place_point(&skin->bones[(size_t)influences->joints[at]], point, moved);
         for (int k = 0; k < 3; k++)
             placed[k] += weight * moved[k];
     }

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "foreign/gltf.h"
+#include "foreign/usd.h"
 #include "io/bytes.h"
 #include "io/file.h"
 #include "pellicle/import.h"
@@ -258,6 +259,8 @@ static pel_status read_any(const char *path, const char *animation, double fps, 
     if (animation != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "remove `animation`, or give a .glb or .gltf file",
                           "only a glTF file has named animations");
+    if (!is_many && pel_usd_is_path(path))
+        return pel_usd_read_sequence(path, sequence, error);
     if (!is_pattern)
         return is_many ? read_meshes(path, NULL, fps, sequence, error) : read_cache(path, fps, sequence, error);
     int length = slash == NULL ? 1 : slash == path ? 1 : (int)(slash - path);

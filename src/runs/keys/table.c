@@ -70,7 +70,8 @@ static const pel_def_row run_rows[] = {
      .doc = "a generated surface; its parameters are further keys of the mesh"},
     {"<mesh>.file", TEXT, ALTERNATIVE, .doc = "a mesh file; its path is relative to the scene"},
     {"<mesh>.format", WORD("auto", "obj", "ply", "stl", "off", "vtp"), .needs = "file", .preset = "auto",
-     .doc = "format of the file; auto: by its extension and content, also glTF, FBX, 3MF and others; tetrahedra: .msh, "
+     .doc = "format of the file; auto: by its extension and content, also glTF, USD, FBX, 3MF and others; tetrahedra: "
+            ".msh, "
             ".vtk, .vtu, .node"},
     {"<mesh>.weld", BOOLEAN, .needs = "file", .preset = "true",
      .doc =

@@ -77,10 +77,6 @@ static const struct {
     const char *extension, *what, *remedy;
 } strangers[] = {
     {"blend", "a .blend file holds a whole session of Blender", "export OBJ or PLY (File, Export) in Blender"},
-    {"usd", "USD is not read", "export OBJ, PLY or glTF"},
-    {"usda", "USD is not read", "export OBJ, PLY or glTF"},
-    {"usdc", "USD is not read", "export OBJ, PLY or glTF"},
-    {"usdz", "USD is not read", "export OBJ, PLY or glTF"},
     {"step", "STEP holds solids without triangles", "export STL from the CAD program"},
     {"stp", "STEP holds solids without triangles", "export STL from the CAD program"},
     {"iges", "IGES holds surfaces without triangles", "export STL from the CAD program"},
