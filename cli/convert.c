@@ -39,8 +39,8 @@ static int output_format(const cli_call *call, const char *out)
     pel_mesh_format format = pel_mesh_format_of_path(out);
     if (name == NULL && format == PEL_FORMAT_AUTO) {
         cli_complain(
-            "'%s' is not a format that can be written. end the name in .obj, .ply, .stl, .off, .vtp, .glb or, for a "
-            "run, .pc2 or .usda",
+            "'%s' is not a format that can be written. end the name in .obj, .ply, .stl, .off, .vtp, .glb, .usda or, "
+            "for a run, .pc2",
             out);
         return -1;
     }
@@ -76,10 +76,11 @@ static int export_run(const char *folder, const char *out, int format, bool quie
     return status == PEL_OK ? CLI_DONE : cli_report(&error);
 }
 
-static int write_glb(const char *path, const pel_mesh *mesh, bool quiet)
+/* as .glb or .usda */
+static int write_scene(const char *path, int format, const pel_mesh *mesh, bool quiet)
 {
     pel_error error;
-    if (pel_export_glb_mesh(path, mesh, &error) != PEL_OK)
+    if ((format == FORMAT_GLB ? pel_export_glb_mesh : pel_export_usd_mesh)(path, mesh, &error) != PEL_OK)
         return cli_report(&error);
     if (!quiet)
         printf("%s: %d vertices, %d triangles\n", path, (int)mesh->vertex_count, (int)mesh->triangle_count);
@@ -95,14 +96,14 @@ int cli_convert(const cli_call *call)
     bool quiet = cli_has(call, "quiet");
     if (cli_is_folder(in))
         return export_run(in, out, format, quiet);
-    if (format == FORMAT_PC2 || format == FORMAT_USD)
-        return cli_complain("%s holds the frames of a run and '%s' is not a folder. name a run's folder",
-                            format == FORMAT_PC2 ? "a point cache" : "a .usda file", in);
+    if (format == FORMAT_PC2)
+        return cli_complain("a point cache holds the frames of a run and '%s' is not a folder. name a run's folder",
+                            in);
     const pel_log *log = quiet ? NULL : &cli_notes;
     int status;
     pel_mesh *mesh = cli_read_mesh(in, log, NULL, &status);
     if (mesh != NULL)
-        status = format == FORMAT_GLB ? write_glb(out, mesh, quiet)
+        status = format >= FORMAT_GLB ? write_scene(out, format, mesh, quiet)
                                       : cli_write_mesh(out, (pel_mesh_format)format, mesh, log, quiet);
     pel_mesh_destroy(mesh);
     return status;

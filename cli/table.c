@@ -272,7 +272,8 @@ static const cli_command commands[] = {
         .name = "convert",
         .summary = "convert a mesh to another format; export a run",
         .text =
-            "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP or GLB. OBJ, PLY, STL and OFF keep the order of "
+            "Reads a mesh and writes it as OBJ, PLY, STL, OFF, VTP, GLB or USD. OBJ, PLY, STL and OFF keep the order "
+            "of "
             "vertices and custom fields; glTF 2.0 and USD are read too, and FBX, 3MF, COLLADA and others through "
             "assimp. "
             "Changes "

@@ -41,6 +41,9 @@ PEL_API pel_status pel_export_glb_mesh(const char *path, const pel_mesh *mesh, p
    each body and tool. Errors: as for pel_export_glb, without the limit. */
 PEL_API pel_status pel_export_usd(const char *path, const pel_frames *frames, pel_error *error);
 
+/* The same for one mesh without motion. PEL_BAD_ARGUMENT for a coordinate that no float holds. */
+PEL_API pel_status pel_export_usd_mesh(const char *path, const pel_mesh *mesh, pel_error *error);
+
 /* Longest path of a numbered file, terminating zero included. */
 #define PEL_EXPORT_PATH_SIZE 4096
 

@@ -86,16 +86,24 @@ class Reader:
         prim["about"].setdefault(name, {}).update(self.metadata())
 
 
+def samples(values, name):
+    """The kind of an attribute and its values by time code; a value without times is at code 0."""
+    if name in values:
+        kind, value = values[name]
+        return kind, {0: value}
+    return values[name + ".timeSamples"]
+
+
 def check_mesh(mesh, codes):
     values = mesh["attributes"]
     counts, indices = values["faceVertexCounts"][1], values["faceVertexIndices"][1]
-    kind, points = values["points.timeSamples"]
+    kind, points = samples(values, "points")
     assert kind == "point3f[]" and sorted(points) == list(points) == codes
     assert set(counts) == {3} and 3 * len(counts) == len(indices)
     count = len(points[codes[0]])
     assert set(indices) == set(map(float, range(count)))
     assert values["subdivisionScheme"][1] == "none" and mesh["about"]["normals"] == {"interpolation": "vertex"}
-    normals, extents = values["normals.timeSamples"][1], values["extent.timeSamples"][1]
+    normals, extents = samples(values, "normals")[1], samples(values, "extent")[1]
     for code in codes:
         assert len(points[code]) == len(normals[code]) == count and all(len(point) == 3 for point in points[code])
         assert all(abs(math.hypot(*normal) - 1) < 1e-5 for normal in normals[code])
@@ -111,11 +119,16 @@ def main():
         reader = Reader(file.read())
     head, root = reader.metadata(), reader.prim()
     assert reader.peek() is None and root["type"] == "Xform" and root["name"] == head["defaultPrim"]
-    assert head["upAxis"] == "Z" and head["metersPerUnit"] == 1 and head["framesPerSecond"] == head["timeCodesPerSecond"]
+    assert head["upAxis"] == "Z" and head["metersPerUnit"] == 1
     meshes = root["children"]
     assert all(re.fullmatch(r"[A-Za-z_]\w*", mesh["name"]) for mesh in meshes) and len({mesh["name"] for mesh in meshes}) == len(meshes)
-    codes = list(meshes[0]["attributes"]["points.timeSamples"][1])
-    assert codes[0] == head["startTimeCode"] and codes[-1] == head["endTimeCode"]
+    is_timed = "points" not in meshes[0]["attributes"]
+    codes = list(samples(meshes[0]["attributes"], "points")[1])
+    if is_timed:
+        assert codes[0] == head["startTimeCode"] and codes[-1] == head["endTimeCode"]
+        assert head["framesPerSecond"] == head["timeCodesPerSecond"]
+    else:
+        assert "startTimeCode" not in head and "timeCodesPerSecond" not in head
     parts = [check_mesh(mesh, codes) for mesh in meshes]
     if len(sys.argv) > 2:
         _, prim, name, code = sys.argv[1:]
@@ -123,7 +136,7 @@ def main():
         rows = value[float(code)] if isinstance(value, dict) else value
         print(" ".join(f"{number:.9g}" for row in rows for number in row))
     else:
-        print("; ".join(parts) + f", {len(codes)} frames at {head['timeCodesPerSecond']:.9g} codes/s to {codes[-1]:.9g}")
+        print("; ".join(parts) + (f", {len(codes)} frames at {head['timeCodesPerSecond']:.9g} codes/s to {codes[-1]:.9g}" if is_timed else ""))
 
 
 main()

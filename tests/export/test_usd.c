@@ -45,6 +45,24 @@ static void test_frames(void **unused)
     check_numbers(ask(path, "body_0 normals.timeSamples 2"), normals, 12, 1e-6);
 }
 
+/* a mesh alone has values without times */
+static void test_mesh(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH];
+    double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 0.1}};
+    int32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    pel_mesh mesh = {.vertex_count = 4, .triangle_count = 4, .positions = positions, .triangles = triangles};
+    pel_error error;
+    assert_int_equal(pel_export_usd_mesh(folder_path(path, folder, "m.usda"), &mesh, NULL), PEL_OK);
+    assert_string_equal(ask(path, ""), "body_0: 4 vertices, 4 triangles");
+    positions[2][1] = 1e39;
+    unlink(path);
+    assert_int_equal(pel_export_usd_mesh(path, &mesh, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.what, "vertex 2"));
+    assert_int_equal(access(path, F_OK), -1);
+}
+
 /* tools are meshes of their own; frames at unequal times keep them */
 static void test_tools_and_times(void **unused)
 {
@@ -157,6 +175,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_frames, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_mesh, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_tools_and_times, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_texture_coordinates, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refused, set_up, tear_down),

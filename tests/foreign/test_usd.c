@@ -2,11 +2,13 @@
 #include "check.h"
 #include "failing_malloc.h"
 
+#include "../export/export_folder.h"
 #include "../fuzz_scene/fuzz_usd.h"
 #include "../io/parse.h"
 #include "base/memory.h"
 #include "foreign/usd.h"
 #include "io/file.h"
+#include "pellicle/export.h"
 #include "pellicle/import.h"
 #include "source_dir.h"
 
@@ -228,6 +230,46 @@ static void test_camera(void **unused)
     assert_int_equal(pel_usd_parse_sequence("a.usda", text, strlen(text), &sequence, NULL), PEL_BAD_FORMAT);
 }
 
+/* ---- what we write ---- */
+
+static void test_written_mesh(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH];
+    double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 0.125}};
+    int32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    pel_mesh mesh = {.vertex_count = 4, .triangle_count = 4, .positions = positions, .triangles = triangles}, *back;
+    assert_int_equal(pel_export_usd_mesh(folder_path(path, folder, "m.usda"), &mesh, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_import(path, NULL, &back, NULL), PEL_OK);
+    assert_int_equal(back->vertex_count, 4);
+    assert_int_equal(back->triangle_count, 4);
+    assert_memory_equal(back->triangles, triangles, sizeof triangles);
+    assert_memory_equal(back->positions, positions, sizeof positions);
+    pel_mesh_destroy(back);
+}
+
+/* the frames of a run are a motion that reads back with its times, bodies before tools */
+static void test_motion(void **unused)
+{
+    (void)unused;
+    char path[FOLDER_PATH];
+    pel_sequence *back;
+    double x[4][3];
+    assert_int_equal(pel_export_usd(folder_path(path, folder, "a.usda"), frames, NULL), PEL_OK);
+    assert_int_equal(pel_sequence_read(path, NULL, 24, &back, NULL), PEL_OK);
+    assert_int_equal(pel_sequence_frame_count(back), FOLDER_FRAMES);
+    assert_int_equal(pel_sequence_vertex_count(back), 4);
+    for (int f = 0; f < FOLDER_FRAMES; f++) {
+        double positions[12], scalar[4], vector[12];
+        folder_values(f, positions, scalar, vector);
+        assert_near(pel_sequence_time(back, f), frames->times[f] - frames->times[0], 1e-12);
+        pel_sequence_at(back, pel_sequence_time(back, f), x[0]);
+        for (int i = 0; i < 12; i++)
+            assert_near(x[i / 3][i % 3], positions[i], 1e-6 * 12);
+    }
+    pel_sequence_destroy(back);
+}
+
 /* ---- damage ---- */
 
 static void test_damage(void **unused)
@@ -338,12 +380,20 @@ static void test_paths(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_blender),  cmocka_unit_test(test_places),
-        cmocka_unit_test(test_nesting),  cmocka_unit_test(test_orientation),
-        cmocka_unit_test(test_left_out), cmocka_unit_test(test_samples),
-        cmocka_unit_test(test_camera),   cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_depth),    cmocka_unit_test(test_allocation_failures),
-        cmocka_unit_test(test_corpus),   cmocka_unit_test(test_paths),
+        cmocka_unit_test_setup_teardown(test_written_mesh, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_motion, set_up, tear_down),
+        cmocka_unit_test(test_blender),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_nesting),
+        cmocka_unit_test(test_orientation),
+        cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_samples),
+        cmocka_unit_test(test_camera),
+        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_corpus),
+        cmocka_unit_test(test_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -137,6 +137,8 @@ static void test_results(void **unused)
     REFUSED("path", pel_export_glb_mesh(NULL, mesh, &error));
     REFUSED("mesh", pel_export_glb_mesh("misuse.glb", NULL, &error));
     REFUSED("path", pel_export_usd(NULL, &none, &error));
+    REFUSED("path", pel_export_usd_mesh(NULL, mesh, &error));
+    REFUSED("mesh", pel_export_usd_mesh("misuse.usda", NULL, &error));
     REFUSED("frames", pel_export_usd("misuse.usda", NULL, &error));
     REFUSED("frame", pel_export_usd("misuse.usda", &none, &error));
     REFUSED("path", pel_export_sequence(NULL, PEL_FORMAT_OBJ, &none, NULL, &error));

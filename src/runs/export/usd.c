@@ -1,6 +1,6 @@
 /* USD as text (openusd.org, "Crate and text file formats" and the schema UsdGeomMesh): one Xform with a Mesh for each
    body and tool. Triangles and texture coordinates are constant; points, normals and extent have a sample for each
-   frame. */
+   frame, or one value where there are no frames. */
 #include "export/export.h"
 #include "export/parts.h"
 
@@ -19,8 +19,8 @@
 
 typedef struct usd {
     pel_file_writer writer;
-    const pel_export_source *source;
-    const pel_frames *frames;
+    const pel_export_source *source; /* null: a mesh alone */
+    const pel_frames *frames;        /* null: a mesh alone */
     const pel_mesh *first;
     pel_export_parts by;
     int32_t *vertices;    /* (vertex_count) of the mesh, in the order of parts */
@@ -69,10 +69,15 @@ static void put_vector(usd *u, const double *values, int count)
     put(u, ")");
 }
 
+static const char *tool_name(const usd *u, int32_t p)
+{
+    return u->source != NULL ? pel_export_tool_name(u->source, p) : NULL;
+}
+
 /* An identifier: letters, digits and underscores, no digit first. The number keeps names apart that become the same. */
 static void put_name(usd *u, int32_t p)
 {
-    const char *tool = pel_export_tool_name(u->source, p);
+    const char *tool = tool_name(u, p);
     if (tool == NULL) {
         pel_file_writer_printf(&u->writer, "\"body_%d\"", (int)p);
         return;
@@ -110,14 +115,17 @@ static double code_of(const usd *u, int32_t frame)
 static void put_head(usd *u)
 {
     put(u, "#usda 1.0\n(\n    doc = \"pellicle " PEL_VERSION "\"\n    defaultPrim = \"run\"\n    upAxis = \"Z\"\n"
-           "    metersPerUnit = 1\n    startTimeCode = ");
-    put_double(u, code_of(u, 0));
-    put(u, "\n    endTimeCode = ");
-    put_double(u, code_of(u, u->frames->frame_count - 1));
-    put(u, "\n    timeCodesPerSecond = ");
-    put_double(u, u->rate);
-    put(u, "\n    framesPerSecond = ");
-    put_double(u, u->rate);
+           "    metersPerUnit = 1");
+    if (u->frames != NULL) {
+        put(u, "\n    startTimeCode = ");
+        put_double(u, code_of(u, 0));
+        put(u, "\n    endTimeCode = ");
+        put_double(u, code_of(u, u->frames->frame_count - 1));
+        put(u, "\n    timeCodesPerSecond = ");
+        put_double(u, u->rate);
+        put(u, "\n    framesPerSecond = ");
+        put_double(u, u->rate);
+    }
     put(u, "\n)\n\ndef Xform \"run\" (\n    kind = \"component\"\n)\n{\n");
 }
 
@@ -215,6 +223,12 @@ static void put_sample(usd *u, const pel_export_part *of, const pel_mesh *mesh, 
 static pel_status put_samples(usd *u, const pel_export_part *of, sampled what, pel_error *error)
 {
     static const char *const heads[SAMPLED_COUNT] = {"point3f[] points", "normal3f[] normals", "float3[] extent"};
+    if (u->frames == NULL) {
+        pel_file_writer_printf(&u->writer, "        %s = [", heads[what]);
+        put_sample(u, of, u->first, what);
+        put(u, what == NORMALS ? "] (\n            interpolation = \"vertex\"\n        )\n" : "]\n");
+        return PEL_OK;
+    }
     if (what == NORMALS)
         put(u, "        normal3f[] normals (\n            interpolation = \"vertex\"\n        )\n");
     pel_file_writer_printf(&u->writer, "        %s.timeSamples = {\n", heads[what]);
@@ -244,7 +258,7 @@ static pel_status put_part(usd *u, int32_t p, pel_error *error)
     put_name(u, p);
     put(u, "\n    {\n        uniform token subdivisionScheme = \"none\"\n        uniform bool doubleSided = 1\n");
     put(u, "        color3f[] primvars:displayColor = [");
-    put(u, pel_export_tool_name(u->source, p) != NULL ? "(0.45, 0.5, 0.56)]\n" : "(0.8, 0.55, 0.45)]\n");
+    put(u, tool_name(u, p) != NULL ? "(0.45, 0.5, 0.56)]\n" : "(0.8, 0.55, 0.45)]\n");
     put_triangles(u, of);
     put_coordinates(u, of);
     for (int what = 0; status == PEL_OK && what < SAMPLED_COUNT; what++)
@@ -277,7 +291,8 @@ static pel_status export_all(const char *path, usd *u, pel_error *error)
     if (status == PEL_OK) {
         for (int32_t v = 0; v < count; v++)
             u->vertices[u->by.place[v]] = v;
-        find_rate(u);
+        if (u->frames != NULL)
+            find_rate(u);
         status = write_file(path, u, error);
     }
     PEL_FREE_ALL(u->normals, u->vertices);
@@ -303,4 +318,15 @@ pel_status pel_export_usd(const char *path, const pel_frames *frames, pel_error 
     pel_mesh_destroy(first);
     pel_export_close(&source);
     return status;
+}
+
+pel_status pel_export_usd_mesh(const char *path, const pel_mesh *mesh, pel_error *error)
+{
+    PEL_REFUSE_NULL(path, error);
+    PEL_REFUSE_NULL(mesh, error);
+    for (size_t i = 0; i < 3 * (size_t)mesh->vertex_count; i++)
+        if (!pel_export_fits_float(mesh->positions[i / 3][i % 3]))
+            return pel_refuse(error, PEL_BAD_ARGUMENT, "scale the mesh", "a coordinate of vertex %zu exceeds a float",
+                              i / 3);
+    return export_all(path, &(usd){.first = mesh}, error);
 }
