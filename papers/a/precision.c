@@ -50,15 +50,6 @@ static pel_status start(const char *refine, const char *method, lab_trial *trial
     return lab_open_trial("patch", patch, overrides, trial, error);
 }
 
-/* the patch refined everywhere */
-static pel_status start_level(int level, const char *method, lab_trial *trial, pel_error *error)
-{
-    char refine[64] = "";
-    if (level > 0)
-        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
-    return start(refine, method, trial, error);
-}
-
 /* processor time of a step on the settled surface over that on the base: both take turns, the least of each counts */
 static pel_status compare_steps(const char *refine, double *ratio, pel_error *error)
 {
@@ -80,6 +71,21 @@ static pel_status compare_steps(const char *refine, double *ratio, pel_error *er
     *ratio = least[1] / least[0];
     for (int i = 0; i < 2; i++)
         lab_close_trial(&trials[i]);
+    return status;
+}
+
+/* what work does with a simulation of the patch that is refined everywhere to a level */
+static pel_status on_level(int level, const char *method, pel_status (*work)(pel_sim *, void *, pel_error *),
+                           void *subject, pel_error *error)
+{
+    char refine[64] = "";
+    lab_trial trial;
+    if (level > 0)
+        snprintf(refine, sizeof refine, "{ everywhere: true, levels: %d }", level);
+    pel_status status = start(refine, method, &trial, error);
+    if (status == PEL_OK)
+        status = work(trial.sim, subject, error);
+    lab_close_trial(&trial);
     return status;
 }
 
@@ -126,8 +132,9 @@ static double error_of(const solution *base_shape, const solution *reference, co
 /* ---- the reference ---- */
 
 /* from the displacements that are a field of the mesh, the surface of the level at rest, to those at equilibrium */
-static pel_status settle_from(pel_sim *sim, pel_mesh *mesh, pel_error *error)
+static pel_status settle(pel_sim *sim, void *surface, pel_error *error)
 {
+    pel_mesh *mesh = surface;
     size_t count = 3 * (size_t)mesh->vertex_count;
     const double *rest = mesh->positions[0];
     double *shift = mesh->fields[0].values, *at = malloc(count * sizeof *at);
@@ -142,16 +149,6 @@ static pel_status settle_from(pel_sim *sim, pel_mesh *mesh, pel_error *error)
     for (size_t i = 0; i < count; i++)
         shift[i] = at[i] - rest[i];
     free(at);
-    return status;
-}
-
-static pel_status settle_level(int level, pel_mesh *mesh, pel_error *error)
-{
-    lab_trial trial;
-    pel_status status = start_level(level, "static", &trial, error);
-    if (status == PEL_OK)
-        status = settle_from(trial.sim, mesh, error);
-    lab_close_trial(&trial);
     return status;
 }
 
@@ -170,7 +167,7 @@ static pel_status solve_reference(lab_experiment *experiment, solution *made)
         char run[64];
         snprintf(run, sizeof run, "reference, level %d", level);
         lab_tell_run(experiment, run);
-        status = settle_level(level, mesh, error);
+        status = on_level(level, "static", settle, mesh, error);
         if (status != PEL_OK || level == REFERENCE)
             break;
         status = pel_mesh_subdivide_with(mesh, &once, &fine, error);
@@ -241,8 +238,9 @@ static double sum_of(const double *values, int32_t count)
     return sum;
 }
 
-static pel_status weigh_sim(pel_sim *sim, physics *made, pel_error *error)
+static pel_status weigh(pel_sim *sim, void *measured, pel_error *error)
 {
+    physics *made = measured;
     int32_t count = pel_sim_vertex_count(sim, 0);
     double *rest = malloc(8 * (size_t)count * sizeof *rest);
     if (rest == NULL)
@@ -266,23 +264,13 @@ static pel_status weigh_sim(pel_sim *sim, physics *made, pel_error *error)
     return status;
 }
 
-static pel_status weigh_level(int level, physics *made, pel_error *error)
-{
-    lab_trial trial;
-    pel_status status = start_level(level, "quasi-static", &trial, error);
-    if (status == PEL_OK)
-        status = weigh_sim(trial.sim, made, error);
-    lab_close_trial(&trial);
-    return status;
-}
-
 static pel_status judge_physics(lab_experiment *experiment)
 {
     static const char source[] = "paper A, section 3.3; 0.02 is ours";
     physics levels[LEVELS + 1] = {{0}};
     pel_status status = PEL_OK;
     for (int i = 0; status == PEL_OK && i <= LEVELS; i++)
-        status = weigh_level(i, &levels[i], experiment->error);
+        status = on_level(i, "quasi-static", weigh, &levels[i], experiment->error);
     lab_begin_claim(experiment, LAB_PAPER, "a level changes neither the mass nor the stiffness of the springs", NULL);
     for (int i = 1; status == PEL_OK && i <= LEVELS; i++) {
         char name[64];

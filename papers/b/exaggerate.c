@@ -9,11 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* s when the handle arrives, when it turns back, and when it is home and lets go; size of the bodies, and radius of the
-   handle [m] */
+/* s when the handle arrives, turns back, is home, and lets go there, at rest: let go as it came home, at 2 m/s, the
+   part went on inward by a fifth of the way; size of the bodies, and radius of the handle [m] */
 #define ARRIVES 1.0
 #define LEAVES 1.25
-#define LETS_GO 2.25
+#define COMES_HOME 2.25
+#define LETS_GO 2.75
 #define SIZE 2.0
 #define HANDLE 0.2
 
@@ -79,7 +80,7 @@ static void write_handle(const tip *at, double way, char *text, size_t size)
              "reach: 0.01 }, motion: [{ position: [%.9g, %.9g, %.9g] }, { time: %g, position: [%.9g, %.9g, %.9g] }, "
              "{ time: %g, position: [%.9g, %.9g, %.9g] }, { time: %g, position: [%.9g, %.9g, %.9g] }] }]",
              HANDLE, LETS_GO, from[0], from[1], from[2], ARRIVES, to[0], to[1], to[2], LEAVES, to[0], to[1], to[2],
-             LETS_GO, from[0], from[1], from[2]);
+             COMES_HOME, from[0], from[1], from[2]);
 }
 
 /* the setting that pins the foot */
@@ -244,15 +245,14 @@ static void judge(lab_experiment *experiment, const pulled *made)
     for (int body = 0; body < count; body++)
         b_at_least(experiment, body, "longest edge / at rest, pulled by 1 size", made[body].stretch[WAYS - 1], 3,
                    source);
-    lab_begin_claim(experiment, LAB_PAPER, "brought back and let go, it takes its shape again",
-                    "pulled as far as its own size, a body folds on the way back, and contact holds some of the folds");
+    lab_begin_claim(experiment, LAB_PAPER, "brought back and let go, it takes its shape again", NULL);
     for (int body = 0; body < count; body++)
         for (int i = 0; i < WAYS; i++) {
             char text[64];
             snprintf(text, sizeof text, "way that remains / of the handle, %g sizes", ways[i]);
-            b_expect(experiment, body, text, made[body].remains[i], 0, 0.2, source);
+            b_expect(experiment, body, text, made[body].remains[i], 0, 0.1, source);
             snprintf(text, sizeof text, "volume at the end, %g sizes", ways[i]);
-            b_expect(experiment, body, text, made[body].volumes[i], 1, 0.1, source);
+            b_expect(experiment, body, text, made[body].volumes[i], 1, 0.05, source);
         }
     lab_begin_claim(experiment, LAB_PAPER, "given the exaggerated shape as its shape at rest, the body goes there",
                     NULL);
@@ -262,8 +262,7 @@ static void judge(lab_experiment *experiment, const pulled *made)
         b_tell(experiment, body, "intersections, drawn to the target shape", made[body].crossed, (double)NAN, "");
         b_tell(experiment, body, "longest edge of the target shape / of the body", made[body].drawn, (double)NAN, "");
     }
-    b_begin_contact_claim(
-        experiment, "where a body folds on the way back from its own size, the guard stepped back a few vertices");
+    b_begin_contact_claim(experiment, NULL);
     for (int body = 0; body < count; body++)
         b_judge_contacts(experiment, body, "both", &made[body].contacts);
 }
