@@ -120,6 +120,53 @@ static void uniform_strain_has_the_energy_of_the_law(void **state)
     pel_stars_destroy(b.stars);
 }
 
+/* Around one edge stand more and more tetrahedra, each with a modulus of its own: their star is one element and the
+   only patch as long as its corners are few enough; beyond that they stand for themselves there, and pairs at the
+   spokes are the patches. */
+static void large_stars_are_divided(void **state)
+{
+    (void)state;
+    enum { MOST = 30 };
+    const double f[9] = {1.2, 0.1, -0.05, 0.07, 0.9, 0.2, 0, -0.1, 1.1};
+    const pel_solid_law law = pel_solid_law_of(PEL_VOLUME_NEO_HOOKEAN, 0.35, 0.2);
+    for (int n = 3; n <= MOST; n++) {
+        double positions[MOST + 2][3] = {{0, 0, -0.5}, {0, 0, 0.5}}, moved[MOST + 2][3], young[MOST];
+        int32_t tetrahedra[MOST][4], patches = 0, most = 0;
+        double energy = 0, shape = 0, size = 0;
+        for (int k = 0; k < n; k++) {
+            const double angle = 2 * acos(-1) * k / n;
+            positions[k + 2][0] = cos(angle);
+            positions[k + 2][1] = sin(angle);
+            memcpy(tetrahedra[k], (int32_t[]){0, k + 2, (k + 1) % n + 2, 1}, sizeof tetrahedra[k]);
+            young[k] = 1 + 0.1 * k;
+            energy += young[k] * sin(2 * acos(-1) / n) / 6;
+        }
+        for (int v = 0; v < n + 2; v++)
+            for (int i = 0; i < 3; i++)
+                moved[v][i] = pel_vec3_dot(f + 3 * i, positions[v]);
+        block b;
+        assert_int_equal(pel_stars_create((const double(*)[3])positions, n + 2, (const int32_t(*)[4])tetrahedra, n,
+                                          young, &b.stars, NULL),
+                         PEL_OK);
+        for (int32_t e = 0; e < b.stars->count; e++) {
+            shape += b.stars->scales[e][0];
+            size += b.stars->scales[e][1];
+            patches += b.stars->scales[e][1] > 0;
+            most = node_count(b.stars, e);
+        }
+        const bool is_one = n + 2 <= PEL_STAR_NODES;
+        assert_near(shape, energy, 1e-12);
+        assert_near(size, energy, 1e-12);
+        assert_int_equal(most, is_one ? n + 2 : 5);
+        assert_int_equal(patches, is_one ? 1 : (n + 1) / 2);
+        /* an element for each edge, one for each tetrahedron of a divided star, and the patch of an odd one */
+        assert_int_equal(b.stars->count, is_one ? 3 * n + 1 : 4 * n + n % 2);
+        const double expected = energy * pel_solid_density(&law, f, NULL);
+        assert_near(energy_of(&b, &law, (const double(*)[3])moved), expected, 1e-12 * expected);
+        pel_stars_destroy(b.stars);
+    }
+}
+
 typedef struct element {
     const block *block;
     pel_solid_law law;
@@ -222,6 +269,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_share_all_volume),
         cmocka_unit_test(uniform_strain_has_the_energy_of_the_law),
+        cmocka_unit_test(large_stars_are_divided),
         cmocka_unit_test(derivatives_are_those_of_the_energy),
         cmocka_unit_test(energies_are_between_nothing_and_those_of_tetrahedra),
         cmocka_unit_test(memory_may_run_out),

@@ -479,6 +479,23 @@ static void test_aliases_without_end(void **unused)
     assert_string_equal(error.what, "there are too many values");
 }
 
+/* a list of many names in which each alias looks for its own takes time with their square */
+static void test_many_anchors(void **unused)
+{
+    (void)unused;
+    for (int count = 1000; count <= 1001; count++) {
+        char text[40000];
+        int length = 0;
+        for (int i = 0; i < count; i++)
+            length += snprintf(text + length, sizeof text - (size_t)length, "k%d: &name%d 1\n", i, i);
+        pel_scene *scene;
+        pel_error error;
+        assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, &error), PEL_BAD_SCENE);
+        assert_true((strcmp(error.what, "there are more than 1000 anchors") == 0) == (count > 1000));
+        assert_int_equal(error.line, count > 1000 ? 1001 : 1);
+    }
+}
+
 /* more names than a message holds */
 static void test_many_names(void **unused)
 {
@@ -552,11 +569,17 @@ static void test_depth(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_scenes),          cmocka_unit_test(test_null_error),
-        cmocka_unit_test(test_missing_file),        cmocka_unit_test(test_bad_mesh_file),
-        cmocka_unit_test(test_field_out_of_range),  cmocka_unit_test(test_aliases_without_end),
-        cmocka_unit_test(test_nesting_without_end), cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_locations),           cmocka_unit_test(test_many_names),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_null_error),
+        cmocka_unit_test(test_missing_file),
+        cmocka_unit_test(test_bad_mesh_file),
+        cmocka_unit_test(test_field_out_of_range),
+        cmocka_unit_test(test_aliases_without_end),
+        cmocka_unit_test(test_many_anchors),
+        cmocka_unit_test(test_nesting_without_end),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_locations),
+        cmocka_unit_test(test_many_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

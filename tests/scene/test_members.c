@@ -135,7 +135,7 @@ static void test_regions_of_numbers(void **unused)
     static const char head[] =
         "version: 1\nduration: 1\nbodies:\n  - mesh: {shape: grid, nx: 4, ny: 1, size_x: 4, size_y: 1}\n"
         "    membrane: {thickness: 0.1, young: %s}\n";
-    char text[600];
+    char text[800];
     snprintf(text, sizeof text, head,
              "{base: 3, regions: [{region: {plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}}, value: 7}, "
              "{region: {box: {min: [1.9, -1, -1], max: [3, 1, 1]}}, value: 9}]}");
@@ -146,17 +146,19 @@ static void test_regions_of_numbers(void **unused)
         assert_true(body->shell.membrane.young.field[v] == (x > 1.9 ? 9 : x > 0.5 ? 7 : 3));
     }
     pel_scene_destroy(scene);
+    /* all vertices, then what fades over what is there, then two parts at once */
     snprintf(text, sizeof text, head,
-             "{base: 3, regions: [{region: {sphere: {center: [-2, 0, 0], radius: 1}, falloff: 2}, value: 7}]}");
+             "{base: 3, regions: [{region: all, value: 5}, "
+             "{region: {sphere: {center: [-2, 0, 0], radius: 1}, falloff: 2}, value: 7}, "
+             "{region: {union: [{box: {min: [0.9, -1, -1], max: [1.1, 1, 1]}}, "
+             "{not: {plane: {point: [1.5, 0, 0], normal: [-1, 0, 0]}}}]}, value: 11}]}");
     scene = load(text);
     body = scene->model.bodies;
-    bool fades = false;
     for (int32_t v = 0; v < body->mesh->vertex_count; v++) {
-        const double number = body->shell.membrane.young.field[v];
-        assert_true(number >= 3 && number <= 7);
-        fades |= number > 3.1 && number < 6.9;
+        const double *x = body->mesh->positions[v], share = 0.5 * (hypot(x[0] + 2, x[1]) - 1);
+        const double weight = share >= 1 ? 0 : share <= 0 ? 1 : 1 - share * share * (3 - 2 * share);
+        assert_near(body->shell.membrane.young.field[v], x[0] > 0.5 ? 11 : 5 + 2 * weight, 1e-14);
     }
-    assert_true(fades);
     pel_scene_destroy(scene);
 
     static const char *const bad[][2] = {

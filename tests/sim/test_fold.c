@@ -69,12 +69,12 @@ static void end_pair(pair *p)
     pel_mesh_destroy(p->mesh);
 }
 
-/* of the tip from the plane */
-static double angle_of(const pair *p)
+/* of the tip of a body from the plane */
+static double angle_of(const pair *p, int32_t body)
 {
     double x[4][3];
-    assert_int_equal(pel_sim_vertex_count(p->sim, 0), 4);
-    pel_sim_get_positions(p->sim, 0, x[0]);
+    assert_int_equal(pel_sim_vertex_count(p->sim, body), 4);
+    pel_sim_get_positions(p->sim, body, x[0]);
     const double *at = p->mesh->positions[p->tip];
     double out[3] = {at[0] > 0 ? 1 : -1, at[1] > 0 ? 1 : -1, 0}, along = 0;
     for (int c = 0; c < 2; c++)
@@ -82,12 +82,12 @@ static double angle_of(const pair *p)
     return atan2(x[p->tip][2], along);
 }
 
-/* where a dead force and the moment of the fold balance */
-static double balance(void)
+/* where a dead force and the moment of a fold balance that has slipped to `from` and yields `limit` beyond that */
+static double balance(double from, double limit, double harder)
 {
     double low = 0, high = 1.5;
     while (high - low > 1e-14) {
-        const double angle = 0.5 * (low + high), slip = fmax(0, angle - PAIR_YIELD_ANGLE) / (1 + hardening);
+        const double angle = 0.5 * (low + high), slip = from + fmax(0, angle - from - limit) / (1 + harder);
         if (force * arm * cos(angle) > rigidity * factor * (angle - slip))
             low = angle;
         else
@@ -116,7 +116,7 @@ static const struct {
 static void test_springs_back_by_moment_over_stiffness(void **unused)
 {
     (void)unused;
-    const double bent = balance(), slip = (bent - PAIR_YIELD_ANGLE) / (1 + hardening);
+    const double bent = balance(0, PAIR_YIELD_ANGLE, hardening), slip = (bent - PAIR_YIELD_ANGLE) / (1 + hardening);
     const double work = rigidity * factor * slip * (PAIR_YIELD_ANGLE + 0.5 * hardening * slip);
     assert_true(bent > 0.5 && slip > 0.25);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -125,9 +125,9 @@ static void test_springs_back_by_moment_over_stiffness(void **unused)
         const double tolerance = IN_FLOAT(cases[i].tolerance, 1e-2);
         make_pair(&p, cases[i].method, cases[i].dt);
         run_to(&p, 3, cases[i].dt);
-        assert_near(angle_of(&p), bent, tolerance * bent);
+        assert_near(angle_of(&p, 0), bent, tolerance * bent);
         run_to(&p, END, cases[i].dt);
-        assert_near(angle_of(&p), slip, tolerance * bent);
+        assert_near(angle_of(&p, 0), slip, tolerance * bent);
         pel_sim_get_ledger(p.sim, &ledger);
         assert_near(ledger.dissipated_plastic, work, 4 * tolerance * work);
         assert_true(ledger.elastic < 1e-2 * work);
@@ -135,6 +135,53 @@ static void test_springs_back_by_moment_over_stiffness(void **unused)
         assert_near(ledger.work_loads, work + ledger.dissipated_drag + ledger.dissipated_solver, 0.05 * work);
         end_pair(&p);
     }
+}
+
+/* Two pairs in one simulation, the second one folded down, and harder: each is bent, then bent the other way by as much
+   force, where it yields at the moment that the first way left it with, and let go. */
+static void test_folds_down_and_back(void **unused)
+{
+    (void)unused;
+    static const pel_key keys[] = {{0, 0}, {2, 1}, {3, 1}, {5, -1}, {6, -1}, {8, 0}};
+    const double harder[2] = {hardening, 2 * hardening};
+    double first[2], last[2], work = 0;
+    pair p;
+    make_pair(&p, PEL_METHOD_STATIC, 0.25);
+    pel_body_def bodies[2] = {p.body, p.body};
+    pel_load_def loads[2] = {p.load, p.load};
+    pel_model_def model = pel_model_def_default();
+    for (int b = 0; b < 2; b++) {
+        bodies[b].name = b == 0 ? "up" : "down";
+        bodies[b].shell.bending.hardening = harder[b];
+        loads[b].body = b;
+        loads[b].force[2] = b == 0 ? force : -force;
+        loads[b].keys = keys;
+        loads[b].key_count = sizeof keys / sizeof *keys;
+        const double bent = balance(0, PAIR_YIELD_ANGLE, harder[b]);
+        first[b] = (bent - PAIR_YIELD_ANGLE) / (1 + harder[b]);
+        const double limit = PAIR_YIELD_ANGLE + harder[b] * first[b], back = balance(-first[b], limit, harder[b]);
+        const double slip = (back + first[b] - limit) / (1 + harder[b]);
+        assert_true(slip > 0.01);
+        last[b] = first[b] - slip;
+        work += rigidity * factor *
+                (first[b] * (PAIR_YIELD_ANGLE + 0.5 * harder[b] * first[b]) + slip * (limit + 0.5 * harder[b] * slip));
+    }
+    pel_sim_destroy(p.sim);
+    pel_model_destroy(p.model);
+    model.bodies = bodies;
+    model.body_count = 2;
+    assert_int_equal(pel_model_create(&model, &p.model, NULL), PEL_OK);
+    pel_sim_def def = lone_sim(p.model, PEL_METHOD_STATIC, 0.25);
+    def.loads = loads;
+    def.load_count = 2;
+    p.sim = make_sim(&def);
+    run_to(&p, 9, 0.25);
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(p.sim, &ledger);
+    assert_near(angle_of(&p, 0), last[0], 2e-5);
+    assert_near(angle_of(&p, 1), -last[1], 2e-5);
+    assert_near(ledger.dissipated_plastic, work, 1e-4 * work);
+    end_pair(&p);
 }
 
 /* below yield nothing stays, and the bits are those of a body that never yields */
@@ -219,6 +266,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_springs_back_by_moment_over_stiffness),
+        cmocka_unit_test(test_folds_down_and_back),
         cmocka_unit_test(test_below_yield_is_elastic),
         cmocka_unit_test(test_snapshots_hold_folds),
         cmocka_unit_test(test_refusals),

@@ -1,49 +1,18 @@
 /* Bodies of smooth tetrahedra: uniform strain, beams on coarse meshes and where the material is
    nearly incompressible, a crushed and twisted cube, energy, refusals. */
-#include "fixture.h"
 #include "random.h"
+#include "solid_fixture.h"
 
 #include "math/vec3.h"
 #include "pellicle/observe.h"
 #include "pellicle/sim_forces.h"
 #include "pellicle/sim_ledger.h"
-#include "pellicle/volume.h"
-
-static pel_mesh *make_block(double x, double y, double z, double edge)
-{
-    const double points[8][3] = {{0, 0, 0}, {x, 0, 0}, {x, y, 0}, {0, y, 0},
-                                 {0, 0, z}, {x, 0, z}, {x, y, z}, {0, y, z}};
-    static const int32_t triangles[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
-                                             {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
-    pel_mesh *surface, *filled;
-    assert_int_equal(pel_mesh_create(points[0], 8, triangles[0], 12, &surface, NULL), PEL_OK);
-    assert_int_equal(pel_mesh_fill(surface, edge, &filled, NULL), PEL_OK);
-    pel_mesh_destroy(surface);
-    return filled;
-}
 
 static pel_body_def smooth_body(const pel_mesh *mesh, int kind, double young, double poisson)
 {
-    pel_body_def body = pel_body_def_default();
-    body.name = "solid";
-    body.mesh = mesh;
-    body.spring_stiffness = body.spring_damping = (pel_quantity){0};
-    body.volumetric_stiffness = body.volumetric_damping = (pel_quantity){0};
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.volume.on = true;
-    body.volume.kind = (pel_volume_kind)kind;
-    body.volume.young.value = young;
-    body.volume.poisson = poisson;
+    pel_body_def body = solid_body(mesh, kind, young, poisson);
     body.volume.element = PEL_VOLUME_SMOOTH;
     return body;
-}
-
-static double *positions_of(const stage *s)
-{
-    double *x = malloc(3 * sizeof *x * (size_t)s->mesh->vertex_count);
-    pel_sim_get_positions(s->sim, 0, x);
-    return x;
 }
 
 /* no force inside, and the energy of the law, in sums and at the vertices */

@@ -7,8 +7,8 @@
 #include <libfyaml.h>
 #include <string.h>
 
-/* aliases copy their values: limit the growth of documents */
-enum { MOST_VALUES = 1000000, DEEPEST = 100, DEEPEST_FLOW = 1000 };
+/* aliases copy their values: limit the growth of documents, and of the list in which each looks for its anchor */
+enum { MOST_VALUES = 1000000, MOST_ANCHORS = 1000, DEEPEST = 100, DEEPEST_FLOW = 1000 };
 static const char too_deep[] = "lists and maps are nested too deeply";
 static const char deep_remedy[] = "a scene needs no more than ten levels";
 
@@ -26,7 +26,7 @@ typedef struct yaml_parser {
     bool with_lines;
     pel_scene_place place; /* of the present event */
     yaml_anchor *anchors;
-    int32_t value_count, depth;
+    int32_t value_count, anchor_count, depth;
 } yaml_parser;
 
 /* report the first message of libfyaml, or the usual cause if it has none */
@@ -159,6 +159,9 @@ static pel_scene_value *read_alias(yaml_parser *parser, struct fy_event *event)
 /* remembers a value that is complete, so that an alias can never contain itself */
 static bool keep_anchor(yaml_parser *parser, const char *name, const pel_scene_value *value)
 {
+    if (++parser->anchor_count > MOST_ANCHORS)
+        return fail(parser, "there are more than 1000 anchors", "write values that are used once without &name") !=
+               NULL;
     yaml_anchor *added = pel_arena_take(parser->reader->arena, 1, sizeof *added);
     if (added == NULL) {
         pel_fail_memory(parser->reader->error);
