@@ -229,11 +229,11 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     }
     int code = submit(job);
     if (code == 127) {
-        cli_complain("the job is written, but there is no program sbatch. submit it where Slurm is: sbatch %s", job);
+        cli_complain("the job is written, but there is no program sbatch. submit it with sbatch where Slurm is: %s", job);
         return CLI_FAILED;
     }
     if (code != 0) {
-        cli_complain("sbatch refused the job. see its message above, then: sbatch %s", job);
+        cli_complain("sbatch refused the job. see its message above, then submit it with sbatch: %s", job);
         return CLI_FAILED;
     }
     if (!cli_has(call, "quiet"))

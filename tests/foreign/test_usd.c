@@ -327,6 +327,49 @@ static void test_depth(void **unused)
     refuse_usd(text, 205, "more than 200 deep");
 }
 
+static size_t append(char *text, size_t length, const char *format, int number)
+{
+    return length + (size_t)snprintf(text + length, 100, format, number, number);
+}
+
+/* a mesh with some operations, its order with some */
+static const char *many_ops(char *text, int op_count, int order_count)
+{
+    size_t length = (size_t)sprintf(text, HEAD "def Mesh \"m\"\n{\n" FACE POINTS);
+    for (int i = 0; i < op_count; i++)
+        length = append(text, length, "double xformOp:rotateX:a%d = 0\n", i);
+    length = append(text, length, "token[] xformOpOrder = [", 0);
+    for (int i = 0; i < order_count; i++)
+        length = append(text, length, "\"xformOp:rotateX:a%d\",", i % op_count);
+    append(text, length, "]\n}\n", 0);
+    return text;
+}
+
+static pel_status parse_one(const void *text, pel_error *error);
+
+/* what would take time with the square of the size of a file */
+static void test_limits(void **unused)
+{
+    (void)unused;
+    static char text[100000];
+    pel_error error;
+    pel_mesh_destroy(parse_usd(many_ops(text, 64, 64), NULL));
+    refuse_usd(many_ops(text, 65, 1), 0, "more than 64 xformOps");
+    refuse_usd(many_ops(text, 1, 65), 0, "more than 64 operations in its order");
+    for (int codes = 1000; codes <= 2000; codes += 1000) {
+        size_t length = (size_t)sprintf(text, HEAD);
+        for (int i = 0; i < 3000; i++)
+            length = append(text, length, "def \"a\" {}\n", i);
+        length +=
+            (size_t)sprintf(text + length, "def Mesh \"m\"\n{\n" FACE POINTS "double xformOp:rotateX.timeSamples = {");
+        for (int i = 0; i < codes; i++)
+            length = append(text, length, "%d: %d,", i);
+        append(text, length, "}\n}\n", 0);
+        assert_int_equal(parse_one(text, &error), codes == 1000 ? PEL_OK : PEL_BAD_FORMAT);
+        assert_true(codes == 1000 || strstr(error.what, "2000 frames of 3 vertices and 3001 prims") != NULL);
+    }
+}
+
 static pel_status parse_one(const void *text, pel_error *error)
 {
     pel_sequence *sequence;
@@ -391,6 +434,7 @@ int main(void)
         cmocka_unit_test(test_camera),
         cmocka_unit_test(test_damage),
         cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_limits),
         cmocka_unit_test(test_allocation_failures),
         cmocka_unit_test(test_corpus),
         cmocka_unit_test(test_paths),

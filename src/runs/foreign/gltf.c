@@ -334,14 +334,19 @@ static void copy_positions(const gltf_reader *reader, const int32_t *new_number_
     }
 }
 
-/* of all frames together: 1.5 GB */
+/* of all frames together: places of the mesh (1.5 GB); vertices of the file, nodes and channels, which take time */
 #define MOST_PLACES 64e6
+#define MOST_WORK 256e6
 
-static pel_status count_frames(const gltf_reader *reader, double duration, double fps, int32_t vertex_count,
-                               int32_t *count, pel_error *error)
+static pel_status count_frames(const gltf_reader *reader, const pel_gltf_animation *animation, double fps,
+                               int32_t vertex_count, int32_t *count, pel_error *error)
 {
-    const double whole = floor(duration * fps * (1 + 1e-9)), rest = duration * fps - whole;
-    if (!((whole + 2) * vertex_count < MOST_PLACES))
+    const double duration = animation->duration, whole = floor(duration * fps * (1 + 1e-9));
+    const double rest = duration * fps - whole;
+    double work = (double)reader->nodes.order_count + (double)animation->channel_count;
+    for (size_t i = 0; i < reader->primitive_count; i++)
+        work += (double)reader->primitives[i].count;
+    if (!((whole + 2) * vertex_count < MOST_PLACES && (whole + 2) * work < MOST_WORK))
         return pel_gltf_fail(&reader->g, NULL, error, "use fewer frames per second, or a shorter animation",
                              "the animation of %g s at %g frames per second has more than %g places of vertices",
                              duration, fps, MOST_PLACES);
@@ -354,7 +359,7 @@ static pel_status pose_frames(gltf_reader *reader, pel_gltf_animation *animation
                               pel_error *error)
 {
     int32_t count = 0;
-    pel_status status = count_frames(reader, animation->duration, fps, vertex_count, &count, error);
+    pel_status status = count_frames(reader, animation, fps, vertex_count, &count, error);
     if (status == PEL_OK)
         status = pel_sequence_allocate(count, vertex_count, sequence, error);
     for (int32_t f = 0; f < count && status == PEL_OK; f++) {

@@ -13,8 +13,8 @@
 
 static const char *const again = "export the file again, or as OBJ, PLY or glTF";
 
-/* prims within prims; of all frames together: 1.5 GB */
-enum { MOST_DEPTH = 200 };
+/* prims within prims; of all frames together, of vertices (1.5 GB) and of prims, which take as long as PRIM of them */
+enum { MOST_DEPTH = 200, PRIM = 16 };
 #define MOST_PLACES 64e6
 
 typedef struct usd_prim {
@@ -166,6 +166,8 @@ static pel_status read_op(usd_reader *r, pel_usd_ops *ops, const char *name, siz
     size_t i = 0;
     while (i < ops->count && !(ops->ops[i].length == length && memcmp(ops->ops[i].name, name, length) == 0))
         i++;
+    if (i == PEL_USD_OPS)
+        return pel_text_cursor_fail(&r->scan, name, error, again, "a prim has more than %d xformOps", (int)PEL_USD_OPS);
     if (i == ops->count) {
         if (!pel_reserve((void **)&ops->ops, &ops->capacity, ops->count + 1, sizeof *ops->ops))
             return pel_fail_memory(error);
@@ -641,10 +643,10 @@ static pel_status pose_frames(usd_reader *r, const int32_t *new_number_of, int32
     if (r->code_count == 0)
         return pel_text_cursor_fail(&r->scan, r->scan.end, error, "export it with its animation",
                                     "no visible mesh of the stage moves: nothing has samples over time");
-    if (!((double)r->code_count * vertex_count < MOST_PLACES))
+    if (!((double)r->code_count * (vertex_count + (double)PRIM * (double)r->prim_count) < MOST_PLACES))
         return pel_text_cursor_fail(&r->scan, r->scan.end, error, "export fewer frames, or a coarser mesh",
-                                    "%zu frames of %d vertices are more than %g places", r->code_count,
-                                    (int)vertex_count, MOST_PLACES);
+                                    "%zu frames of %d vertices and %zu prims are more than %g places", r->code_count,
+                                    (int)vertex_count, r->prim_count, MOST_PLACES);
     pel_status status = pel_sequence_allocate((int32_t)r->code_count, vertex_count, sequence, error);
     for (size_t f = 0; f < r->code_count && status == PEL_OK; f++) {
         double(*frame)[3] = (*sequence)->positions + f * (size_t)vertex_count;

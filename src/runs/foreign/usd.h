@@ -56,6 +56,8 @@ typedef struct pel_usd_op {
     pel_usd_samples samples;
 } pel_usd_op;
 
+enum { PEL_USD_OPS = 64 }; /* of a prim, and in its order: each looks for its name, in each frame */
+
 typedef struct pel_usd_ops {
     pel_usd_op *ops; /* (count) */
     size_t count, capacity;
@@ -74,7 +76,7 @@ pel_status pel_usd_ops_place(const pel_usd_ops *ops, const pel_text_cursor *scan
 pel_status pel_usd_read(const char *path, const pel_log *log, pel_mesh **mesh, pel_error *error);
 pel_status pel_usd_parse(const char *name, const void *bytes, size_t size, const pel_log *log, pel_mesh **mesh,
                          pel_error *error);
-/* The vertices of that mesh at each time code of the file. PEL_BAD_FORMAT without samples. */
+/* The vertices of that mesh at each time code of the file. PEL_BAD_FORMAT without samples, or with too many. */
 pel_status pel_usd_read_sequence(const char *path, pel_sequence **sequence, pel_error *error);
 pel_status pel_usd_parse_sequence(const char *name, const void *bytes, size_t size, pel_sequence **sequence,
                                   pel_error *error);

@@ -137,6 +137,7 @@ pel_status pel_usd_ops_place(const pel_usd_ops *ops, const pel_text_cursor *scan
                              bool *is_reset, pel_error *error)
 {
     pel_text_cursor order = *scan;
+    int count = 0;
     *place = pel_place_identity();
     *is_reset = false;
     order.at = ops->order;
@@ -154,6 +155,9 @@ pel_status pel_usd_ops_place(const pel_usd_ops *ops, const pel_text_cursor *scan
             *is_reset = true;
             continue;
         }
+        if (status == PEL_OK && count++ == PEL_USD_OPS)
+            status = pel_text_cursor_fail(scan, name, error, again, "a prim has more than %d operations in its order",
+                                          (int)PEL_USD_OPS);
         if (status == PEL_OK)
             status = place_by_name(ops, scan, name, length, code, &one, error);
         if (status != PEL_OK)
