@@ -229,7 +229,8 @@ static int run_slurm(const cli_call *call, const pel_study *study, const char *f
     }
     int code = submit(job);
     if (code == 127) {
-        cli_complain("the job is written, but there is no program sbatch. submit it with sbatch where Slurm is: %s", job);
+        cli_complain("the job is written, but there is no program sbatch. submit it with sbatch where Slurm is: %s",
+                     job);
         return CLI_FAILED;
     }
     if (code != 0) {
