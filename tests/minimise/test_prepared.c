@@ -1,4 +1,5 @@
 /* Steps of `implicit` with a factor that many of them share: forces, cost, bits. */
+#include "constraint/constraint.h"
 #include "minimise/prepared.h"
 #include "sim/descent_fixture.h"
 #include "stage/stage.h"
@@ -38,16 +39,27 @@ static void step_by(pel_sim *sim, pel_newton_way way)
     assert_true(solver_of(sim).converged);
 }
 
-/* the force is that of systems alone, at a fraction of the work */
-static void test_force(void **unused)
+/* a filling whose springs resist their rate more than their length */
+static void fill(pull *p)
 {
-    (void)unused;
+    p->scene.body.volumetric_stiffness.value = 2;
+    p->scene.body.volumetric_damping.value = 1;
+    pel_sim_destroy(p->sim);
+    pel_model_destroy(p->scene.model);
+    p->sim = press_create(&p->scene);
+}
+
+/* the force is that of systems alone, at a fraction of the work */
+static void check_force(bool is_filled)
+{
     enum { STEPS = 20 };
     double force[2][STEPS];
     int64_t work[2];
     for (int i = 0; i < 2; i++) {
         pull p;
         pull_begin(&p, 0.02, PEL_BENDING_HINGE);
+        if (is_filled)
+            fill(&p);
         for (int n = 0; n < STEPS; n++) {
             step_by(p.sim, i == 0 ? PEL_PREPARED : PEL_SYSTEMS);
             force[i][n] = reading_of(p.sim, 0).force[2];
@@ -60,9 +72,16 @@ static void test_force(void **unused)
     assert_true(2 * work[0] < work[1]);
 }
 
+static void test_force(void **unused)
+{
+    (void)unused;
+    check_force(false);
+    check_force(true);
+}
+
 /* The same bits for any number of threads, and after a snapshot that lies between two factors: of hinges, and with
    unknowns on edges. */
-static void check_bits(pel_bending_model bending)
+static void check_bits(pel_bending_model bending, bool is_filled)
 {
     uint64_t hash[3];
     for (int i = 0; i < 3; i++) {
@@ -71,6 +90,8 @@ static void check_bits(pel_bending_model bending)
         press_scene *scene = &p.scene;
         pull_begin(&p, 0.02, bending);
         scene->def.thread_count = i == 1 ? 4 : 1;
+        if (is_filled)
+            fill(&p);
         p.sim = resume_sim(p.sim, &scene->def);
         for (int n = 0; n < 12; n++) {
             step_by(p.sim, PEL_PREPARED);
@@ -88,8 +109,9 @@ static void check_bits(pel_bending_model bending)
 static void test_bits(void **unused)
 {
     (void)unused;
-    check_bits(PEL_BENDING_HINGE);
-    check_bits(PEL_BENDING_MIDEDGE);
+    check_bits(PEL_BENDING_HINGE, false);
+    check_bits(PEL_BENDING_MIDEDGE, false);
+    check_bits(PEL_BENDING_HINGE, true);
 }
 
 /* another factor where the springs of inertia are others, after the first step, and where the grasp opens */
@@ -115,12 +137,50 @@ static void test_due(void **unused)
     pull_end(&p);
 }
 
+/* Contacts that are near and do not press leave the factor as it is; those that press take its place. */
+static void test_near(void **unused)
+{
+    (void)unused;
+    uint64_t hash[2];
+    for (int i = 0; i < 2; i++) {
+        pull p;
+        pull_begin(&p, 0.02, PEL_BENDING_HINGE);
+        const pel_pose_key at[2] = {{0, {-1.03, 0, 0}, {0, 0, 0, 1}, {0}}, {1, {-0.53, 0, 0}, {0, 0, 0, 1}, {0}}};
+        pel_tool_def tools[2] = {p.scene.tool, pel_tool_def_default()};
+        tools[1].name = "wall";
+        tools[1].shape = PEL_TOOL_BOX;
+        pel_vec3_set(tools[1].half_extents, 0.005, 1, 1);
+        tools[1].keys = at;
+        tools[1].key_count = 2;
+        p.scene.def.tools = tools;
+        p.scene.def.tool_count = 2;
+        p.scene.def.contact.enabled = true;
+        pel_sim_destroy(p.sim);
+        p.sim = make_sim(&p.scene.def);
+        int32_t near = 0, pressed = 0;
+        for (int n = 0; n < 10; n++) {
+            step_by(p.sim, PEL_PREPARED);
+            const pel_minimise *minimise = p.sim->minimise;
+            bool presses = pel_minimise_contacts_sum(p.sim) > 0;
+            near += minimise->count > 0 && !presses && minimise->newton->way == PEL_PREPARED;
+            pressed += presses && minimise->newton->way != PEL_PREPARED;
+            if (i == 1)
+                p.sim = resume_sim(p.sim, &p.scene.def);
+        }
+        assert_true(near > 0 && pressed > 0);
+        hash[i] = pel_sim_hash(p.sim);
+        pull_end(&p);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_force),
         cmocka_unit_test(test_bits),
         cmocka_unit_test(test_due),
+        cmocka_unit_test(test_near),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

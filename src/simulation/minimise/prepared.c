@@ -24,7 +24,7 @@ void pel_sim_prepared_destroy(pel_sim *sim)
     pel_newton_base *base = sim->minimise->newton->base;
     if (base == NULL)
         return;
-    PEL_FREE_ALL(base->unknowns, base->factors, base->point_stiffness);
+    PEL_FREE_ALL(base->unknowns, base->factors, base->radial, base->point_stiffness);
     pel_free(base);
 }
 
@@ -40,7 +40,7 @@ static void set_point_stiffness(const pel_sim *sim, double *stiffness)
     }
 }
 
-/* the factor at the base; damping along volumetric springs is left out */
+/* the factor at the base */
 static pel_status make(pel_sim *sim, const pel_newton_problem *now, pel_error *error)
 {
     pel_sim_newton *newton = sim->minimise->newton;
@@ -54,7 +54,7 @@ static pel_status make(pel_sim *sim, const pel_newton_problem *now, pel_error *e
     problem.state = &state;
     problem.point_stiffness = base->point_stiffness;
     double(*radial)[4] = newton->radial, *unknowns = newton->unknowns;
-    newton->radial = NULL;
+    newton->radial = base->radial;
     newton->unknowns = base->unknowns;
     pel_status status = pel_newton_prepare(sim->newton, &problem, base->unknowns, error);
     newton->radial = radial;
@@ -67,12 +67,15 @@ static pel_status make(pel_sim *sim, const pel_newton_problem *now, pel_error *e
 /* what the matrix depends on, beside positions and fixed unknowns */
 static void take_numbers(pel_sim *sim, const pel_newton_problem *problem)
 {
-    pel_newton_base *base = sim->minimise->newton->base;
+    const pel_sim_newton *newton = sim->minimise->newton;
+    pel_newton_base *base = newton->base;
+    if (base->radial != NULL)
+        memcpy(base->radial, newton->radial, (size_t)sim->model->vertex_count * sizeof *base->radial);
     base->span = problem->span;
     memcpy(base->factors, sim->state->factors, (size_t)sim->model->body_count * sizeof *base->factors);
 }
 
-/* whether the matrix depends on the start of the step: fibres that follow it, damping along volumetric springs */
+/* whether the matrix depends on the start of the step: fibres that follow it */
 static bool depends_on_start(const pel_sim *sim)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++) {
@@ -81,7 +84,7 @@ static bool depends_on_start(const pel_sim *sim)
             if (shell->regions[r].def.direction == PEL_FIBRE_PRINCIPAL)
                 return true;
     }
-    return sim->minimise->newton->radial != NULL;
+    return false;
 }
 
 void pel_sim_prepared_take(pel_sim *sim, const pel_newton_problem *problem)
@@ -124,4 +127,6 @@ void pel_sim_prepared_transfer(pel_cursor *at, const pel_sim *sim)
     pel_transfer(at, &base->fixed, sizeof base->fixed);
     pel_transfer(at, base->factors, (size_t)sim->model->body_count * sizeof *base->factors);
     pel_transfer(at, base->unknowns, unknowns * sizeof *base->unknowns);
+    if (base->radial != NULL)
+        pel_transfer(at, base->radial, (size_t)sim->model->vertex_count * sizeof *base->radial);
 }

@@ -13,6 +13,7 @@ struct pel_newton_base {
     uint64_t fixed;   /* hash of the fixed unknowns */
     double *unknowns; /* (unknown_count) */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters */
+    double (*radial)[4];                    /* (vertex_count) damping along volumetric springs; null = none */
     bool is_made;                           /* by this simulation, since a snapshot was loaded */
     double *point_stiffness;                /* (vertex_count) N/m, scratch */
 };

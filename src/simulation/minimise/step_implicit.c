@@ -36,6 +36,7 @@
 #include "base/assert.h"
 #include "base/lane.h"
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -43,6 +44,7 @@
 #include "constraint/constraint.h"
 #include "force/pressure.h"
 #include "math/extremes.h"
+#include "minimise/prepared.h"
 #include "minimise/rounds.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_turn.h"
@@ -366,8 +368,10 @@ static pel_status create(pel_sim *sim, pel_error *error)
         return status;
     sim->minimise->newton->is_damped = has_damping(sim);
     if (has_radial_damping(sim)) {
-        sim->minimise->newton->radial = pel_allocate((size_t)sim->model->vertex_count, sizeof(double[4]));
-        status = sim->minimise->newton->radial != NULL ? PEL_OK : pel_fail_memory(error);
+        size_t vertices = (size_t)sim->model->vertex_count;
+        pel_sim_newton *newton = sim->minimise->newton;
+        bool room = PEL_ALLOCATE_ALL(PEL_ROOM(newton->radial, vertices), PEL_ROOM(newton->base->radial, vertices));
+        status = room ? PEL_OK : pel_fail_memory(error);
     }
     return status == PEL_OK ? pel_state_add_history(sim->model, sim->state, error) : status;
 }

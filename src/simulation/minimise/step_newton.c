@@ -108,11 +108,26 @@ void pel_sim_newton_begin(pel_sim *sim)
     sim->loads->edge_load_work = 0;
 }
 
-/* Constraints change the matrix too much for one factor, damping of the material refers to another state. */
+/* whether a contact presses, or is about to */
+static bool touches(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = 0; c < minimise->count; c++) {
+        pel_gap_sample sample;
+        if (minimise->constraints[c].load > 0)
+            return true;
+        pel_minimise_contact_meet(sim, &minimise->constraints[c], minimise->newton->unknowns, &sample);
+        if (!(sample.gap > 0))
+            return true;
+    }
+    return false;
+}
+
+/* Contacts change the matrix too much for one factor, damping of the material refers to another state. */
 static bool may_prepare(const pel_sim *sim)
 {
     const pel_sim_newton *newton = sim->minimise->newton;
-    return sim->minimise->count == 0 && newton->point_stiffness != NULL && !newton->is_exact && newton->lead == NULL &&
+    return !touches(sim) && newton->point_stiffness != NULL && !newton->is_exact && newton->lead == NULL &&
            newton->viscous == NULL && sim->ties == NULL;
 }
 
@@ -124,7 +139,7 @@ void pel_sim_newton_choose(pel_sim *sim)
     pel_newton_choice *choice = &newton->choice;
     double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
     newton->work += (int64_t)work;
-    if (sim->minimise->count > 0)
+    if (touches(sim))
         return;
     cost[newton->way] += (cost[newton->way] > 0 ? MEAN_SHARE : 1) * (work - cost[newton->way]);
     bool is_worth = newton->way == PEL_PREPARED || cost[newton->way] > LEAST_COST;
@@ -437,7 +452,14 @@ static void add_constraints(void *context, pel_matrix *matrix)
                 square[a][b] = minimise->newton->radial[v][a] * minimise->newton->radial[v][b];
         add_block(matrix, v, v, 1, (const double(*)[3])square);
     }
-    for (int32_t c = 0; at->is_constrained && c < minimise->count; c++) {
+}
+
+static void add_contacts(void *context, pel_matrix *matrix)
+{
+    const pel_minimise_context *at = context;
+    const pel_sim *sim = at->sim;
+    const pel_minimise *minimise = sim->minimise;
+    for (int32_t c = 0; c < minimise->count; c++) {
         const pel_minimise_contact *constraint = &minimise->constraints[c];
         pel_contact_stiffness stiffness;
         if (!pel_minimise_contact_stiffness(sim, constraint, minimise->newton->unknowns, &stiffness))
@@ -618,6 +640,7 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context)
         .evaluate = evaluate_constraints,
         .renew = context->is_constrained ? renew_constraints : NULL,
         .add_matrix = add_constraints,
+        .add_kinks = context->is_constrained ? add_contacts : NULL,
         .list_couplings = list_couplings,
         .add_skew = context->sim->loads->follower_count > 0 ? add_skew : NULL,
         .list_kinks = context->is_constrained && context->sim->minimise->count > 0 ? list_kinks : NULL,
@@ -696,11 +719,11 @@ static pel_descent_result result_of(const pel_newton_result *run)
     };
 }
 
-/* of a run; under constraints steps of L-BFGS go as long as none of them begins or ceases to act */
+/* of a run; under contacts steps of L-BFGS go as long as none of them begins or ceases to act */
 static void choose_way(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    if (sim->minimise->count > 0 || (newton->way == PEL_PREPARED && !may_prepare(sim)))
+    if (touches(sim) || (newton->way == PEL_PREPARED && !may_prepare(sim)))
         newton->way = PEL_QUASI;
 }
 

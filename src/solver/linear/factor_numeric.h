@@ -341,6 +341,14 @@ typedef struct solving {
     double unit; /* power of two near the largest scaled entry of the right side */
 } solving;
 
+static bool is_zero(const number *t, int32_t count)
+{
+    bool is = true;
+    for (int32_t i = 0; i < count && is; i++)
+        is = t[i] == 0;
+    return is;
+}
+
 /* forward through one front: right side and what the children hand on, solved; the border is handed on */
 static void forward_front(const solving *s, const pel_front *front, number *t)
 {
@@ -357,7 +365,9 @@ static void forward_front(const solving *s, const pel_front *front, number *t)
         const pel_front *c = &plan->fronts[child];
         add_column(&plan->runs[c->run_start], c->run_count, 0, 0, border + c->border_start, t, 0);
     }
-    solve_forward(front, (const number *)factor->entries + front->panel, last_row, t);
+    /* a force on few vertices reaches few fronts */
+    if (!is_zero(t, last_row))
+        solve_forward(front, (const number *)factor->entries + front->panel, last_row, t);
     memcpy(solution + front->first_pivot, t, (size_t)front->pivot_count * sizeof *t);
     memcpy(border + front->border_start, t + pad, (size_t)front->border_count * sizeof *t);
 }

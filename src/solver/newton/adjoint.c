@@ -46,8 +46,7 @@ static void find_held(newton_run *run, const double *gradient, const double *mul
     pel_newton *newton = run->newton;
     size_t count = (size_t)newton->pattern->unknown_count;
     pel_matrix_assemble(newton->matrix, newton->pool, pel_tangent_matrices, newton->tangent);
-    if (run->problem->terms != NULL)
-        run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
+    pel_newton_add_terms(run->problem->terms, true, newton->matrix);
     pel_matrix_turn(newton->matrix, newton->pool, newton->frame, run->problem->frames.axes);
     pel_matrix_multiply(newton->matrix, newton->pool, multipliers, newton->right);
     memset(newton->step, 0, count);

@@ -197,8 +197,7 @@ static void evaluate(pel_modes *modes, const pel_tangent_input *input, pel_matri
     const pel_newton_problem *problem = modes->problem;
     pel_tangent_evaluate(modes->system.tangent, input, modes->system.pool, gradient);
     pel_matrix_assemble(matrix, modes->system.pool, pel_tangent_matrices, modes->system.tangent);
-    if (problem->terms != NULL)
-        problem->terms->add_matrix(problem->terms->context, matrix);
+    pel_newton_add_terms(problem->terms, true, matrix);
     pel_matrix_turn(matrix, modes->system.pool, modes->frame, problem->frames.axes);
     if (gradient == NULL)
         return;

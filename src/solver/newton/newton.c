@@ -311,6 +311,14 @@ static bool keep_couplings(pel_newton *newton, bool is_first, int32_t count, con
     return true;
 }
 
+/* the pattern of the model alone, which the factor has that many runs share */
+static pel_status uncouple(newton_run *run)
+{
+    pel_newton *newton = run->newton;
+    bool is_plain = !newton->is_outdated && newton->couplings == 0;
+    return is_plain ? PEL_OK : create_system(newton, 0, NULL, run->error);
+}
+
 /* Blocks for what the terms couple. Where a run begins the pattern is that of its own couplings alone: so its bits do
    not depend on the runs before. */
 pel_status pel_newton_couple(newton_run *run)
@@ -319,6 +327,8 @@ pel_status pel_newton_couple(newton_run *run)
     const pel_newton_terms *terms = run->problem->terms;
     const int32_t(*couplings)[4] = NULL;
     int32_t acting = 0, count = 0;
+    if (run->is_prepared)
+        return uncouple(run);
     if (terms != NULL && terms->list_couplings != NULL)
         count = terms->list_couplings(terms->context, &couplings, &acting);
     bool is_right = !newton->is_outdated;

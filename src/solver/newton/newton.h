@@ -40,17 +40,22 @@ typedef struct pel_newton_terms {
     bool (*renew)(void *context, const double *unknowns);
     /* Adds a positive semi-definite Hessian at the unknowns of the last evaluation to the blocks of the matrix. */
     void (*add_matrix)(void *context, pel_matrix *matrix);
-    /* Vertices that add_matrix has blocks for at the unknowns of the last evaluation, and after them those that it may
+    /* The same of the parts that begin and cease to act; a factor that many runs share lacks them. Null = none. */
+    void (*add_kinks)(void *context, pel_matrix *matrix);
+    /* Vertices that these two have blocks for at the unknowns of the last evaluation, and after them those that it may
        have some for soon: (returned count). acting = number of the first. Null = it adds to the blocks of the model. */
     int32_t (*list_couplings)(void *context, const int32_t (**vertices)[4], int32_t *acting);
     /* y += S x at the unknowns of the last evaluation, both (unknown_count): what the derivative of the gradient has
        beyond its symmetric part. Null = nothing. */
     void (*add_skew)(void *context, const double *x, double *y);
     /* The parts that begin and cease to act (count), at the unknowns of the last evaluation. From then on to the next
-       evaluation add_matrix and list_couplings follow what the caller sets to act. Null = none. */
+       evaluation add_kinks and list_couplings follow what the caller sets to act. Null = none. */
     pel_newton_kink *(*list_kinks)(void *context, int32_t *count);
     bool has_kinks; /* what it adds begins and ceases to act: steps go as far as the energy falls */
 } pel_newton_terms;
+
+/* What terms add to a matrix; null = nothing. */
+void pel_newton_add_terms(const pel_newton_terms *terms, bool has_kinks, pel_matrix *matrix);
 
 /* The unknowns of a vertex along axes of its own. */
 typedef struct pel_newton_frames {

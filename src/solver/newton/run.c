@@ -160,6 +160,7 @@ pel_status pel_newton_prepare(pel_newton *newton, const pel_newton_problem *prob
     memcpy(newton->start, unknowns, (size_t)newton->pattern->unknown_count * sizeof *unknowns);
     newton_run run = pel_newton_run_of(newton, problem, newton->start, &result, error);
     newton->precision = PEL_FACTOR_FLOAT;
+    run.is_prepared = true;
     pel_newton_fix_unknowns(&run);
     newton->is_prepared = factor_positive(&run, PREPARED_SHIFT) && pel_newton_meet_volumes(&run);
     newton->has_factor = newton->is_new = false;

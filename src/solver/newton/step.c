@@ -371,6 +371,15 @@ static bool take_plain(newton_run *run)
     return true;
 }
 
+void pel_newton_add_terms(const pel_newton_terms *terms, bool has_kinks, pel_matrix *matrix)
+{
+    if (terms == NULL)
+        return;
+    terms->add_matrix(terms->context, matrix);
+    if (has_kinks && terms->add_kinks != NULL)
+        terms->add_kinks(terms->context, matrix);
+}
+
 /* The matrix of the last evaluation, with fixed unknowns taken out, and the right side. */
 void pel_newton_assemble(newton_run *run)
 {
@@ -388,8 +397,7 @@ void pel_newton_assemble(newton_run *run)
     }
     if (run->status != PEL_OK)
         return;
-    if (run->problem->terms != NULL)
-        run->problem->terms->add_matrix(run->problem->terms->context, newton->matrix);
+    pel_newton_add_terms(run->problem->terms, !run->is_prepared, newton->matrix);
     if (run->shift > 0)
         pel_matrix_add_diagonal(newton->matrix, run->shift, newton->masses);
     if (run->problem->frames.count > 0)
