@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-/* Without contact a tool sinks into a layer of this share of the sheet: less makes the force jump where a vertex comes
-   to a gliding tool (5 % of it at 0.25, 9 % at 0.1, in steps of 1 ms), more makes it too small (by 4 and 2 %). */
+/* Without contact a tool sinks into a layer of this share of the sheet, which begins softly (tool/solid.c): a tenth
+   makes the force of a gliding tool jump where a vertex comes to it. */
 #define SHEET_SHARE 0.25
 
 static bool has_membrane(const pel_body *body)

@@ -15,6 +15,7 @@
 #include "tool/reading.h"
 #include "tool/sagitta.h"
 
+#include <math.h>
 #include <string.h>
 
 /* motion of the surface in a step in addition to its velocity, relative to the longest edge */
@@ -29,6 +30,10 @@
    distance: how far a vertex away from a tool may come before it is looked at */
 #define KEEP_SHARE 0.01
 #define ROOM_SHARE 0.5
+/* of the thickness: the span in which the load of a vertex begins. With 0 the force of a ball that glides over soft
+   tissue changes by 9 % in a step of 2 ms, with .05, .1 and .15 by 5, 3.5 and 2 %; against a rigid tool it is 2 to 5 %
+   too small with 0, and within 3 % with .12 */
+#define SOFT_SHARE 0.12
 
 /* ---- creation ---- */
 
@@ -369,6 +374,23 @@ static void find_slack(pel_sim_solids *solids, pel_solid_pair *pair, double dist
     solids->has_slack |= pair->slack > 0;
 }
 
+/* Where a tool may sink in (without contact) the load of a layer begins softly: at a gap g it is k (s - g)^2 / (4 s)
+   where |g| is less than the span s [m], and -k g farther in. So a vertex is not hit when a gliding tool comes to it,
+   the force of which hardly jumps, and a load is carried where the tool is: the layer neither adds to the size of the
+   tool nor takes from it. The contact is the tangent where the kept load takes the vertex. Returns the gap from that at
+   which the tangent carries no load. */
+static double begin_softly(const pel_sim *sim, double gap, double span, pel_contact *contact)
+{
+    int32_t v = contact->vertices[0];
+    double moved = (double)sim->state->position_next[v][3] * (double)contact->multiplier, end = gap + moved;
+    double compliance = compliance_of(sim, contact, 1);
+    bool is_soft = fabs(end) < span;
+    contact->compliance = (pel_real)(is_soft ? 2 * span / (span - end) * compliance : compliance);
+    if (is_soft)
+        return gap - 0.5 * (end + span);
+    return end < 0 ? gap : gap - span;
+}
+
 /* returns how far the vertex may go before the next look, 0 = not at all [m] */
 static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
 {
@@ -390,10 +412,12 @@ static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_so
         keep_start_side(tool, before, local, x, normal_before, distance_before, contact);
         return 0;
     }
-    set_plane(tool, x, normal, -(distance + pair->slack), contact);
-    bool is_far = !(contact->multiplier > 0) && distance > PEL_CONTACT_NEAR_SHARE * thickness_of(sim, pair);
+    double thickness = thickness_of(sim, pair), span = sim->contacts == NULL ? SOFT_SHARE * thickness : 0;
+    double room = distance - span;
+    set_plane(tool, x, normal, -begin_softly(sim, distance + pair->slack, span, contact), contact);
+    bool is_far = !(contact->multiplier > 0) && room > PEL_CONTACT_NEAR_SHARE * thickness;
     pair->is_near = !is_far;
-    return is_far ? ROOM_SHARE * distance : KEEP_SHARE * thickness_of(sim, pair);
+    return is_far ? ROOM_SHARE * room : KEEP_SHARE * thickness;
 }
 
 /* If a round tool passes through a triangle in one substep, the point that was closest at its start is kept on its
