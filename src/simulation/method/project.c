@@ -171,10 +171,17 @@ static bool is_pressed(const pel_sim *sim)
     return sim->tools->solids != NULL && pel_solids_carry(sim);
 }
 
+/* what may touch, or is rigid, starts in first order */
+static bool starts_plainly(const pel_sim *sim, int32_t number)
+{
+    bool may_touch = loop_contacts(sim) != NULL || sim->tools->solids != NULL || sim->rigids != NULL;
+    return number == 0 && !sim->state->older_is_known && may_touch;
+}
+
 static pel_substep_place place_of(const pel_sim *sim, int32_t number)
 {
     int place = (number == 0 ? PEL_SUBSTEP_FIRST : 0) | (number == sim->solver.substeps - 1 ? PEL_SUBSTEP_LAST : 0);
-    if (sim->solver.second_order && is_pressed(sim))
+    if (sim->solver.second_order && (is_pressed(sim) || starts_plainly(sim, number)))
         place |= PEL_SUBSTEP_PRESSED;
     return (pel_substep_place)place;
 }

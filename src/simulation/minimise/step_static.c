@@ -1,14 +1,19 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
 #include "base/status.h"
 #include "boundary/hold.h"
+#include "boundary/loads.h"
 #include "constraint/constraint.h"
 #include "force/pressure.h"
+#include "math/pose.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
+#include "stage/rigid_motion.h"
 #include "tool/tool.h"
+
+#include <math.h>
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
@@ -22,6 +27,65 @@ static pel_status create(pel_sim *sim, pel_error *error)
     return status == PEL_OK && has_path ? pel_sim_path_create(sim, error) : status;
 }
 
+static bool has_loads(const pel_sim *sim, int32_t body)
+{
+    bool any = false;
+    for (int32_t l = 0; l < sim->loads->count; l++)
+        any |= sim->loads->items[l].body == body;
+    return any;
+}
+
+/* Where supports of its own hold a free body is by chance: it goes back to where its center of mass was. Without loads,
+   whose torques tell how it stands, its mean rotation is taken back, too, of displacements of vertices x about the
+   center (vertex_count), in sim->force. */
+static void recenter(pel_sim *sim, int32_t body, bool turns)
+{
+    pel_state *state = sim->state;
+    const pel_body *own = &sim->model->bodies[body];
+    const int32_t begin = own->slice_begin * PEL_WIDTH, end = pel_body_place_end(sim->model, body);
+    for (int32_t v = begin; v < end; v++)
+        sim->force[v] = state->position_next[v] - state->position[v];
+    const pel_rigid_motion motion = pel_rigid_motion_of(sim, body, state->position, sim->force);
+    double half[3], turn[4] = {0, 0, 0, 1}, center[3];
+    pel_vec3_scale(motion.spin, turns ? -0.5 : 0, half);
+    const double scale = 1 / sqrt(1 + pel_vec3_squared_length(half));
+    for (int k = 0; k < 3; k++)
+        turn[k] = scale * half[k];
+    turn[3] = scale;
+    pel_vec3_add(motion.center, motion.velocity, center);
+    for (int32_t v = begin; v < end; v++) {
+        double x[3];
+        sim->force[v] = (pel_record){0};
+        if (sim->model->mesh_vertex[v] < 0 || !motion.is_free)
+            continue;
+        pel_vertex_position(state->position_next, v, x);
+        pel_vec3_subtract(x, center, x);
+        pel_rotate(turn, x, x);
+        pel_vec3_add(x, motion.center, x);
+        for (int k = 0; k < 3; k++) {
+            sim->minimise->newton->unknowns[3 * v + k] = x[k];
+            state->position_next[v][k] = (pel_real)x[k];
+        }
+    }
+}
+
+/* a few times: the mean rotation of large displacements is not exact */
+static void recenter_free_bodies(pel_sim *sim)
+{
+    enum { TIMES = 3 };
+    bool any = false;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        bool turns = !has_loads(sim, b), is_free = sim->contacts == NULL && pel_sim_newton_is_free(sim, b);
+        for (int32_t t = 0; is_free && t < sim->tools->count; t++)
+            is_free = !pel_tool_acts_on(&sim->tools->items[t], b);
+        for (int i = 0; is_free && i < (turns ? TIMES : 1); i++)
+            recenter(sim, b, turns);
+        any |= is_free && turns;
+    }
+    if (any)
+        pel_sim_newton_settle_at(sim);
+}
+
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     if (sim->modes != NULL)
@@ -29,7 +93,10 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (sim->path != NULL)
         return pel_sim_path_step(sim, result, error);
     pel_sim_newton_begin(sim);
-    return pel_minimise_step(sim, result, error);
+    pel_status status = pel_minimise_step(sim, result, error);
+    if (status == PEL_OK)
+        recenter_free_bodies(sim);
+    return status;
 }
 
 /* bodies that neither contact nor a tool can hold must not be free to move */

@@ -148,6 +148,7 @@ typedef struct vertex_job {
     bool first;             /* substep of the step */
     bool is_moving;         /* velocities are still to be taken from the substep before */
     bool second_order;      /* there is a past */
+    bool is_start;          /* of second order, see pel_project_is_start */
     pel_real rate;          /* of velocities by ways, drag included */
     pel_real drag, share;   /* of all vertices, where none has its own, see pel_restraint */
 } vertex_job;
@@ -157,6 +158,9 @@ typedef struct launch {
     pel_record base, velocity;
 } launch;
 
+/* tau of a start in substeps: the square root of a half */
+static const double start_share = 0.70710678118654752;
+
 static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x, pel_record speed)
 {
     pel_projector *projector = job->projector;
@@ -165,6 +169,8 @@ static launch second_order_launch(const vertex_job *job, int32_t v, pel_record x
     pel_record v1 = job->first ? state->older_velocity[v] : projector->older_velocity[v];
     projector->older_position[v] = x;
     projector->older_velocity[v] = speed;
+    if (job->is_start)
+        return (launch){x + (pel_real)(0.5 * projector->substep) * speed, (pel_real)start_share * speed};
     if (!job->second_order)
         return (launch){x, speed};
     const pel_real third = (pel_real)(1.0 / 3);
@@ -190,13 +196,13 @@ static pel_restraint restraint_of(const pel_projector *projector, int32_t v, con
 {
     const pel_model *model = projector->model;
     const pel_real w = model->inverse_mass[v];
-    const double tau = projector->tau;
+    const double tau = projector->tau, time = tau * tau / projector->span;
     double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w);
     if (projector->air != NULL)
         rate += (double)(projector->air[v][3] * w);
     double radial = factors[PEL_VOLUMETRIC_DAMPING] * (double)model->volumetric_damping[v];
-    radial = radial > 0 ? tau * (double)w * radial : 0;
-    pel_real drag = (pel_real)((rate + massive_drag(projector)) * tau);
+    radial = radial > 0 ? time * (double)w * radial : 0;
+    pel_real drag = (pel_real)((rate + massive_drag(projector)) * time);
     pel_real spring = (pel_real)(factors[PEL_VOLUMETRIC_STIFFNESS] * (double)(model->rest[v][3] * w) * tau * tau);
     return (pel_restraint){drag, spring, 1 / (1 + drag + spring), (pel_real)(radial / (1 + radial))};
 }
@@ -361,8 +367,11 @@ void pel_projector_begin(pel_projector *projector, const pel_state *state, doubl
         pel_project_body_begin(projector->batches, b, &whole, state, time);
 }
 
-static void set_time(pel_projector *projector, const pel_state *state, double tau)
+static void set_time(pel_projector *projector, const pel_state *state, pel_substep_place place)
 {
+    const double h = projector->substep;
+    const bool is_start = pel_project_is_start(projector, state, place);
+    double tau = pel_project_has_past(projector, state, place) ? 2 * h / 3 : is_start ? start_share * h : h;
     double ratio = pel_min(projector->substep / projector->whole_substep, 1);
     const pel_project_time time = {.tau = tau,
                                    .share = ratio * ratio,
@@ -371,6 +380,7 @@ static void set_time(pel_projector *projector, const pel_state *state, double ta
                                    .substep = projector->substep,
                                    .before = pel_project_substep_start(projector)};
     projector->tau = tau;
+    projector->span = is_start ? 0.5 * h : tau;
     for (int32_t b = 0; b < projector->model->body_count; b++)
         pel_project_body_set_time(&projector->model->bodies[b], &projector->batches->bodies[b], state->factors[b],
                                   &time);
@@ -385,12 +395,18 @@ bool pel_project_has_past(const pel_projector *projector, const pel_state *state
     return projector->solver.second_order && is_known && !(place & PEL_SUBSTEP_PRESSED);
 }
 
+bool pel_project_is_start(const pel_projector *projector, const pel_state *state, pel_substep_place place)
+{
+    bool is_first = place & PEL_SUBSTEP_FIRST && !state->older_is_known;
+    return projector->solver.second_order && is_first && !(place & PEL_SUBSTEP_PRESSED);
+}
+
 static vertex_job make_job(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                            pel_substep_place place)
 {
     bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
     double drag = projector->solver.drag - massive_drag(projector);
-    const pel_real massive = (pel_real)(massive_drag(projector) * projector->tau);
+    const pel_real massive = (pel_real)(massive_drag(projector) * projector->tau * projector->tau / projector->span);
     return (vertex_job){
         .projector = projector,
         .state = state,
@@ -399,7 +415,8 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
         .first = first,
         .is_moving = !first && !second_order,
         .second_order = pel_project_has_past(projector, state, place),
-        .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->tau),
+        .is_start = pel_project_is_start(projector, state, place),
+        .rate = (pel_real)(pel_exp(-drag * projector->substep) / projector->span),
         .drag = massive,
         .share = 1 / (1 + massive),
     };
@@ -418,8 +435,7 @@ const pel_record *pel_project_substep_start(const pel_projector *projector)
 void pel_project_predict(pel_projector *projector, pel_state *state, pel_record *force, const pel_boundary *boundary,
                          pel_substep_place place)
 {
-    set_time(projector, state,
-             pel_project_has_past(projector, state, place) ? 2 * projector->substep / 3 : projector->substep);
+    set_time(projector, state, place);
     if (projector->reaction != NULL && place & PEL_SUBSTEP_FIRST)
         memset(projector->reaction, 0, (size_t)projector->model->vertex_count * sizeof *projector->reaction);
     vertex_job job = make_job(projector, state, force, boundary, place);

@@ -7,8 +7,10 @@
        x* = y + tau u + tau^2 w f,      u = v or (4 v - v') / 3
        v  = (x - y) / tau               after the sweeps
 
-   A substep without a past, the first one, is of first order; where a contact acts the past is made anew from the
-   velocity that it leaves. (Velocities from three positions and x* = x + h v, as often done, are not consistent: a free
+   The first one of second order, which has no past, is the trapezoidal rule for positions and the implicit one for
+   velocities: y = x + h v / 2, tau = h / sqrt(2), u = v / sqrt(2), and v = (x - y) / (h / 2) after the sweeps, so that a
+   fall under any constant force is exact from the first substep on. Where a contact acts the past is made anew from the
+   velocity that it leaves, and a substep is of first order. (Velocities from three positions and x* = x + h v, as often done, are not consistent: a free
    fall gets twice its acceleration.)
 
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
@@ -41,7 +43,7 @@ typedef struct pel_projector {
     pel_solver_def solver;
     bool is_plain;                               /* runs the plain kernels: for tests and benchmarks */
     bool is_held;                                /* a vertex has drag or a volumetric spring */
-    double substep, tau;                         /* s; tau of the present substep */
+    double substep, tau, span;                   /* s; of the present substep: tau, and ways over velocities */
     double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
     pel_restraint *restraints;                   /* (vertex_count) where is_held */
@@ -80,7 +82,7 @@ void pel_projector_hold(pel_projector *projector, const uint8_t *is_held);
 void pel_projector_begin(pel_projector *projector, const pel_state *state, double time);
 
 /* where a substep stands in its step, one may be both; and whether contacts carried loads in the one before, so that it
-   is of first order */
+   is of first order, or may do so in the first of all */
 typedef enum pel_substep_place {
     PEL_SUBSTEP_BETWEEN = 0,
     PEL_SUBSTEP_FIRST = 1,
@@ -102,6 +104,9 @@ void pel_project_finish(pel_projector *projector, pel_state *state, const pel_co
 const pel_record *pel_project_substep_start(const pel_projector *projector);
 /* The substep takes the positions and velocities before its start into account: second order. */
 bool pel_project_has_past(const pel_projector *projector, const pel_state *state, pel_substep_place place);
+
+/* It is the first of second order. */
+bool pel_project_is_start(const pel_projector *projector, const pel_state *state, pel_substep_place place);
 
 /* Restarts the history of a body at the present state. */
 void pel_projector_restart(const pel_projector *projector, pel_state *state, int32_t body);
