@@ -8,9 +8,9 @@
 #include <string.h>
 
 /* a strip of length 10 along x, clamped at x = 0, that a moment at its end rolls up */
-static pel_sim *make_strip(stage *s, double turns)
+static pel_sim *make_strip(stage *s, double turns, pel_grid_diagonals diagonals)
 {
-    s->mesh = make_grid(32, 4, 10, 1, PEL_GRID_UNION_JACK);
+    s->mesh = make_grid(32, 4, 10, 1, diagonals);
     static int32_t ends[2][5];
     int counts[2] = {0, 0};
     for (int32_t v = 0; v < s->mesh->vertex_count; v++)
@@ -42,22 +42,26 @@ static pel_sim *make_strip(stage *s, double turns)
     return s->sim;
 }
 
-/* a full circle at once: the loads come in parts */
+/* A full circle at once: the slope of moments on edges that turn away has a part that is not symmetric, without which
+   the strip with one diagonal finds no equilibrium. */
 static void test_roll_up(void **unused)
 {
     (void)unused;
+    static const pel_grid_diagonals diagonals[] = {PEL_GRID_UNION_JACK, PEL_GRID_ONE_DIAGONAL};
     stage s;
     pel_solver_reading reading;
     double x[3 * 200];
-    pel_sim *sim = make_strip(&s, 1);
-    assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
-    pel_sim_get_solver(sim, &reading);
-    assert_true(reading.converged);
-    pel_sim_get_positions(sim, 0, x);
-    for (int32_t v = 0; v < s.mesh->vertex_count; v++)
-        if (s.mesh->positions[v][0] > 4.99)
-            assert_near(x[3 * v], -5, IN_FLOAT(0.02, 0.1)); /* back at the clamp */
-    end_stage(&s);
+    for (int i = 0; i < 2; i++) {
+        pel_sim *sim = make_strip(&s, 1, diagonals[i]);
+        assert_int_equal(pel_sim_step(sim, NULL), PEL_OK);
+        pel_sim_get_solver(sim, &reading);
+        assert_true(reading.converged && reading.iterations < 60);
+        pel_sim_get_positions(sim, 0, x);
+        for (int32_t v = 0; v < s.mesh->vertex_count; v++)
+            if (s.mesh->positions[v][0] > 4.99)
+                assert_near(x[3 * v], -5, IN_FLOAT(1e-3, 0.1)); /* back at the clamp */
+        end_stage(&s);
+    }
 }
 
 /* A thin sphere that a pressure P inflates and an enclosed gas, or a liquid, draws back: the radius grows by the

@@ -26,8 +26,8 @@
 
    Conditions on psi: free on the boundary is a free edge. psi = 0 on an edge whose vertices are held is a clamped edge:
    its normal stays. A given increment turns the clamp. A moment M [N m] on a boundary edge is a force M on psi; unless
-   the edge keeps its direction such a moment has no potential, and Newton's method with this symmetric Hessian
-   converges linearly. */
+   the edge keeps its direction such a moment has no potential, and the derivative of the forces has a part that is not
+   symmetric, too (newton/skew.c). */
 #ifndef PEL_MEASURE_MIDEDGE_H
 #define PEL_MEASURE_MIDEDGE_H
 

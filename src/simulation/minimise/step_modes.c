@@ -65,6 +65,17 @@ void pel_sim_modes_destroy(pel_sim *sim)
     PEL_FREE_ALL(sim->modes->base, sim->modes->present, sim->modes->values, sim->modes);
 }
 
+/* bodies that start in another shape than that at rest: what holds them there stretches them */
+static void place_starts(const pel_sim *sim, pel_record *positions)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        for (int32_t v = 0; body->start != NULL && v < body->mesh->vertex_count; v++)
+            for (int k = 0; k < 3; k++)
+                positions[body->model_index[v]][k] = (pel_real)body->start[v][k];
+    }
+}
+
 /* About the state at rest, or that under the loads of the first step: which step asks first makes no difference. */
 static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
@@ -72,12 +83,14 @@ static pel_status find_base(pel_sim *sim, pel_step_result *result, pel_error *er
     size_t bytes = (size_t)sim->model->vertex_count * sizeof *state->position;
     memcpy(sim->modes->present, state->position, bytes);
     memcpy(state->position, sim->model->rest, bytes);
-    memcpy(state->position_next, sim->model->rest, bytes);
+    bool buckles = sim->solver.analysis == PEL_ANALYSIS_BUCKLING;
+    if (!buckles)
+        place_starts(sim, state->position);
+    memcpy(state->position_next, state->position, bytes);
     int64_t step = state->step;
     state->step = 0;
     pel_sim_update_factors(sim, sim->step.dt);
     pel_sim_newton_begin(sim);
-    bool buckles = sim->solver.analysis == PEL_ANALYSIS_BUCKLING;
     if (buckles)
         sim->minimise->result = (pel_descent_result){.converged = true};
     pel_status status = buckles ? PEL_OK : pel_minimise_step(sim, result, error);

@@ -196,6 +196,8 @@ bool pel_newton_solve_indefinite(newton_run *run, const double *right, double *s
 /* ---- skew.c ---- */
 /* newton->step of the system with the skew part of the terms, from that without; false where a solve fails. */
 bool pel_newton_solve_skew(newton_run *run);
+/* whether there is such a part */
+bool pel_newton_has_skew(const newton_run *run);
 void pel_newton_skew_destroy(pel_newton_skew *skew);
 
 /* ---- step.c ---- */

@@ -1,9 +1,10 @@
-/* Systems with a part that is not symmetric, as follower loads have: (K + S) x = b with the symmetric K of the matrix.
+/* Systems with a part that is not symmetric, as follower loads and moments on edges have: (K + S) x = b with the symmetric K of the matrix.
    GMRES (Saad and Schultz 1986) on (1 + K^-1 S) x = K^-1 b, whose products are solves of the symmetric system. S acts
    on a few boundary edges, so that a few products do. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
+#include "math/vec3.h"
 #include "newton/run.h"
 
 #include <math.h>
@@ -43,6 +44,46 @@ static pel_status create(newton_run *run)
     return pel_fail_memory(run->error);
 }
 
+/* whether the load is a moment on an edge, which the matrix takes for one of an edge that keeps its direction */
+static bool has_moment(const newton_run *run, int32_t edge)
+{
+    const double *force = run->problem->force;
+    return force != NULL && force[3 * (size_t)run->newton->pattern->vertex_count + (size_t)edge] != 0;
+}
+
+bool pel_newton_has_skew(const newton_run *run)
+{
+    const pel_newton_terms *terms = run->problem->terms;
+    bool any = terms != NULL && terms->add_skew != NULL;
+    for (int32_t e = 0; !any && e < run->newton->pattern->edge_count; e++)
+        any = has_moment(run, e);
+    return any;
+}
+
+/* y += S x of moments on edges. The frame that psi is measured in is carried along with the edge e, and turns about it
+   by e . (d1 x d2) / (2 |e|^3) where a way d1 of its ends is followed by d2; the moment that the triangle bears works on
+   that. */
+static void add_moments(const newton_run *run, const double *x, double *y)
+{
+    const pel_newton *newton = run->newton;
+    const pel_tangent_edge *edges = pel_tangent_edges_of(newton->tangent);
+    for (int32_t e = 0; e < newton->pattern->edge_count; e++) {
+        const size_t u = 3 * (size_t)newton->pattern->vertex_count + (size_t)e, tail = 3 * (size_t)edges[e].vertices[0],
+                     head = 3 * (size_t)edges[e].vertices[1];
+        double along[3], way[3], turn[3];
+        if (!has_moment(run, e))
+            continue;
+        double moment = newton->gradient[u] + run->factor * run->problem->force[u];
+        moment += run->share > 0 ? run->share * newton->balance[u] : 0;
+        pel_vec3_subtract(run->unknowns + head, run->unknowns + tail, along);
+        pel_vec3_subtract(x + head, x + tail, way);
+        pel_vec3_cross(along, way, turn);
+        const double square = pel_vec3_squared_length(along), scale = 0.5 * moment / (square * sqrt(square));
+        pel_vec3_along(y + head, scale, turn, y + head);
+        pel_vec3_along(y + tail, -scale, turn, y + tail);
+    }
+}
+
 /* newton->step = K^-1 S x */
 static bool multiply(newton_run *run, const double *x)
 {
@@ -52,7 +93,9 @@ static bool multiply(newton_run *run, const double *x)
     memcpy(newton->move, x, (size_t)count * sizeof *x);
     memset(newton->right, 0, (size_t)count * sizeof *newton->right);
     pel_newton_frames_turn_back(&run->problem->frames, newton->move);
-    terms->add_skew(terms->context, newton->move, newton->right);
+    if (terms != NULL && terms->add_skew != NULL)
+        terms->add_skew(terms->context, newton->move, newton->right);
+    add_moments(run, newton->move, newton->right);
     pel_newton_frames_turn(&run->problem->frames, newton->right);
     for (int32_t u = 0; u < count; u++)
         newton->right[u] = newton->fixed[u] ? 0 : newton->right[u];

@@ -467,9 +467,7 @@ bool pel_newton_make_preconditioner(newton_run *run)
 /* what is solved for the skew part goes on from step to step, and so do its errors */
 static double solve_tolerance(const newton_run *run)
 {
-    const pel_newton_terms *terms = run->problem->terms;
-    bool has_skew = terms != NULL && terms->add_skew != NULL;
-    return run->problem->is_dynamic && !has_skew ? DYNAMIC_SOLVE_TOLERANCE : SOLVE_TOLERANCE;
+    return run->problem->is_dynamic && !pel_newton_has_skew(run) ? DYNAMIC_SOLVE_TOLERANCE : SOLVE_TOLERANCE;
 }
 
 pel_pcg_end pel_newton_solve(newton_run *run, int32_t products)
@@ -518,7 +516,6 @@ static void set_fixed_steps(newton_run *run)
 /* The step of the matrix; false where that is not positive definite. */
 bool pel_newton_find_step(newton_run *run)
 {
-    const pel_newton_terms *terms = run->problem->terms;
     pel_newton_assemble(run);
     if (run->status != PEL_OK || !pel_newton_solve_symmetric(run))
         return false;
@@ -526,7 +523,7 @@ bool pel_newton_find_step(newton_run *run)
     if (pel_newton_has_kinks(run) && pel_newton_is_at_targets(run) && !pel_newton_cross_kinks(run))
         return false;
     set_fixed_steps(run);
-    return terms == NULL || terms->add_skew == NULL || pel_newton_solve_skew(run);
+    return !pel_newton_has_skew(run) || pel_newton_solve_skew(run);
 }
 
 double pel_newton_dot(const pel_newton *newton, const double *a, const double *b)
