@@ -77,6 +77,23 @@ static void test_loaded(void **unused)
     assert_true(summary.modes[0] < rod && summary.modes[0] > rod * PI / 2 / sqrt(3));
 }
 
+/* a drum whose rim holds a stretch of 5 % from the shape at rest: 2.405 / (2 pi R) sqrt(tension / mass) */
+static void test_stretched_at_the_start(void **unused)
+{
+    (void)unused;
+    const char *drum = "version: 1\nbodies:\n"
+                       "  - mesh: { shape: disk, radius: 0.15, rings: 12 }\n"
+                       "    rest: { shape: disk, radius: 0.14285714285714286, rings: 12 }\n"
+                       "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"
+                       "    mass: { density: 1100 }\n"
+                       "    pinned: boundary\n"
+                       "solver: { analysis: modal, modes: 1 }\n";
+    const double tension = 1e6 / 3 * 1e-3 * (1 - pow(1.05, -6)), mass = 1100 * 1e-3 / (1.05 * 1.05);
+    const double frequency = 2.404826 / (2 * PI * 0.15) * sqrt(tension / mass);
+    pel_run_summary summary = run_text(drum, "stretched");
+    assert_near(summary.modes[0] / frequency, 1, 5e-3);
+}
+
 /* a free strip that is pressed at both ends: Euler's column between hinges */
 static void test_column(void **unused)
 {
@@ -175,9 +192,9 @@ static void test_resume(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_plate), cmocka_unit_test(test_loaded),    cmocka_unit_test(test_column),
-        cmocka_unit_test(test_sphere),     cmocka_unit_test(test_durations), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_free_plate), cmocka_unit_test(test_loaded), cmocka_unit_test(test_stretched_at_the_start),
+        cmocka_unit_test(test_column),     cmocka_unit_test(test_sphere), cmocka_unit_test(test_durations),
+        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_resume),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -1,6 +1,6 @@
-/* Systems with a part that is not symmetric, as follower loads and moments on edges have: (K + S) x = b with the symmetric K of the matrix.
-   GMRES (Saad and Schultz 1986) on (1 + K^-1 S) x = K^-1 b, whose products are solves of the symmetric system. S acts
-   on a few boundary edges, so that a few products do. */
+/* Systems with a part that is not symmetric, as follower loads and moments on edges have: (K + S) x = b with the
+   symmetric K of the matrix. GMRES (Saad and Schultz 1986) on (1 + K^-1 S) x = K^-1 b, whose products are solves of the
+   symmetric system. S acts on a few boundary edges, so that a few products do. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/functions.h"
@@ -61,8 +61,8 @@ bool pel_newton_has_skew(const newton_run *run)
 }
 
 /* y += S x of moments on edges. The frame that psi is measured in is carried along with the edge e, and turns about it
-   by e . (d1 x d2) / (2 |e|^3) where a way d1 of its ends is followed by d2; the moment that the triangle bears works on
-   that. */
+   by e . (d1 x d2) / (2 |e|^3) where a way d1 of its ends is followed by d2; the moment that the triangle bears works
+   on that. */
 static void add_moments(const newton_run *run, const double *x, double *y)
 {
     const pel_newton *newton = run->newton;

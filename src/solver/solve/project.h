@@ -8,10 +8,10 @@
        v  = (x - y) / tau               after the sweeps
 
    The first one of second order, which has no past, is the trapezoidal rule for positions and the implicit one for
-   velocities: y = x + h v / 2, tau = h / sqrt(2), u = v / sqrt(2), and v = (x - y) / (h / 2) after the sweeps, so that a
-   fall under any constant force is exact from the first substep on. Where a contact acts the past is made anew from the
-   velocity that it leaves, and a substep is of first order. (Velocities from three positions and x* = x + h v, as often done, are not consistent: a free
-   fall gets twice its acceleration.)
+   velocities: y = x + h v / 2, tau = h / sqrt(2), u = v / sqrt(2), and v = (x - y) / (h / 2) after the sweeps, so that
+   a fall under any constant force is exact from the first substep on. Where a contact acts the past is made anew from
+   the velocity that it leaves, and a substep is of first order. (Velocities from three positions and x* = x + h v, as
+   often done, are not consistent: a free fall gets twice its acceleration.)
 
    Volumetric springs k' and drag d of a vertex are quadratic in its own position: they are taken up exactly by a mass
    that is larger by tau d + tau^2 k', with x* drawn to the rest place; no constraint is needed for them. So is the drag
