@@ -14,6 +14,9 @@
    are in proportion to the edges, so that finer bodies cave in alike */
 #define GRADIENT_PER_PRESSURE 0.6
 
+/* in all frames of a run: fewer are near each other in passing */
+#define FEW_CONTACTS 10
+
 static const char scene[] = "version: 1\n"
                             "title: shell that shrinks under pressure\n"
                             "bodies:\n"
@@ -75,8 +78,8 @@ void b_judge_contacts(lab_experiment *experiment, int body, const char *runs, co
 {
     char text[80];
     snprintf(text, sizeof text, "intersections and vertices stepped back, %s", runs);
-    /* where nothing touches and nothing crosses, nothing is shown */
-    if (sum->pairs + sum->intersections > 0)
+    /* where hardly anything touches, nothing would cross without step 4 either, and nothing is shown */
+    if (sum->pairs >= FEW_CONTACTS || sum->intersections + sum->guarded > 0)
         b_at_most(experiment, body, text, sum->intersections + sum->guarded, 0,
                   B_PAPER ", section 5, step 4: the paper has no guard");
     snprintf(text, sizeof text, "contacts in all frames, %s", runs);
