@@ -391,6 +391,34 @@ static void test_unresolved(void **unused)
     }
 }
 
+/* A shell that bounces: what the method takes in contact is told as well, and not where friction may have taken it. */
+static void test_unresolved_bounce(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"contact.friction=0.3"};
+    for (int32_t rubs = 0; rubs < 2; rubs++) {
+        pel_run_summary summary;
+        run_scene("version: 1\nbodies:\n"
+                  "  - mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.1, translate: [0, 0, 0.101] }\n"
+                  "    mass: { density: 1000, thickness: 0.005 }\n"
+                  "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.45, thickness: 0.005 }\n"
+                  "    velocity: [0, 0, -2]\n"
+                  "tools: [{ name: floor, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.05] }] }]\n"
+                  "contact: { self: true }\nsolver: { method: xpbd, dt: 0.002 }\nduration: 0.15\n"
+                  "output: { every: 0.002 }\n",
+                  overrides, rubs, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+        double whole = 100 * summary.ledger.dissipated_solver / summary.ledger.supplied;
+        char told[40];
+        assert_non_null(warning);
+        snprintf(told, sizeof told, "has taken %.2g %%", whole);
+        print_message("%s\n", warning->text);
+        assert_true(whole > 50);
+        assert_true((strstr(warning->text, told) != NULL) == (rubs == 0));
+        assert_true((strstr(warning->text, "while nothing touched") != NULL) == (rubs == 0));
+    }
+}
+
 /* a run that is over before anything could swing shows no motion that steps would not resolve; a longer one does */
 static void test_short_run(void **unused)
 {
@@ -836,6 +864,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_unresolved_bounce),
         cmocka_unit_test(test_short_run),
         cmocka_unit_test(test_grasp_empty),
         cmocka_unit_test(test_close_start),

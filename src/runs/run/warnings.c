@@ -51,6 +51,8 @@ enum { JAM_STEPS = 10 };
 enum { FEW_STEPS = 4, QUARTER = 10 };
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000
+/* of the energy lost while nothing touched: a loss that is told beside it */
+#define TOUCH_SHARE 1.2
 
 static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_SOFT] = "softer-than-material",
@@ -652,6 +654,18 @@ static void tell_unsettled(const pel_warning_text *at)
                  end->value, 100 * end->limit);
 }
 
+/* Where neither friction nor restitution can take energy, the method has taken what is lost in contact too. */
+static bool takes_in_contact(const pel_scene *scene)
+{
+    const pel_contact_def *contact = &scene->sim.contact;
+    bool takes = !(contact->friction > 0) && !(contact->restitution >= 0);
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        takes &= !(scene->model.bodies[b].friction > 0) && !(scene->model.bodies[b].restitution >= 0);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        takes &= !(scene->sim.tools[t].friction > 0) && !(scene->sim.tools[t].restitution >= 0);
+    return takes;
+}
+
 /* a step that would do, or one a quarter as long where nothing is known that is so fast: large motion has higher
    frequencies than that about rest */
 static void tell_unresolved(const pel_warning_text *at)
@@ -661,11 +675,15 @@ static void tell_unresolved(const pel_warning_text *at)
     double dt = scene->sim.solver.dt;
     pel_motions motions;
     bool is_known = pel_scene_find_motions(scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < 0.25 * dt;
+    double whole = at->run->totals.loss / at->run->ledger.supplied;
+    char part[40] = "";
+    if (takes_in_contact(scene) && whole > TOUCH_SHARE * at->tally->worst)
+        snprintf(part, sizeof part, ", %.2g %% while nothing touched", 100 * at->tally->worst);
     snprintf(
         at->text, at->size,
         "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
-        "was supplied. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
-        100 * at->tally->worst, stepper->minimises ? "" : "the method implicit with ",
+        "was supplied%s. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
+        100 * (part[0] != '\0' ? whole : at->tally->worst), part, stepper->minimises ? "" : "the method implicit with ",
         is_known ? motions.fastest.dt : 0.25 * dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");
 }
 
