@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
+enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64, SETTLE_USES = 16 };
 
 /* of lengths: more than the rounding of distances */
 #define SLACK 1e-6
@@ -323,6 +323,8 @@ void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const 
                        .to = {start},
                        .point_count = clearance->point_count,
                        .target_count = 1};
+    if (clearance->uses % SETTLE_USES != 0)
+        return;
     double way = longest_approach(&gone, pool);
     if (!(way > SETTLE_SHARE * clearance->nearest))
         return;

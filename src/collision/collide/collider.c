@@ -1,6 +1,7 @@
 #include "collide/collider.h"
 
 #include "base/memory.h"
+#include "base/sort.h"
 #include "base/status.h"
 #include "collide/clearance.h"
 #include "geom/ccd.h"
@@ -14,6 +15,7 @@ enum {
     DEF_COOKIE = 0x434f4c4c,
     BLOCK = 256, /* candidates that are solved together */
     PARTS = 64,  /* lists of collisions that threads fill */
+    FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
     /* of a pair: two lists that double when they grow */
     BYTES_PER_PAIR = 4 * sizeof(pel_pair)
 };
@@ -419,8 +421,46 @@ static void sort_few(pel_collision *collisions, int32_t count)
     }
 }
 
-/* Adds the hits of all parts in the order of their features, so that the order of candidates does not show: each goes
-   to its place by its first feature. */
+static bool is_before(const pel_collision *a, const pel_collision *b)
+{
+    return a->first != b->first ? a->first < b->first : a->second < b->second;
+}
+
+PEL_DEFINE_SORT(sort_all, pel_collision, is_before)
+
+/* puts the hits of all parts behind each other: to their places by their first feature, where `ends` are the places
+   behind those of each feature, or as they come */
+static void put_hits(const pel_collider *collider, int32_t *ends, pel_collision *to)
+{
+    int32_t at = 0;
+    for (int i = 0; i < PARTS; i++)
+        for (size_t k = 0; k < collider->parts[i].list.count; k++) {
+            const pel_collision *collision = &collider->parts[i].list.collisions[k];
+            to[ends != NULL ? ends[collision->first]++ : at++] = *collision;
+        }
+}
+
+/* many hits: each goes to its place by its first feature */
+static void put_by_feature(pel_collider *collider, size_t feature_count, pel_collision *to)
+{
+    int32_t *ends = collider->ends, end = 0;
+    memset(ends, 0, feature_count * sizeof *ends);
+    for (int i = 0; i < PARTS; i++)
+        for (size_t k = 0; k < collider->parts[i].list.count; k++)
+            ends[collider->parts[i].list.collisions[k].first]++;
+    for (size_t f = 0; f < feature_count; f++) {
+        int32_t own = ends[f];
+        ends[f] = end;
+        end += own;
+    }
+    put_hits(collider, ends, to);
+    for (size_t f = 0; f < feature_count; f++) {
+        int32_t begin = f > 0 ? ends[f - 1] : 0;
+        sort_few(to + begin, ends[f] - begin);
+    }
+}
+
+/* Adds the hits of all parts in the order of their features, so that the order of candidates does not show. */
 static pel_status gather(pel_collider *collider, bool edge_edge, pel_error *error)
 {
     collision_list *all = &collider->collisions;
@@ -433,26 +473,12 @@ static pel_status gather(pel_collider *collider, bool edge_edge, pel_error *erro
     if (!pel_reserve((void **)&all->collisions, &all->capacity, all->count + count, sizeof *all->collisions) ||
         !pel_reserve((void **)&collider->ends, &collider->end_capacity, feature_count, sizeof *collider->ends))
         return pel_fail_memory(error);
-    int32_t *ends = collider->ends, end = 0;
     pel_collision *to = all->collisions + all->count;
-    memset(ends, 0, feature_count * sizeof *ends);
-    for (int i = 0; i < PARTS; i++)
-        for (size_t k = 0; k < collider->parts[i].list.count; k++)
-            ends[collider->parts[i].list.collisions[k].first]++;
-    for (size_t f = 0; f < feature_count; f++) {
-        int32_t own = ends[f];
-        ends[f] = end;
-        end += own;
-    }
-    for (int i = 0; i < PARTS; i++)
-        for (size_t k = 0; k < collider->parts[i].list.count; k++) {
-            const pel_collision *collision = &collider->parts[i].list.collisions[k];
-            to[ends[collision->first]++] = *collision;
-        }
-    for (size_t f = 0; f < feature_count; f++) {
-        int32_t begin = f > 0 ? ends[f - 1] : 0;
-        sort_few(to + begin, ends[f] - begin);
-    }
+    if (FEW_SHARE * count < feature_count) {
+        put_hits(collider, NULL, to);
+        sort_all(to, count);
+    } else
+        put_by_feature(collider, feature_count, to);
     all->count += count;
     return PEL_OK;
 }

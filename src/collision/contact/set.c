@@ -34,6 +34,8 @@ enum { VELOCITY_SWEEPS = 4 };
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
  */
 #define NEAR_SHARE 0.5
+/* of ways: more than their rounding */
+#define WAY_SLACK 1e-6
 /* of the search, of the thickness */
 #define TOLERANCE_SHARE 1e-2
 /* depth at which sweeps may end, of the thickness */
@@ -717,6 +719,19 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 
 /* ---- search ---- */
 
+/* m, the longest way of a point from start to end */
+static double longest_way(const pel_contact_set *set)
+{
+    double square = 0;
+    for (int32_t p = 0; p < set->point_count; p++) {
+        double way[3];
+        pel_vec3_subtract(set->end[p], set->start[p], way);
+        double own = pel_vec3_squared_length(way);
+        square = own > square ? own : square;
+    }
+    return sqrt(square);
+}
+
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
     pel_collision_query query = pel_collision_query_default();
@@ -737,23 +752,13 @@ static pel_status search(pel_contact_set *set, double distance, pel_pair_measure
     double began = pel_seconds();
     set->way_is_searched = false;
     pel_collision_query query = query_of(set, distance);
+    /* What comes within the distance starts within it and the ways of both sides. The search looks no farther. */
+    if (!set->def.has_layers)
+        query.near = pel_min(query.near, distance + 2 * longest_way(set) * (1 + WAY_SLACK));
     pel_status status = pel_collider_list(set->collider, &query, measure, set, found, error);
     pel_contact_count_search(set, found);
     set->statistics.find_seconds += pel_seconds() - began;
     return status;
-}
-
-/* the longest way of a step of velocities */
-static double longest_way(const pel_contact_set *set)
-{
-    double square = 0;
-    for (int32_t p = 0; p < set->point_count; p++) {
-        double way[3];
-        pel_vec3_subtract(set->end[p], set->start[p], way);
-        double own = pel_vec3_squared_length(way);
-        square = own > square ? own : square;
-    }
-    return sqrt(square);
 }
 
 /* m, within which a search before a step looks */
@@ -917,7 +922,8 @@ bool pel_contact_set_is_clear(pel_contact_set *set, const pel_record *position, 
 {
     double began = pel_seconds();
     bool has_layers = set->def.has_layers;
-    const pel_collision_query query = query_of(set, has_layers ? set->guarded : set->largest);
+    pel_collision_query query = query_of(set, has_layers ? set->guarded : set->largest);
+    query.near = query.min_separation;
     bool may_be = (has_layers || set->list.count == 0) && set->tangles.is_known && set->tangles.count == 0 &&
                   !has_round_obstacle(set);
     set->was_clear = may_be && ((set->was_clear && pel_collider_stays_clear(set->collider, &query, longest, true)) ||

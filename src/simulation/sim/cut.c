@@ -301,9 +301,11 @@ static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, 
     *is_open = status == PEL_OK && opening.edge_count > 0;
     if (*is_open)
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
-    /* shorter edges may need shorter steps than the given ones: the edge then opens as it is */
-    if (status == PEL_UNSTABLE) {
+    /* shorter edges may need shorter steps than the given ones, and in a fold vertices that move may run into the
+       surface: the edge then opens as it is */
+    if (status == PEL_UNSTABLE || (status == PEL_BAD_ARGUMENT && sim->cut_is_held)) {
         pel_growth_stay(sim->tear, survey, growth);
+        sim->cut_is_held = false;
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
     }
     /* once more before the next step */

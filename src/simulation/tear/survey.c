@@ -308,7 +308,7 @@ static bool has_other_tip(const pel_survey *s, int32_t count)
     return false;
 }
 
-void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_tip *tip)
+static void read_tip(pel_survey *s, int32_t vertex, const double ahead[3], pel_tip *tip)
 {
     const pel_body *body = &s->sim->model->bodies[s->body];
     int32_t count = pel_survey_walk(s, vertex, RINGS);
@@ -329,6 +329,17 @@ void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
         add_sides(s, triangle_count, stiffness, tip->force);
     tip->release = pel_vec3_length(tip->force);
     pel_survey_leave(s, count);
+}
+
+void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_tip *tip)
+{
+    pel_tip_reading *reading = &s->readings[vertex % PEL_TIP_READINGS];
+    int64_t state = (int64_t)s->sim->state_number + 1;
+    if (reading->state != state || reading->tip.vertex != vertex) {
+        read_tip(s, vertex, ahead, &reading->tip);
+        reading->state = state;
+    }
+    *tip = reading->tip;
 }
 
 /* ---- tips ---- */

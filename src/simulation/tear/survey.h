@@ -6,6 +6,14 @@
 #include "pellicle/topology.h"
 #include "stage/stage.h"
 
+/* a tip as it was read last */
+typedef struct pel_tip_reading {
+    int64_t state; /* number of the state + 1; 0 = none */
+    pel_tip tip;
+} pel_tip_reading;
+
+enum { PEL_TIP_READINGS = 8 };
+
 typedef struct pel_survey {
     pel_sim *sim;
     int32_t body;
@@ -13,6 +21,7 @@ typedef struct pel_survey {
     pel_topology *topology;
     /* (vertices of the mesh) of its tips, in their order, once they are asked for */
     int32_t *tips, tip_count; /* -1 = not yet */
+    pel_tip_reading readings[PEL_TIP_READINGS]; /* by their vertices */
     /* (vertices of the mesh) */
     double *weights;   /* q of the tip at work; 0 else */
     int32_t *queue;    /* of vertices around it */
