@@ -81,18 +81,6 @@ PEL_API pel_status pel_session_reset(pel_session *session, pel_error *error);
 PEL_API void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading);
 /* The mesh of the pressing tool, relative to its origin [m]; null if it has none. Lives until the hand is free. */
 PEL_API const pel_mesh *pel_session_tool_mesh(const pel_session *session);
-/* How a tear is led: by forceps of the scene (pel_tool_def.leads), and by the hand that takes over from them. Undo and
-   reset return to the score of that time. */
-typedef struct pel_score {
-    pel_hole_reading hole;
-    double force_peak;   /* N, largest force on one tool so far */
-    double force_rms;    /* N, root of the mean square over the steps in which a tool had a force; 0 = none yet */
-    double time;         /* s, from the first to the last of these steps */
-    int64_t touch_count; /* steps in which a tool was at the surface on the far side of the circle's centre, or behind
-                            it: in an eye's lens the posterior capsule, which must stay whole */
-} pel_score;
-/* False, with a score of zeros, if no tool of the scene leads a tear. */
-PEL_API bool pel_session_get_score(const pel_session *session, pel_score *score);
 /* Number of marks for undo. */
 PEL_API int32_t pel_session_undo_count(const pel_session *session);
 /* (*count, the vertices of the body's mesh) 1 for pinned vertices, otherwise 0; lives until the next command. */

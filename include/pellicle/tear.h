@@ -82,6 +82,19 @@ typedef struct pel_hole_reading {
 /* False, with a reading of zeros, if no tool leads a tear. */
 PEL_API bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading);
 
+/* How a tear is led: by tools of the def (pel_tool_def.leads), and by others that take over from them. Snapshots contain
+   it, so that undo and reset return to the score of that time. */
+typedef struct pel_score {
+    pel_hole_reading hole;
+    double force_peak;   /* N, largest force on one tool so far */
+    double force_rms;    /* N, root of the mean square over the steps in which a tool had a force; 0 = none yet */
+    double time;         /* s, from the first to the last of these steps */
+    int64_t touch_count; /* steps in which a tool was at the surface on the far side of the circle's centre, or behind
+                            it: in an eye's lens the posterior capsule, which must stay whole */
+} pel_score;
+/* False, with a score of zeros, if no tool leads a tear. */
+PEL_API bool pel_sim_get_score(const pel_sim *sim, pel_score *score);
+
 /* Whether the surface of any body may open: it has a toughness, or the def has cuts or tools with an edge. */
 PEL_API bool pel_sim_can_tear(const pel_sim *sim);
 

@@ -118,6 +118,7 @@ extern PyType_Spec core_drag_spec;
 PyObject *core_sim_set_pins(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_cut(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_tips(core_sim *self, PyObject *argument);
+PyObject *core_sim_score(core_sim *self, PyObject *unused);
 PyObject *core_sim_pick(core_sim *self, PyObject *ray);
 PyObject *core_sim_drag(core_sim *self, PyObject *const *arguments, Py_ssize_t count);
 PyObject *core_sim_adjoint(core_sim *self, PyObject *const *arguments, Py_ssize_t count);

@@ -529,6 +529,7 @@ static PyMethodDef methods[] = {
     CHANGE(set_pins, METH_FASTCALL),
     CHANGE(cut, METH_FASTCALL),
     CHANGE(tips, METH_O),
+    CHANGE(score, METH_NOARGS),
     CHANGE(pick, METH_O),
     CHANGE(drag, METH_FASTCALL),
     CHANGE(adjoint, METH_FASTCALL),

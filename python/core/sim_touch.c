@@ -58,6 +58,40 @@ PyObject *core_sim_tips(core_sim *self, PyObject *argument)
     return core_raise(&error);
 }
 
+#define SCORE(name, member, kind, count)                                                                               \
+    {                                                                                                                  \
+        name, kind, offsetof(pel_score, member), count                                                                 \
+    }
+static const core_member score_members[] = {
+    SCORE("whole", hole.is_whole, CORE_BOOL, 1),
+    SCORE("aim", hole.aim, CORE_DOUBLE, 1),
+    SCORE("along", hole.along, CORE_DOUBLE, 3),
+    SCORE("across", hole.across, CORE_DOUBLE, 3),
+    SCORE("radius", hole.radius, CORE_DOUBLE, PEL_HOLE_SECTORS),
+    SCORE("swept", hole.swept, CORE_DOUBLE, 1),
+    SCORE("diameter", hole.diameter, CORE_DOUBLE, 1),
+    SCORE("offset", hole.offset, CORE_DOUBLE, 1),
+    SCORE("roundness", hole.roundness, CORE_DOUBLE, 1),
+    SCORE("run_outs", hole.run_out_count, CORE_INT32, 1),
+    SCORE("largest_radius", hole.largest, CORE_DOUBLE, 1),
+    SCORE("force_peak", force_peak, CORE_DOUBLE, 1),
+    SCORE("force_rms", force_rms, CORE_DOUBLE, 1),
+    SCORE("time", time, CORE_DOUBLE, 1),
+    SCORE("touches", touch_count, CORE_INT64, 1),
+};
+
+/* score(): a dict, or None */
+PyObject *core_sim_score(core_sim *self, PyObject *unused)
+{
+    pel_score score;
+    (void)unused;
+    if (core_sim_check(self) < 0)
+        return NULL;
+    if (!pel_sim_get_score(self->sim, &score))
+        return Py_NewRef(Py_None);
+    return core_record(&score, score_members, sizeof score_members / sizeof *score_members);
+}
+
 static const core_member hit_members[] = {
     CORE_MEMBER(pel_pick_hit, body, CORE_INT32),        CORE_MEMBER(pel_pick_hit, triangle, CORE_INT32),
     CORE_ARRAY(pel_pick_hit, vertices, CORE_INT32, 3),  CORE_ARRAY(pel_pick_hit, weights, CORE_DOUBLE, 3),

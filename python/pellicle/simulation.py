@@ -457,6 +457,25 @@ class Simulation:
         """
         return np.frombuffer(self._core.tips(body), _TIP)
 
+    def score(self) -> Optional[dict[str, Any]]:
+        """How a tear goes that tools of the scene lead around an axis (``tools[].grasp.lead``); None if none does.
+
+        Returns
+        -------
+        dict or None
+            Of the hole, in the shape at rest: whole: it has joined itself and the piece has come off. aim: radius of the circle [m].
+            radius (72): farthest open edge in each sector [m], 0 where none is open; sector k is around the direction
+            cos(a) along + sin(a) across, a = 2 pi (k + 1/2) / 72. swept: angle of the sectors that are open [rad].
+            diameter: of the circle with the area of the hole [m]. offset: of its centroid from the axis [m], and roundness, its smallest
+            over its largest radius; NaN until all sectors are open. run_outs: places farther out than 1.15 times the circle.
+            largest_radius [m].
+
+            Of the tools: force_peak: largest force on one of them so far [N]. force_rms: root of the mean square over the steps
+            with a force [N]. time: from the first to the last of these steps [s]. touches: steps in which a tool was at the
+            surface on the far side.
+        """
+        return self._core.score()
+
     # ---- picking and dragging ----
 
     def pick(self, origin: Any, direction: Any) -> Optional[dict[str, Any]]:

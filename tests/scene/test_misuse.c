@@ -850,8 +850,6 @@ static void test_session(void **unused)
     REFUSED("session", pel_session_repeat(NULL, &error));
     SURVIVES(pel_session_get_hand(NULL, &hand));
     SURVIVES(pel_session_get_hand(session, NULL));
-    SURVIVES(pel_session_get_score(NULL, NULL));
-    SURVIVES(pel_session_get_score(session, NULL));
     SURVIVES(pel_session_free_text(NULL));
     SURVIVES(pel_session_destroy(NULL));
     GIVES(pel_session_undo_count(NULL) == 0);

@@ -37,7 +37,7 @@ static play begin_lens(bool leads)
 static pel_score score(const play *made)
 {
     pel_score read;
-    assert_true(pel_session_get_score(made->session, &read));
+    assert_true(pel_sim_get_score(made->sim, &read));
     return read;
 }
 
@@ -107,7 +107,7 @@ static void test_nothing(void **unused)
     play made = begin_lens(false);
     pel_score read = {.force_peak = 1};
     steps(&made, 1);
-    assert_false(pel_session_get_score(made.session, &read));
+    assert_false(pel_sim_get_score(made.sim, &read));
     assert_true(read.force_peak == 0);
     end(&made);
 }
@@ -122,6 +122,7 @@ static void test_summary(void **unused)
     write_lens(true, text);
     run_scene(text, &brief, 1, NULL, 0, &summary);
     check_contains("warned", "summary.json", "\"hole\": {\"whole\": false, \"swept\": 1.");
+    check_contains("warned", "summary.json", "\"score\": {\"force_peak\": 0");
     check_contains("warned", "summary.json", "\"roundness\": null, \"run_outs\": 0, \"largest_radius\": 0.002");
 }
 

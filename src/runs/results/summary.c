@@ -177,15 +177,26 @@ void pel_results_put_hole(pel_json *json, const pel_hole_reading *hole)
     pel_json_integer(json, "run_outs", hole->run_out_count);
 }
 
-/* of forceps that lead a tear */
-static void write_hole(pel_json *json, const pel_sim *sim)
+void pel_results_put_forces(pel_json *json, const pel_score *score)
 {
-    pel_hole_reading hole;
-    if (!pel_sim_get_hole(sim, &hole))
+    pel_json_number(json, "force_peak", score->force_peak);
+    pel_json_number(json, "force_rms", score->force_rms);
+    pel_json_number(json, "time", score->time);
+    pel_json_number(json, "touches", (double)score->touch_count);
+}
+
+/* of forceps that lead a tear */
+static void write_score(pel_json *json, const pel_sim *sim)
+{
+    pel_score score;
+    if (!pel_sim_get_score(sim, &score))
         return;
     pel_json_open(json, "hole", '{');
-    pel_results_put_hole(json, &hole);
-    pel_json_number(json, "largest_radius", hole.largest);
+    pel_results_put_hole(json, &score.hole);
+    pel_json_number(json, "largest_radius", score.hole.largest);
+    pel_json_close(json, '}');
+    pel_json_open(json, "score", '{');
+    pel_results_put_forces(json, &score);
     pel_json_close(json, '}');
 }
 
@@ -199,7 +210,7 @@ static void write_cuts(pel_json *json, const pel_sim *sim, const pel_sim_ledger 
     pel_json_integer(json, "islands", cuts.island_count);
     pel_json_integer(json, "released", cuts.released_count);
     pel_json_integer(json, "cuts", pel_sim_cuts_done(sim));
-    write_hole(json, sim);
+    write_score(json, sim);
     close_inline(json, '}');
 }
 

@@ -23,5 +23,6 @@ pel_status pel_results_write_summary(const pel_run_ending *ending, pel_error *er
 
 /* The measures of a hole, into an object that is open. */
 void pel_results_put_hole(pel_json *json, const pel_hole_reading *hole);
+void pel_results_put_forces(pel_json *json, const pel_score *score);
 
 #endif

@@ -17,8 +17,6 @@
 #include "session/blade.h"
 #include "session/command.h"
 #include "session/grasp.h"
-#include "session/score.h"
-#include "tear/forceps.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -57,7 +55,6 @@ typedef struct mark {
     int32_t *counts;     /* (body_count) vertices of their meshes */
     unsigned char *pins; /* of all bodies, one after the other */
     double *pressures;   /* (body_count) */
-    pel_score_sums score;
 } mark;
 
 struct pel_session {
@@ -80,7 +77,6 @@ struct pel_session {
     mark start, marks[MARK_LIMIT];
     int32_t mark_count;
     int32_t next_line; /* of the scene's session */
-    pel_score_sums score;
     /* scratch of inflate, for the largest body */
     double *positions, *forces;
 };
@@ -172,7 +168,7 @@ static void drop_mark(mark *at)
 
 static pel_status make_mark(const pel_session *session, mark *at, pel_error *error)
 {
-    *at = (mark){.event_count = session->event_count, .next_line = session->next_line, .score = session->score};
+    *at = (mark){.event_count = session->event_count, .next_line = session->next_line};
     size_t pin_count = 0;
     for (int32_t b = 0; b < session->body_count; b++)
         pin_count += (size_t)session->bodies[b].vertex_count;
@@ -514,21 +510,6 @@ void pel_session_get_hand(const pel_session *session, pel_hand_reading *reading)
         memcpy(reading->point, session->target, sizeof reading->point);
 }
 
-bool pel_session_get_score(const pel_session *session, pel_score *score)
-{
-    if (session == NULL || score == NULL)
-        return false;
-    const pel_score_sums *sums = &session->score;
-    *score = (pel_score){0};
-    if (pel_forceps_first(&session->scene->sim) == NULL)
-        return false;
-    score->force_peak = sums->peak;
-    score->force_rms = sums->pulls > 0 ? sqrt(sums->squares / (double)sums->pulls) : 0;
-    score->time = sums->end - sums->begin;
-    score->touch_count = sums->touches;
-    return pel_sim_get_hole(session->sim, &score->hole);
-}
-
 const pel_mesh *pel_session_tool_mesh(const pel_session *session)
 {
     return session != NULL ? session->mesh : NULL;
@@ -715,7 +696,6 @@ static pel_status go_back(pel_session *session, const mark *to, pel_error *error
         return status;
     cut_record(session, to->event_count);
     session->next_line = to->next_line;
-    session->score = to->score;
     const unsigned char *pins = to->pins;
     for (int32_t b = 0; b < session->body_count; b++) {
         body_grip *body = &session->bodies[b];
@@ -868,9 +848,6 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
         status = pel_sim_step(session->sim, error);
     if (status == PEL_OK)
         status = follow_surfaces(session, error);
-    const pel_tool_def *led = pel_forceps_first(&session->scene->sim);
-    if (status == PEL_OK && led != NULL)
-        status = pel_score_add(&session->score, session->sim, led, error);
     if (status != PEL_DIVERGED)
         return status;
     pel_status restored = step_back(session, error);

@@ -281,11 +281,11 @@ static void put_tear(pel_json *json, pel_sim *sim, double fracture_energy)
     pel_json_close(json, '}');
 }
 
-static void put_score(pel_json *json, const pel_session *session)
+static void put_score(pel_json *json, const pel_sim *sim)
 {
     pel_score score;
     const pel_hole_reading *hole = &score.hole;
-    if (!pel_session_get_score(session, &score))
+    if (!pel_sim_get_score(sim, &score))
         return;
     pel_json_open(json, "score", '{');
     pel_results_put_hole(json, hole);
@@ -293,14 +293,11 @@ static void put_score(pel_json *json, const pel_session *session)
     pel_json_numbers(json, "along", hole->along, 3);
     pel_json_numbers(json, "across", hole->across, 3);
     pel_json_numbers(json, "radius", hole->radius, PEL_HOLE_SECTORS);
-    pel_json_number(json, "force_peak", score.force_peak);
-    pel_json_number(json, "force_rms", score.force_rms);
-    pel_json_number(json, "time", score.time);
-    pel_json_number(json, "touches", (double)score.touch_count);
+    pel_results_put_forces(json, &score);
     pel_json_close(json, '}');
 }
 
-static void put_measures(pel_json *json, pel_sim *sim, const pel_session *session)
+static void put_measures(pel_json *json, pel_sim *sim)
 {
     pel_sim_measures m;
     pel_sim_ledger ledger;
@@ -319,7 +316,7 @@ static void put_measures(pel_json *json, pel_sim *sim, const pel_session *sessio
     pel_json_number(json, "energy_error", ledger.energy_error);
     pel_json_close(json, '}');
     put_tear(json, sim, ledger.dissipated_fracture);
-    put_score(json, session);
+    put_score(json, sim);
 }
 
 /* one number for each value of the field: its own, its first one, or its length */
@@ -417,7 +414,7 @@ unsigned char *pel_message_frame(pel_sim *sim, const pel_session *session, int32
     put_poses(&json, sim);
     put_counts(&json, sim);
     if (pace->measures)
-        put_measures(&json, sim, session);
+        put_measures(&json, sim);
     unsigned char *arrays = NULL, *bytes = binary_message(&json, tail, &arrays, size);
     if (bytes != NULL && !fill_frame(sim, field, arrays)) {
         pel_free(bytes);
@@ -435,7 +432,7 @@ unsigned char *pel_message_summary(pel_sim *sim, const pel_session *session, siz
     put_hash(&json, sim);
     put_hand(&json, session);
     put_poses(&json, sim);
-    put_measures(&json, sim, session);
+    put_measures(&json, sim);
     pel_json_close(&json, '}');
     return text_message(&json, size);
 }

@@ -288,6 +288,14 @@ pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error)
 
 /* ---- tears ---- */
 
+/* that vertices try where a way is refused, each by half */
+enum { SHORTER_WAYS = 3 };
+
+static bool is_refused(const pel_sim *sim, pel_status status)
+{
+    return status == PEL_UNSTABLE || (status == PEL_BAD_ARGUMENT && sim->cut_is_held);
+}
+
 /* opens the growing edges of a body, after its vertices have moved */
 static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, bool *is_open, pel_error *error)
 {
@@ -302,9 +310,9 @@ static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, 
     if (*is_open)
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
     /* shorter edges may need shorter steps than the given ones, and in a fold vertices that move may run into the
-       surface: the edge then opens as it is */
-    if (status == PEL_UNSTABLE || (status == PEL_BAD_ARGUMENT && sim->cut_is_held)) {
-        pel_growth_stay(sim->tear, survey, growth);
+       surface: they then move less, and at last the edge opens as it is */
+    for (int left = SHORTER_WAYS; left >= 0 && is_refused(sim, status); left--) {
+        pel_growth_shorten(sim->tear, survey, growth, left > 0 ? 0.5 : 0);
         sim->cut_is_held = false;
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
     }

@@ -17,6 +17,7 @@
 #include "stage/rigids.h"
 #include "stage/shells.h"
 #include "tear/forceps.h"
+#include "tear/score.h"
 #include "tool/grip.h"
 #include "tool/reading.h"
 #include "tool/support.h"
@@ -312,5 +313,5 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         name_burst(sim, error);
     if (status == PEL_OK && !sim->stepper->is_static)
         status = pel_blades_cut(sim, &has_opened, error);
-    return status;
+    return status == PEL_OK ? pel_score_add(sim, error) : status;
 }

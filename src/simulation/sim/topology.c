@@ -95,11 +95,13 @@ static bool put_all(pel_cursor *at, const pel_sim *sim, bool compares)
     return !p.differs;
 }
 
-void pel_tear_drop_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
+void pel_tear_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
 {
     (void)unused;
-    if (sim->tear != NULL)
-        pel_transfer(at, (pel_tear_drop *)(uintptr_t)&sim->tear_drop, sizeof sim->tear_drop);
+    if (sim->tear == NULL)
+        return;
+    pel_transfer(at, (pel_tear_drop *)(uintptr_t)&sim->tear_drop, sizeof sim->tear_drop);
+    pel_transfer(at, (pel_score_sums *)(uintptr_t)&sim->score, sizeof sim->score);
 }
 
 void pel_topology_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)

@@ -10,7 +10,7 @@
 /* a pel_transfer_part; when it loads, the present surface must be that of the snapshot */
 void pel_topology_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused);
 /* another one: what is known of tears */
-pel_transfer_part pel_tear_drop_transfer;
+pel_transfer_part pel_tear_transfer;
 /* Whether the part at this place is of the present surface; goes past it if so. */
 bool pel_topology_is_present(pel_cursor *at, const pel_sim *sim);
 

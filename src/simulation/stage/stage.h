@@ -89,6 +89,14 @@ typedef struct pel_tear_drop {
     double ratio;         /* of the last two in balance; 0 = unknown */
 } pel_tear_drop;
 
+/* Sums over the steps so far while a tool leads a tear. */
+typedef struct pel_score_sums {
+    double peak, squares; /* N, N2: of the largest force of all tools in a step */
+    int64_t pulls;        /* steps with a force */
+    int64_t touches;      /* steps in which a tool was at the far side */
+    double begin, end;    /* s, of the first and of the last step with a force */
+} pel_score_sums;
+
 struct pel_sim {
     /* what is simulated */
     const pel_model *model; /* the given one, or the active one when any body refines */
@@ -102,6 +110,7 @@ struct pel_sim {
     bool cut_is_held;     /* the last cut that was tried is held back: its lips would intersect */
     int64_t cut_revision; /* another one after each change of the triangles by a cut */
     pel_tear_drop tear_drop;
+    pel_score_sums score;
 
     /* how */
     pel_solver_def solver;

@@ -277,12 +277,15 @@ pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, p
     return status;
 }
 
-void pel_growth_stay(const pel_tear *tear, int32_t survey, pel_growth *growth)
+void pel_growth_shorten(const pel_tear *tear, int32_t survey, pel_growth *growth, double share)
 {
     const pel_survey *s = &tear->surveys[survey];
     const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
-    memcpy(growth->mesh->positions, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
-    memset(growth->is_moved, 0, (size_t)mesh->vertex_count);
+    for (int32_t v = 0; v < mesh->vertex_count; v++) {
+        double *x = growth->mesh->positions[v];
+        for (int c = 0; c < 3; c++)
+            x[c] = mesh->positions[v][c] + share * (x[c] - mesh->positions[v][c]);
+    }
     sum_energy(s, growth);
 }
 

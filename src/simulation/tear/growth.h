@@ -34,8 +34,8 @@ typedef struct pel_growth {
 
 /* Finds the growth of one of the surveys. Free with pel_growth_clear, also on failure. PEL_OUT_OF_MEMORY. */
 pel_status pel_growth_find(pel_tear *tear, int32_t survey, pel_growth *growth, pel_error *error);
-/* Puts its vertices back to where they are in the mesh. */
-void pel_growth_stay(const pel_tear *tear, int32_t survey, pel_growth *growth);
+/* Its vertices move by this share of their ways only; 0 = they stay. */
+void pel_growth_shorten(const pel_tear *tear, int32_t survey, pel_growth *growth, double share);
 void pel_growth_clear(pel_growth *growth);
 /* Marks the vertices of a body that must not move in its rest shape: held ones, those that loads, supports, cuts and
    seams name, and all copies. */

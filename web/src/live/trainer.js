@@ -1,4 +1,4 @@
-// The trainer: shows how the tear of a scene goes whose forceps lead one. The program measures it (pel_session_get_score).
+// The trainer: shows how the tear of a scene goes whose forceps lead one. The program measures it (pel_sim_get_score).
 import { formatForce, formatNumber } from "../format.js";
 import { element } from "../plots.js";
 

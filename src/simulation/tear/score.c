@@ -1,4 +1,5 @@
-#include "session/score.h"
+/* The score of a tear: the forces of the tools, and whether they came to the far side. */
+#include "tear/score.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -6,6 +7,8 @@
 #include "math/vec3.h"
 #include "pellicle/sim_reading.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
+#include "tear/forceps.h"
 
 #include <math.h>
 
@@ -54,11 +57,15 @@ static pel_status look_beyond(const pel_sim *sim, const double point[3], const p
     return PEL_OK;
 }
 
-pel_status pel_score_add(pel_score_sums *sums, pel_sim *sim, const pel_tool_def *lead, pel_error *error)
+pel_status pel_score_add(pel_sim *sim, pel_error *error)
 {
+    const pel_tool_def *lead = pel_forceps_first(&sim->def);
+    pel_score_sums *sums = &sim->score;
     double force = 0, time = pel_sim_time(sim);
     bool touches = false;
     pel_status status = PEL_OK;
+    if (lead == NULL)
+        return PEL_OK;
     for (int32_t t = 0; status == PEL_OK && t < pel_sim_tool_count(sim); t++) {
         pel_tool_reading tool;
         pel_sim_get_tool(sim, t, &tool);
@@ -74,4 +81,19 @@ pel_status pel_score_add(pel_score_sums *sums, pel_sim *sim, const pel_tool_def 
     sums->peak = pel_max(sums->peak, force);
     sums->squares += force * force;
     return status;
+}
+
+bool pel_sim_get_score(const pel_sim *sim, pel_score *score)
+{
+    if (score == NULL)
+        return false;
+    *score = (pel_score){0};
+    if (sim == NULL || !pel_sim_get_hole(sim, &score->hole))
+        return false;
+    const pel_score_sums *sums = &sim->score;
+    score->force_peak = sums->peak;
+    score->force_rms = sums->pulls > 0 ? sqrt(sums->squares / (double)sums->pulls) : 0;
+    score->time = sums->end - sums->begin;
+    score->touch_count = sums->touches;
+    return true;
 }
