@@ -82,8 +82,8 @@ typedef struct pel_hole_reading {
 /* False, with a reading of zeros, if no tool leads a tear. */
 PEL_API bool pel_sim_get_hole(const pel_sim *sim, pel_hole_reading *reading);
 
-/* How a tear is led: by tools of the def (pel_tool_def.leads), and by others that take over from them. Snapshots contain
-   it, so that undo and reset return to the score of that time. */
+/* How a tear is led: by tools of the def (pel_tool_def.leads), and by others that take over from them. Snapshots
+   contain it, so that undo and reset return to the score of that time. */
 typedef struct pel_score {
     pel_hole_reading hole;
     double force_peak;   /* N, largest force on one tool so far */

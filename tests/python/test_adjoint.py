@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 import pellicle
-from common import ball, is_single
+from common import SCENES, ball, is_single
 
 GRID = {"shape": "grid", "nx": 4, "ny": 3, "size_x": 0.4, "size_y": 0.3}
 
@@ -243,6 +243,25 @@ class Hand(unittest.TestCase):
         np.testing.assert_allclose(np.linalg.norm(tips["ahead"], axis=1), 1)
         np.testing.assert_allclose(np.linalg.norm(tips["force"], axis=1), tips["release"])
         self.assertEqual(len(pellicle.load_scene(ball()).tips()), 0)
+
+    def test_score(self):
+        self.assertIsNone(pellicle.load_scene(ball()).score())
+        sim = pellicle.load_scene(SCENES / "capsulorhexis.yaml")
+        self.assertEqual(sim.score()["swept"], 0)
+        largest, square, steps = 0, 0, 400
+        for _ in range(steps):
+            sim.step()
+            force = np.linalg.norm(sim.tool("forceps")["force"])
+            largest, square = max(largest, force), square + force**2
+        score = sim.score()
+        # the first cut covers 60 degrees of a circle of 2.75 mm
+        self.assertEqual(score["aim"], 0.00275)
+        self.assertAlmostEqual(score["swept"], np.pi / 3, delta=0.2)
+        self.assertEqual(len(score["radius"]), 72)
+        self.assertAlmostEqual(max(score["radius"]), score["largest_radius"], delta=0)
+        self.assertTrue(score["force_peak"] == largest > 0)
+        self.assertAlmostEqual(score["force_rms"], (square / steps) ** 0.5, delta=0.3 * largest)
+        self.assertEqual((score["whole"], score["touches"]), (False, 0))
 
 
 if __name__ == "__main__":

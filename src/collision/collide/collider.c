@@ -13,8 +13,8 @@
 
 enum {
     DEF_COOKIE = 0x434f4c4c,
-    BLOCK = 256, /* candidates that are solved together */
-    PARTS = 64,  /* lists of collisions that threads fill */
+    BLOCK = 256,    /* candidates that are solved together */
+    PARTS = 64,     /* lists of collisions that threads fill */
     FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
     /* of a pair: two lists that double when they grow */
     BYTES_PER_PAIR = 4 * sizeof(pel_pair)

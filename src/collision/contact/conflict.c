@@ -64,6 +64,18 @@ double pel_contact_longest_approach(const pel_contact_set *set, const pel_collis
     return sqrt(most);
 }
 
+double pel_contact_longest_way(const pel_contact_set *set)
+{
+    double square = 0;
+    for (int32_t p = 0; p < set->point_count; p++) {
+        double way[3];
+        pel_vec3_subtract(set->end[p], set->start[p], way);
+        double own = pel_vec3_squared_length(way);
+        square = own > square ? own : square;
+    }
+    return sqrt(square);
+}
+
 double pel_contact_conflict_way(const pel_contact_set *set, const pel_conflict *conflict)
 {
     double way = 0, most = 0, mean[3] = {0, 0, 0};

@@ -34,6 +34,8 @@ enum { VELOCITY_SWEEPS = 4 };
    lean, and what slides is held up), and no look for conflicts in the first round, where many contacts get their place
  */
 #define NEAR_SHARE 0.5
+/* of what a pair lacks of its thickness, how much corrections give back in a step */
+#define REGAIN 0.1
 /* of ways: more than their rounding */
 #define WAY_SLACK 1e-6
 /* of the search, of the thickness */
@@ -653,6 +655,13 @@ static double slack_of_conflict(const pel_contact_set *set, const pel_contact_ke
     return pel_min(key->slack, pel_max(fresh, thickness - aim));
 }
 
+/* Whether nothing but corrections after the solver parts what is nearer than its thickness. The guard lets a pair come
+   nearer by 1 % in each step: a fold that stayed as near as it began would shut, and jam. */
+static bool comes_apart(const merger *m)
+{
+    return m->impacts != NULL && !m->set->def.has_layers && !(m->set->aim < HUGE_VAL);
+}
+
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
@@ -664,7 +673,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     double start = start_distance(m, pair);
     double thickness = pel_contact_pair_thickness(set, pair->vertices);
     double fresh = thickness > start ? thickness - start : 0;
-    key.slack = fresh;
+    key.slack = comes_apart(m) ? (1 - REGAIN) * fresh : fresh;
     if (m->is_same)
         key.ring = set->keys[number].ring;
     if (is_again(m, pair, &key) || (makes_rings(m, &key) && is_in_ring(m, &key)))
@@ -719,19 +728,6 @@ static pel_status merge(merger *m, const pel_collision_result *found, pel_error 
 
 /* ---- search ---- */
 
-/* m, the longest way of a point from start to end */
-static double longest_way(const pel_contact_set *set)
-{
-    double square = 0;
-    for (int32_t p = 0; p < set->point_count; p++) {
-        double way[3];
-        pel_vec3_subtract(set->end[p], set->start[p], way);
-        double own = pel_vec3_squared_length(way);
-        square = own > square ? own : square;
-    }
-    return sqrt(square);
-}
-
 static pel_collision_query query_of(const pel_contact_set *set, double distance)
 {
     pel_collision_query query = pel_collision_query_default();
@@ -754,7 +750,7 @@ static pel_status search(pel_contact_set *set, double distance, pel_pair_measure
     pel_collision_query query = query_of(set, distance);
     /* What comes within the distance starts within it and the ways of both sides. The search looks no farther. */
     if (!set->def.has_layers)
-        query.near = pel_min(query.near, distance + 2 * longest_way(set) * (1 + WAY_SLACK));
+        query.near = pel_min(query.near, distance + 2 * pel_contact_longest_way(set) * (1 + WAY_SLACK));
     pel_status status = pel_collider_list(set->collider, &query, measure, set, found, error);
     pel_contact_count_search(set, found);
     set->statistics.find_seconds += pel_seconds() - began;
@@ -882,7 +878,7 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     if (!set->def.has_layers)
         set->list.count = 0;
     set->was_clear = false;
-    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, longest_way(set));
+    double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, pel_contact_longest_way(set));
     pel_collision_result found;
     pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */

@@ -381,6 +381,8 @@ pel_status pel_contact_round_conflicts(pel_contact_set *set, pel_error *error);
 double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit);
 /* m, the most that the points of both sides come nearer to each other between start and end */
 double pel_contact_longest_approach(const pel_contact_set *set, const pel_collision *hit);
+/* m, the longest way of a point between start and end */
+double pel_contact_longest_way(const pel_contact_set *set);
 /* Fills `conflicts` from what the collider found between start and end, and from round obstacles. */
 pel_status pel_contact_find_conflicts(pel_contact_set *set, const pel_collision_result *found, pel_error *error);
 /* m, how far the points of a conflict move against each other between start and end */

@@ -1,10 +1,8 @@
-/* Sessions. Commands between two steps are recorded as lines of words, and a replay executes the same lines at the same
-   steps: so it has the bits of the session by construction. Undo truncates the record at the restored state. */
+/* Sessions: an interactive simulation with undo, by commands between two steps that are recorded (record.h). */
 #include "pellicle/session.h"
 #include "base/assert.h"
 
 #include "base/memory.h"
-#include "base/number.h"
 #include "base/room.h"
 #include "base/status.h"
 #include "math/bounds.h"
@@ -17,6 +15,7 @@
 #include "session/blade.h"
 #include "session/command.h"
 #include "session/grasp.h"
+#include "session/record.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -33,12 +32,6 @@ enum { MOST_SIZES = 1000 };
    pointer */
 #define GRASP_SPEED 0.4
 #define GRASP_SECONDS 0.02
-
-typedef struct event {
-    int64_t step;
-    bool is_move;
-    char *line;
-} event;
 
 /* the pressure and pins of a body */
 typedef struct body_grip {
@@ -71,9 +64,7 @@ struct pel_session {
     pel_tool_shape shape;
     pel_mesh *mesh; /* of a tool that is one, in its size; else null */
     double radius, place[3], rotation[4], target[3];
-    /* recorded events */
-    event *events;
-    size_t event_count, event_room;
+    pel_session_events record;
     mark start, marks[MARK_LIMIT];
     int32_t mark_count;
     int32_t next_line; /* of the scene's session */
@@ -168,7 +159,7 @@ static void drop_mark(mark *at)
 
 static pel_status make_mark(const pel_session *session, mark *at, pel_error *error)
 {
-    *at = (mark){.event_count = session->event_count, .next_line = session->next_line};
+    *at = (mark){.event_count = session->record.count, .next_line = session->next_line};
     size_t pin_count = 0;
     for (int32_t b = 0; b < session->body_count; b++)
         pin_count += (size_t)session->bodies[b].vertex_count;
@@ -235,19 +226,13 @@ pel_status pel_session_create(const pel_scene *scene, pel_sim *sim, pel_session 
     return PEL_OK;
 }
 
-static void cut_record(pel_session *session, size_t count)
-{
-    while (session->event_count > count)
-        pel_free(session->events[--session->event_count].line);
-}
-
 void pel_session_destroy(pel_session *session)
 {
     if (session == NULL)
         return;
     if (session->drag != NULL)
         (void)pel_drag_end(session->drag, NULL);
-    cut_record(session, 0);
+    pel_session_events_clear(&session->record);
     drop_mark(&session->start);
     for (int32_t m = 0; m < session->mark_count; m++)
         drop_mark(&session->marks[m]);
@@ -255,7 +240,7 @@ void pel_session_destroy(pel_session *session)
         pel_free(session->bodies[b].pins);
     pel_mesh_destroy(session->mesh);
     pel_blade_end(&session->blade);
-    PEL_FREE_ALL(session->bodies, session->positions, session->forces, session->events, session);
+    PEL_FREE_ALL(session->bodies, session->positions, session->forces, session);
 }
 
 /* ---- the hand ---- */
@@ -694,7 +679,7 @@ static pel_status go_back(pel_session *session, const mark *to, pel_error *error
         status = pel_snapshot_restore(session->sim, to->snapshot, error);
     if (status != PEL_OK)
         return status;
-    cut_record(session, to->event_count);
+    pel_session_events_cut(&session->record, to->event_count);
     session->next_line = to->next_line;
     const unsigned char *pins = to->pins;
     for (int32_t b = 0; b < session->body_count; b++) {
@@ -742,34 +727,6 @@ int32_t pel_session_undo_count(const pel_session *session)
 
 /* ---- commands ---- */
 
-/* reserve room for one more event with any line before executing it */
-static pel_status reserve_event(pel_session *session, const pel_command *command, char **line, pel_error *error)
-{
-    void *events = session->events;
-    *line = pel_allocate(command->shape == PEL_TOOL_MESH ? PEL_SESSION_LINE : strlen(command->line) + 1, 1);
-    if (*line == NULL || !pel_reserve(&events, &session->event_room, session->event_count + 1, sizeof(event))) {
-        pel_free(*line);
-        return pel_fail_memory(error);
-    }
-    session->events = events;
-    return PEL_OK;
-}
-
-/* of the moves before a step the last one counts */
-static void add_event(pel_session *session, const pel_command *command, char *line)
-{
-    event *last = session->event_count > 0 ? &session->events[session->event_count - 1] : NULL;
-    int64_t step = pel_sim_step_count(session->sim);
-    bool is_move = command->word == PEL_COMMAND_MOVE;
-    memcpy(line, command->line, strlen(command->line) + 1);
-    if (is_move && last != NULL && last->is_move && last->step == step) {
-        pel_free(last->line);
-        last->line = line;
-        return;
-    }
-    session->events[session->event_count++] = (event){step, is_move, line};
-}
-
 /* *done false: nothing changed, so nothing is recorded */
 static pel_status do_command(pel_session *session, pel_command *command, bool *done, pel_error *error)
 {
@@ -813,12 +770,12 @@ pel_status pel_session_apply(pel_session *session, const char *line, pel_error *
     bool done = false;
     pel_status status = pel_command_parse(line, &command, error);
     if (status == PEL_OK)
-        status = reserve_event(session, &command, &kept, error);
+        status = pel_session_events_reserve(&session->record, &command, &kept, error);
     if (status != PEL_OK)
         return status;
     status = do_command(session, &command, &done, error);
     if (status == PEL_OK && done)
-        add_event(session, &command, kept);
+        pel_session_events_add(&session->record, pel_sim_step_count(session->sim), &command, kept);
     else
         pel_free(kept);
     return status;
@@ -856,94 +813,20 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
 
 /* ---- the record ---- */
 
-typedef struct writer {
-    char *text;
-    size_t length, room;
-    bool failed;
-} writer;
-
-static void put(writer *out, const char *bytes, size_t size)
-{
-    void *text = out->text;
-    if (out->failed || !pel_reserve(&text, &out->room, out->length + size + 1, 1)) {
-        out->failed = true;
-        return;
-    }
-    out->text = text;
-    memcpy(out->text + out->length, bytes, size);
-    out->length += size;
-    out->text[out->length] = '\0';
-}
-
-static void put_text(writer *out, const char *text)
-{
-    put(out, text, strlen(text));
-}
-
-static pel_status hand_over(writer *out, char **text, pel_error *error)
-{
-    if (out->failed) {
-        pel_free(out->text);
-        return pel_fail_memory(error);
-    }
-    *text = out->text;
-    return PEL_OK;
-}
-
-static void put_events(const pel_session *session, writer *out, const char *before, const char *after)
-{
-    char number[32];
-    for (size_t i = 0; i < session->event_count; i++) {
-        put_text(out, before);
-        snprintf(number, sizeof number, "%" PRId64 " ", session->events[i].step);
-        put_text(out, number);
-        put_text(out, session->events[i].line);
-        put_text(out, after);
-    }
-}
-
 pel_status pel_session_record(const pel_session *session, char **text, pel_error *error)
 {
     PEL_REFUSE_NULL(session, error);
     PEL_REFUSE_NULL(text, error);
-    writer out = {0};
-    put_text(&out, "");
-    put_events(session, &out, "", "\n");
-    return hand_over(&out, text, error);
-}
-
-/* the scene but for how long it goes and its session: blocks of the keys at the left margin */
-static void put_scene(writer *out, const char *text)
-{
-    static const char *const left_out[] = {"duration:", "stop:", "session:"};
-    bool skips = false;
-    for (const char *end; *text != '\0'; text = end) {
-        end = strchr(text, '\n');
-        end = end != NULL ? end + 1 : text + strlen(text);
-        if (*text != ' ' && *text != '-') {
-            skips = false;
-            for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++)
-                skips |= strncmp(text, left_out[i], strlen(left_out[i])) == 0;
-        }
-        if (!skips)
-            put(out, text, (size_t)(end - text));
-    }
+    return pel_session_events_lines(&session->record, text, error);
 }
 
 pel_status pel_session_scene(const pel_session *session, char **text, pel_error *error)
 {
     PEL_REFUSE_NULL(session, error);
     PEL_REFUSE_NULL(text, error);
-    char number[PEL_NUMBER_SIZE];
-    writer out = {0};
-    put_scene(&out, pel_scene_text(session->scene));
     int64_t steps = pel_sim_step_count(session->sim);
-    pel_number_print(number, (double)(steps > 0 ? steps : 1) * session->scene->sim.solver.dt);
-    put_text(&out, "duration: ");
-    put_text(&out, number);
-    put_text(&out, session->event_count > 0 ? "\nsession:\n" : "\n");
-    put_events(session, &out, "  - \"", "\"\n");
-    return hand_over(&out, text, error);
+    double duration = (double)(steps > 0 ? steps : 1) * session->scene->sim.solver.dt;
+    return pel_session_events_scene(&session->record, pel_scene_text(session->scene), duration, text, error);
 }
 
 void pel_session_free_text(char *text)

@@ -94,7 +94,7 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
         pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
         pel_touch_transfer_collider, pel_sleep_transfer,        pel_minimise_transfer,
         pel_sim_path_transfer,       pel_sim_modes_transfer,    pel_ledger_transfer,
-        pel_tear_transfer,      pel_ties_transfer,         pel_joints_transfer};
+        pel_tear_transfer,           pel_ties_transfer,         pel_joints_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -550,11 +550,11 @@ static void divide_forces(const carrier *c, const pel_surfaces *surfaces)
 /* without those of pairs and contact points, which find their forces anew after a cut */
 static void carry_parts(carrier *c)
 {
-    static pel_transfer_part *const parts[] = {pel_parts_transfer,     pel_transfer_marks,
-                                               pel_supports_transfer,  pel_touch_transfer_pairs,
-                                               pel_forces_transfer,    pel_touch_transfer_statistics,
-                                               pel_minimise_transfer,  pel_ledger_transfer,
-                                               pel_tear_transfer, pel_ties_transfer};
+    static pel_transfer_part *const parts[] = {pel_parts_transfer,    pel_transfer_marks,
+                                               pel_supports_transfer, pel_touch_transfer_pairs,
+                                               pel_forces_transfer,   pel_touch_transfer_statistics,
+                                               pel_minimise_transfer, pel_ledger_transfer,
+                                               pel_tear_transfer,     pel_ties_transfer};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         carry(c, parts[i], 0, 0);
     if (c->places != NULL) {

@@ -20,7 +20,7 @@ typedef struct pel_survey {
     bool has_notches; /* corners of the border that point inward count as tips */
     pel_topology *topology;
     /* (vertices of the mesh) of its tips, in their order, once they are asked for */
-    int32_t *tips, tip_count; /* -1 = not yet */
+    int32_t *tips, tip_count;                   /* -1 = not yet */
     pel_tip_reading readings[PEL_TIP_READINGS]; /* by their vertices */
     /* (vertices of the mesh) */
     double *weights;   /* q of the tip at work; 0 else */
