@@ -426,7 +426,7 @@ static void places(void **unused)
             status = pel_sim_step(sim, &error);
         assert_int_equal(status, count > PEL_BLADE_TIPS ? PEL_BAD_ARGUMENT : PEL_OK);
         if (status != PEL_OK) {
-            assert_non_null(strstr(error.what, "at more than 8 places"));
+            assert_non_null(strstr(error.what, "at more than 32 places"));
             assert_true(error.remedy[0] != '\0');
         }
         pel_sim_destroy(sim);

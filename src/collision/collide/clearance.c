@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64, SETTLE_USES = 16 };
+enum { PARTS = 64, WORTH_STEPS = 16, WORTH_USES = 8, PAUSE_LIMIT = 64 };
 
 /* of lengths: more than the rounding of distances */
 #define SLACK 1e-6
@@ -323,8 +323,6 @@ void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const 
                        .to = {start},
                        .point_count = clearance->point_count,
                        .target_count = 1};
-    if (clearance->uses % SETTLE_USES != 0)
-        return;
     double way = longest_approach(&gone, pool);
     if (!(way > SETTLE_SHARE * clearance->nearest))
         return;
@@ -334,6 +332,42 @@ void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const 
     memcpy(clearance->positions, start, (size_t)clearance->point_count * sizeof *start);
     clearance->reach = reach;
     measure_all(clearance, tree, pool);
+}
+
+/* of what the known pairs reach beyond what is needed; and how many steps like this one they have to serve */
+#define INNER_SHARE 0.125
+enum { INNER_STEPS = 8 };
+
+static bool copy_list(const pel_pair_list *from, pel_pair_list *to)
+{
+    to->count = 0;
+    if (!pel_reserve((void **)&to->pairs, &to->capacity, from->count, sizeof *to->pairs))
+        return false;
+    if (from->count > 0)
+        memcpy(to->pairs, from->pairs, from->count * sizeof *to->pairs);
+    to->count = from->count;
+    return true;
+}
+
+bool pel_clearance_narrow(pel_clearance *inner, const pel_clearance *outer, const pel_tree *tree,
+                          const double (*start)[3], const double (*end)[3], double needed, pel_pool *pool)
+{
+    motion_job step = {.from = start, .to = {end}, .point_count = outer->point_count, .target_count = 1};
+    motion_job gone = {.from = (const double(*)[3])outer->positions,
+                       .to = {start},
+                       .point_count = outer->point_count,
+                       .target_count = 1};
+    double most = room_of(outer->reach, longest_approach(&gone, pool));
+    double reach = pel_min(needed * (1 + 2 * SLACK) + INNER_SHARE * (outer->reach - needed), most);
+    inner->reach = 0;
+    if (!(INNER_STEPS * longest_approach(&step, pool) < room_of(reach, needed)) ||
+        !copy_list(&outer->vertex_face, &inner->vertex_face) || !copy_list(&outer->edge_edge, &inner->edge_edge))
+        return false;
+    memcpy(inner->positions, start, (size_t)inner->point_count * sizeof *start);
+    inner->reach = reach;
+    inner->uses = 0;
+    measure_all(inner, tree, pool);
+    return true;
 }
 
 /* ---- memory ---- */

@@ -14,6 +14,7 @@
 enum {
     DEF_COOKIE = 0x434f4c4c,
     BLOCK = 256,    /* candidates that are solved together */
+    LISTS = 2,
     PARTS = 64,     /* lists of collisions that threads fill */
     FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
     /* of a pair: two lists that double when they grow */
@@ -39,7 +40,7 @@ typedef struct part {
 struct pel_collider {
     int32_t (*triangles)[3]; /* own */
     pel_candidates *candidates;
-    pel_clearance clearance;
+    pel_clearance clearances[LISTS]; /* that of many pairs, and the nearest of them */
     double margin;        /* as in the def */
     int64_t memory_limit; /* as in the def */
     pel_pool *pool, *own_pool;
@@ -109,10 +110,17 @@ static double mean_edge(const double (*positions)[3], const int32_t (*triangles)
     return isfinite(sum) ? sum / (3.0 * triangle_count) : 0;
 }
 
+static void clear_surface(pel_candidates *candidates, pel_clearance clearances[LISTS])
+{
+    pel_candidates_destroy(candidates);
+    for (int i = 0; i < LISTS; i++)
+        pel_clearance_clear(&clearances[i]);
+}
+
 /* members that belong to one surface; all freed on failure */
 static pel_status make_surface(const pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                const int32_t (*triangles)[3], int32_t triangle_count, pel_candidates **made,
-                               pel_clearance *clearance, pel_error *error)
+                               pel_clearance clearances[LISTS], pel_error *error)
 {
     int64_t memory = collider->memory_limit;
     if (memory == 0)
@@ -125,20 +133,20 @@ static pel_status make_surface(const pel_collider *collider, const double (*posi
         return status;
     if (collider->candidates != NULL && pel_candidates_use_groups(*made, &collider->candidates->tree->groups) != PEL_OK)
         status = pel_fail_memory(error);
-    if (status == PEL_OK)
-        status = pel_clearance_create(vertex_count, clearance, error);
+    clearances[0] = clearances[1] = (pel_clearance){0};
+    for (int i = 0; status == PEL_OK && i < LISTS; i++)
+        status = pel_clearance_create(vertex_count, &clearances[i], error);
     if (status != PEL_OK)
-        pel_candidates_destroy(*made);
+        clear_surface(*made, clearances);
     return status;
 }
 
 static void replace_surface(pel_collider *collider, int32_t (*triangles)[3], pel_candidates *made,
-                            const pel_clearance *clearance)
+                            const pel_clearance clearances[LISTS])
 {
-    pel_clearance_clear(&collider->clearance);
-    pel_candidates_destroy(collider->candidates);
+    clear_surface(collider->candidates, collider->clearances);
     pel_free(collider->triangles);
-    collider->clearance = *clearance;
+    memcpy(collider->clearances, clearances, sizeof collider->clearances);
     collider->candidates = made;
     collider->triangles = triangles;
 }
@@ -147,18 +155,19 @@ pel_status pel_collider_set_surface(pel_collider *collider, const double (*posit
                                     int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
     pel_candidates *made;
-    pel_clearance clearance;
+    pel_clearance clearances[LISTS];
     pel_status status = make_surface(collider, positions, vertex_count, (const int32_t(*)[3])triangles, triangle_count,
-                                     &made, &clearance, error);
+                                     &made, clearances, error);
     if (status == PEL_OK)
-        replace_surface(collider, triangles, made, &clearance);
+        replace_surface(collider, triangles, made, clearances);
     return status;
 }
 
 void pel_collider_memory(pel_collider *collider, pel_memory_part parts[PEL_COLLIDER_PARTS])
 {
     pel_candidates_memory(collider->candidates, parts);
-    pel_clearance_memory(&collider->clearance, parts + PEL_CANDIDATES_PARTS);
+    for (int i = 0; i < LISTS; i++)
+        pel_clearance_memory(&collider->clearances[i], parts + PEL_CANDIDATES_PARTS + i * PEL_CLEARANCE_PARTS);
 }
 
 static void copy_memory(const pel_memory_part *from, const pel_memory_part *to, int count)
@@ -167,33 +176,39 @@ static void copy_memory(const pel_memory_part *from, const pel_memory_part *to, 
         memcpy(to[i].data, from[i].data, to[i].size);
 }
 
+/* the pairs of the clearances first: they are searched with the candidates */
+static pel_status recall(const pel_memory_part *saved, pel_candidates *made, pel_clearance clearances[LISTS],
+                         pel_pool *pool, pel_error *error)
+{
+    pel_memory_part parts[PEL_CANDIDATES_PARTS], clear[PEL_CLEARANCE_PARTS];
+    pel_status status = PEL_OK;
+    pel_candidates_memory(made, parts);
+    for (int i = 0; status == PEL_OK && i < LISTS; i++) {
+        pel_clearance_memory(&clearances[i], clear);
+        copy_memory(saved + PEL_CANDIDATES_PARTS + i * PEL_CLEARANCE_PARTS, clear, PEL_CLEARANCE_PARTS);
+        status = pel_clearance_recall(&clearances[i], made, pool, error);
+    }
+    copy_memory(saved, parts, PEL_CANDIDATES_PARTS);
+    return status == PEL_OK ? pel_candidates_recall(made, pool, error) : status;
+}
+
 pel_status pel_collider_recall(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                int32_t (*triangles)[3], int32_t triangle_count, pel_error *error)
 {
-    pel_memory_part saved[PEL_COLLIDER_PARTS], parts[PEL_CANDIDATES_PARTS];
+    pel_memory_part saved[PEL_COLLIDER_PARTS];
     pel_candidates *made;
-    pel_clearance clearance;
+    pel_clearance clearances[LISTS];
     pel_status status = make_surface(collider, positions, vertex_count, (const int32_t(*)[3])triangles, triangle_count,
-                                     &made, &clearance, error);
+                                     &made, clearances, error);
     if (status != PEL_OK)
         return status;
     pel_collider_memory(collider, saved);
-    pel_candidates_memory(made, parts);
-    /* the pairs of the clearance first: they are searched with the candidates */
-    pel_memory_part clear[PEL_CLEARANCE_PARTS];
-    pel_clearance_memory(&clearance, clear);
-    copy_memory(saved + PEL_CANDIDATES_PARTS, clear, PEL_CLEARANCE_PARTS);
-    status = pel_clearance_recall(&clearance, made, collider->pool, error);
-    copy_memory(saved, parts, PEL_CANDIDATES_PARTS);
+    status = recall(saved, made, clearances, collider->pool, error);
     if (status == PEL_OK)
-        status = pel_candidates_recall(made, collider->pool, error);
-    if (status != PEL_OK) {
-        pel_clearance_clear(&clearance);
-        pel_candidates_destroy(made);
-        return status;
-    }
-    replace_surface(collider, triangles, made, &clearance);
-    return PEL_OK;
+        replace_surface(collider, triangles, made, clearances);
+    else
+        clear_surface(made, clearances);
+    return status;
 }
 
 static pel_status fill_collider(pel_collider *collider, const pel_collider_def *def, pel_error *error)
@@ -239,8 +254,7 @@ void pel_collider_destroy(pel_collider *collider)
 {
     if (collider == NULL)
         return;
-    pel_candidates_destroy(collider->candidates);
-    pel_clearance_clear(&collider->clearance);
+    clear_surface(collider->candidates, collider->clearances);
     pel_free(collider->triangles);
     pel_pool_destroy(collider->own_pool);
     for (int i = 0; i < PARTS; i++)
@@ -257,7 +271,7 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
 
 pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups, pel_error *error)
 {
-    collider->clearance.reach = 0;
+    collider->clearances[0].reach = collider->clearances[1].reach = 0;
     return pel_candidates_use_groups(collider->candidates, groups) == PEL_OK ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -514,37 +528,46 @@ static double needed_distance(const pel_collision_query *query)
 
 bool pel_collider_is_clear(pel_collider *collider, const pel_collision_query *query, const pel_clearance_way *way)
 {
-    return pel_clearance_is_clear(&collider->clearance, way, needed_distance(query), collider->pool);
+    return pel_clearance_is_clear(&collider->clearances[0], way, needed_distance(query), collider->pool);
 }
 
 bool pel_collider_stays_clear(pel_collider *collider, const pel_collision_query *query, double longest, bool ends)
 {
-    return pel_clearance_stays_clear(&collider->clearance, longest, ends, needed_distance(query));
+    return pel_clearance_stays_clear(&collider->clearances[0], longest, ends, needed_distance(query));
 }
 
 void pel_collider_go(pel_collider *collider, const pel_collision_query *query, const pel_record *positions)
 {
-    pel_clearance_go(&collider->clearance, positions, needed_distance(query), collider->pool);
+    pel_clearance_go(&collider->clearances[0], positions, needed_distance(query), collider->pool);
+}
+
+static void list_known(const pel_clearance *clearance, pel_pair_list *vertex_face, pel_pair_list *edge_edge)
+{
+    *vertex_face = clearance->vertex_face;
+    *edge_edge = clearance->edge_edge;
 }
 
 /* input of the narrow phase: the known pairs while no others can come near, else the candidates. A hit is within
-   min_separation and tolerance, or starts within `near`, so that both give the same. */
+   min_separation and tolerance, or starts within `near`, so that all give the same. */
 static pel_status find_pairs(pel_collider *collider, const pel_collision_query *query, pel_pair_list *vertex_face,
                              pel_pair_list *edge_edge, pel_error *error)
 {
-    pel_clearance *clearance = &collider->clearance;
+    pel_clearance *outer = &collider->clearances[0], *inner = &collider->clearances[1];
     pel_candidates *c = collider->candidates;
     const double(*start)[3] = (const double(*)[3])query->start, (*end)[3] = (const double(*)[3])query->end;
     pel_status status = check_query(query, error);
     if (status != PEL_OK)
         return status;
     double needed = needed_distance(query);
-    bool serves = pel_clearance_serves(clearance, start, end, needed, collider->pool);
-    if (serves)
-        pel_clearance_settle(clearance, c->tree, start, end, needed, collider->pool);
-    if (serves || pel_clearance_renew(clearance, c, start, end, needed, c->margin, collider->pool)) {
-        *vertex_face = clearance->vertex_face;
-        *edge_edge = clearance->edge_edge;
+    bool serves = pel_clearance_serves(inner, start, end, needed, collider->pool), is_known = serves;
+    if (!serves && pel_clearance_serves(outer, start, end, needed, collider->pool)) {
+        pel_clearance_settle(outer, c->tree, start, end, needed, collider->pool);
+        is_known = true;
+    } else if (!serves)
+        is_known = pel_clearance_renew(outer, c, start, end, needed, c->margin, collider->pool);
+    if (is_known) {
+        serves = serves || pel_clearance_narrow(inner, outer, c->tree, start, end, needed, collider->pool);
+        list_known(serves ? inner : outer, vertex_face, edge_edge);
         return PEL_OK;
     }
     status = update(collider, query, error);

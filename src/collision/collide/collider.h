@@ -36,7 +36,7 @@ void pel_collider_go(pel_collider *collider, const pel_collision_query *query, c
 pel_status pel_collider_set_surface(pel_collider *collider, const double (*positions)[3], int32_t vertex_count,
                                     int32_t (*triangles)[3], int32_t triangle_count, pel_error *error);
 
-enum { PEL_COLLIDER_PARTS = PEL_CANDIDATES_PARTS + PEL_CLEARANCE_PARTS };
+enum { PEL_COLLIDER_PARTS = PEL_CANDIDATES_PARTS + 2 * PEL_CLEARANCE_PARTS };
 
 /* State that past searches leave for later ones: with it and the same surface a collider finds the same pairs by the
    same searches, and counts the same. The pieces stay in place until another surface is set; their sizes never

@@ -75,7 +75,7 @@ typedef struct pel_blade_tip {
 } pel_blade_tip;
 
 /* places at which one blade cuts at most */
-enum { PEL_BLADE_TIPS = 8 };
+enum { PEL_BLADE_TIPS = 32 };
 
 typedef struct pel_blade {
     pel_blade_tip tips[PEL_BLADE_TIPS]; /* (tip_count) */
