@@ -399,7 +399,7 @@ static void places(void **unused)
 {
     (void)unused;
     for (int32_t count = PEL_BLADE_TIPS; count <= PEL_BLADE_TIPS + 1; count++) {
-        pel_mesh *one = make_grid(10, 6, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL), *pile;
+        pel_mesh *one = make_grid(5, 2, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL), *pile;
         int32_t n = one->vertex_count, m = one->triangle_count;
         double(*x)[3] = calloc((size_t)(count * n), sizeof *x);
         int32_t(*triangles)[3] = calloc((size_t)(count * m), sizeof *triangles);

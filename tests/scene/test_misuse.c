@@ -524,6 +524,8 @@ static void test_cuts(void **unused)
     SURVIVES(pel_sim_can_tear(NULL));
     SURVIVES(pel_sim_get_hole(NULL, NULL));
     SURVIVES(pel_sim_get_hole(sim, NULL));
+    SURVIVES(pel_sim_get_score(NULL, NULL));
+    SURVIVES(pel_sim_get_score(sim, NULL));
     SURVIVES(pel_seam_def_default());
     REFUSED("reading", pel_sim_get_cuts(sim, 0, NULL, &error));
     SURVIVES(pel_sim_get_origins(NULL, 0, NULL));

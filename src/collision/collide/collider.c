@@ -13,7 +13,7 @@
 
 enum {
     DEF_COOKIE = 0x434f4c4c,
-    BLOCK = 256,    /* candidates that are solved together */
+    BLOCK = 256, /* candidates that are solved together */
     LISTS = 2,
     PARTS = 64,     /* lists of collisions that threads fill */
     FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
@@ -41,8 +41,8 @@ struct pel_collider {
     int32_t (*triangles)[3]; /* own */
     pel_candidates *candidates;
     pel_clearance clearances[LISTS]; /* that of many pairs, and the nearest of them */
-    double margin;        /* as in the def */
-    int64_t memory_limit; /* as in the def */
+    double margin;                   /* as in the def */
+    int64_t memory_limit;            /* as in the def */
     pel_pool *pool, *own_pool;
     part parts[PARTS];
     collision_list collisions;
