@@ -39,6 +39,7 @@ typedef struct pel_scene {
     pel_output_def output;
     bool hinges_are_implied;       /* no body names its model of bending */
     bool contact_is_implied;       /* several bodies and no `contact`: they touch each other, but not themselves */
+    int32_t needed_substeps;       /* of xpbd in a step, by which its cost is told; 0 = not known */
     double duration;               /* s */
     int32_t imperfection_mode;     /* buckling mode that the meshes have been changed by, from 1 */
     double imperfection_amplitude; /* m, its largest displacement; 0 = none */

@@ -14,6 +14,27 @@ static pel_factor_plan *plan_of(const pel_matrix *m, const test_system *s, bool 
     return plan;
 }
 
+/* products of reduced vectors are those of a right side with a solution: of a full one and of one entry */
+static void check_reduced(pel_factor *factor, const double *right, const double *solution, int32_t n, double tolerance)
+{
+    double *one = calloc((size_t)n, sizeof *one), *reduced[2];
+    one[n / 2] = 1;
+    for (int k = 0; k < 2; k++) {
+        reduced[k] = malloc((size_t)n * sizeof *reduced[k]);
+        pel_factor_reduce(factor, NULL, k == 0 ? right : one, reduced[k]);
+    }
+    double product = 0, square[2] = {0, 0};
+    for (int32_t i = 0; i < n; i++) {
+        product += reduced[0][i] * reduced[1][i];
+        for (int k = 0; k < 2; k++)
+            square[k] += reduced[k][i] * reduced[k][i];
+    }
+    assert_near(product, solution[n / 2], tolerance * sqrt(square[0] * square[1]));
+    for (int k = 0; k < 2; k++)
+        free(reduced[k]);
+    free(one);
+}
+
 /* solves with both precisions against the dense solution */
 static void check_system(const test_system *s, double shift, bool has_places, random_state *random)
 {
@@ -36,6 +57,7 @@ static void check_system(const test_system *s, double shift, bool has_places, ra
         assert_true(test_residual(m, right, x) < (precision == PEL_FACTOR_FLOAT ? 1e-5 : 1e-12));
         for (int32_t i = 0; i < n; i++)
             assert_near(x[i], expected[i], (precision == PEL_FACTOR_FLOAT ? 1e-4 : 1e-11) * largest);
+        check_reduced(factor, right, expected, n, precision == PEL_FACTOR_FLOAT ? 1e-4 : 1e-11);
         pel_factor_destroy(factor);
     }
     pel_factor_plan_destroy(plan);

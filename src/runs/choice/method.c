@@ -9,6 +9,7 @@
 #include "choice/time_step.h"
 #include "def/row.h"
 #include "keys/arena.h"
+#include "math/extremes.h"
 #include "model/model.h"
 #include "model/shell.h"
 #include "stage/stepper.h"
@@ -33,22 +34,27 @@ static bool refines(const pel_model *model)
     return any;
 }
 
-/* ms of one core */
+/* ms of one core: a substep of xpbd, a step of implicit as it may be where bodies jam, and as it is for most */
 typedef struct step_cost {
-    double substep, implicit; /* a substep of xpbd, a step of implicit */
+    double substep, implicit, usual;
 } step_cost;
 
-/* s of one core: a run of implicit that takes longer in default steps is left to xpbd */
+/* s of one core: a run of implicit that takes longer in default steps is left to xpbd; one that takes longer is told */
 #define MOST_RUN 1
+#define LONG_RUN 30
 /* ms of a substep of xpbd, of a tetrahedron; of a system of implicit or static, with so many of them */
 #define SOLID_SUBSTEP 100e-6
 #define SOLID_SYSTEM 900.0
 #define SOLID_TETRAHEDRA 52128.0
+/* the same of smooth elements, over that */
+#define SMOOTH_SYSTEM 4
 
 static step_cost cost_of(const pel_scene *scene, bool touches)
 {
     enum { FREE, TOOLS, CONTACT };
-    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 250e-3}; /* of a triangle */
+    /* of a triangle */
+    static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 250e-3};
+    static const double usual[] = {5e-3, 17e-3, 30e-3};
     int kind = touches ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
     double triangles = 0, tetrahedra = 0, systems = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
@@ -56,10 +62,12 @@ static step_cost cost_of(const pel_scene *scene, bool touches)
         double share = mesh->tetrahedron_count / SOLID_TETRAHEDRA;
         triangles += mesh->triangle_count;
         tetrahedra += mesh->tetrahedron_count;
-        systems += SOLID_SYSTEM * share * share;
+        bool is_smooth = scene->model.bodies[b].volume.element == PEL_VOLUME_SMOOTH;
+        systems += (is_smooth ? SMOOTH_SYSTEM : 1) * SOLID_SYSTEM * share * share;
     }
-    return (step_cost){substep[kind] * triangles + SOLID_SUBSTEP * tetrahedra,
-                       implicit[kind] * triangles * sqrt(sqrt(triangles / 1000)) + systems};
+    double growth = triangles * sqrt(sqrt(triangles / 1000));
+    return (step_cost){substep[kind] * triangles + SOLID_SUBSTEP * tetrahedra, implicit[kind] * growth + systems,
+                       usual[kind] * growth + systems};
 }
 
 double pel_scene_step_cost(const pel_scene *scene)
@@ -83,10 +91,38 @@ static double rough(double x)
     return unit * round(x / unit);
 }
 
+enum { RANGE_SIZE = 40 };
+
+/* ms of a step of implicit, with what it may be where bodies jam */
+static const char *implicit_cost(const step_cost *cost, char range[RANGE_SIZE])
+{
+    if (cost->usual < cost->implicit)
+        snprintf(range, RANGE_SIZE, "%g to %g", rough(cost->usual), rough(cost->implicit));
+    else
+        snprintf(range, RANGE_SIZE, "%g", rough(cost->implicit));
+    return range;
+}
+
 static void set_method(const pel_scene_value *root, pel_scene *scene, pel_method method)
 {
     scene->sim.solver.method = method;
     pel_scene_value_at(root, "solver.method")->text = pel_method_words[method];
+}
+
+void pel_scene_tell_cost(pel_scene_reader *reader, const pel_scene *scene)
+{
+    const pel_solver_def *solver = &scene->sim.solver;
+    const pel_stepper *stepper = pel_stepper_of(solver->method);
+    const step_cost cost = cost_of(scene, scene->sim.contact.enabled);
+    double steps = solver->dt > 0 ? scene->duration / solver->dt : 0, step = 0;
+    if (stepper->turns_edges)
+        step = cost.usual * (stepper->is_static ? PEL_STATIC_SYSTEMS : 1);
+    else if (pel_stepper_knows_material(stepper) && stepper->has_substeps)
+        step = cost.substep * pel_max(1, pel_max(solver->substeps, scene->needed_substeps));
+    if (1e-3 * steps * step > LONG_RUN)
+        pel_log_line(reader->log, "%.0f steps of %s take about %g s of one core, %g ms a step%s", steps,
+                     pel_method_words[solver->method], rough(1e-3 * steps * step), rough(step),
+                     cost.usual < cost.implicit && stepper->turns_edges ? "; more where bodies jam" : "");
 }
 
 /* More substeps than by default, as many as cost less than implicit: stiffness may grow in the run. */
@@ -94,7 +130,7 @@ static pel_status take_xpbd(pel_scene_reader *reader, const pel_scene_value *roo
                             const step_cost *cost)
 {
     pel_solver_def *solver = &scene->sim.solver;
-    char text[PEL_NUMBER_SIZE];
+    char text[PEL_NUMBER_SIZE], range[RANGE_SIZE];
     solver->max_substeps = most_substeps(cost);
     pel_number_print(text, solver->max_substeps);
     pel_scene_value *value = pel_scene_value_at(root, "solver.max_substeps");
@@ -103,8 +139,8 @@ static pel_status take_xpbd(pel_scene_reader *reader, const pel_scene_value *roo
     if (value->text == NULL)
         return pel_fail_memory(reader->error);
     pel_log_line(reader->log,
-                 "method xpbd: %d substeps in a step of %g s, about %g ms of one core against %g ms of implicit",
-                 (int)needed, solver->dt, rough(cost->substep * needed), rough(cost->implicit));
+                 "method xpbd: %d substeps in a step of %g s, about %g ms of one core against %s ms of implicit",
+                 (int)needed, solver->dt, rough(cost->substep * needed), implicit_cost(cost, range));
     return PEL_OK;
 }
 
@@ -112,12 +148,12 @@ static void take_implicit(pel_scene_reader *reader, const pel_scene_value *root,
                           const step_cost *cost, bool is_open)
 {
     const pel_solver_def *solver = &scene->sim.solver;
-    char reason[100];
+    char reason[120], range[RANGE_SIZE];
     if (!is_open)
         snprintf(reason, sizeof reason, "more than max_substeps %d", (int)solver->max_substeps);
     else
-        snprintf(reason, sizeof reason, "about %g ms of one core against %g ms", rough(cost->substep * needed),
-                 rough(cost->implicit));
+        snprintf(reason, sizeof reason, "about %g ms of one core against %s ms", rough(cost->substep * needed),
+                 implicit_cost(cost, range));
     pel_log_line(reader->log, "method implicit: xpbd would need %d substeps in a step of %g s, %s", (int)needed,
                  solver->dt, reason);
     set_method(root, scene, PEL_METHOD_IMPLICIT);
@@ -176,6 +212,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
     pel_sim_def def = scene->sim;
     def.model = model;
     status = pel_sim_needed_substeps(&def, &needed, NULL);
+    scene->needed_substeps = needed;
     const step_cost cost = cost_of(scene, scene->sim.contact.enabled);
     /* an explicit limit asks for xpbd up to it; the cost of refinement is unknown */
     bool is_open = pel_scene_value_at(root, "solver.max_substeps")->is_implied && !refines(model);

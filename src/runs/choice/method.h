@@ -14,8 +14,13 @@
    PEL_OUT_OF_MEMORY; other errors of the model are left to its creation. */
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
-/* ms of one core, of a step of implicit, from counts */
+/* systems of a step of static, at least */
+enum { PEL_STATIC_SYSTEMS = 3 };
+
+/* ms of one core, of a step of implicit as it may be where bodies jam, from counts */
 double pel_scene_step_cost(const pel_scene *scene);
+/* Tells how long the run takes, in the log, where that is long: under static, implicit and xpbd. */
+void pel_scene_tell_cost(pel_scene_reader *reader, const pel_scene *scene);
 
 /* If the method solves for the edges, bodies without an explicit bending model get mid-edge bending, in the def and in
    the tree. Regions that curl need hinges. */

@@ -25,8 +25,6 @@ enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8, STEPS_A_POSE = 4 };
 #define MOST_COST 10
 /* and for one system of equations: an analysis solves dozens */
 #define MOST_SYSTEM 2
-/* systems of a step of static, at least */
-#define STATIC_SYSTEMS 3
 /* those of a free body and one that is none */
 enum { MODE_COUNT = 7 };
 /* of the largest of these: lower frequencies are rigid motions */
@@ -315,7 +313,7 @@ static void tell_solid_cost(pel_scene_reader *reader, const pel_scene *scene)
         if (scene->model.bodies[b].mesh->tetrahedron_count > scene->model.bodies[solid].mesh->tetrahedron_count)
             solid = b;
     const pel_body_def *body = &scene->model.bodies[solid];
-    const double cost = 1e-3 * pel_scene_step_cost(scene) * (stepper->is_static ? STATIC_SYSTEMS : 1);
+    const double cost = 1e-3 * pel_scene_step_cost(scene) * (stepper->is_static ? PEL_STATIC_SYSTEMS : 1);
     if (stepper->turns_edges && body->mesh->tetrahedron_count > 0 && cost > MOST_COST)
         pel_log_line(reader->log,
                      "body '%s' has %d tetrahedra: a step of %s takes %.2g s of one core or more. use a volume.edge at "

@@ -194,6 +194,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         status = choose_method(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_choose_dt(reader, root, scene);
+    if (status == PEL_OK)
+        pel_scene_tell_cost(reader, scene);
     /* default names have been added to the tree: sort it */
     if (status == PEL_OK)
         status = pel_scene_check(reader, root);

@@ -115,19 +115,33 @@ pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matri
     return (pel_factor_result){true, -1, -1, all.value};
 }
 
-void pel_factor_solve(void *context, pel_pool *pool, const double *right, double *solution)
+/* a power of two near the largest entry: float holds forces of any unit, and nothing is rounded */
+static double unit_of(const pel_factor *factor, const double *right)
 {
-    PEL_ASSERT(right != NULL && solution != NULL);
-    pel_factor *factor = context;
     double largest = 0;
+    int exponent;
     for (int32_t u = 0; u < factor->plan->unknown_count; u++) {
         double size = fabs(right[u] * factor->scale[u]);
         largest = size > largest ? size : largest;
     }
-    /* a power of two: float holds forces of any unit, and nothing is rounded */
-    int exponent;
     frexp(largest, &exponent);
-    double unit = ldexp(1, exponent);
+    return ldexp(1, exponent);
+}
+
+void pel_factor_reduce(pel_factor *factor, pel_pool *pool, const double *right, double *reduced)
+{
+    double unit = unit_of(factor, right);
+    if (factor->precision == PEL_FACTOR_FLOAT)
+        pel_factor_reduce_float(factor, unit, pool, right, reduced);
+    else
+        pel_factor_reduce_double(factor, unit, pool, right, reduced);
+}
+
+void pel_factor_solve(void *context, pel_pool *pool, const double *right, double *solution)
+{
+    PEL_ASSERT(right != NULL && solution != NULL);
+    pel_factor *factor = context;
+    double unit = unit_of(factor, right);
     if (factor->precision == PEL_FACTOR_FLOAT)
         pel_factor_solve_float(factor, unit, pool, right, solution);
     else

@@ -58,4 +58,9 @@ pel_factor_result pel_factor_compute(pel_factor *factor, const pel_matrix *matri
    precision times the condition of the scaled matrix. Has the form of a pel_preconditioner. */
 void pel_factor_solve(void *factor, pel_pool *pool, const double *right, double *solution);
 
+/* The first half of a solve: the matrix is L L^T, reduced (unknown_count) = L^-1 right, in an order of its own.
+   Products of reduced vectors are those of one right side and the solution of the other. Of a right side with few
+   entries that are not 0 it costs a fraction of a solve. */
+void pel_factor_reduce(pel_factor *factor, pel_pool *pool, const double *right, double *reduced);
+
 #endif

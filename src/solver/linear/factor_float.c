@@ -3,4 +3,5 @@ typedef float number;
 #define square_root sqrtf
 #define PEL_FACTOR_COMPUTE pel_factor_compute_float
 #define PEL_FACTOR_SOLVE pel_factor_solve_float
+#define PEL_FACTOR_REDUCE pel_factor_reduce_float
 #include "linear/factor_numeric.h"

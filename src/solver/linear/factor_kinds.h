@@ -31,5 +31,7 @@ typedef void pel_factor_solve_function(pel_factor *factor, double unit, pel_pool
 
 pel_factor_compute_function pel_factor_compute_float, pel_factor_compute_double;
 pel_factor_solve_function pel_factor_solve_float, pel_factor_solve_double;
+/* the forward half of it, in the order of elimination */
+pel_factor_solve_function pel_factor_reduce_float, pel_factor_reduce_double;
 
 #endif

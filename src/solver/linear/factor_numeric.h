@@ -1,5 +1,5 @@
 /* The numeric half of a factor over `number`; included once for each precision, by sources that define number,
-   square_root and the names of the two functions.
+   square_root and the names of the three functions.
 
    A front: its panel takes the entries of the matrix and what children add to pivots, is factored, and gives the update
    matrix -L L^T; what children add beyond the pivots comes on top. So an update matrix is written once and never
@@ -408,15 +408,31 @@ static void backward_task(void *context, int32_t chunk)
         backward_front(s, &plan->fronts[f], t);
 }
 
+static void go_forward(solving *s, pel_pool *pool)
+{
+    const pel_factor_plan *plan = s->factor->plan;
+    number *upper = (number *)s->factor->scratch + plan->upper_scratch;
+    pel_pool_run(pool, plan->task_count, forward_task, s);
+    for (int32_t k = 0; k < plan->upper_count; k++)
+        forward_front(s, &plan->fronts[plan->upper[k]], upper);
+}
+
 void PEL_FACTOR_SOLVE(pel_factor *factor, double unit, pel_pool *pool, const double *right, double *result)
 {
     const pel_factor_plan *plan = factor->plan;
     solving s = {factor, right, result, unit};
     number *upper = (number *)factor->scratch + plan->upper_scratch;
-    pel_pool_run(pool, plan->task_count, forward_task, &s);
-    for (int32_t k = 0; k < plan->upper_count; k++)
-        forward_front(&s, &plan->fronts[plan->upper[k]], upper);
+    go_forward(&s, pool);
     for (int32_t k = plan->upper_count - 1; k >= 0; k--)
         backward_front(&s, &plan->fronts[plan->upper[k]], upper);
     pel_pool_run(pool, plan->task_count, backward_task, &s);
+}
+
+void PEL_FACTOR_REDUCE(pel_factor *factor, double unit, pel_pool *pool, const double *right, double *result)
+{
+    const number *solution = factor->solution;
+    solving s = {factor, right, NULL, unit};
+    go_forward(&s, pool);
+    for (int32_t p = 0; p < factor->plan->unknown_count; p++)
+        result[p] = (double)solution[p] * unit;
 }

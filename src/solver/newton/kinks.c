@@ -4,11 +4,12 @@
      q(d) = g . d + d . K d / 2 + sum of max(0, load - stiffness gap(d))^2 / (2 stiffness).
 
    Newton's method on the pieces seeks its minimum: each step goes to the minimum of the piece where it begins, as far
-   as q falls, which is found exactly. Pieces differ by few constraints. With the factored matrix H of the first piece,
-   its step d0 = - H^-1 g and the responses z = H^-1 J^T of those that changed (J: the derivative of a gap), all others
-   are found in the space of d0 and z: what constraints push more or less than in the first piece are the unknowns of a
-   small system, by the formula of Sherman, Morrison and Woodbury. When too many have changed, the matrix of the present
-   piece takes over. */
+   as q falls, which is found exactly. Pieces differ by few constraints. With the factored matrix H = L L^T of the first
+   piece, its step d0 = - H^-1 g and the responses z = H^-1 J^T of those that changed (J: the derivative of a gap), all
+   others are found in the space of d0 and z: what constraints push more or less than in the first piece are the
+   unknowns of a small system, by the formula of Sherman, Morrison and Woodbury. What they do to the gaps of each other,
+   J H^-1 J^T, are products of L^-1 J^T, which are few numbers; the step to a piece takes one solve. When too many have
+   changed, the matrix of the present piece takes over. */
 #include "base/memory.h"
 #include "base/status.h"
 #include "math/extremes.h"
@@ -113,9 +114,9 @@ static void set_right(const crossing *c, double *force)
         c->newton->right[u] = c->newton->fixed[u] ? 0 : force[u];
 }
 
-static double *response(const crossing *c, int32_t i)
+static double *reduced(const crossing *c, int32_t i)
 {
-    return c->space->responses + (size_t)i * (size_t)c->unknowns;
+    return c->space->reduced + (size_t)i * (size_t)c->unknowns;
 }
 
 static double *volume_response(const crossing *c, int32_t i)
@@ -133,6 +134,17 @@ static double volume_product(const crossing *c, int32_t i, const double *x)
     return product;
 }
 
+/* the small system of the first terms of volumes */
+static void set_volume_system(const crossing *c)
+{
+    pel_newton_space *space = c->space;
+    for (int32_t i = 0; i < space->volume_count; i++) {
+        for (int32_t j = 0; j < space->volume_count; j++)
+            space->system[i][j] = space->volume_gaps[i][j];
+        space->system[i][i] += 1 / c->newton->pattern->rank_ones[space->volumes[i]].coefficient;
+    }
+}
+
 /* newton->step of newton->right, by the factor: nearly */
 static bool answer(crossing *c)
 {
@@ -143,12 +155,9 @@ static bool answer(crossing *c)
     c->run->status = pel_pool_check(newton->pool, c->run->error);
     if (c->run->status != PEL_OK)
         return false;
-    for (int32_t i = 0; i < space->volume_count; i++) {
+    for (int32_t i = 0; i < space->volume_count; i++)
         products[i] = volume_product(c, i, newton->step);
-        for (int32_t j = 0; j < space->volume_count; j++)
-            space->system[i][j] = space->volume_gaps[i][j];
-        space->system[i][i] += 1 / newton->pattern->rank_ones[space->volumes[i]].coefficient;
-    }
+    set_volume_system(c);
     if (!eliminate(space->system, products, space->volume_count))
         return false;
     for (int32_t i = 0; i < space->volume_count; i++)
@@ -188,31 +197,48 @@ static bool respond_to_volumes(crossing *c)
     return true;
 }
 
-/* z of a constraint, and what it does to the gaps of the others; false where the solve fails */
+/* what the force of a constraint does to the gap of another one: the matrix with the first terms of volumes */
+static double gap_of(const crossing *c, int32_t i, int32_t j)
+{
+    pel_newton_space *space = c->space;
+    double change[TOUCHED], gap = pel_newton_dot(c->newton, reduced(c, i), reduced(c, j));
+    for (int32_t k = 0; k < space->volume_count; k++)
+        change[k] = space->volume_rates[k][j];
+    set_volume_system(c);
+    if (!eliminate(space->system, change, space->volume_count))
+        return gap;
+    for (int32_t k = 0; k < space->volume_count; k++)
+        gap -= change[k] * space->volume_rates[k][i];
+    return gap;
+}
+
+/* meets a constraint: what it does to the gaps of the others; false where the solve fails */
 static bool respond(crossing *c, int32_t number)
 {
     pel_newton *newton = c->newton;
     pel_newton_space *space = c->space;
     int32_t own = space->count;
     size_t size = (size_t)(own + 1) * (size_t)c->unknowns;
-    if (!pel_reserve((void **)&space->responses, &space->capacity, size, sizeof *space->responses)) {
+    if (!pel_reserve((void **)&space->reduced, &space->capacity, size, sizeof *space->reduced)) {
         c->run->status = pel_fail_memory(c->run->error);
         return false;
     }
-    memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
-    push(&c->kinks[number], 1, newton->product);
     if (own == 0 && !respond_to_volumes(c))
         return false;
+    memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
+    push(&c->kinks[number], 1, newton->product);
     set_right(c, newton->product);
-    if (!answer(c))
+    pel_factor_reduce(newton->factors[newton->precision], newton->pool, newton->right, reduced(c, own));
+    c->run->status = pel_pool_check(newton->pool, c->run->error);
+    if (c->run->status != PEL_OK)
         return false;
-    memcpy(response(c, own), newton->step, (size_t)c->unknowns * sizeof *newton->step);
-    const double *move = pel_newton_find_move(c->run, 1);
+    for (int32_t k = 0; k < space->volume_count; k++)
+        space->volume_rates[k][own] = pel_newton_dot(newton, newton->right, volume_response(c, k));
     space->kinks[own] = number;
     space->excess[own] = 0;
     space->count++;
     for (int32_t i = 0; i < space->count; i++)
-        space->gaps[i][own] = space->gaps[own][i] = rate_of(&c->kinks[space->kinks[i]], move);
+        space->gaps[i][own] = space->gaps[own][i] = gap_of(c, i, own);
     return true;
 }
 
@@ -224,7 +250,7 @@ static bool is_touched(const pel_newton_space *space, int32_t number)
     return false;
 }
 
-/* responses of all that have changed; false where there are too many, or a solve fails */
+/* meets all that have changed; false where there are too many, or a solve fails */
 static bool touch_changed(crossing *c)
 {
     for (int32_t k = 0; k < c->count; k++)
@@ -261,22 +287,23 @@ static bool find_target(const crossing *c, double *target)
     return true;
 }
 
-/* newton->step from the present place to a target, and the rates of all gaps along it */
-static void find_way(crossing *c, const double *target)
+/* newton->step from the present place to a target, and the rates of all gaps along it; false where the solve fails */
+static bool find_way(crossing *c, const double *target)
 {
     pel_newton *newton = c->newton;
     double left = 1 - c->way;
+    memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
+    for (int32_t i = 0; i < c->space->count; i++)
+        push(&c->kinks[c->space->kinks[i]], target[i] - c->space->excess[i], newton->product);
+    set_right(c, newton->product);
+    if (!answer(c))
+        return false;
     for (int32_t u = 0; u < c->unknowns; u++)
-        newton->step[u] = left * newton->first[u];
-    for (int32_t i = 0; i < c->space->count; i++) {
-        double change = target[i] - c->space->excess[i];
-        const double *z = response(c, i);
-        for (int32_t u = 0; u < c->unknowns && change != 0; u++)
-            newton->step[u] += change * z[u];
-    }
+        newton->step[u] += left * newton->first[u];
     const double *move = pel_newton_find_move(c->run, 1);
     for (int32_t k = 0; k < c->count; k++)
         c->kinks[k].rate = rate_of(&c->kinks[k], move);
+    return true;
 }
 
 /* ---- along a step on the pieces ---- */
@@ -378,9 +405,8 @@ static double cross_in_space(crossing *c, double enough)
     c->way = 0;
     c->space->count = 0;
     for (int n = 0; n < PIECES; n++) {
-        if (!touch_changed(c) || !find_target(c, target))
+        if (!touch_changed(c) || !find_target(c, target) || !find_way(c, target))
             break;
-        find_way(c, target);
         l.slope = pel_newton_dot(newton, newton->left, newton->step);
         double share = find_least(&l);
         go(c, target, share);
@@ -457,7 +483,7 @@ bool pel_newton_cross_kinks(newton_run *run)
 void pel_newton_space_destroy(pel_newton_space *space)
 {
     if (space != NULL) {
-        pel_free(space->responses);
+        pel_free(space->reduced);
         pel_free(space->volume_responses);
     }
     pel_free(space);

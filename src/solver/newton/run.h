@@ -19,12 +19,13 @@ typedef struct pel_newton_space {
     double excess[PEL_NEWTON_TOUCHED];                   /* N, that they push more than in the matrix */
     double gaps[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED]; /* m/N, of each by each */
     double system[PEL_NEWTON_TOUCHED][PEL_NEWTON_TOUCHED];
-    double *responses; /* (count x unknown_count) m/N */
+    double *reduced; /* (count x unknown_count) L^-1 of the derivatives of their gaps, root of m/N */
     size_t capacity;
     /* the first terms of volumes, which the factor does not have: of each by each, and responses to their gradients */
     int32_t volume_count, volumes[PEL_NEWTON_VOLUMES];
     double volume_gaps[PEL_NEWTON_VOLUMES][PEL_NEWTON_VOLUMES];
-    double *volume_responses; /* (volume_count x unknown_count) */
+    double volume_rates[PEL_NEWTON_VOLUMES][PEL_NEWTON_TOUCHED]; /* of the gaps by these responses */
+    double *volume_responses;                                    /* (volume_count x unknown_count) */
     size_t volume_capacity;
 } pel_newton_space;
 
