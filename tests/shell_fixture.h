@@ -69,6 +69,13 @@ static inline pel_body_def shell_body(const pel_mesh *mesh, pel_membrane_kind ki
     body.shell.membrane.kind = kind;
     body.shell.membrane.young.value = 1e5;
     body.shell.membrane.thickness.value = 0.01;
+    /* of laws that have no default */
+    if (kind == PEL_MEMBRANE_WEAVE) {
+        body.shell.membrane.warp_curve[0][0] = body.shell.membrane.weft_curve[0][0] = 1;
+        body.shell.membrane.warp_curve[0][1] = body.shell.membrane.weft_curve[0][1] = 1e5;
+        body.shell.membrane.shear = 1e5 / 2.6;
+    }
+    body.shell.membrane.yield = 1e6;
     return body;
 }
 

@@ -20,7 +20,9 @@ extern "C" {
     ROW(GENT, gent, "gent")                                                                                            \
     ROW(FUNG, fung, "fung")                                                                                            \
     ROW(ORTHOTROPIC, orthotropic, "orthotropic")                                                                       \
-    ROW(TENSION_FIELD, tension_field, "tension-field")
+    ROW(TENSION_FIELD, tension_field, "tension-field")                                                                 \
+    ROW(WEAVE, weave, "weave")                                                                                         \
+    ROW(ELASTOPLASTIC, elastoplastic, "elastoplastic")
 
 typedef enum pel_membrane_kind { /* PEL_MEMBRANE_STVK and so on */
 #define PEL_MEMBRANE_ENUMERATOR(KIND, law, name) PEL_MEMBRANE_##KIND,
@@ -31,6 +33,8 @@ typedef enum pel_membrane_kind { /* PEL_MEMBRANE_STVK and so on */
 #define PEL_MEMBRANE_ONE(KIND, law, name) +1
 enum { PEL_MEMBRANE_COUNT = 0 PEL_MEMBRANE_LAWS(PEL_MEMBRANE_ONE) }; /* number of laws */
 #undef PEL_MEMBRANE_ONE
+
+enum { PEL_WEAVE_POINTS = 6 }; /* most points of a curve of PEL_MEMBRANE_WEAVE */
 
 /* Energies of fibres (Kim, De Goes, Iben 2019) with I5 = |F a|^2, stiffness k [N/m]. On a membrane arap and sqrt are
    the same function, because the sign of I4 is always 1. Their stiffness at rest is k, 4 k and k. */

@@ -28,8 +28,14 @@
    tension-field  neo-hookean without its compression: a sheet without bending that wrinkles. With the principal
                   stretches a >= b and the width w(a) of a strip that is pulled by a: b >= w taut, as neo-hookean; b < w
                   wrinkled, its energy at (a, w), tension along a alone; a <= 1 slack. 0.001 of neo-hookean remains
-   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Ciarlet 1988, Gent 1996, Fung 1967, Pipkin 1986; theory
-   page sections 3 and 17.
+   weave          woven cloth by curves: a strip that is pulled along the warp or the weft, free to contract, has the
+                  stress of warp_curve or weft_curve over its strain, linear between points and beyond the last, in
+                  compression with the first slope; shear as orthotropic. young is not read
+   elastoplastic  mu |h|^2 + lambda/2 tr^2 h, h = ln(C) / 2, until von Mises' stress (plane stress, Kirchhoff) reaches
+                  yield, which grows by hardening times the plastic strain; beyond, the energy of a step from the shape
+                  without stress, elastic plus dissipated. The shape follows when a step of a simulation is accepted
+   Sources: Sun 2021 (paper B) section 2, Kim and Eberle 2020, Ciarlet 1988, Gent 1996, Fung 1967, Pipkin 1986, Simo and
+   Taylor 1986; theory page sections 3 and 17.
 
    Collapsed triangles (J = 0, down to a point) give finite energies and stresses, never NaN. Incompressible laws and
    neo-hookean are infinite there: below J = 0.01 they continue as their tangents in J, so that a squeezed triangle is
@@ -53,7 +59,12 @@ typedef struct pel_membrane_material {
     double extension_limit; /* Jm, the I1 - 3 at which chains end, > 0; read by gent only */
     double stiffening;      /* b, > 0; read by fung only */
     double weft;            /* orthotropic: Young's modulus across the warp [Pa], whose own is young; 0 = young */
-    double shear;           /* orthotropic: shear modulus [Pa]; 0 = young / (2 (1 + poisson)) */
+    double shear;           /* orthotropic: shear modulus [Pa]; 0 = young / (2 (1 + poisson)). weave: > 0 */
+    double warp_curve[PEL_WEAVE_POINTS][2]; /* weave: points (strain, stress [Pa]) of force over area at rest; both rise
+                                               from (0, 0), which is no point; a strain of 0 ends it */
+    double weft_curve[PEL_WEAVE_POINTS][2]; /* the same across the warp */
+    double yield;                           /* elastoplastic: yield stress [Pa], > 0 */
+    double hardening;                       /* elastoplastic: its growth over plastic strain [Pa], >= 0 */
 } pel_membrane_material;
 
 /* The name of a law in scene files; "unknown" for any other number. */

@@ -16,12 +16,16 @@ typedef struct pel_membrane_def {
     pel_membrane_kind kind;
     pel_quantity young; /* Pa, > 0; no keys */
     double poisson;
-    pel_quantity thickness;   /* m, > 0; no keys */
-    double mooney_ratio;      /* default: 0.2 */
-    double extension_limit;   /* gent; default: 50 */
-    double stiffening;        /* fung; default: 10 */
-    double weft;              /* Pa, orthotropic: Young's modulus across the warp; 0 (default) = young */
-    double shear;             /* Pa, orthotropic: shear modulus; 0 (default) = young / (2 (1 + poisson)) */
+    pel_quantity thickness; /* m, > 0; no keys */
+    double mooney_ratio;    /* default: 0.2 */
+    double extension_limit; /* gent; default: 50 */
+    double stiffening;      /* fung; default: 10 */
+    double weft;            /* Pa, orthotropic: Young's modulus across the warp; 0 (default) = young */
+    double shear;           /* Pa, orthotropic: shear modulus; 0 (default) = young / (2 (1 + poisson)); weave: > 0 */
+    double warp_curve[PEL_WEAVE_POINTS][2]; /* weave: points (strain, stress [Pa]), as of pel_membrane_material */
+    double weft_curve[PEL_WEAVE_POINTS][2];
+    double yield;             /* Pa, elastoplastic: yield stress > 0 */
+    double hardening;         /* Pa, elastoplastic: growth of the yield stress over plastic strain, >= 0; default: 0 */
     double direction[3];      /* orthotropic: the warp, projected into each rest triangle; default: x */
     const double *coordinate; /* (vertex_count) the warp runs along its gradient in each rest triangle, in place of
                                  `direction`; null = not given */

@@ -66,10 +66,41 @@ static void test_ignored_data_is_noted(void **unused)
     check_counts(mesh, 3, 1);
     assert_non_null(strstr(said.text, "2 points and lines ignored"));
     assert_non_null(strstr(said.text, "colours or weights of 2 vertices"));
-    assert_non_null(strstr(said.text, "texture coordinates and normals ignored"));
+    assert_non_null(strstr(said.text, "normals ignored"));
     assert_non_null(strstr(said.text, "1 faces with fewer than three corners ignored"));
     assert_non_null(strstr(said.text, "1 statements for curves"));
     pel_mesh_destroy(mesh);
+}
+
+/* texture coordinates are the fields u and v, unless a vertex has none or several */
+static void test_texture_coordinates(void **unused)
+{
+    (void)unused;
+    static const double expected[3][2] = {{0.5, 0.25}, {1, 0}, {0, 2}};
+    static const char *const without[][2] = {{"f 1/1 2/2 3/3\nf 3/4 2/2 1/1\n", "seams"},
+                                             {"f 1/1 2/2 3\n", "some vertices have none"},
+                                             {"f 1/1 2/2 3/9\n", "some vertices have none"},
+                                             {"f 1/1 2/2 3/5\n", "some vertices have none"},
+                                             {"f 1//1 2//1 3//1\n", "normals"}};
+    static const char points[] =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.25\nvt 1\nvt 0 2 0.5\nvt 0 0\nvt nan 0\nvn 0 0 1\n";
+    char text[300];
+    notes said;
+    snprintf(text, sizeof text, "%sf 1/-5 2/2/1 3/3\n", points);
+    pel_mesh *mesh = parse_text("a.obj", text, &said);
+    for (int v = 0; v < 3; v++) {
+        assert_near(pel_mesh_field(mesh, "u")->values[v], expected[v][0], 0);
+        assert_near(pel_mesh_field(mesh, "v")->values[v], expected[v][1], 0);
+    }
+    assert_null(strstr(said.text, "texture"));
+    pel_mesh_destroy(mesh);
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        snprintf(text, sizeof text, "%s%s", points, without[i][0]);
+        mesh = parse_text("a.obj", text, &said);
+        assert_null(pel_mesh_field(mesh, "u"));
+        assert_non_null(strstr(said.text, without[i][1]));
+        pel_mesh_destroy(mesh);
+    }
 }
 
 /* colours of all vertices are the fields red, green and blue; where one has none, or a weight, they are ignored */
@@ -263,6 +294,7 @@ int main(void)
         cmocka_unit_test(test_negative_indices_count_back),
         cmocka_unit_test(test_faces_before_vertices),
         cmocka_unit_test(test_ignored_data_is_noted),
+        cmocka_unit_test(test_texture_coordinates),
         cmocka_unit_test(test_colours),
         cmocka_unit_test(test_polygons_are_cut),
         cmocka_unit_test(test_refusals),

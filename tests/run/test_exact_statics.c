@@ -44,7 +44,10 @@ static void stretch_sheet(int kind, double stretch)
     const char *numbers = kind == PEL_MEMBRANE_MOONEY_RIVLIN ? ", mooney_ratio: 0.2"
                           : kind == PEL_MEMBRANE_GENT        ? ", extension_limit: 20"
                           : kind == PEL_MEMBRANE_FUNG        ? ", stiffening: 6"
-                                                             : "";
+                          : kind == PEL_MEMBRANE_WEAVE
+                              ? ", shear: 76923.0769230769, warp_curve: [[0.15, 3e4], [0.3, 9e4], [0.5, 25e4]]"
+                          : kind == PEL_MEMBRANE_ELASTOPLASTIC ? ", yield: 7e4, hardening: 2e4"
+                                                               : "";
     snprintf(text, sizeof text,
              SHEET "    mesh: { shape: grid, nx: 8, ny: 6, size_x: 0.2, size_y: 0.1 }\n"
                    "    membrane: { material: %s, young: 2.0e5, poisson: %g, thickness: 0.001%s }\n    supports:\n"
@@ -74,16 +77,19 @@ static void test_pulled(void **unused)
     for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++) {
         char text[1000];
         double poisson = pel_membrane_law_of(&(pel_membrane_material){.kind = (pel_membrane_kind)kind}).poisson;
+        const char *numbers = kind == PEL_MEMBRANE_WEAVE           ? ", shear: 1e7, warp_curve: [[0.1, 1e8]]"
+                              : kind == PEL_MEMBRANE_ELASTOPLASTIC ? ", yield: 1e7"
+                                                                   : "";
         snprintf(text, sizeof text,
                  SHEET
                  "    mesh: { shape: grid, nx: 10, ny: 4, size_x: 0.2, size_y: 0.05 }\n"
-                 "    membrane: { material: %s, young: 1.0e9, poisson: %g, thickness: 0.001 }\n    supports:\n"
+                 "    membrane: { material: %s, young: 1.0e9, poisson: %g, thickness: 0.001%s }\n    supports:\n"
                  "      - { at: { box: { min: [-1, -1, -1], max: [-0.0999, 1, 1] } }, fix: [x] }\n      - { at: all, "
                  "fix: [z] }\n"
                  "      - { at: { nearest: [-0.1, 0, 0] } }\n"
                  "loads: [ { force: [100, 0, 0], per: length, at: { box: { min: [0.0999, -1, -1], max: [1, 1, 1] } "
                  "} } ]\n" STATIC,
-                 pel_membrane_kind_name((pel_membrane_kind)kind), poisson == 0.5 ? 0.5 : 0.3);
+                 pel_membrane_kind_name((pel_membrane_kind)kind), poisson == 0.5 ? 0.5 : 0.3, numbers);
         check_near(text, 2 * run_quietly(text).ledger.elastic / 5, 100 / 1e6 * 0.2, 1e-3);
     }
 }

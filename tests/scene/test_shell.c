@@ -77,14 +77,22 @@ static void test_materials(void **unused)
         char text[400];
         snprintf(text, sizeof text,
                  BALL "    membrane: {material: %s, young: 2, poisson: 0.1, thickness: 0.5, mooney_ratio: 0.3,\n"
-                      "      extension_limit: 7, stiffening: 8}\n",
-                 word);
+                      "      extension_limit: 7, stiffening: 8%s}\n",
+                 word,
+                 kind == PEL_MEMBRANE_WEAVE           ? ", shear: 3, warp_curve: [[0.5, 1], [1, 4]]"
+                 : kind == PEL_MEMBRANE_ELASTOPLASTIC ? ", yield: 4"
+                                                      : "");
         pel_scene *scene = load(text);
         const pel_membrane_def *membrane = &scene->model.bodies[0].shell.membrane;
         assert_true(membrane->kind == (pel_membrane_kind)kind && membrane->poisson == 0.1);
         assert_string_equal(pel_membrane_kind_name(membrane->kind), word);
         assert_true(membrane->extension_limit == 7 && membrane->stiffening == 8);
         assert_true(membrane->mooney_ratio == 0.3 && membrane->young.value == 2 && membrane->thickness.value == 0.5);
+        if (kind == PEL_MEMBRANE_WEAVE)
+            assert_true(membrane->shear == 3 && membrane->warp_curve[1][0] == 1 && membrane->weft_curve[1][1] == 4 &&
+                        membrane->warp_curve[2][0] == 0);
+        if (kind == PEL_MEMBRANE_ELASTOPLASTIC)
+            assert_true(membrane->yield == 4 && membrane->hardening == 0);
         pel_scene_destroy(scene);
     }
 }
@@ -184,6 +192,12 @@ static void test_implied(void **unused)
     check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    springs: {stiffness: 2}\n",
                   (const char *const[]){"density: 1000\n      thickness: 0.25\n", "stiffness: 2\n",
                                         "material: neo-hookean\n", NULL});
+    /* the modulus of curves is their first slope, and both threads are alike */
+    check_implied(BALL "    membrane: {material: weave, warp_curve: [[0.5, 2], [1, 8]], shear: 3, thickness: 0.25}\n",
+                  (const char *const[]){"young: 4\n", "weft_curve:\n        - [0.5, 2]\n        - [1, 8]\n", NULL});
+    /* the capsule of a filled body has no mass */
+    check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    volume: {young: 1}\n",
+                  (const char *const[]){"density: 1000\n", NULL});
     const pel_body_def fresh = pel_body_def_default();
     assert_true(fresh.shell.membrane.kind == PEL_MEMBRANE_NEO_HOOKEAN);
     check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    mass: {total: 2}\nsolver: {method: explicit}\n",

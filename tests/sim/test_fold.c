@@ -246,7 +246,7 @@ static void test_refusals(void **unused)
     pair p;
     make_pair(&p, PEL_METHOD_STATIC, 0.25);
     pel_sim_def def = lone_sim(p.model, PEL_METHOD_PBD, 0.01);
-    check_refusal(&def, 0, "plastic folds", NULL);
+    check_refusal(&def, 0, "what yields follows stresses", NULL);
     pel_body_def body = p.body;
     body.shell.bending.model = PEL_BENDING_MIDEDGE;
     assert_refused(&body, PEL_BAD_ARGUMENT, "hinges");

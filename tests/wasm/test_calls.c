@@ -283,6 +283,25 @@ static void test_cut(void **unused)
     pel_wasm_sim_destroy(sim);
 }
 
+/* a weld bears weight and torque of a bar that sticks out by 0.5 m */
+static void test_joint(void **unused)
+{
+    (void)unused;
+    pel_wasm_sim *sim =
+        create("version: 1\nbodies:\n  - name: bar\n    mesh: { shape: box, size_x: 1, size_y: 0.1, size_z: 0.1 }\n"
+               "    rigid: { mass: 2 }\njoints: [{ name: wall, body: bar, kind: weld, point: [-0.5, 0, 0] }]\n"
+               "gravity: [0, 0, -10]\nduration: 1\n");
+    assert_int_equal(pel_wasm_sim_step(sim, 3), PEL_OK);
+    assert_null(pel_wasm_sim_joint(sim, "bar"));
+    const double *joint = pel_wasm_sim_joint(sim, "wall");
+    assert_non_null(joint);
+    assert_near(joint[0], 0, 0);
+    assert_near(joint[4], 20, 1e-6);
+    assert_near(joint[6], -10, 1e-6); /* about the wall: 0.5 m times 20 N */
+    assert_near(joint[9], 0, 0);
+    pel_wasm_sim_destroy(sim);
+}
+
 /* commands of the scene's session are done at their steps */
 static void test_session_of_scene(void **unused)
 {
@@ -433,7 +452,7 @@ int main(void)
         cmocka_unit_test(test_notes),       cmocka_unit_test(test_undo),
         cmocka_unit_test(test_cut),         cmocka_unit_test(test_session_of_scene),
         cmocka_unit_test(test_bad_scenes),  cmocka_unit_test(test_live),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_joint),       cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -315,6 +315,14 @@ export class Simulation {
         return { mass, center, rotation, velocity, spin, momentum, angularMomentum, kineticEnergy: rest[19] };
     }
 
+    joint(name) {
+        const address = this.#handle.memory.withText(name, (at) => this.#handle.call("joint", at));
+        if (!address) return null;
+        const numbers = this.#view(Float64Array, address, 10);
+        const [position, speed] = numbers;
+        return { position, speed, force: [...numbers.slice(2, 5)], torque: [...numbers.slice(5, 8)], load: numbers[8], work: numbers[9] };
+    }
+
     /* ---- steps and changes ---- */
 
     step(count = 1) {

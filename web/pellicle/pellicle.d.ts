@@ -177,6 +177,22 @@ export interface RigidReading {
     readonly kineticEnergy: number;
 }
 
+/** What a joint does on its body, in the mean of the last step, and its motor since the start. */
+export interface JointReading {
+    /** rad of a hinge, m of a slider, else 0 */
+    readonly position: number;
+    /** rad/s or m/s */
+    readonly speed: number;
+    /** N, motor included */
+    readonly force: readonly number[];
+    /** N m, about the point of the joint, motor included */
+    readonly torque: readonly number[];
+    /** N m or N, of the motor or the limit along the axis */
+    readonly load: number;
+    /** J */
+    readonly work: number;
+}
+
 /**
  * A simulation of a scene. If the library refuses a call, the method throws a PellicleError and the simulation is unchanged.
  * The arrays of `positions`, `triangles` and `field` are views of the memory of the module without a copy. They are valid until
@@ -215,6 +231,8 @@ export interface Simulation {
 
     /** Place and motion of a rigid body; null for a body that deforms. */
     rigid(body?: number | string): RigidReading | null;
+    /** What a joint does, by its name; null if none has it. */
+    joint(name: string): JointReading | null;
 
     /** Takes `count` steps (default: 1). If a step diverges, the simulation returns to the last mark, or to the start. */
     step(count?: number): void;

@@ -20,8 +20,8 @@ enum { PEL_BATCH_GROUP = 4 };
 typedef enum pel_constraint {
     PEL_CONSTRAINT_DISTANCE, /* rest length */
     PEL_CONSTRAINT_SPRING,   /* rest length, softness */
-    PEL_CONSTRAINT_MEMBRANE, /* inverse of the rest matrix (3), softness, of oriented laws the axis (2); one kind for
-                                each material from here on */
+    PEL_CONSTRAINT_MEMBRANE, /* inverse of the rest matrix (3), softness, of oriented laws the axis (2), of ones that
+                                yield the slip; one kind for each material from here on */
     PEL_CONSTRAINT_STRAIN = PEL_CONSTRAINT_MEMBRANE + PEL_MEMBRANE_COUNT,  /* the same */
     PEL_CONSTRAINT_ISOMETRIC = PEL_CONSTRAINT_STRAIN + PEL_MEMBRANE_COUNT, /* weights of x1, x2, x3, softness, and
                                  |K x|^2 of the rest shape, 0 for the literal form */
@@ -45,7 +45,7 @@ typedef enum pel_constraint {
 } pel_constraint;
 
 enum {
-    PEL_TRIANGLE_NUMBERS = 4, /* and the axis of an oriented law: pel_triangle_numbers */
+    PEL_TRIANGLE_NUMBERS = 4, /* and those that each triangle has of its law: pel_triangle_numbers */
     PEL_ISOMETRIC_NUMBERS = 5,
     PEL_ANGLE_NUMBERS = 3,
     PEL_FOLD_NUMBERS = 4,
@@ -57,7 +57,7 @@ enum {
 /* numbers of a triangle of a law with these traits */
 static inline int pel_triangle_numbers(int traits)
 {
-    return PEL_TRIANGLE_NUMBERS + (pel_law_is_oriented(traits) ? PEL_LAW_AXIS : 0);
+    return PEL_TRIANGLE_NUMBERS + pel_law_own_numbers(traits);
 }
 
 /* numbers of a triangle that caves in */
@@ -121,6 +121,11 @@ typedef struct pel_batch {
 static inline bool pel_batch_is_solid(const pel_batch *batch)
 {
     return batch->kind >= PEL_CONSTRAINT_SOLID && batch->kind <= PEL_CONSTRAINT_LAST;
+}
+
+static inline bool pel_batch_is_membrane(const pel_batch *batch)
+{
+    return batch->kind >= PEL_CONSTRAINT_MEMBRANE && batch->kind < PEL_CONSTRAINT_ISOMETRIC;
 }
 
 /* energies of fibres whose gradient is along the normal */

@@ -163,8 +163,9 @@ static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
     if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         stiffness *= batch->law.modulus;
     *pel_batch_number(batch, i, 3) = (pel_real)(pel_law_has_compliance(traits) ? 1 / stiffness : stiffness);
+    const pel_membrane_law law = pel_shell_law(p->body->shell, batch->sources[i]);
     for (int j = PEL_TRIANGLE_NUMBERS; j < batch->number_count; j++)
-        *pel_batch_number(batch, i, j) = (pel_real)p->body->shell->axes[batch->sources[i]][j - PEL_TRIANGLE_NUMBERS];
+        *pel_batch_number(batch, i, j) = (pel_real)law.numbers[j - PEL_TRIANGLE_NUMBERS];
 }
 
 static void fill_pressed(const plan *p, const pel_batch *batch, int32_t i)
@@ -445,6 +446,7 @@ static pel_status add_solid(plan *p, pel_error *error)
 static bool changes(const plan *p, const pel_batch *batch)
 {
     return batch->kind == PEL_CONSTRAINT_FOLD || batch->kind == PEL_CONSTRAINT_CAVE ||
+           (pel_batch_is_membrane(batch) && p->body->shell->yields) ||
            (batch->region >= 0 && p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
 }
 
@@ -757,16 +759,27 @@ void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *po
     }
 }
 
-/* ---- folds ---- */
+/* ---- what yields ---- */
 
-void pel_batch_fold(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
-                    const pel_fold *folds)
+static void fill_flow(const pel_batch *batch, const pel_flow *flow, int32_t i)
+{
+    for (int j = 0; j < 3; j++)
+        *pel_batch_number(batch, i, j) = (pel_real)flow->inverse[j];
+    *pel_batch_number(batch, i, PEL_TRIANGLE_NUMBERS) = (pel_real)flow->slip;
+}
+
+void pel_batch_slip(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
+                    const pel_plastic *plastic)
 {
     PEL_ASSERT_INDEX(body, batches->model->body_count);
     PEL_ASSERT_INDEX(block, batch->block_count);
     const pel_shell *shell = batches->model->bodies[body].shell;
     for (int32_t i = block * PEL_BLOCK; i < (block + 1) * PEL_BLOCK; i++) {
+        if (batch->kind != PEL_CONSTRAINT_FOLD) {
+            fill_flow(batch, &plastic->flows[shell->first_flow + batch->sources[i]], i);
+            continue;
+        }
         pel_shell_hinge hinge = pel_shell_hinge_of(shell, batch->sources[i]);
-        fill_angle(batch, shell, batches->model->rest, &hinge, folds, i);
+        fill_angle(batch, shell, batches->model->rest, &hinge, plastic->folds, i);
     }
 }

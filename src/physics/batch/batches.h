@@ -46,9 +46,9 @@ void pel_batches_rebuild(pel_batches *batches, int32_t body);
    positions. */
 void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions);
 
-/* Sets rest and yield angles of a block of hinges that yield from the folds of a state. */
-void pel_batch_fold(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
-                    const pel_fold *folds);
+/* Sets what a state changes of a block that yields: rest and yield angles of hinges, shapes and slip of triangles. */
+void pel_batch_slip(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
+                    const pel_plastic *plastic);
 
 /* Whether places, lanes and bundles are within their arrays, blocks that are computed together share no vertex, and
    neither do bundles of a phase. */

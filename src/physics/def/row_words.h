@@ -48,6 +48,7 @@
     _Generic((member),                                                                                                 \
         double: PEL_STORE_DOUBLE,                                                                                      \
         double *: PEL_STORE_DOUBLE,                                                                                    \
+        double(*)[2]: PEL_STORE_DOUBLE,                                                                                \
         double(*)[3]: PEL_STORE_DOUBLE,                                                                                \
         int: PEL_STORE_INT,                                                                                            \
         unsigned: PEL_STORE_INT,                                                                                       \

@@ -66,6 +66,7 @@ CONDITION(reads_extension_limit, pel_body_def, law_reads(def, PEL_LAW_READS_EXTE
 CONDITION(reads_stiffening, pel_body_def, law_reads(def, PEL_LAW_READS_STIFFENING))
 CONDITION(reads_weft, pel_body_def, law_reads(def, PEL_LAW_READS_WEFT))
 CONDITION(reads_shear, pel_body_def, law_reads(def, PEL_LAW_READS_SHEAR))
+CONDITION(membrane_yields, pel_body_def, law_reads(def, PEL_LAW_YIELDS))
 CONDITION(has_warp, pel_body_def,
           law_reads(def, PEL_LAW_ORIENTED) ||
               (def->shell.bending.model != PEL_BENDING_NONE && !(def->shell.bending.weft < 0)))
@@ -329,7 +330,7 @@ static const pel_def_row rows[] = {
      .doc = "constitutive law; default: neo-hookean, which resists compression to any extent"},
     {"bodies[].membrane.young", MEMBRANE(young), .forms = PEL_FORM_NUMBER | PEL_FORM_MAP | PEL_FORM_PAIR,
      .like = "<field>", .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset", WHEN(has_membrane), IMPLYING,
-     .doc = "Young's modulus; orthotropic: along the warp, or [warp, weft]"},
+     .doc = "Young's modulus; orthotropic: along the warp, or [warp, weft]; weave: the first slope of `warp_curve`"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
      WHEN(reads_poisson),
      .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
@@ -349,6 +350,22 @@ static const pel_def_row rows[] = {
     {"bodies[].membrane.shear", MEMBRANE(shear), NUMBER_OR("auto"), .unit = "Pa", POSITIVE, .needs = "material",
      .needs_word = "orthotropic", .preset = "auto", AUTO(0), WHEN(reads_shear),
      .doc = "orthotropic: shear modulus; auto: young / (2 (1 + poisson))"},
+    {"bodies[].membrane.shear", MEMBRANE(shear), NUMBER, .unit = "Pa", POSITIVE, REQUIRED, .needs = "material",
+     .needs_word = "weave", WHEN(reads_shear), .doc = "weave: shear modulus, which curves of the threads do not tell"},
+    {"bodies[].membrane.warp_curve", MEMBRANE(warp_curve), FIXED, LIST, BETWEEN(1, PEL_WEAVE_POINTS), REQUIRED,
+     .needs = "material", .needs_word = "weave",
+     .doc = "weave: points [strain, stress] of a strip pulled along the warp, of force over area at rest, in rising "
+            "order, the first of them beyond 0; linear between points and beyond the last"},
+    {"bodies[].membrane.warp_curve[]", .forms = PEL_FORM_PAIR, .doc = "a strain, and a stress in pascal"},
+    {"bodies[].membrane.weft_curve", MEMBRANE(weft_curve), FIXED, LIST, BETWEEN(1, PEL_WEAVE_POINTS),
+     .needs = "material", .needs_word = "weave", .varies = true,
+     .doc = "the same across the warp; default: `warp_curve`"},
+    {"bodies[].membrane.weft_curve[]", .forms = PEL_FORM_PAIR, .doc = "a strain, and a stress in pascal"},
+    {"bodies[].membrane.yield", MEMBRANE(yield), NUMBER, .unit = "Pa", POSITIVE, REQUIRED, .needs = "material",
+     .needs_word = "elastoplastic", WHEN(membrane_yields),
+     .doc = "elastoplastic: yield stress (von Mises), beyond which the sheet stretches for good"},
+    {"bodies[].membrane.hardening", MEMBRANE(hardening), NUMBER, .unit = "Pa", AT_LEAST(0), DEFAULT(0),
+     .needs = "yield", WHEN(membrane_yields), .doc = "elastoplastic: growth of the yield stress over plastic strain"},
     {"bodies[].membrane.direction", MEMBRANE(direction), .forms = PEL_FORM_VECTOR | PEL_FORM_WORD | PEL_FORM_MAP,
      WORDS("uv"), .preset = "[1, 0, 0]", .initial = 1, WHEN(has_warp),
      .doc =

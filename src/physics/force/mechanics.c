@@ -31,14 +31,14 @@ static void add_virial(const double x[3][3], const double gradient[3][3], double
     }
 }
 
-static void fill_triangle(const pel_shell_body *own, int32_t t, const pel_record *position, double time,
-                          pel_triangle_mechanics *out)
+static void fill_triangle(const pel_shell_forces *forces, const pel_shell_body *own, int32_t t,
+                          const pel_record *position, double time, pel_triangle_mechanics *out)
 {
     const pel_shell *shell = own->shell;
     double x[3][3], gradient[3][3];
     pel_load_points(position, shell->corners[t], 3, x);
     if (shell->has_membrane) {
-        out->membrane_energy = pel_shell_membrane_energy(own, t, (const double(*)[3])x, gradient);
+        out->membrane_energy = pel_shell_membrane_energy(forces, own, t, (const double(*)[3])x, gradient);
         add_virial((const double(*)[3])x, (const double(*)[3])gradient, out->force);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
@@ -219,7 +219,7 @@ void pel_mechanics_fill(const pel_shell_forces *forces, int32_t body, int32_t tr
     if (own == NULL)
         return;
     for (int32_t t = 0; t < own->shell->triangle_count; t++)
-        fill_triangle(own, t, position, time, &triangles[t]);
+        fill_triangle(forces, own, t, position, time, &triangles[t]);
     for (int32_t i = 0; i < pel_shell_elastic_hinges(own->shell); i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_now(forces, own->shell, i);
         add_hinge(own->shell, forces->model->rest, &hinge, position, triangles);
@@ -242,7 +242,7 @@ double pel_mechanics_gradient(const pel_shell_forces *forces, int32_t body, int3
     const pel_shell *shell = own->shell;
     pel_load_points(position, shell->corners[t], 3, x);
     if (shell->has_membrane) {
-        energy += pel_shell_membrane_energy(own, t, (const double(*)[3])x, part);
+        energy += pel_shell_membrane_energy(forces, own, t, (const double(*)[3])x, part);
         add_corners((const double(*)[3])part, gradient);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {

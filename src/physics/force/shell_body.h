@@ -34,15 +34,15 @@ struct pel_shell_forces {
                                                and of their lengths; null without that form */
     double *sums;                           /* (vertex_count) scratch of bounds */
     double load_factor;                     /* of given pressure */
-    const pel_fold *folds;                  /* (pel_model_fold_count) null = none */
+    pel_plastic plastic;                    /* of the state; null = none */
 };
 
 /* hinge i of a shell with its fold */
 static inline pel_shell_hinge pel_shell_hinge_now(const pel_shell_forces *forces, const pel_shell *shell, int32_t i)
 {
     pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
-    if (shell->yield_angles != NULL && forces->folds != NULL)
-        hinge.fold = forces->folds[shell->first_fold + i].angle;
+    if (shell->yield_angles != NULL && forces->plastic.folds != NULL)
+        hinge.fold = forces->plastic.folds[shell->first_fold + i].angle;
     return hinge;
 }
 
@@ -70,7 +70,8 @@ double pel_shell_sweep_volumes(const pel_batch *batch, int32_t begin, int32_t en
 
 /* ---- shell_element.c ---- */
 /* Energy of the membrane of triangle t and its gradient, which may be null. */
-double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3]);
+double pel_shell_membrane_energy(const pel_shell_forces *forces, const pel_shell_body *own, int32_t t,
+                                 const double x[3][3], double gradient[3][3]);
 /* The same of fibres i of a region in their triangle. */
 double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
                               const double x[3][3], double gradient[3][3]);

@@ -43,10 +43,11 @@ int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)
     return low < count && pel_shell_fibre_triangle(region, low) == triangle ? low : -1;
 }
 
-double pel_shell_membrane_energy(const pel_shell_body *own, int32_t t, const double x[3][3], double gradient[3][3])
+double pel_shell_membrane_energy(const pel_shell_forces *forces, const pel_shell_body *own, int32_t t,
+                                 const double x[3][3], double gradient[3][3])
 {
-    const pel_membrane_law law = pel_shell_law(own->shell, t);
-    const pel_rest_triangle rest = pel_shell_rest(own->shell, t);
+    const pel_membrane_law law = pel_shell_law_now(own->shell, t, forces->plastic.flows);
+    const pel_rest_triangle rest = pel_shell_rest_now(own->shell, t, forces->plastic.flows);
     return pel_membrane_law_energy(&rest, &law, x, gradient);
 }
 

@@ -44,12 +44,12 @@ void pel_shell_forces_follow(pel_shell_forces *forces, const pel_record *positio
 /* The factor of given pressure from now on; 1 at first. forces may be null. */
 void pel_shell_forces_set_load_factor(pel_shell_forces *forces, double factor);
 
-/* Takes rest and yield angles of hinges that yield from the folds of a state, which outlive `forces` (null, as forces
-   may be: none). Again after each change of them. */
-void pel_shell_forces_fold(pel_shell_forces *forces, const pel_fold *folds);
-/* Lets hinges beyond their yield angle slip: changes folds (those given last) and rest angles, and returns the work
-   that they dissipate [J]. */
-double pel_shell_forces_slip(pel_shell_forces *forces, const pel_record *position, pel_fold *folds);
+/* Takes what yields from a state, whose arrays outlive `forces` (which may be null). Again after each change of them.
+ */
+void pel_shell_forces_set_plastic(pel_shell_forces *forces, const pel_plastic *plastic);
+/* Lets hinges beyond their yield angle and triangles beyond their yield stress slip: changes `plastic` (that given
+   last), rest angles and shapes without stress, and returns the work that they dissipate [J]. */
+double pel_shell_forces_slip(pel_shell_forces *forces, const pel_record *position, const pel_plastic *plastic);
 
 /* Adds the forces of some parts (a sum of pel_shell_part) at a time to force (model vertex_count), which may be null;
    returns the energies of these parts. */

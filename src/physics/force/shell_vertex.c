@@ -32,6 +32,7 @@ static double virial_of(const double x[3][3], const double gradient[3][3])
 
 /* energies or virials of a triangle or its fibres, distributed to the rows of its corners */
 typedef struct corner_sums {
+    const pel_shell_forces *forces;
     const pel_shell_body *own;
     const pel_record *position;
     double time;
@@ -46,7 +47,8 @@ static void add_membrane(const corner_sums *sums, double *values)
     for (int32_t t = 0; shell->has_membrane && t < shell->triangle_count; t++) {
         const int32_t *vertices = shell->corners[t];
         pel_load_points(sums->position, vertices, 3, x);
-        double energy = pel_shell_membrane_energy(sums->own, t, (const double(*)[3])x, sums->virial ? gradient : NULL);
+        double energy = pel_shell_membrane_energy(sums->forces, sums->own, t, (const double(*)[3])x,
+                                                  sums->virial ? gradient : NULL);
         share(sums->virial ? virial_of((const double(*)[3])x, (const double(*)[3])gradient) : energy, vertices, 3,
               &sums->map, values);
     }
@@ -73,7 +75,7 @@ void pel_shell_add_virials(const pel_shell_forces *forces, int32_t body, const i
     const pel_shell_body *own = pel_shell_body_of(forces, body);
     if (own == NULL)
         return;
-    const corner_sums sums = {own, position, time, true, {forces->model->mesh_vertex, output_vertex}};
+    const corner_sums sums = {forces, own, position, time, true, {forces->model->mesh_vertex, output_vertex}};
     add_membrane(&sums, virials);
     add_fibres(&sums, virials);
 }
@@ -89,7 +91,7 @@ void pel_shell_vertex_energies(const pel_shell_forces *forces, int32_t body, int
     if (own == NULL)
         return;
     const pel_shell *shell = own->shell;
-    const corner_sums sums = {own, position, time, false, {forces->model->mesh_vertex, output_vertex}};
+    const corner_sums sums = {forces, own, position, time, false, {forces->model->mesh_vertex, output_vertex}};
     add_membrane(&sums, membrane);
     add_fibres(&sums, fibres);
     for (int32_t i = 0; i < pel_shell_elastic_hinges(shell); i++) {
@@ -151,15 +153,15 @@ static void subtract_hinge(const pel_shell_forces *forces, const pel_shell *shel
     pel_vec3_along(force, -pel_shell_hinge_factor(shell, &hinge), gradient[corner_at(hinge.vertices, place)], force);
 }
 
-static void subtract_triangle(const pel_shell_body *own, int32_t t, const pel_record *position, double time,
-                              int32_t place, double force[3])
+static void subtract_triangle(const pel_shell_forces *forces, const pel_shell_body *own, int32_t t,
+                              const pel_record *position, double time, int32_t place, double force[3])
 {
     const pel_shell *shell = own->shell;
     double x[3][3], gradient[3][3];
     int corner = corner_at(shell->corners[t], place);
     pel_load_points(position, shell->corners[t], 3, x);
     if (shell->has_membrane) {
-        pel_shell_membrane_energy(own, t, (const double(*)[3])x, gradient);
+        pel_shell_membrane_energy(forces, own, t, (const double(*)[3])x, gradient);
         pel_vec3_subtract(force, gradient[corner], force);
     }
     for (int32_t r = 0; r < shell->region_count; r++) {
@@ -182,7 +184,7 @@ void pel_shell_elastic_force_at(const pel_shell_forces *forces, int32_t body, co
     for (int32_t i = own->element_begin[v]; i < own->element_begin[v + 1]; i++) {
         int32_t element = own->elements[i];
         if (element < triangle_count)
-            subtract_triangle(own, element, position, time, place, force);
+            subtract_triangle(forces, own, element, position, time, place, force);
         else if (element - triangle_count < pel_shell_elastic_hinges(own->shell))
             subtract_hinge(forces, own->shell, element - triangle_count, position, place, force);
     }

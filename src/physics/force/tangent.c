@@ -106,7 +106,7 @@ static double add_angle(const pel_tangent_loop *loop, const pel_tangent_shell *o
 {
     const pel_shell *shell = own->shell;
     const double stiffness = pel_shell_hinge_stiffness(shell, i);
-    const pel_fold *folds = loop->input->state != NULL ? loop->input->state->folds : NULL;
+    const pel_fold *folds = loop->input->state != NULL ? loop->input->state->plastic.folds : NULL;
     if (shell->yield_angles == NULL || folds == NULL)
         return pel_hinge_tangent(&own->hinges[i], stiffness, element->x, request, &element->sum);
     const pel_yield yield = pel_shell_yield(shell, i, folds);

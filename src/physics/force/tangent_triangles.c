@@ -68,7 +68,25 @@ static void load_step(const pel_tangent_loop *loop, const int32_t *const nodes[L
     }
 }
 
-static void load_sheet(const pel_tangent_shell *own, const int32_t t[LANES], pel_sheet *sheet)
+/* shape without stress and slip in a state */
+static void load_flow(const pel_tangent_loop *loop, const pel_tangent_shell *own, const int32_t t[LANES],
+                      pel_sheet *sheet)
+{
+    const pel_flow *flows = loop->input->state != NULL ? loop->input->state->plastic.flows : NULL;
+    const double *shape[LANES], *slip[LANES];
+    for (int l = 0; flows != NULL && l < LANES; l++) {
+        const pel_flow *flow = &flows[own->shell->first_flow + t[l]];
+        shape[l] = flow->inverse;
+        slip[l] = &flow->slip;
+    }
+    for (int k = 0; flows != NULL && k < 3; k++)
+        sheet->inverse[k] = pel_tangent_gather(shape, k);
+    if (flows != NULL)
+        sheet->numbers[0] = pel_tangent_gather(slip, 0);
+}
+
+static void load_sheet(const pel_tangent_loop *loop, const pel_tangent_shell *own, const int32_t t[LANES],
+                       pel_sheet *sheet)
 {
     double modulus[LANES];
     const double *rest[LANES], *area[LANES], *moduli[LANES];
@@ -85,6 +103,8 @@ static void load_sheet(const pel_tangent_shell *own, const int32_t t[LANES], pel
     sheet->kind = own->shell->law.kind;
     for (int k = 0; k < PEL_LAW_NUMBERS; k++)
         sheet->numbers[k] = pel_lane_splat(own->shell->law.numbers[k]);
+    if (own->shell->yields)
+        load_flow(loop, own, t, sheet);
     if (!pel_law_is_oriented(pel_membrane_law_traits(sheet->kind)))
         return;
     for (int k = 0; k < PEL_LAW_AXIS; k++) {
@@ -171,7 +191,7 @@ static void load(const pel_tangent_loop *loop, const pel_tangent_part *part, con
     }
     load_corners(loop->input->unknowns, nodes, in->x);
     if (own->shell->has_membrane)
-        load_sheet(own, t, &in->sheet);
+        load_sheet(loop, own, t, &in->sheet);
     if (own->midedges != NULL)
         load_edges(loop, own, t, in);
     if (in->has_stress)

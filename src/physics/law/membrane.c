@@ -27,6 +27,8 @@ static const pel_material_number numbers[] = {
     {"stiffening", PEL_LAW_READS_STIFFENING, offsetof(pel_membrane_material, stiffening)},
     {"weft", PEL_LAW_READS_WEFT, offsetof(pel_membrane_material, weft)},
     {"shear", PEL_LAW_READS_SHEAR, offsetof(pel_membrane_material, shear)},
+    {"yield", PEL_LAW_YIELDS, offsetof(pel_membrane_material, yield)},
+    {"hardening", PEL_LAW_YIELDS, offsetof(pel_membrane_material, hardening)},
 };
 
 void pel_plane_stress_lame(double young, double poisson, double thickness, double *mu, double *lambda)

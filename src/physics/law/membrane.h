@@ -12,7 +12,7 @@
 
 #include "pellicle/material.h"
 
-enum { PEL_LAW_NUMBERS = 5 };
+enum { PEL_LAW_NUMBERS = 25 };
 
 typedef struct pel_membrane_law {
     pel_membrane_kind kind;
@@ -28,6 +28,8 @@ typedef enum pel_law_trait {
     PEL_LAW_CONSTANT_TANGENT = 4, /* D is the plane-stress tangent at any strain, so it has a compliance */
     PEL_LAW_COMPLIANT = 128,      /* D has an inverse in closed form (pel_compliance) at any strain */
     PEL_LAW_ORIENTED = 256,       /* the first two numbers are an axis in the rest frame, of each triangle its own */
+    PEL_LAW_YIELDS = 2048,        /* the first number is the plastic slip, of each triangle its own; reads yield and
+                                     hardening */
     /* numbers of a material that some laws read; all read young and thickness */
     PEL_LAW_READS_POISSON = 8,
     PEL_LAW_READS_MOONEY_RATIO = 16,
@@ -62,11 +64,19 @@ static inline bool pel_law_has_compliance(int traits)
     return (traits & (PEL_LAW_CONSTANT_TANGENT | PEL_LAW_COMPLIANT)) != 0;
 }
 
-/* whether each triangle has numbers of its own, the first PEL_LAW_AXIS */
 enum { PEL_LAW_AXIS = 2 };
 static inline bool pel_law_is_oriented(int traits)
 {
     return (traits & PEL_LAW_ORIENTED) != 0;
+}
+static inline bool pel_law_yields(int traits)
+{
+    return (traits & PEL_LAW_YIELDS) != 0;
+}
+/* the first numbers, of which each triangle has its own */
+static inline int pel_law_own_numbers(int traits)
+{
+    return pel_law_is_oriented(traits) ? PEL_LAW_AXIS : pel_law_yields(traits) ? 1 : 0;
 }
 
 /* words of scenes, by kind; null after the last */

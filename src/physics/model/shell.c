@@ -67,15 +67,20 @@ static pel_status check_weights(const double *weights, int32_t count, int32_t bo
 /* the material with the numbers of vertex v */
 static pel_membrane_material material_at(const pel_membrane_def *def, int32_t v)
 {
-    return (pel_membrane_material){.kind = def->kind,
-                                   .young = pel_quantity_at(&def->young, v),
-                                   .poisson = def->poisson,
-                                   .thickness = pel_quantity_at(&def->thickness, v),
-                                   .mooney_ratio = def->mooney_ratio,
-                                   .extension_limit = def->extension_limit,
-                                   .stiffening = def->stiffening,
-                                   .weft = def->weft,
-                                   .shear = def->shear};
+    pel_membrane_material material = {.kind = def->kind,
+                                      .young = pel_quantity_at(&def->young, v),
+                                      .poisson = def->poisson,
+                                      .thickness = pel_quantity_at(&def->thickness, v),
+                                      .mooney_ratio = def->mooney_ratio,
+                                      .extension_limit = def->extension_limit,
+                                      .stiffening = def->stiffening,
+                                      .weft = def->weft,
+                                      .shear = def->shear,
+                                      .yield = def->yield,
+                                      .hardening = def->hardening};
+    memcpy(material.warp_curve, def->warp_curve, sizeof material.warp_curve);
+    memcpy(material.weft_curve, def->weft_curve, sizeof material.weft_curve);
+    return material;
 }
 
 /* refuses the value of an enum outside the first `count` */
@@ -114,6 +119,23 @@ static pel_status check_warp(const pel_body_def *def, int32_t body, pel_error *e
     return PEL_OK;
 }
 
+/* numbers that are the same all over a body, and what a body that keeps its triangles lacks */
+static pel_status check_flow(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    if (!pel_law_yields(pel_membrane_law_traits(membrane->kind)))
+        return PEL_OK;
+    if (membrane->young.field != NULL)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "give young one number; the thickness may vary over the body",
+                                  "young of an elastoplastic membrane varies over the body, where yield does not");
+    if (def->refine.levels > 0 || def->origins != NULL || membrane->toughness.value > 0)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "take another material, or leave out `refine`, cuts and `toughness`",
+                                  "a body that stretches for good keeps its triangles: it neither refines nor is cut");
+    return PEL_OK;
+}
+
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_membrane_def *membrane = &def->shell.membrane;
@@ -127,6 +149,8 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
         status = pel_quantity_check(&membrane->young, def->mesh->vertex_count, body, "young", false, error);
     if (status == PEL_OK)
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
+    if (status == PEL_OK)
+        status = check_flow(def, body, error);
     if (status == PEL_OK)
         status = pel_toughness_check(&membrane->toughness, def, body, error);
     if (status == PEL_OK)
@@ -348,6 +372,22 @@ static pel_status create_axes(const pel_membrane_def *membrane, pel_shell *shell
     return PEL_OK;
 }
 
+/* the material over its Young's modulus */
+static pel_membrane_material unit_material(const pel_membrane_material *material)
+{
+    pel_membrane_material unit = *material;
+    unit.weft /= unit.young;
+    unit.shear /= unit.young;
+    unit.yield /= unit.young;
+    unit.hardening /= unit.young;
+    for (int i = 0; i < PEL_WEAVE_POINTS; i++) {
+        unit.warp_curve[i][1] /= unit.young;
+        unit.weft_curve[i][1] /= unit.young;
+    }
+    unit.young = unit.thickness = 1;
+    return unit;
+}
+
 static pel_status create_triangles(const pel_body_def *def, const pel_model *model, const pel_body *body,
                                    pel_shell *shell, pel_error *error)
 {
@@ -370,11 +410,9 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
     shell->material = material_at(membrane, mesh->triangles[0][0]);
     shell->material.young = corner_mean(&membrane->young, mesh->triangles[0]);
     shell->material.thickness = corner_mean(&membrane->thickness, mesh->triangles[0]);
-    pel_membrane_material unit = shell->material;
-    unit.weft /= unit.young;
-    unit.shear /= unit.young;
-    unit.young = unit.thickness = 1;
+    const pel_membrane_material unit = unit_material(&shell->material);
     shell->law = pel_membrane_law_of(&unit);
+    shell->yields = shell->has_membrane && pel_law_yields(pel_membrane_law_traits(shell->law.kind));
     if (!shell->has_membrane)
         shell->law.poisson = membrane->poisson;
     pel_status status = check_areas(body, shell, error);
@@ -662,11 +700,12 @@ pel_status pel_body_shell_create(const pel_body_def *def, pel_model *model, int3
     if (!is_on(&def->shell) && !def->volume.on)
         return PEL_OK;
     pel_body *b = &model->bodies[body];
-    const int32_t first_fold = pel_model_fold_count(model);
+    const int32_t first_fold = pel_model_fold_count(model), first_flow = pel_model_flow_count(model);
     pel_shell *shell = b->shell = pel_allocate(1, sizeof *shell);
     if (shell == NULL)
         return pel_fail_memory(error);
     shell->first_fold = first_fold;
+    shell->first_flow = first_flow;
     pel_status status = check_closed(def, b, body, topology, error);
     if (status == PEL_OK)
         status = create_triangles(def, model, b, shell, error);
@@ -767,6 +806,23 @@ int32_t pel_model_fold_count(const pel_model *model)
         if (model->bodies[b].shell != NULL && model->bodies[b].shell->yield_angles != NULL)
             count += model->bodies[b].shell->hinge_count;
     return count;
+}
+
+int32_t pel_model_flow_count(const pel_model *model)
+{
+    int32_t count = 0;
+    for (int32_t b = 0; b < model->body_count; b++)
+        if (model->bodies[b].shell != NULL && model->bodies[b].shell->yields)
+            count += model->bodies[b].shell->triangle_count;
+    return count;
+}
+
+pel_rest_triangle pel_shell_rest_now(const pel_shell *shell, int32_t t, const pel_flow *flows)
+{
+    pel_rest_triangle rest = pel_shell_rest(shell, t);
+    if (shell->yields && flows != NULL)
+        memcpy(rest.inverse, flows[shell->first_flow + t].inverse, sizeof rest.inverse);
+    return rest;
 }
 
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)

@@ -8,8 +8,8 @@
 #include "base/assert.h"
 #include "law/bending_model.h"
 #include "law/membrane.h"
-#include "measure/fold.h"
 #include "measure/midedge.h"
+#include "measure/plastic.h"
 #include "measure/star.h"
 #include "measure/tetra.h"
 #include "model/model.h"
@@ -83,6 +83,8 @@ struct pel_shell {
     double *yield_angles;      /* (hinge_count) rad, of hinges that have not folded; null = they never do */
     double hardening;          /* of folds */
     int32_t first_fold;        /* of the state */
+    bool yields;               /* its triangles do */
+    int32_t first_flow;        /* of the state */
 
     int32_t region_count;
     pel_shell_region *regions;
@@ -144,6 +146,15 @@ static inline pel_membrane_law pel_shell_law(const pel_shell *shell, int32_t t)
             law.numbers[i] = shell->axes[t][i];
     return law;
 }
+/* The law and the shape at rest of triangle t in a state, whose flows may be null. */
+static inline pel_membrane_law pel_shell_law_now(const pel_shell *shell, int32_t t, const pel_flow *flows)
+{
+    pel_membrane_law law = pel_shell_law(shell, t);
+    if (shell->yields && flows != NULL)
+        law.numbers[0] = flows[shell->first_flow + t].slip;
+    return law;
+}
+pel_rest_triangle pel_shell_rest_now(const pel_shell *shell, int32_t t, const pel_flow *flows);
 /* bending of triangle t over its stiffness along the first axis */
 static inline pel_plate pel_shell_plate(const pel_shell *shell, int32_t t)
 {
@@ -169,8 +180,10 @@ static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i
 }
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
-/* Folds in a state of the model: one for each hinge of bodies that yield. */
+/* Folds in a state of the model: one for each hinge of bodies whose bending yields; flows: one for each triangle of
+   those whose membrane does. */
 int32_t pel_model_fold_count(const pel_model *model);
+int32_t pel_model_flow_count(const pel_model *model);
 /* The yield angle of hinge i at present, and its share beyond; folds are those of the state. */
 static inline pel_yield pel_shell_yield(const pel_shell *shell, int32_t i, const pel_fold *folds)
 {

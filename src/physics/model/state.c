@@ -6,6 +6,8 @@
 #include "math/vec3.h"
 #include "model/shell.h"
 
+#include <string.h>
+
 /* states at rest */
 static bool make_rigids(const pel_model *model, pel_state *state)
 {
@@ -27,19 +29,35 @@ static bool make_rigids(const pel_model *model, pel_state *state)
     return true;
 }
 
+/* shapes without stress are those at rest */
+static void start_flows(const pel_model *model, pel_state *state)
+{
+    for (int32_t b = 0; state->plastic.flows != NULL && b < model->body_count; b++) {
+        const pel_shell *shell = model->bodies[b].shell;
+        for (int32_t t = 0; shell != NULL && shell->yields && t < shell->triangle_count; t++) {
+            pel_flow *flow = &state->plastic.flows[shell->first_flow + t];
+            memcpy(flow->inverse, pel_shell_rest(shell, t).inverse, sizeof flow->inverse);
+            state->plastic_next.flows[shell->first_flow + t] = *flow;
+        }
+    }
+}
+
 pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_state **state, pel_error *error)
 {
     *state = NULL;
-    size_t count = (size_t)model->vertex_count, folds = (size_t)pel_model_fold_count(model);
+    size_t count = (size_t)model->vertex_count, folds = (size_t)pel_model_fold_count(model),
+           flows = (size_t)pel_model_flow_count(model);
     pel_state *made = pel_allocate(1, sizeof *made);
     if (made == NULL)
         return pel_fail_memory(error);
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->position, count), PEL_ROOM_ALIGNED(made->position_before, count),
-                          PEL_ROOM_ALIGNED(made->position_next, count), PEL_ROOM(made->contact, count),
-                          PEL_ROOM(made->factors, model->body_count), PEL_ROOM(made->bending, model->body_count),
-                          PEL_ROOM_IF(folds > 0, made->folds, folds), PEL_ROOM_IF(folds > 0, made->folds_next, folds),
-                          PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity, count),
-                          PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity_next, count))) {
+    if (!PEL_ALLOCATE_ALL(
+            PEL_ROOM_ALIGNED(made->position, count), PEL_ROOM_ALIGNED(made->position_before, count),
+            PEL_ROOM_ALIGNED(made->position_next, count), PEL_ROOM(made->contact, count),
+            PEL_ROOM(made->factors, model->body_count), PEL_ROOM(made->bending, model->body_count),
+            PEL_ROOM_IF(folds > 0, made->plastic.folds, folds), PEL_ROOM_IF(folds > 0, made->plastic_next.folds, folds),
+            PEL_ROOM_IF(flows > 0, made->plastic.flows, flows), PEL_ROOM_IF(flows > 0, made->plastic_next.flows, flows),
+            PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity, count),
+            PEL_ROOM_ALIGNED_IF(with_velocity, made->velocity_next, count))) {
         pel_state_destroy(made);
         return pel_fail_memory(error);
     }
@@ -47,6 +65,7 @@ pel_status pel_state_create(const pel_model *model, bool with_velocity, pel_stat
         pel_state_destroy(made);
         return pel_fail_memory(error);
     }
+    start_flows(model, made);
     made->load_factor = made->load_factor_before = 1;
     for (size_t i = 0; i < count; i++) {
         made->position[i] = model->rest[i];
@@ -154,5 +173,6 @@ void pel_state_destroy(pel_state *state)
         return;
     PEL_FREE_ALL(state->position, state->position_before, state->position_next, state->velocity, state->velocity_next,
                  state->older_position, state->older_velocity, state->contact, state->factors, state->bending,
-                 state->rigids, state->rigids_before, state->rigids_next, state->folds, state->folds_next, state);
+                 state->rigids, state->rigids_before, state->rigids_next, state->plastic.folds, state->plastic.flows,
+                 state->plastic_next.folds, state->plastic_next.flows, state);
 }

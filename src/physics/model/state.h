@@ -3,7 +3,7 @@
 #define PEL_MODEL_STATE_H
 
 #include "math/record.h"
-#include "measure/fold.h"
+#include "measure/plastic.h"
 #include "model/model.h"
 
 /* State of the automatic bending weight of a body (method/bending_weight.c). */
@@ -28,8 +28,7 @@ struct pel_state {
     pel_bending_control *bending;           /* (body_count) */
     /* (body_count) of rigid bodies: now, one step ago, and at the end of the step in progress; null = there are none */
     pel_rigid_state *rigids, *rigids_before, *rigids_next;
-    /* of hinges that yield (pel_model_fold_count): now, and in the step in progress; null = there are none */
-    pel_fold *folds, *folds_next;
+    pel_plastic plastic, plastic_next;      /* now, and in the step in progress */
     double load_factor, load_factor_before; /* of loads, gravity and given pressure: now and one step ago; 1 but along a
                                                path (PEL_PATH_ARC_LENGTH) */
 };

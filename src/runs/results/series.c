@@ -85,7 +85,8 @@ enum { PART_COLUMN_COUNT = sizeof part_columns / sizeof part_columns[0] };
 
 /* of ties */
 static const char *const tie_columns[] = {"force", "force_x", "force_y", "force_z", "largest", "held"};
-static const char *const joint_columns[] = {"force", "force_x", "force_y", "force_z", "position", "load"};
+static const char *const joint_columns[] = {"force",    "force_x",  "force_y",  "force_z", "torque_x",
+                                            "torque_y", "torque_z", "position", "load"};
 enum { JOINT_COLUMN_COUNT = sizeof joint_columns / sizeof joint_columns[0] };
 enum { TIE_COLUMN_COUNT = sizeof tie_columns / sizeof tie_columns[0] };
 
@@ -340,6 +341,8 @@ static void put_joint(pel_run_series *series, const pel_sim *sim, int32_t joint)
     pel_joint_reading reading = {0};
     pel_sim_get_joint(sim, joint, &reading);
     put_force(series, reading.force);
+    for (int i = 0; i < 3; i++)
+        put_number(series, reading.torque[i]);
     put_number(series, reading.position);
     put_number(series, reading.load);
 }

@@ -194,13 +194,25 @@ static pel_status read_warp(const pel_scene_part *source, pel_membrane_def *memb
     }
     pel_scene_fail(source->reader, &value->place, "the mesh has no texture coordinates: no field u, s or texture_u");
     pel_fail_remedy(source->reader->error,
-                    "save it as PLY with texture coordinates of the vertices, or give the warp as a "
+                    "save it as OBJ or PLY with one texture coordinate for each vertex, or give the warp as a "
                     "vector [x, y, z] or { field: NAME }");
     return PEL_BAD_SCENE;
 }
 
+/* points of the curve of a thread */
+static void read_curve(const pel_scene_part *source, const char *path, double points[PEL_WEAVE_POINTS][2])
+{
+    const pel_scene_value *list = pel_scene_value_at(source->value, path);
+    int i = 0;
+    for (const pel_scene_value *point = list != NULL ? list->first : NULL; point != NULL && i < PEL_WEAVE_POINTS;
+         point = point->next)
+        pel_scene_value_numbers(point, points[i++]);
+}
+
 pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell)
 {
+    read_curve(source, "membrane.warp_curve", shell->membrane.warp_curve);
+    read_curve(source, "membrane.weft_curve", shell->membrane.weft_curve);
     pel_status status = read_warp(source, &shell->membrane);
     if (status == PEL_OK)
         status = read_anisotropies(source, shell);

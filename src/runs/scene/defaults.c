@@ -149,12 +149,12 @@ static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *memb
     return status;
 }
 
-/* the mass of a sheet: density and thickness */
+/* the mass of a sheet: density and thickness; the capsule of a filled body has none of its own */
 static pel_status imply_mass(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane,
                              const pel_material_preset *preset)
 {
     pel_scene_value *thickness = find(membrane, "thickness"), *mass = find(body, "mass");
-    if (thickness == NULL || (mass != NULL && mass->kind != PEL_SCENE_MAP))
+    if (thickness == NULL || find(body, "volume") != NULL || (mass != NULL && mass->kind != PEL_SCENE_MAP))
         return PEL_OK;
     /* a wrong thickness is to be told where it stands */
     if (thickness->kind == PEL_SCENE_SCALAR && !(positive(membrane, "thickness") > 0))
@@ -187,11 +187,30 @@ static pel_status imply_weft(pel_scene_reader *reader, pel_scene_value *membrane
     return status;
 }
 
+/* weave: the first slope of the curve of the warp, which the weft has too unless it is given */
+static pel_status imply_curves(pel_scene_reader *reader, pel_scene_value *membrane)
+{
+    const pel_scene_value *warp = find(membrane, "warp_curve"),
+                          *point = warp != NULL && warp->kind == PEL_SCENE_LIST ? warp->first : NULL;
+    double strain, stress;
+    if (point == NULL || point->kind != PEL_SCENE_LIST || pel_scene_value_count(point) != 2 ||
+        point->first->kind != PEL_SCENE_SCALAR || point->last->kind != PEL_SCENE_SCALAR ||
+        !is_word(membrane, "material", "weave"))
+        return PEL_OK;
+    pel_status status = find(membrane, "weft_curve") == NULL ? set_copy(reader, membrane, "weft_curve", warp) : PEL_OK;
+    if (status == PEL_OK && pel_scene_parse_number(point->first->text, &strain) &&
+        pel_scene_parse_number(point->last->text, &stress) && strain > 0 && stress > 0)
+        status = set_number(reader, membrane, "young", stress / strain);
+    return status;
+}
+
 static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane)
 {
     const pel_material_preset *preset;
     pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
     pel_status status = imply_weft(reader, membrane);
+    if (status == PEL_OK)
+        status = imply_curves(reader, membrane);
     if (status == PEL_OK)
         status = find_preset(reader, membrane, &preset);
     if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&

@@ -77,6 +77,9 @@ PEL_WASM const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body);
 /* Place and motion of a rigid body (pel_sim_get_rigid): mass, center (3), rotation (4), velocity (3), spin (3),
    momentum (3), angular momentum (3), kinetic energy: 21 numbers. Null for a body that deforms or does not exist. */
 PEL_WASM const double *pel_wasm_sim_rigid(pel_wasm_sim *sim, int32_t body);
+/* What a joint does (pel_sim_get_joint): position, speed, force (3), torque (3), load, work: 10 numbers. Null for a
+   name that no joint has. */
+PEL_WASM const double *pel_wasm_sim_joint(pel_wasm_sim *sim, const char *name);
 
 /* ---- a simulation in real time, as served by `pellicle live` ---- */
 

@@ -3,6 +3,7 @@
 #include "io/json.h"
 #include "live/message.h"
 #include "pellicle/observe.h"
+#include "pellicle/sim_reading.h"
 #include "pellicle/sim_rigid.h"
 #include "pellicle/sim_surface.h"
 #include "pellicle/tear.h"
@@ -39,6 +40,7 @@ struct pel_wasm_sim {
     double picked[PICK_NUMBERS];
     double *tips; /* of the last call */
     double rigid[RIGID_NUMBERS];
+    pel_joint_reading joint;
 };
 
 /* ---- creation ---- */
@@ -327,6 +329,15 @@ const double *pel_wasm_sim_rigid(pel_wasm_sim *sim, int32_t body)
         return NULL;
     memcpy(sim->rigid, &reading, sizeof reading);
     return sim->rigid;
+}
+
+const double *pel_wasm_sim_joint(pel_wasm_sim *sim, const char *name)
+{
+    _Static_assert(sizeof sim->joint == 10 * sizeof(double), "its members are all doubles");
+    int32_t joint = 0;
+    while (joint < pel_sim_joint_count(sim->sim) && strcmp(pel_sim_joint_name(sim->sim, joint), name) != 0)
+        joint++;
+    return pel_sim_get_joint(sim->sim, joint, &sim->joint) ? &sim->joint.position : NULL;
 }
 
 const double *pel_wasm_sim_tips(pel_wasm_sim *sim, int32_t body)

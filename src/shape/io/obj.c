@@ -2,6 +2,7 @@
 #include "io/polygon_soup.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,10 +27,15 @@ typedef struct obj_reader {
     size_t run_count, run_capacity, lost_names;
     double (*colours)[3]; /* of the vertices, until the first without one */
     size_t coloured_count, colour_capacity;
-    size_t extra_count;     /* vertices with a colour or weight */
-    size_t reference_count; /* corners with texture or normal indices */
-    size_t curve_count;     /* points and lines */
-    size_t unknown_count;   /* statements that are not of OBJ */
+    double (*textures)[2];
+    size_t texture_count, texture_capacity;
+    int64_t *texture_of; /* of the vertices: number of the texture coordinates from 1; 0 = none */
+    size_t mapped_count, mapped_capacity;
+    size_t seam_count;    /* corners with others than the first of their vertex */
+    size_t extra_count;   /* vertices with a colour or weight */
+    size_t normal_count;  /* corners with normals */
+    size_t curve_count;   /* points and lines */
+    size_t unknown_count; /* statements that are not of OBJ */
 } obj_reader;
 
 /* white space within a statement; a backslash at the end of a line continues it */
@@ -99,6 +105,49 @@ static pel_status read_vertex(obj_reader *reader, pel_error *error)
     return pel_polygon_soup_add_vertex(&reader->builder, position) ? PEL_OK : pel_fail_memory(error);
 }
 
+static pel_status read_texture(obj_reader *reader, pel_error *error)
+{
+    double at[2] = {0}, depth;
+    for (int i = 0; i < 2; i++) {
+        skip_blanks(reader->scan);
+        if (!at_statement_end(reader->scan) && !pel_text_cursor_any_number(reader->scan, i == 0 ? &at[0] : &at[1]))
+            return pel_text_cursor_fail_number(reader->scan, error, "a texture coordinate");
+    }
+    skip_blanks(reader->scan);
+    if (!at_statement_end(reader->scan) && !pel_text_cursor_any_number(reader->scan, &depth))
+        return pel_text_cursor_fail_number(reader->scan, error, "a texture coordinate");
+    void *textures = reader->textures;
+    if (!pel_reserve(&textures, &reader->texture_capacity, reader->texture_count + 1, sizeof *reader->textures))
+        return pel_fail_memory(error);
+    reader->textures = textures;
+    memcpy(reader->textures[reader->texture_count++], at, sizeof at);
+    skip_statement(reader->scan);
+    return PEL_OK;
+}
+
+/* notes the texture coordinates of a corner; those of a face before them, or before its vertices, count as none */
+static bool keep_texture(obj_reader *reader, int32_t vertex, int64_t number)
+{
+    const int64_t count = (int64_t)reader->texture_count;
+    const int64_t place = number < 0 ? count + number + 1 : number;
+    void *texture_of = reader->texture_of;
+    if ((size_t)vertex >= reader->builder.vertex_count)
+        return true;
+    if (!pel_reserve(&texture_of, &reader->mapped_capacity, (size_t)vertex + 1, sizeof *reader->texture_of))
+        return false;
+    reader->texture_of = texture_of;
+    while (reader->mapped_count <= (size_t)vertex)
+        reader->texture_of[reader->mapped_count++] = 0;
+    if (place < 1 || place > count)
+        return true;
+    int64_t *own = &reader->texture_of[vertex];
+    if (*own == 0)
+        *own = place;
+    const double *a = reader->textures[*own - 1], *b = reader->textures[place - 1];
+    reader->seam_count += a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1];
+    return true;
+}
+
 /* vertex number of the file, from 1 or counted back from the last vertex, to an index */
 static pel_status resolve_index(const obj_reader *reader, int64_t number, const char *place, int32_t *vertex,
                                 pel_error *error)
@@ -121,23 +170,22 @@ static pel_status read_corner(obj_reader *reader, pel_error *error)
 {
     pel_text_cursor *scan = reader->scan;
     const char *place = scan->at;
-    int64_t number, ignored;
+    int64_t number, extra[2] = {0, 0};
     int32_t vertex = 0;
     if (!pel_text_cursor_integer(scan, &number))
         return pel_text_cursor_fail_number(scan, error, "a vertex number");
-    if (scan->at < scan->end && *scan->at == '/') {
-        reader->reference_count++;
-        for (int i = 0; i < 2 && scan->at < scan->end && *scan->at == '/'; i++) {
-            scan->at++;
-            pel_text_cursor_integer(scan, &ignored);
-        }
+    for (int i = 0; i < 2 && scan->at < scan->end && *scan->at == '/'; i++) {
+        scan->at++;
+        pel_text_cursor_integer(scan, &extra[i]);
     }
+    reader->normal_count += extra[1] != 0;
     if (!pel_text_cursor_at_break(scan)) {
         scan->at = place;
         return pel_text_cursor_fail_number(scan, error, "a face corner (v, v/vt, v//vn or v/vt/vn)");
     }
     pel_status status = resolve_index(reader, number, place, &vertex, error);
-    if (status == PEL_OK && !pel_polygon_soup_add_corner(&reader->builder, vertex, place))
+    if (status == PEL_OK && ((extra[0] != 0 && !keep_texture(reader, vertex, extra[0])) ||
+                             !pel_polygon_soup_add_corner(&reader->builder, vertex, place)))
         status = pel_fail_memory(error);
     return status;
 }
@@ -232,7 +280,7 @@ static pel_status add_groups(const obj_reader *reader, const uint64_t *at_vertex
 static pel_status read_other(obj_reader *reader, const char *word, size_t length, pel_error *error)
 {
     static const char *const curves[] = {"l", "p", NULL};
-    static const char *const silent[] = {"s", "vt", "vn", "mtllib", NULL};
+    static const char *const silent[] = {"s", "vn", "mtllib", NULL};
     static const char *const naming[] = {"o", "g", "usemtl", NULL};
     static const char *const known[] = {"vp",     "curv",       "curv2",     "surf",     "parm",  "trim",   "hole",
                                         "scrv",   "sp",         "end",       "deg",      "bmat",  "step",   "cstype",
@@ -261,6 +309,8 @@ static pel_status read_statement(obj_reader *reader, pel_error *error)
         return read_vertex(reader, error);
     if (length == 1 && word[0] == 'f')
         return read_face(reader, error);
+    if (length == 2 && word[0] == 'v' && word[1] == 't')
+        return read_texture(reader, error);
     return read_other(reader, word, length, error);
 }
 
@@ -277,6 +327,32 @@ static pel_status read_statements(obj_reader *reader, pel_error *error)
 static bool is_coloured(const obj_reader *reader)
 {
     return reader->coloured_count > 0 && reader->coloured_count == reader->builder.vertex_count;
+}
+
+/* every vertex has texture coordinates, and no other ones */
+static bool is_mapped(const obj_reader *reader)
+{
+    bool all =
+        reader->mapped_count > 0 && reader->seam_count == 0 && reader->mapped_count == reader->builder.vertex_count;
+    for (size_t v = 0; all && v < reader->mapped_count; v++)
+        all = reader->texture_of[v] > 0 && isfinite(reader->textures[reader->texture_of[v] - 1][0]) &&
+              isfinite(reader->textures[reader->texture_of[v] - 1][1]);
+    return all;
+}
+
+/* the fields u and v */
+static pel_status add_textures(const obj_reader *reader, pel_mesh *mesh, pel_error *error)
+{
+    static const char *const names[2] = {"u", "v"};
+    double *values = pel_allocate((size_t)mesh->vertex_count, sizeof *values);
+    pel_status status = values != NULL ? PEL_OK : pel_fail_memory(error);
+    for (int i = 0; i < 2 && status == PEL_OK; i++) {
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            values[v] = reader->textures[reader->texture_of[v] - 1][i];
+        status = pel_mesh_add_field(mesh, names[i], 1, values, error);
+    }
+    pel_free(values);
+    return status;
 }
 
 /* the fields red, green and blue, as PLY files name them */
@@ -300,8 +376,13 @@ static void note_ignored(const obj_reader *reader, const pel_log *log)
         pel_log_line(log, "%zu points and lines ignored", reader->curve_count);
     if (reader->extra_count > 0 && !is_coloured(reader))
         pel_log_line(log, "colours or weights of %zu vertices ignored", reader->extra_count);
-    if (reader->reference_count > 0)
-        pel_log_line(log, "texture coordinates and normals ignored");
+    if (reader->seam_count > 0)
+        pel_log_line(log, "texture coordinates ignored: %zu corners on seams have others than their vertex",
+                     reader->seam_count);
+    else if (reader->mapped_count > 0 && !is_mapped(reader))
+        pel_log_line(log, "texture coordinates ignored: some vertices have none");
+    if (reader->normal_count > 0)
+        pel_log_line(log, "normals ignored");
     if (reader->lost_names > 0)
         pel_log_line(log, "groups beyond the first %d names ignored", MOST_GROUPS);
     if (reader->unknown_count > 0)
@@ -319,13 +400,15 @@ static pel_status finish(obj_reader *reader, const pel_log *log, pel_mesh **mesh
             return pel_fail_memory(error);
         names = spread_names(reader, at_vertex);
     }
-    const bool coloured = is_coloured(reader);
+    const bool coloured = is_coloured(reader), mapped = is_mapped(reader);
     pel_status status = pel_polygon_soup_finish(soup, reader->scan, log, mesh, error);
     bool made = status == PEL_OK;
     if (status == PEL_OK && names != 0)
         status = add_groups(reader, at_vertex, names, *mesh, error);
     if (status == PEL_OK && coloured)
         status = add_colours(reader, *mesh, error);
+    if (status == PEL_OK && mapped)
+        status = add_textures(reader, *mesh, error);
     if (made && status != PEL_OK) {
         pel_mesh_destroy(*mesh);
         *mesh = NULL;
@@ -345,7 +428,7 @@ pel_status pel_obj_read(pel_text_cursor *scan, const pel_log *log, pel_mesh **me
     }
     pel_polygon_soup_free(&reader.builder);
     pel_free(reader.runs);
-    pel_free(reader.colours);
+    PEL_FREE_ALL(reader.colours, reader.textures, reader.texture_of);
     return status;
 }
 

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/patience.h"
 #include "base/room.h"
-#include "io/polygon.h"
+#include "geom/polygon.h"
 #include "mesh/weld.h"
 
 #include <string.h>

@@ -56,10 +56,10 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
     if (!sim->stepper->turns_edges || sim->modes != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "use one of them, without an analysis",
                           "derivatives exist only for the methods static and implicit");
-    if (sim->state->folds != NULL)
+    if (sim->state->plastic.folds != NULL || sim->state->plastic.flows != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT,
                           "take derivatives by differences of whole runs, or leave `yield` out",
-                          "plastic folds have no derivatives");
+                          "what yields has no derivatives");
     if (sim->minimise->newton->viscous != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "set `damping` of membranes, bending and springs to 0, or use drag",
                           "damping of the material has no derivatives");

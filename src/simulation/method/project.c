@@ -11,7 +11,7 @@
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
-#include "stage/folds.h"
+#include "stage/plastic.h"
 #include "stage/rigids.h"
 #include "stage/viscous.h"
 #include "tool/reading.h"
@@ -223,7 +223,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     const pel_contact_list *lists[] = {pairs, sim->tools->solids != NULL ? &sim->tools->solids->list : NULL};
     pel_project_finish(projector, state, lists, 2, &sim->tools->boundary, place);
     pel_rigids_finish(sim, h, projector->reaction, place & PEL_SUBSTEP_LAST || sim->solver.second_order);
-    pel_folds_follow(sim, state->position_next);
+    pel_plastic_follow(sim, state->position_next);
     pel_loads_tally(sim, span, start);
     pel_wind_tally(sim, start, h);
 }

@@ -169,7 +169,7 @@ static void add_dissipation(pel_sim *sim)
 {
     double drag = sim->solver.drag * sim->step.dt;
     sim->ledger->sums.dissipated_drag += sim->viscous_loss;
-    sim->ledger->sums.dissipated_plastic += sim->fold_loss;
+    sim->ledger->sums.dissipated_plastic += sim->plastic_loss;
     if (!pel_sim_has_velocity(sim) || !(drag > 0 || sim->ledger->has_damping || sim->ledger->has_radial_damping))
         return;
     /* half of the drag acts before the velocity in the middle of the step, half after it */

@@ -26,7 +26,7 @@
 #include "sim/parts.h"
 #include "sim/sim.h"
 #include "sim/topology.h"
-#include "stage/folds.h"
+#include "stage/plastic.h"
 #include "stage/shells.h"
 #include "stage/surface_view.h"
 #include "tool/reading.h"
@@ -88,7 +88,7 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
 {
     static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
                                                 pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors,
-                                                pel_transfer_folds};
+                                                pel_transfer_plastic};
     static pel_transfer_part *const after[] = {
         pel_supports_transfer,       pel_touch_transfer_forces, pel_touch_transfer_pairs,
         pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
@@ -280,7 +280,7 @@ static pel_status restore(pel_sim *sim, const void *bytes, pel_error *error)
         memcpy((double *)(uintptr_t)sim->def.loads[l].force, sim->loads->items[l].force,
                sizeof sim->loads->items[l].force);
     rest_unused_places(sim);
-    pel_folds_begin(sim);
+    pel_plastic_begin(sim);
     pel_shell_forces_set_load_factor(sim->shells, sim->state->load_factor);
     sim->touch->is_loaded = sim->contacts != NULL;
     sim->touch->is_carried = false;
@@ -562,8 +562,8 @@ static void carry_parts(carrier *c)
         return;
     }
     carry(c, pel_touch_transfer_forces, 0, 0);
-    carry(c, pel_transfer_folds, 0, 0);
-    pel_folds_begin(c->to);
+    carry(c, pel_transfer_plastic, 0, 0);
+    pel_plastic_begin(c->to);
 }
 
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfaces *surfaces, pel_error *error)

@@ -13,7 +13,7 @@
 #include "pellicle/tear.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
-#include "stage/folds.h"
+#include "stage/plastic.h"
 #include "stage/rigids.h"
 #include "stage/shells.h"
 #include "tear/forceps.h"
@@ -161,7 +161,7 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
 {
     const pel_stepper *stepper = sim->stepper;
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
-    pel_folds_begin(sim);
+    pel_plastic_begin(sim);
     pel_ties_begin(sim);
     pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
@@ -201,9 +201,9 @@ static void accept_part(pel_sim *sim, double next)
     pel_joints_end(sim);
     pel_supports_read(sim, next);
     mark_contacts(sim);
-    pel_folds_follow(sim, sim->state->position_next);
+    pel_plastic_follow(sim, sim->state->position_next);
     pel_ledger_step(sim, next);
-    pel_folds_accept(sim);
+    pel_plastic_accept(sim);
     accept(sim->state);
     pel_contact_forces_accept(&sim->contact_forces, pel_part_share(sim), sim->part.at == 0);
     sim->state->step += is_last;

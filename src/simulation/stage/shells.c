@@ -69,9 +69,10 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 "strain_limit is a constraint of the methods pbd and xpbd");
-        if (body->shell->yield_angles != NULL && pel_sim_is_projected(sim) && !sim->stepper->is_compliant)
+        if ((body->shell->yield_angles != NULL || body->shell->yields) && pel_sim_is_projected(sim) &&
+            !sim->stepper->is_compliant)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, or leave `yield` out",
-                                      "plastic folds follow moments, which pbd does not know");
+                                      "what yields follows stresses, which pbd does not know");
         if (body->shell->stars != NULL && sim->stepper->is_compliant)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
                                       "use the method implicit, static or explicit, or volume: { element: linear }",
@@ -98,7 +99,7 @@ pel_status pel_shells_create(pel_sim *sim, pel_error *error)
     if (status == PEL_OK)
         status = pel_shell_forces_create(sim->batches, &sim->shells, error);
     if (status == PEL_OK)
-        pel_shell_forces_fold(sim->shells, sim->state->folds_next);
+        pel_shell_forces_set_plastic(sim->shells, &sim->state->plastic_next);
     for (int32_t b = 0; status == PEL_OK && b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         /* the criterion of refinement looks at single vertices */

@@ -32,9 +32,9 @@ void pel_transfer_count(pel_cursor *at, int64_t *count, size_t least);
 typedef void pel_transfer_part(pel_cursor *at, const pel_sim *sim, int32_t index);
 
 /* positions and velocities; the step before, where it is kept; marks of contact; keyed numbers; the bending weight of a
-   body; held vertices; plastic folds (folds.c) */
+   body; held vertices; what yields (plastic.c) */
 pel_transfer_part pel_transfer_motion, pel_transfer_history, pel_transfer_marks, pel_transfer_factors,
-    pel_transfer_bending, pel_transfer_held, pel_transfer_folds;
+    pel_transfer_bending, pel_transfer_held, pel_transfer_plastic;
 
 /* whether loaded numbers are all at least 0 and below `limit`, and there are no more of them */
 bool pel_is_list(const int32_t *list, int32_t count, size_t limit);

@@ -1,6 +1,6 @@
 /* Cutting one polygon into triangles. */
-#ifndef PEL_IO_POLYGON_H
-#define PEL_IO_POLYGON_H
+#ifndef PEL_GEOM_POLYGON_H
+#define PEL_GEOM_POLYGON_H
 
 #include <stdint.h>
 

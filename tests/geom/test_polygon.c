@@ -1,7 +1,7 @@
 #include "check.h"
 #include "random.h"
 
-#include "io/polygon.h"
+#include "geom/polygon.h"
 
 /* signed area in the plane z = 0 */
 static double area(const double (*p)[3], const int32_t *t)

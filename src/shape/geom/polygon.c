@@ -1,4 +1,4 @@
-#include "io/polygon.h"
+#include "geom/polygon.h"
 
 #include <stdbool.h>
 #include <stddef.h>
