@@ -5,7 +5,7 @@
 
 enum { CELLS = 2, SIDE = CELLS + 1, SHEET = SIDE * SIDE, END = 7 };
 
-static const double young = 1e5, poisson = 0.3, thickness = 0.01, yield = 1e4, hardening = 4e4, pull = 1.4e4;
+static const double young = 1e5, poisson = 0.3, thickness = 0.01, yield = 1e4, hardening = 4e4, pull = 1.05e4;
 static const pel_key ramp[] = {{0, 0}, {2, 1}, {3, 1}, {5, 0}};
 
 typedef struct sheet {
@@ -29,6 +29,10 @@ static void make_sheet(sheet *s, pel_method method, double dt)
     s->body.shell.membrane.thickness.value = thickness;
     s->body.shell.membrane.yield = yield;
     s->body.shell.membrane.hardening = hardening;
+    s->body.mass = 50;
+    /* holds it flat */
+    s->body.shell.bending.model = PEL_BENDING_HINGE;
+    s->body.shell.bending.stiffness.value = 1e-2;
     s->held[0] = SIDE * CELLS / 2;
     s->body.pinned = s->held;
     s->body.pinned_count = 1;
@@ -47,7 +51,7 @@ static void make_sheet(sheet *s, pel_method method, double dt)
     def.loads = &s->load;
     def.load_count = 1;
     if (method == PEL_METHOD_EXPLICIT || method == PEL_METHOD_IMPLICIT || method == PEL_METHOD_XPBD)
-        def.solver.drag = 40;
+        def.solver.drag = 60;
     s->sim = make_sim(&def);
 }
 
@@ -58,23 +62,22 @@ static void end_sheet(sheet *s)
     pel_mesh_destroy(s->mesh);
 }
 
+/* lengths of two sides: the sheet may have tilted */
 static void read_size(const sheet *s, double size[2])
 {
-    double x[SHEET][3], low[2] = {9, 9}, high[2] = {-9, -9};
+    double x[SHEET][3];
+    const int ends[2] = {SIDE - 1, SHEET - SIDE};
     pel_sim_get_positions(s->sim, 0, x[0]);
-    for (int v = 0; v < SHEET; v++)
-        for (int c = 0; c < 2; c++) {
-            low[c] = fmin(low[c], x[v][c]);
-            high[c] = fmax(high[c], x[v][c]);
-        }
-    for (int c = 0; c < 2; c++)
-        size[c] = high[c] - low[c];
+    for (int i = 0; i < 2; i++) {
+        const bool is_across = fabs(s->mesh->positions[ends[i]][0] - s->mesh->positions[0][0]) < 0.5;
+        size[is_across] = pel_vec3_distance(x[0], x[ends[i]]);
+    }
 }
 
 /* the stretch at which force over area at rest is `pull`, and its plastic strain */
 static double balance(double *slip)
 {
-    double low = 0, high = 0.3;
+    double low = 0, high = 0.5;
     while (high - low > 1e-15) {
         const double h = 0.5 * (low + high);
         *slip = fmax(0, (young * h - yield) / (young + hardening));

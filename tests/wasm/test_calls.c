@@ -447,12 +447,12 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),       cmocka_unit_test(test_arrays),
-        cmocka_unit_test(test_queries),     cmocka_unit_test(test_refined),
-        cmocka_unit_test(test_notes),       cmocka_unit_test(test_undo),
-        cmocka_unit_test(test_cut),         cmocka_unit_test(test_session_of_scene),
-        cmocka_unit_test(test_bad_scenes),  cmocka_unit_test(test_live),
-        cmocka_unit_test(test_joint),       cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_steps),      cmocka_unit_test(test_arrays),
+        cmocka_unit_test(test_queries),    cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_notes),      cmocka_unit_test(test_undo),
+        cmocka_unit_test(test_cut),        cmocka_unit_test(test_session_of_scene),
+        cmocka_unit_test(test_bad_scenes), cmocka_unit_test(test_live),
+        cmocka_unit_test(test_joint),      cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,7 +98,8 @@ double pel_shell_forces_slip(pel_shell_forces *forces, const pel_record *positio
         const pel_shell *shell = forces->bodies[b].shell;
         for (int32_t i = 0; i < own->batch_count; i++) {
             const pel_batch *batch = &own->batches[i];
-            const bool is_fold = batch->kind == PEL_CONSTRAINT_FOLD, is_flow = pel_batch_is_membrane(batch) && shell->yields;
+            const bool is_fold = batch->kind == PEL_CONSTRAINT_FOLD,
+                       is_flow = pel_batch_is_membrane(batch) && shell->yields;
             for (int32_t block = 0; (is_fold || is_flow) && block < batch->block_count; block++) {
                 const double slip = is_fold ? slip_hinges(batch, block, shell, position, plastic->folds)
                                             : slip_triangles(batch, block, shell, position, plastic->flows);
