@@ -69,26 +69,29 @@ static void end_pair(pair *p)
     pel_mesh_destroy(p->mesh);
 }
 
-/* of the tip of a body from the plane */
-static double angle_of(const pair *p, int32_t body)
+/* of the tip of a pair from the plane */
+static double angle_of(const pair *p, int32_t body, int32_t number)
 {
-    double x[4][3];
-    assert_int_equal(pel_sim_vertex_count(p->sim, body), 4);
-    pel_sim_get_positions(p->sim, body, x[0]);
+    const int32_t count = pel_sim_vertex_count(p->sim, body);
+    double(*x)[3] = malloc((size_t)count * sizeof *x), out[3], along = 0;
     const double *at = p->mesh->positions[p->tip];
-    double out[3] = {at[0] > 0 ? 1 : -1, at[1] > 0 ? 1 : -1, 0}, along = 0;
+    assert_true(4 * number < count);
+    pel_sim_get_positions(p->sim, body, x[0]);
+    pel_vec3_copy(x[4 * number + p->tip], out);
+    free(x);
+    out[0] -= 3 * number;
     for (int c = 0; c < 2; c++)
-        along += out[c] / edge * x[p->tip][c];
-    return atan2(x[p->tip][2], along);
+        along += (at[c] > 0 ? 1 : -1) / edge * out[c];
+    return atan2(out[2], along);
 }
 
 /* where a dead force and the moment of a fold balance that has slipped to `from` and yields `limit` beyond that */
-static double balance(double from, double limit, double harder)
+static double balance(double pull, double from, double limit, double harder)
 {
     double low = 0, high = 1.5;
     while (high - low > 1e-14) {
         const double angle = 0.5 * (low + high), slip = from + fmax(0, angle - from - limit) / (1 + harder);
-        if (force * arm * cos(angle) > rigidity * factor * (angle - slip))
+        if (pull * arm * cos(angle) > rigidity * factor * (angle - slip))
             low = angle;
         else
             high = angle;
@@ -116,7 +119,8 @@ static const struct {
 static void test_springs_back_by_moment_over_stiffness(void **unused)
 {
     (void)unused;
-    const double bent = balance(0, PAIR_YIELD_ANGLE, hardening), slip = (bent - PAIR_YIELD_ANGLE) / (1 + hardening);
+    const double bent = balance(force, 0, PAIR_YIELD_ANGLE, hardening),
+                 slip = (bent - PAIR_YIELD_ANGLE) / (1 + hardening);
     const double work = rigidity * factor * slip * (PAIR_YIELD_ANGLE + 0.5 * hardening * slip);
     assert_true(bent > 0.5 && slip > 0.25);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -125,9 +129,9 @@ static void test_springs_back_by_moment_over_stiffness(void **unused)
         const double tolerance = IN_FLOAT(cases[i].tolerance, 1e-2);
         make_pair(&p, cases[i].method, cases[i].dt);
         run_to(&p, 3, cases[i].dt);
-        assert_near(angle_of(&p, 0), bent, tolerance * bent);
+        assert_near(angle_of(&p, 0, 0), bent, tolerance * bent);
         run_to(&p, END, cases[i].dt);
-        assert_near(angle_of(&p, 0), slip, tolerance * bent);
+        assert_near(angle_of(&p, 0, 0), slip, tolerance * bent);
         pel_sim_get_ledger(p.sim, &ledger);
         assert_near(ledger.dissipated_plastic, work, 4 * tolerance * work);
         assert_true(ledger.elastic < 1e-2 * work);
@@ -137,50 +141,88 @@ static void test_springs_back_by_moment_over_stiffness(void **unused)
     }
 }
 
-/* Two pairs in one simulation, the second one folded down, and harder: each is bent, then bent the other way by as much
-   force, where it yields at the moment that the first way left it with, and let go. */
+/* ---- many hinges ---- */
+
+enum { PAIRS = 12 }; /* of a body, more than a block has lanes */
+
+/* the pair again and again along x, 3 m apart */
+static pel_mesh *repeat(const pel_mesh *one)
+{
+    double positions[4 * PAIRS][3];
+    int32_t triangles[2 * PAIRS][3];
+    pel_mesh *mesh;
+    for (int32_t i = 0; i < 4 * PAIRS; i++) {
+        memcpy(positions[i], one->positions[i % 4], sizeof *positions);
+        positions[i][0] += 3 * (i / 4);
+    }
+    for (int32_t i = 0; i < 6 * PAIRS; i++)
+        triangles[i / 3][i % 3] = one->triangles[i / 3 % 2][i % 3] + i / 6 * 4;
+    assert_int_equal(pel_mesh_create(positions[0], 4 * PAIRS, triangles[0], 2 * PAIRS, &mesh, NULL), PEL_OK);
+    return mesh;
+}
+
+/* where a pair comes to rest after it was bent by a force, then the other way by as much, where it yields at the moment
+   that the first way left it with; adds the work to `work` */
+static double bend_and_back(double pull, double harder, double *work)
+{
+    const double first = (balance(pull, 0, PAIR_YIELD_ANGLE, harder) - PAIR_YIELD_ANGLE) / (1 + harder);
+    const double limit = PAIR_YIELD_ANGLE + harder * first, back = balance(pull, -first, limit, harder);
+    const double slip = (back + first - limit) / (1 + harder);
+    assert_true(first > 0.1 && slip > 0.01);
+    *work +=
+        rigidity * factor * (first * (PAIR_YIELD_ANGLE + 0.5 * harder * first) + slip * (limit + 0.5 * harder * slip));
+    return first - slip;
+}
+
+/* Two bodies of many pairs, the second one folded down, and harder; each pair by a force of its own. */
 static void test_folds_down_and_back(void **unused)
 {
     (void)unused;
     static const pel_key keys[] = {{0, 0}, {2, 1}, {3, 1}, {5, -1}, {6, -1}, {8, 0}};
-    const double harder[2] = {hardening, 2 * hardening};
-    double first[2], last[2], work = 0;
+    double rest[2 * PAIRS], work = 0;
+    int32_t tips[PAIRS], held[3 * PAIRS];
+    pel_body_def bodies[2];
+    pel_load_def loads[2 * PAIRS];
+    pel_sim_ledger ledger;
     pair p;
     make_pair(&p, PEL_METHOD_STATIC, 0.25);
-    pel_body_def bodies[2] = {p.body, p.body};
-    pel_load_def loads[2] = {p.load, p.load};
-    pel_model_def model = pel_model_def_default();
-    for (int b = 0; b < 2; b++) {
-        bodies[b].name = b == 0 ? "up" : "down";
-        bodies[b].shell.bending.hardening = harder[b];
-        loads[b].body = b;
-        loads[b].force[2] = b == 0 ? force : -force;
-        loads[b].keys = keys;
-        loads[b].key_count = sizeof keys / sizeof *keys;
-        const double bent = balance(0, PAIR_YIELD_ANGLE, harder[b]);
-        first[b] = (bent - PAIR_YIELD_ANGLE) / (1 + harder[b]);
-        const double limit = PAIR_YIELD_ANGLE + harder[b] * first[b], back = balance(-first[b], limit, harder[b]);
-        const double slip = (back + first[b] - limit) / (1 + harder[b]);
-        assert_true(slip > 0.01);
-        last[b] = first[b] - slip;
-        work += rigidity * factor *
-                (first[b] * (PAIR_YIELD_ANGLE + 0.5 * harder[b] * first[b]) + slip * (limit + 0.5 * harder[b] * slip));
-    }
     pel_sim_destroy(p.sim);
     pel_model_destroy(p.model);
+    pel_mesh *mesh = repeat(p.mesh);
+    for (int32_t i = 0; i < 3 * PAIRS; i++)
+        held[i] = p.held[i % 3] + i / 3 * 4;
+    for (int i = 0; i < 2 * PAIRS; i++) {
+        const int b = i / PAIRS;
+        const double pull = force * (1 + 0.03 * (i % PAIRS)), harder = (1 + b) * hardening;
+        bodies[b] = p.body;
+        bodies[b].name = b == 0 ? "up" : "down";
+        bodies[b].mesh = mesh;
+        bodies[b].pinned = held;
+        bodies[b].pinned_count = 3 * PAIRS;
+        bodies[b].shell.bending.hardening = harder;
+        tips[i % PAIRS] = p.tip + i % PAIRS * 4;
+        loads[i] = p.load;
+        loads[i].body = b;
+        loads[i].force[2] = b == 0 ? pull : -pull;
+        loads[i].vertices = &tips[i % PAIRS];
+        loads[i].keys = keys;
+        loads[i].key_count = sizeof keys / sizeof *keys;
+        rest[i] = (b == 0 ? 1 : -1) * bend_and_back(pull, harder, &work);
+    }
+    pel_model_def model = pel_model_def_default();
     model.bodies = bodies;
     model.body_count = 2;
     assert_int_equal(pel_model_create(&model, &p.model, NULL), PEL_OK);
     pel_sim_def def = lone_sim(p.model, PEL_METHOD_STATIC, 0.25);
     def.loads = loads;
-    def.load_count = 2;
+    def.load_count = 2 * PAIRS;
     p.sim = make_sim(&def);
     run_to(&p, 9, 0.25);
-    pel_sim_ledger ledger;
+    for (int i = 0; i < 2 * PAIRS; i++)
+        assert_near(angle_of(&p, i / PAIRS, i % PAIRS), rest[i], 2e-5);
     pel_sim_get_ledger(p.sim, &ledger);
-    assert_near(angle_of(&p, 0), last[0], 2e-5);
-    assert_near(angle_of(&p, 1), -last[1], 2e-5);
     assert_near(ledger.dissipated_plastic, work, 1e-4 * work);
+    pel_mesh_destroy(mesh);
     end_pair(&p);
 }
 

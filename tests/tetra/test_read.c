@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "../fuzz/fuzz_filled.h"
+#include "../io/parse.h"
 #include "base/memory.h"
 #include "failing_malloc.h"
 #include "io/file.h"
@@ -103,6 +104,67 @@ static void test_errors(void **unused)
     }
 }
 
+static size_t append(char *bytes, size_t length, const void *data, size_t size)
+{
+    memcpy(bytes + length, data, size);
+    return length + size;
+}
+
+/* binary, as Gmsh writes a mesh of second order: triangles of six nodes, then tetrahedra of ten, of which the corners
+ * count */
+static void test_second_order(void **unused)
+{
+    (void)unused;
+    static const double corners[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    static const int32_t triangles[2][8] = {{1, 7, 1, 2, 3, 6, 6, 6}, {2, 7, 2, 5, 3, 6, 6, 6}};
+    static const int32_t tetra[2][12] = {{3, 7, 1, 2, 3, 4, 6, 6, 6, 6, 6, 6}, {4, 7, 2, 5, 3, 4, 6, 6, 6, 6, 6, 6}};
+    static const int32_t one = 1, heads[2][3] = {{9, 2, 1}, {11, 2, 1}};
+    static const char text[] = "$MeshFormat\n2.2 1 8\n";
+    char bytes[2000], middle[] = "\n$EndMeshFormat\n$Nodes\n6\n", elements[] = "\n$EndNodes\n$Elements\n4\n";
+    size_t length = append(bytes, 0, text, strlen(text));
+    length = append(bytes, length, &one, sizeof one);
+    length = append(bytes, length, middle, strlen(middle));
+    for (int32_t v = 1; v <= 6; v++) {
+        length = append(bytes, length, &v, sizeof v);
+        length = append(bytes, length, corners[v < 6 ? v - 1 : 0], sizeof *corners);
+    }
+    length = append(bytes, length, elements, strlen(elements));
+    length = append(bytes, length, heads[0], sizeof *heads);
+    length = append(bytes, length, triangles, sizeof triangles);
+    length = append(bytes, length, heads[1], sizeof *heads);
+    length = append(bytes, length, tetra, sizeof tetra);
+    length = append(bytes, length, "\n$EndElements\n", 14);
+    FILE *file = fopen("test_read.msh", "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, length, file), length);
+    fclose(file);
+    check_two("test_read.msh");
+    unlink("test_read.msh");
+    notes said = {0};
+    const pel_log log = log_to(&said);
+    pel_mesh *mesh;
+    assert_int_equal(pel_mesh_parse_filled("a.msh", bytes, length, &log, &mesh, NULL), PEL_OK);
+    assert_non_null(strstr(said.text, "2 tetrahedra have nodes on their edges"));
+    assert_non_null(strstr(said.text, "1 nodes that belong to no tetrahedron"));
+    pel_mesh_destroy(mesh);
+}
+
+/* of Gmsh's formats only 2 and 4.1 are read */
+static void test_versions(void **unused)
+{
+    (void)unused;
+    static const char *const versions[] = {"1.9", "2", "2.2", "2.9", "3", "4", "4.1", "4.9", "5"};
+    static const bool reads[] = {false, true, true, true, false, false, true, true, false};
+    for (size_t i = 0; i < sizeof versions / sizeof *versions; i++) {
+        char text[60];
+        pel_mesh *mesh;
+        pel_error error;
+        snprintf(text, sizeof text, "$MeshFormat\n%s 0 8\n$EndMeshFormat\n", versions[i]);
+        assert_int_equal(pel_mesh_parse_filled("a.msh", text, strlen(text), NULL, &mesh, &error), PEL_BAD_FORMAT);
+        assert_true((strstr(error.what, "version") == NULL) == reads[i]);
+    }
+}
+
 static void write_text(const char *path, const char *text)
 {
     FILE *file = fopen(path, "w");
@@ -200,8 +262,9 @@ static void test_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formats), cmocka_unit_test(test_errors), cmocka_unit_test(test_tetgen),
-        cmocka_unit_test(test_corpus),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_formats),  cmocka_unit_test(test_errors), cmocka_unit_test(test_second_order),
+        cmocka_unit_test(test_versions), cmocka_unit_test(test_tetgen), cmocka_unit_test(test_corpus),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -96,10 +96,8 @@ static pel_status take_cell(const pel_text_cursor *scan, const pel_vtk_grid *gri
     const int64_t count = (int64_t)grid->ends[c] - begin;
     const bool is_quadratic = type == TETRAHEDRON_10;
     int64_t corners[4];
-    if (type <= LARGEST_SURFACE || (type >= 21 && type <= 23)) {
-        soup->other_count++;
+    if (type <= LARGEST_SURFACE || (type >= 21 && type <= 23))
         return PEL_OK;
-    }
     if (type != TETRAHEDRON && !is_quadratic)
         return pel_tetra_refuse_cell(scan, scan->begin, "cell of another shape", error);
     if (count != (is_quadratic ? 10 : 4))

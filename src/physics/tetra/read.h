@@ -9,7 +9,7 @@ typedef struct pel_tetra_soup {
     int32_t (*tetrahedra)[4]; /* numbers of points, from 0 */
     const char **places;      /* of the tetrahedra in the file; null = unknown */
     size_t point_count, point_limit, tetrahedron_count, tetrahedron_limit, place_limit;
-    size_t quadratic_count, other_count; /* tetrahedra of ten nodes, of which four are used; cells of other shapes */
+    size_t quadratic_count; /* tetrahedra of ten nodes, of which four are used */
 } pel_tetra_soup;
 
 /* PEL_OUT_OF_MEMORY */

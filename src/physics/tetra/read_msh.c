@@ -285,8 +285,6 @@ static pel_status read_element(msh_reader *reader, int64_t type, const char *pla
         status = read_corners(reader, type, place);
     else if (shape != NULL)
         return pel_tetra_refuse_cell(reader->scan, place, shape, reader->error);
-    else
-        reader->soup->other_count++;
     if (!reader->is_binary)
         pel_text_cursor_skip_line(reader->scan);
     return status == PEL_OK && reader->is_binary ? skip_nodes(reader, type, nodes) : status;

@@ -166,7 +166,6 @@ static pel_status take_cell(vtk_reader *reader, int64_t c, int64_t type)
     const bool is_quadratic = type == TETRAHEDRON_10;
     if (type != TETRAHEDRON && !is_quadratic) {
         const bool is_surface = type <= LARGEST_SURFACE || (type >= 21 && type <= 23);
-        reader->soup->other_count++;
         return is_surface
                    ? PEL_OK
                    : pel_tetra_refuse_cell(reader->scan, reader->places[c], "cell of another shape", reader->error);
