@@ -347,11 +347,13 @@ static pel_status read_prim(usd_reader *r, int32_t parent, int depth, bool is_de
     const int64_t mesh = is_mesh ? (int64_t)r->mesh_count - 1 : -1;
     if (status == PEL_OK)
         status = read_metadata(r, &r->prims[prim], error);
+    if (status != PEL_OK)
+        return status;
     pel_usd_pass_space(scan);
-    if (status == PEL_OK && (scan->at == scan->end || *scan->at != '{'))
+    if (scan->at == scan->end || *scan->at != '{')
         return pel_text_cursor_fail(scan, scan->at, error, again, "'{' is missing after the name of a prim");
     scan->at++;
-    return status == PEL_OK ? read_body(r, prim, mesh, depth, error) : status;
+    return read_body(r, prim, mesh, depth, error);
 }
 
 static pel_status read_stage(usd_reader *r, pel_error *error)
