@@ -589,7 +589,8 @@ static void drop_checkpoint(const pel_run_state *run)
    run waiting that was asked to stop. */
 static pel_status count_intersections(pel_run_state *run, bool stopped, pel_error *error)
 {
-    enum { QUICK_TRIANGLES = 100000 };
+    /* flat sheets take up to 5 us a triangle */
+    enum { QUICK_TRIANGLES = 20000 };
     run->intersection_count = -1;
     if (run->def->skip_intersections || (stopped && run->frames.surface.triangle_count > QUICK_TRIANGLES))
         return PEL_OK;
