@@ -284,6 +284,7 @@ static void test_damage(void **unused)
     refuse_usd(HEAD "def Mesh \"m\"\n", 0, "'{' is missing");
     refuse_usd(HEAD "def Mesh m {\n}\n", 5, "name of a prim");
     refuse_usd(HEAD "def Mesh \"m\" (\n a = { b", 6, "not closed");
+    refuse_usd(HEAD "def Mesh \"m\"\n{\npoint3f[] points = N", 7, "'N' is not a number");
     refuse_usd(HEAD "def Mesh \"m\" {\n", 5, "not closed");
     refuse_usd(HEAD "def Mesh \"m\" {\nint[] faceVertexCounts = [3, x]\n}\n", 6, "is not a number");
     refuse_usd(HEAD "def Mesh \"m\" {\nint[] faceVertexCounts = [3\n", 6, "not closed");

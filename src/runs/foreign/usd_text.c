@@ -204,8 +204,12 @@ static pel_status add_numbers(pel_text_cursor *scan, pel_usd_samples *samples, p
         if (scan->at == scan->end)
             return fail_open(scan, begin, "a bracket", error);
         const char c = *scan->at;
-        if (depth == 0 && c == 'N' && pel_usd_is(pel_usd_word(scan, &length), 4, "None") && length == 4)
-            return PEL_OK;
+        if (depth == 0 && c == 'N') {
+            const char *word = pel_usd_word(scan, &length);
+            if (pel_usd_is(word, length, "None"))
+                return PEL_OK;
+            scan->at = word;
+        }
         const bool is_opened = c == '(' || c == '[', is_closed = depth > 0 && (c == ')' || c == ']');
         depth += is_opened;
         depth -= is_closed;
