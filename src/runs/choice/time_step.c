@@ -194,7 +194,11 @@ static pel_status analyse(const pel_scene *scene, int32_t b, pel_sim_def *def, p
     int32_t count = status == PEL_OK ? pel_sim_get_modes(sim, values) : 0;
     for (int32_t i = 0; i < count && found->frequency == 0; i++)
         if (values[i] > RIGID_SHARE * values[count - 1])
-            *found = (pel_vibration){values[i], is_viscous ? pel_sim_mode_retardation(sim, i) : 0};
+            *found = (pel_vibration){
+                .frequency = values[i],
+                .strain = is_viscous ? pel_sim_mode_retardation(sim, i) : 0,
+                .wave = pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, i), values[i], false),
+            };
     if (found->strain < 0)
         status = PEL_OUT_OF_MEMORY;
     pel_sim_destroy(sim);

@@ -2,6 +2,7 @@
 #ifndef PEL_CHOICE_TIME_STEP_H
 #define PEL_CHOICE_TIME_STEP_H
 
+#include "choice/mode_wave.h"
 #include "keys/value.h"
 #include "pellicle/scene.h"
 
@@ -24,6 +25,7 @@ bool pel_scene_is_undamped(const pel_scene *scene);
 typedef struct pel_vibration {
     double frequency; /* Hz; 0 = none */
     double strain;    /* share of its stiffness that the damping of the body's material meets */
+    pel_mode_wave wave;
 } pel_vibration;
 pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vibration *vibration);
 

@@ -194,6 +194,7 @@ static void begin_interval(const pel_run_frames *frames, pel_run_totals *totals,
     const double loss = frames->frame.row.ledger.dissipated_solver;
     totals->free_loss += touched_nothing(frames, tool_force) ? loss - totals->loss : 0;
     totals->loss = loss;
+    totals->most_kinetic = pel_max(totals->most_kinetic, frames->frame.row.ledger.kinetic);
     totals->frame_count++;
     totals->frame_step = pel_sim_step_count(sim);
     totals->frame_seconds = 0;

@@ -35,6 +35,7 @@ typedef struct pel_run_totals {
     pel_contact_statistics contact; /* at the last frame */
     double loss;                    /* J, dissipated_solver at the last frame */
     double free_loss;               /* J, of it in intervals between frames in which nothing touched */
+    double most_kinetic;            /* J, in a frame */
 } pel_run_totals;
 
 /* A frame that was taken and is to be written. */

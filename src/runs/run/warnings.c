@@ -369,6 +369,7 @@ void pel_warnings_check_end(pel_run_state *run)
     pel_warnings_check_springs(run, frame);
     pel_warnings_check_hinges(run, frame);
     check_motion(run, frame);
+    pel_warnings_check_vibrations(run);
     pel_warnings_check_balance(run, frame);
 }
 

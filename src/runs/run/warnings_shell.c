@@ -1,4 +1,5 @@
-/* Rows of vertices that are hinges, pressures beyond the largest, loads and modes that a mesh is too coarse for.
+/* Rows of vertices that are hinges, pressures beyond the largest, loads and modes that a mesh is too coarse for
+   (choice/mode_wave.h).
 
    Hinges. Pinned vertices hold positions, not rotations. If all held vertices of a body lie on a line, the body turns
    about it. That is meant for a door, and does not matter for cloth, which its own stiffness could not hold up either.
@@ -12,17 +13,14 @@
    1/8, 1/16 of its radius, 0.104, 0.131, 0.159. On a sphere with edges of 0.72, 0.36, 0.18, 0.12 sqrt(R h) the errors
    are 0.22, 0.45, 0.7, 1 of that. Over a region of radius r the error falls by 1 + (r / e)^2. It is compared with the
    displacement. Where the shell carries the load by tension, as a drum does, bending has less than the half of the
-   energy that it has on a sphere, and the error falls by the square: loads on drums are within 1 to 3 %.
-
-   Modes. Per edge a mode u has the mean turn q = sum |u_i - u_j|^2 / sum (|u_i|^2 + |u_j|^2), which for a wave of n
-   edges is (pi / n)^2, averaged over the directions of edges. Loads of buckling need about ten edges per wave
-   (docs/statics.md: 2 % with 16 on a sphere, and the error grows with the square of the edges). */
+   energy that it has on a sphere, and the error falls by the square: loads on drums are within 1 to 3 %. */
 #include "run/warnings_shell.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
+#include "choice/time_step.h"
 #include "force/pressure.h"
 #include "math/extremes.h"
 #include "math/functions.h"
@@ -48,14 +46,9 @@
 #define POINT_ERROR 0.15
 #define MOST_ERROR 0.03
 #define GOOD_ERROR 0.02
-/* Edges of a wave of a mode of a body that is no shell. A frequency has half the error of a stiffness. */
-#define LEAST_BUCKLING_WAVE 10.0
-#define LEAST_WAVE 7.0
-/* Of a shell a frequency with w edges in a wave is too low by about 5 / w^2, and by 6 to 15 / w^2 where clamps bend it
-   sharply: squares of 8 to 32 cells on supports 4 to 6, clamped 8 to 16, cantilevers 6 to 7 */
-#define MODE_ERROR 5.0
-#define CLAMPED_MODE_ERROR 12.0
-#define MOST_MODE_ERROR 0.05
+/* of the energy supplied, that moves in a frame; larger meshes are fine enough for their slowest vibration */
+#define MOVING_SHARE 0.02
+enum { MOST_COARSE_TRIANGLES = 2000 };
 #define PI 3.14159265358979323846
 
 static bool bends(const pel_run_state *run, int32_t b)
@@ -299,66 +292,84 @@ void pel_warnings_tell_pressure(const pel_run_state *run, char *text, size_t siz
 
 /* ---- modes ---- */
 
-/* edges per wave */
-static double wave_of(const pel_sim *sim, const double *mode)
-{
-    double turn = 0, sum = 0;
-    for (int32_t t = 0; t < sim->model->triangle_count; t++)
-        for (int i = 0; i < 3; i++) {
-            const double *a = mode + 3 * (size_t)sim->model->triangles[t][i],
-                         *b = mode + 3 * (size_t)sim->model->triangles[t][(i + 1) % 3];
-            for (int k = 0; k < 3; k++) {
-                turn += (a[k] - b[k]) * (a[k] - b[k]);
-                sum += a[k] * a[k] + b[k] * b[k];
-            }
-        }
-    return PI / sqrt(pel_max(turn, 1e-12 * sum) / sum);
-}
-
-/* edges that a wave needs */
-static double least_wave(const pel_run_state *run)
-{
-    bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING, any_bends = false, is_clamped = false;
-    for (int32_t b = 0; b < run->scene->model.body_count; b++)
-        any_bends |= bends(run, b);
-    for (int32_t s = 0; s < run->scene->sim.support_count; s++)
-        is_clamped |= run->scene->sim.supports[s].fix_rotation;
-    if (!any_bends)
-        return buckles ? LEAST_BUCKLING_WAVE : LEAST_WAVE;
-    return sqrt((is_clamped ? CLAMPED_MODE_ERROR : MODE_ERROR) * (buckles ? 2 : 1) / MOST_MODE_ERROR);
-}
-
 void pel_warnings_check_mode(pel_run_state *run)
 {
     const pel_sim *sim = run->sim;
     if (sim->modes == NULL || !sim->modes->is_solved || sim->modes->count == 0)
         return;
     int32_t number = (int32_t)((sim->state->step - 1) % sim->modes->count);
-    double wave = wave_of(sim, pel_modes_vector(sim->modes->modes, number));
-    double least = least_wave(run);
-    if (!(wave < least))
+    const pel_mode_wave wave =
+        pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, number), sim->modes->values[number],
+                         run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING);
+    if (!(wave.edges < wave.least))
         return;
     if (run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0)
-        run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){number, wave, least};
-    pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count, -wave);
+        run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){number, wave.edges, wave.least};
+    pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count, -wave.edges);
+}
+
+/* held somewhere, so that what moves in it vibrates */
+static bool is_held(const pel_scene *scene, int32_t b)
+{
+    bool any = scene->model.bodies[b].pinned_count > 0;
+    for (int32_t s = 0; s < scene->sim.support_count; s++)
+        any |= scene->sim.supports[s].body == b;
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        any |= scene->sim.tools[t].shape == PEL_TOOL_SUPPORT && scene->sim.tools[t].body == b;
+    return any;
+}
+
+/* whether what moves goes on for ever, and nothing presses it */
+static bool swings(const pel_run_state *run)
+{
+    const pel_scene *scene = run->scene;
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    bool any = stepper->has_velocity && pel_stepper_knows_material(stepper) && pel_scene_is_undamped(scene) &&
+               (!scene->sim.contact.enabled || scene->contact_is_implied);
+    for (int32_t t = 0; t < scene->sim.tool_count; t++)
+        any &= scene->sim.tools[t].shape == PEL_TOOL_SUPPORT;
+    return any && run->totals.most_kinetic > MOVING_SHARE * run->ledger.supplied;
+}
+
+/* The slowest vibration of a body that swings by its stiffness, not by its weight. */
+void pel_warnings_check_vibrations(pel_run_state *run)
+{
+    const pel_scene *scene = run->scene;
+    for (int32_t b = 0; b < scene->model.body_count && swings(run); b++) {
+        const pel_body *body = &run->sim->model->bodies[b];
+        pel_vibration lowest;
+        if (body->shell == NULL || !body->shell->has_membrane || body->mesh->triangle_count > MOST_COARSE_TRIANGLES ||
+            !is_held(scene, b) || pel_scene_find_vibration(scene, b, &lowest) != PEL_OK)
+            continue;
+        const double weight = sqrt(pel_vec3_length(scene->model.gravity) / body->diameter);
+        if (!(lowest.wave.edges < lowest.wave.least) || !(PI * lowest.frequency > weight))
+            continue;
+        if (run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0)
+            run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){b, lowest.wave.edges, lowest.wave.least};
+        pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count - 1, -lowest.wave.edges);
+    }
 }
 
 void pel_warnings_tell_mode(const pel_run_state *run, char *text, size_t size)
 {
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_MODE];
-    bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
+    const pel_analysis analysis = run->scene->sim.solver.analysis;
     const double levels = pel_max(ceil(pel_log2(flagged->limit / flagged->value)), 1);
     bool is_filled = run->scene->model.body_count > 0 && run->scene->model.bodies[0].volume.on;
-    char remedy[80];
+    char remedy[80], mode[PEL_NAME_SIZE + 40];
     if (is_filled)
         snprintf(remedy, sizeof remedy, "use a volume.edge smaller by a factor of %.0f", ldexp(1, (int)levels));
     else
         snprintf(remedy, sizeof remedy, "subdivide the mesh (pellicle subdivide -n %.0f)", levels);
-    snprintf(
-        text, size,
-        "the mesh is too coarse for mode %d: its waves are %.2g edges long, and %s from fewer than %.0f are too low "
-        "by more than 5 %%. %s",
-        (int)flagged->body + 1, flagged->value, buckles ? "load factors" : "frequencies", flagged->limit, remedy);
+    if (analysis != PEL_ANALYSIS_NONE)
+        snprintf(mode, sizeof mode, "mode %d", (int)flagged->body + 1);
+    else
+        snprintf(mode, sizeof mode, "the slowest vibration of body '%s'", run->scene->model.bodies[flagged->body].name);
+    snprintf(text, size,
+             "the mesh is too coarse for %s: its waves are %.2g edges long, and %s from fewer than %.2g are too low "
+             "by more than 5 %%. %s",
+             mode, flagged->value, analysis == PEL_ANALYSIS_BUCKLING ? "load factors" : "frequencies", flagged->limit,
+             remedy);
 }
 
 /* ---- loads ---- */

@@ -10,6 +10,8 @@ pel_status pel_warnings_check_rows(pel_run_state *run, pel_error *error);
 void pel_warnings_check_pressures(pel_run_state *run);
 /* After a step of an analysis: waves of the mode that are short against the edges. */
 void pel_warnings_check_mode(pel_run_state *run);
+/* at the end of a run: the slowest vibrations of what still swings */
+void pel_warnings_check_vibrations(pel_run_state *run);
 /* At the end of a run, with its measures: loads on few vertices. */
 void pel_warnings_check_loads(pel_run_state *run);
 
