@@ -1,5 +1,6 @@
 /* Detection through the tree against the narrow phase on all pairs: no tunnelling and no other pair, for any margin. */
 #include "check.h"
+#include "collide/collider.h"
 #include "failing_malloc.h"
 #include "random.h"
 
@@ -279,6 +280,42 @@ static void test_threads(void **unused)
     free_moving(&m);
 }
 
+/* the straight way comes within the separation of the query */
+static bool comes_near(const void *context, pel_collision *pair)
+{
+    return is_hit(context, pair->vertices, pair->edge_edge, 0.06);
+}
+
+/* Where most pairs come near, further searches measure all of them: they list the same. */
+static void test_measure(void **unused)
+{
+    (void)unused;
+    moving m = make_falling_sheet(8, 0.004, 0.28);
+    pel_collider *collider = make_collider(&m, -1, 1);
+    int64_t found = 0;
+    for (int step = 0; step < 12; step++) {
+        pel_collider *own = make_collider(&m, -1, 1);
+        pel_collision_query query = make_query(&m, 0.06);
+        pel_collision_result a, b;
+        assert_int_equal(pel_collider_list(collider, &query, comes_near, &m, &a, NULL), PEL_OK);
+        assert_int_equal(pel_collider_list(own, &query, comes_near, &m, &b, NULL), PEL_OK);
+        assert_int_equal(a.collision_count, b.collision_count);
+        for (int64_t i = 0; i < a.collision_count; i++)
+            assert_true(a.collisions[i].edge_edge == b.collisions[i].edge_edge &&
+                        a.collisions[i].first == b.collisions[i].first &&
+                        a.collisions[i].second == b.collisions[i].second);
+        found += a.collision_count;
+        pel_collider_destroy(own);
+        for (int32_t v = m.vertex_count / 2; v < m.vertex_count; v++) {
+            m.start[v][2] = m.end[v][2];
+            m.start[v][0] = m.end[v][0] += 0.01;
+        }
+    }
+    assert_true(found > 1000);
+    pel_collider_destroy(collider);
+    free_moving(&m);
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -382,9 +419,10 @@ static void test_allocations(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_tunnelling),  cmocka_unit_test(test_kept_over_steps),
-        cmocka_unit_test(test_threads),        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_crumpled_sheet), cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_no_tunnelling), cmocka_unit_test(test_kept_over_steps),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_measure),       cmocka_unit_test(test_crumpled_sheet),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,8 +136,75 @@ static void test_slide(void **unused)
     assert_true(edges > 100);
 }
 
+/* the pair of the list with this key, -1 = none */
+static int32_t find_key(const pel_contact_key *keys, int32_t count, const pel_contact_key *key)
+{
+    for (int32_t c = 0; c < count; c++)
+        if (keys[c].edge_edge == key->edge_edge && keys[c].first == key->first && keys[c].second == key->second)
+            return c;
+    return -1;
+}
+
+/* A search within a step, after one corner of the upper sheet has gone up and another one has come down: pairs that
+   were known have the loads, the looks and the normals that they had; others are to be looked at. */
+static void test_search_again(void **unused)
+{
+    (void)unused;
+    static arrays a;
+    static pel_record now[MOST_VERTICES];
+    static pel_contact_key keys[4096];
+    static pel_contact contacts[4096];
+    static double calm[4096];
+    make_sheets(&a, 5, 6, 6, 0.03, 0.004);
+    a.has_layers = true;
+    pel_contact_set *set = create(&a);
+    int32_t upper = a.vertex_count / 2, known = 0, fresh = 0;
+    for (int k = 0; k < 36; k++)
+        set->start[upper + k][2] = set->end[upper + k][2] += 0.2 * (k % 6 - 1 > 0 ? 0.1 * (k % 6 - 1) : 0);
+    assert_int_equal(pel_contact_set_find(set, 0, SUBSTEP, NULL), PEL_OK);
+    pel_contact_set_recall_loads(set, SUBSTEP);
+    memcpy(now, a.rest, sizeof now);
+    for (int32_t v = 0; v < a.vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            now[v][k] = (pel_real)set->start[v][k];
+    pel_contact_set_begin_substep(set, SUBSTEP);
+    pel_contact_set_refresh(set, now, now, false, true);
+    for (int32_t c = 0; c < set->list.count; c++)
+        set->list.contacts[c].multiplier = set->acts[c] ? (pel_real)(1e-6 * (1 + c)) : 0;
+    pel_contact_set_keep_loads(set);
+    int32_t count = set->list.count;
+    assert_true(count > 20 && count < 4096);
+    memcpy(keys, set->keys, (size_t)count * sizeof *keys);
+    memcpy(contacts, set->list.contacts, (size_t)count * sizeof *contacts);
+    memcpy(calm, set->calm, (size_t)count * sizeof *calm);
+    for (int i = 0; i < 6; i++) {
+        set->start[upper + 6 * i][2] += 0.3;
+        set->start[upper + 6 * i + 5][2] = set->end[upper + 6 * i + 5][2] = 0.03;
+        set->end[upper + 6 * i][2] = set->start[upper + 6 * i][2];
+    }
+    assert_int_equal(pel_contact_set_find_again(set, SUBSTEP, NULL), PEL_OK);
+    pel_contact_set_recall_again(set, SUBSTEP, true);
+    for (int32_t c = 0; c < set->list.count; c++) {
+        int32_t old = find_key(keys, count, &set->keys[c]);
+        if (old < 0) {
+            assert_true(set->calm[c] == 0 && set->acts[c]);
+            fresh++;
+            continue;
+        }
+        const pel_contact *contact = &set->list.contacts[c];
+        assert_true(set->calm[c] == calm[old]);
+        assert_memory_equal(contact->normal, contacts[old].normal, sizeof contact->normal);
+        assert_memory_equal(set->watches[c].points, set->keys[c].points, sizeof set->keys[c].points);
+        assert_true(fabs((double)(contact->multiplier - contacts[old].multiplier)) <
+                    1e-5 * (double)contacts[old].multiplier + 1e-30);
+        known++;
+    }
+    assert_true(known > 10 && fresh > 5 && known < count);
+    pel_contact_set_destroy(set);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slide)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slide), cmocka_unit_test(test_search_again)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

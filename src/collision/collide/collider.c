@@ -18,8 +18,12 @@ enum {
     PARTS = 64,     /* lists of collisions that threads fill */
     FEW_SHARE = 64, /* fewer hits than features over this are sorted by comparison */
     /* of a pair: two lists that double when they grow */
-    BYTES_PER_PAIR = 4 * sizeof(pel_pair)
+    BYTES_PER_PAIR = 4 * sizeof(pel_pair),
+    UNFILTERED_SEARCHES = 7
 };
+
+/* of all: where more pairs come near, they are measured without a filter in the next searches */
+#define MOST_NEAR 0.5
 
 /* default of the memory limit: the larger of this and a size per triangle */
 #define LEAST_MEMORY ((int64_t)1 << 30)
@@ -34,6 +38,7 @@ typedef struct collision_list {
 typedef struct part {
     collision_list list;
     pel_ccd_statistics statistics;
+    int64_t near_count; /* pairs that were measured */
     pel_status status;
 } part;
 
@@ -44,6 +49,7 @@ struct pel_collider {
     double margin;                   /* as in the def */
     int64_t memory_limit;            /* as in the def */
     pel_pool *pool, *own_pool;
+    int32_t unfiltered[2]; /* by kind: searches to come without a filter; the measure would turn down the same pairs */
     part parts[PARTS];
     collision_list collisions;
     int32_t *ends; /* (features) scratch of their order */
@@ -335,6 +341,7 @@ typedef struct narrow {
     bool edge_edge;
     pel_pair_measure *measure; /* null = times of impact */
     const void *context;
+    bool is_filtered; /* before they are measured */
     const pel_pair *pairs;
     size_t pair_count;
     part *parts; /* (PARTS) */
@@ -393,7 +400,10 @@ static pel_status measure_block(const narrow *n, const pel_pair *pairs, int32_t 
     int32_t points[BLOCK][4], near[BLOCK];
     collision_list *list = &p->list;
     const pel_ccd_batch batch = batch_of(n, pairs, count, points);
-    int32_t near_count = pel_ccd_near_batch(&batch, near);
+    int32_t near_count = n->is_filtered ? pel_ccd_near_batch(&batch, near) : count;
+    for (int32_t i = 0; i < count && !n->is_filtered; i++)
+        near[i] = i;
+    p->near_count += near_count;
     if (!pel_reserve((void **)&list->collisions, &list->capacity, list->count + (size_t)near_count,
                      sizeof *list->collisions))
         return PEL_OUT_OF_MEMORY;
@@ -414,6 +424,7 @@ static void solve_part(void *context, int32_t number)
     part *p = &n->parts[number];
     size_t begin = n->pair_count * (size_t)number / PARTS, end = n->pair_count * ((size_t)number + 1) / PARTS;
     p->list.count = 0;
+    p->near_count = 0;
     p->status = pel_pool_is_stopped(n->pool) ? PEL_STOPPED : PEL_OK;
     p->statistics = (pel_ccd_statistics){0};
     for (size_t i = begin; i < end && p->status == PEL_OK; i += BLOCK) {
@@ -497,6 +508,15 @@ static pel_status gather(pel_collider *collider, bool edge_edge, pel_error *erro
     return PEL_OK;
 }
 
+/* how many further searches go without a filter */
+static int32_t choose_unfiltered(const pel_collider *collider, size_t pair_count)
+{
+    int64_t near_count = 0;
+    for (int i = 0; i < PARTS; i++)
+        near_count += collider->parts[i].near_count;
+    return (double)near_count > MOST_NEAR * (double)pair_count ? UNFILTERED_SEARCHES : 0;
+}
+
 /* solves the pairs of one kind and adds the hits */
 static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_list *pairs,
                              pel_ccd_statistics *statistics, pel_error *error)
@@ -508,7 +528,11 @@ static pel_status solve_kind(pel_collider *collider, narrow n, const pel_pair_li
     n.pair_count = pairs->count;
     n.parts = collider->parts;
     n.pool = collider->pool;
+    int32_t *unfiltered = &collider->unfiltered[n.edge_edge];
+    n.is_filtered = *unfiltered == 0;
     pel_pool_run(collider->pool, PARTS, solve_part, &n);
+    if (n.measure != NULL)
+        *unfiltered = n.is_filtered ? choose_unfiltered(collider, pairs->count) : *unfiltered - 1;
     for (int i = 0; i < PARTS; i++) {
         const part *p = &collider->parts[i];
         if (p->status == PEL_STOPPED)

@@ -43,18 +43,40 @@ void pel_contact_set_place_substep(pel_contact_set *set)
     }
 }
 
-void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
+/* the look at a pair stands where the pair stands now */
+static void move_look(pel_contact_set *set, int32_t from, int32_t to)
+{
+    set->calm[to] = set->calm[from];
+    set->watches[to] = set->watches[from];
+    set->acts[to] = set->acts[from];
+}
+
+/* Pairs keep their order, so that nothing is written over before it has moved: first what goes forward, from the front
+   on, then what goes back, from the end on. */
+static void move_looks(pel_contact_set *set)
+{
+    const int32_t *from = set->origins, count = set->list.count;
+    for (int32_t c = 0; c < count; c++)
+        if (from[c] > c)
+            move_look(set, from[c], c);
+    for (int32_t c = count - 1; c >= 0; c--)
+        if (from[c] >= 0 && from[c] < c)
+            move_look(set, from[c], c);
+}
+
+static void expect_look(pel_contact_set *set, int32_t c)
+{
+    bool sleeps = pel_contact_sleeps(set, &set->keys[c]);
+    set->calm[c] = sleeps ? HUGE_VAL : 0;
+    set->acts[c] = !sleeps;
+}
+
+static void recall_multipliers(pel_contact_set *set, double substep)
 {
     double square = substep * substep;
     pel_contacts_begin(&set->list, substep);
     set->list.active = NULL;
-    pel_travel_restart(&set->travel);
-    set->calm_until = 0;
-    set->is_moved = set->moves = false;
     for (int32_t c = 0; c < set->list.count; c++) {
-        bool sleeps = pel_contact_sleeps(set, &set->keys[c]);
-        set->calm[c] = sleeps ? HUGE_VAL : 0;
-        set->acts[c] = !sleeps;
         memset(set->owed[c], 0, sizeof set->owed[c]);
         pel_contact *contact = &set->list.contacts[c];
         contact->multiplier = (pel_real)(square * set->keys[c].load);
@@ -62,6 +84,29 @@ void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
         for (int k = 0; k < 3; k++)
             contact->drag[k] = (pel_real)(square * set->keys[c].drag[k]);
     }
+}
+
+void pel_contact_set_recall_loads(pel_contact_set *set, double substep)
+{
+    recall_multipliers(set, substep);
+    pel_travel_restart(&set->travel);
+    set->calm_until = 0;
+    set->is_moved = set->moves = false;
+    for (int32_t c = 0; c < set->list.count; c++)
+        expect_look(set, c);
+}
+
+void pel_contact_set_recall_again(pel_contact_set *set, double substep, bool keeps_looks)
+{
+    if (!keeps_looks) {
+        pel_contact_set_recall_loads(set, substep);
+        return;
+    }
+    recall_multipliers(set, substep);
+    move_looks(set);
+    for (int32_t c = 0; c < set->list.count; c++)
+        if (set->origins[c] < 0)
+            expect_look(set, c);
 }
 
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep)

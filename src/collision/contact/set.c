@@ -38,8 +38,6 @@ enum { VELOCITY_SWEEPS = 4 };
 #define REGAIN 0.1
 /* of ways: more than their rounding */
 #define WAY_SLACK 1e-6
-/* of the search, of the thickness */
-#define TOLERANCE_SHARE 1e-2
 /* depth at which sweeps may end, of the thickness */
 #define SWEEP_TOLERANCE 1e-2
 
@@ -98,10 +96,11 @@ void pel_contact_set_destroy(pel_contact_set *set)
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
                  set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
-                 set->other_keys, set->calm, set->watches, set->acts, set->active, set->owed, set->other_contacts,
-                 set->heights.list.contacts, set->heights.triangles, set->heights.bounds, set->heights.places,
-                 set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones, set->rings, set->wanted,
-                 set->rigid_wanted, set->tangles.pairs, set->tangles.keys, set->body_shares, set->body_impacts);
+                 set->other_keys, set->calm, set->watches, set->acts, set->active, set->origins, set->owed,
+                 set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
+                 set->heights.places, set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones,
+                 set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs, set->tangles.keys, set->body_shares,
+                 set->body_impacts);
     pel_travel_destroy(&set->travel);
     pel_free(set);
 }
@@ -178,6 +177,7 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
         pel_reserve((void **)&set->watches, &set->watch_capacity, count, sizeof *set->watches) &&
         pel_reserve((void **)&set->acts, &set->act_capacity, count, sizeof *set->acts) &&
         pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active) &&
+        pel_reserve((void **)&set->origins, &set->origin_capacity, count, sizeof *set->origins) &&
         pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed))
         return PEL_OK;
     return pel_fail_memory(error);
@@ -325,6 +325,7 @@ typedef struct merger {
     const pel_timed_hit *impacts; /* of conflicts among what was found; null = not looked for */
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
     bool is_anew;                 /* drop contacts that are not found again */
+    bool is_again;                /* in a step: what was known stays as it was */
     bool is_same;                 /* the list of an earlier step: nothing moves by more than HOME_SLIDE */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
     /* pairs of the vertex that was added last which stand for rings of triangles: */
@@ -344,6 +345,7 @@ static bool take_over(merger *m, const pel_contact_key *key)
             return order == 0;
         if (m->is_anew && !pel_contact_sleeps(set, &set->keys[m->old]))
             continue;
+        set->origins[m->count] = m->old;
         set->other_keys[m->count] = set->keys[m->old];
         set->other_contacts[m->count++] = set->list.contacts[m->old];
     }
@@ -417,66 +419,6 @@ static double beyond_aim(const pel_contact_set *set, const pel_contact_key *key)
     return allowed > aim ? allowed - aim : 0;
 }
 
-/* weights of a closest point that is not at an end are larger */
-#define INSIDE 1e-3
-/* of an edge: what slides less in a step crosses no edge that it meets at an end but near that end, where vertices keep
-   it off */
-#define SLIDE_SHARE 0.35
-/* sine of the angle below which edges are parallel */
-#define PARALLEL 0.01
-/* of the thickness: lines with this much room keep their edges apart, once vertices do */
-#define ROOM_SHARE 0.9
-
-/* features hardly slide along each other in the step, by which their points move against each other at most `way` [m]
- */
-static bool hardly_slides(const pel_contact_set *set, double way)
-{
-    return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
-}
-
-/* Whether vertices keep two edges apart that hardly slide: their closest points at `start` lie at an end of one, and
-   the lines along them, which cross where the edges slide over each other, leave room for the layer; or they are
-   parallel. The lines are nearest to each other at the shares s of u and t of v; if one of these is not inside, the
-   edges meet at an end. */
-static bool is_kept_by_ends(const pel_contact_set *set, const pel_collision *pair)
-{
-    const double(*x)[3] = (const double(*)[3])set->start;
-    const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
-    double u[3], v[3], way[3], cross[3];
-    pel_vec3_subtract(x[pair->vertices[1]], a, u);
-    pel_vec3_subtract(x[pair->vertices[3]], b, v);
-    pel_vec3_subtract(b, a, way);
-    double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
-    double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
-    double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
-    if (sine < PARALLEL * PARALLEL * uu * vv)
-        return true;
-    pel_vec3_cross(u, v, cross);
-    double across = pel_vec3_dot(way, cross), room = ROOM_SHARE * pel_contact_pair_thickness(set, pair->vertices);
-    return (s < least || t < least || s > sine - least || t > sine - least) && across * across >= room * room * sine;
-}
-
-/* closest points at `start` and the way between them; returns their distance [m] */
-static double measure_start(const pel_contact_set *set, pel_collision *pair)
-{
-    const double(*x)[3] = (const double(*)[3])set->start;
-    const int32_t *v = pair->vertices;
-    double *w = pair->hit.weight, way[3] = {0, 0, 0};
-    if (pair->edge_edge)
-        pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w);
-    else {
-        w[0] = 1;
-        pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], w + 1);
-    }
-    for (int i = 0; i < 4; i++) {
-        w[i] *= i < (pair->edge_edge ? 2 : 1) ? 1 : -1;
-        pel_vec3_along(way, w[i], x[v[i]], way);
-    }
-    double distance = pel_vec3_length(way);
-    pel_vec3_scale(way, distance > 0 ? 1 / distance : 0, pair->hit.normal);
-    return distance;
-}
-
 /* m, at `start`, of a pair that was found */
 static double start_distance(const merger *m, const pel_collision *pair)
 {
@@ -487,42 +429,6 @@ static double start_distance(const merger *m, const pel_collision *pair)
     for (int i = 0; i < 4; i++)
         pel_vec3_along(way, pair->hit.weight[i], m->set->start[pair->vertices[i]], way);
     return pel_vec3_length(way);
-}
-
-/* whether straight ways from start to end bring a pair within a distance, by the conservative test */
-static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
-{
-    const pel_ccd_batch batch = {.start = set->start[0],
-                                 .end = set->end[0],
-                                 .points = pair->vertices,
-                                 .query_count = 1,
-                                 .edge_edge = pair->edge_edge,
-                                 .min_separation = distance,
-                                 .tolerance = TOLERANCE_SHARE * set->least};
-    pel_ccd_statistics statistics = {0};
-    pel_ccd_hit hit;
-    int32_t number;
-    return pel_ccd_solve_batch(&batch, &number, &hit, &statistics) > 0;
-}
-
-/* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. Where two
-   edges meet at an end or are parallel and hardly slide, vertices keep them apart. */
-static bool may_meet(const void *context, pel_collision *pair)
-{
-    const pel_contact_set *set = context;
-    const int32_t *group = set->group_of_point;
-    int32_t first = pel_contact_obstacle_of(set, pair->vertices[0]);
-    int32_t obstacle = first >= 0 ? first : pel_contact_obstacle_of(set, pair->vertices[3]);
-    if (set->asleep_count > 0 && set->is_asleep[group[pair->vertices[0]]] && set->is_asleep[group[pair->vertices[3]]])
-        return false;
-    /* the substeps see these as solids */
-    if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
-        return false;
-    double way = pel_contact_longest_approach(set, pair);
-    if (pair->edge_edge && hardly_slides(set, way) && is_kept_by_ends(set, pair))
-        return false;
-    double distance = measure_start(set, pair), reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
-    return distance <= reach || (distance <= reach + way && comes_within(set, pair, reach));
 }
 
 /* the corner of a triangle that its vertex is before at `start`, so nearly that it stays before it while all is near
@@ -662,6 +568,23 @@ static bool comes_apart(const merger *m)
     return m->impacts != NULL && !m->set->def.has_layers && !(m->set->aim < HUGE_VAL);
 }
 
+/* A pair that was known stays as it was, but for what follows from its approach, and for its ring. */
+static void add_known(merger *m, const pel_collision *pair, double thickness)
+{
+    pel_contact_set *set = m->set;
+    pel_contact_key *key = &set->other_keys[m->count];
+    pel_contact *contact = &set->other_contacts[m->count];
+    set->origins[m->count++] = m->old;
+    *key = set->keys[m->old];
+    *contact = set->list.contacts[m->old++];
+    key->ring = 0;
+    double compliance = compliance_of(set, pair, thickness);
+    if (!(key->load > 0) || compliance < (double)contact->compliance)
+        contact->compliance = (pel_real)compliance;
+    if (makes_rings(m, key) && m->ring_count < MOST_RINGS)
+        add_ring(m, pair, true);
+}
+
 /* update the contact's location and keep its loads; a time-of-impact location is kept */
 static void add_found(merger *m, const pel_collision *pair, int64_t number)
 {
@@ -683,6 +606,10 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (key.obstacle >= 0 && !is_before_face(pair) && start > m->obstacle_reach)
         return;
     bool known = take_over(m, &key);
+    if (known && m->is_again) {
+        add_known(m, pair, thickness);
+        return;
+    }
     pel_contact contact;
     if (known && set->keys[m->old].is_impact && !key.is_impact && !m->is_anew)
         return;
@@ -704,6 +631,7 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     }
     if (key.is_impact)
         contact.separation -= (pel_real)(key.slack + beyond_aim(set, &key));
+    set->origins[m->count] = -1;
     set->other_keys[m->count] = key;
     set->other_contacts[m->count++] = contact;
     if (makes_rings(m, &key) && m->ring_count < MOST_RINGS)
@@ -734,7 +662,7 @@ static pel_collision_query query_of(const pel_contact_set *set, double distance)
     query.start = (const double *)set->start;
     query.end = (const double *)set->end;
     query.min_separation = distance;
-    query.tolerance = TOLERANCE_SHARE * set->least;
+    query.tolerance = PEL_CONTACT_TOLERANCE * set->least;
     /* layers know where their pairs may touch */
     query.near = set->def.has_layers ? pel_min(set->near, distance) : set->near;
     query.method = set->def.method;
@@ -844,7 +772,7 @@ static pel_collision pair_of(const pel_contact_set *set, const pel_contact_key *
         pair.vertices[0] = key->first;
         memcpy(pair.vertices + 1, tree->triangles[key->second], 3 * sizeof *pair.vertices);
     }
-    measure_start(set, &pair);
+    pel_contact_measure_start(set, &pair);
     return pair;
 }
 
@@ -880,12 +808,29 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     set->was_clear = false;
     double reach = set->def.has_layers ? set->largest + set->margin : reach_of(set, pel_contact_longest_way(set));
     pel_collision_result found;
-    pel_status status = search(set, pel_max(least, reach), set->def.has_layers ? may_meet : NULL, &found, error);
+    pel_status status =
+        search(set, pel_max(least, reach), set->def.has_layers ? pel_contact_may_meet : NULL, &found, error);
     /* what slides along the edges between the flat triangles of an obstacle must not run into them */
     merger m = {.set = set, .obstacle_reach = least > reach ? reach : HUGE_VAL, .is_anew = true, .vertex = -1};
     if (status == PEL_OK)
         status = merge(&m, &found, error);
     set->has_home = status == PEL_OK && set->def.has_layers;
+    if (set->has_home)
+        memcpy(set->home, set->end, (size_t)set->point_count * sizeof *set->home);
+    return status;
+}
+
+pel_status pel_contact_set_find_again(pel_contact_set *set, double time, pel_error *error)
+{
+    set->time = time;
+    set->substep = 0;
+    set->was_clear = false;
+    pel_collision_result found;
+    pel_status status = search(set, set->largest + set->margin, pel_contact_may_meet, &found, error);
+    merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_again = true, .vertex = -1};
+    if (status == PEL_OK)
+        status = merge(&m, &found, error);
+    set->has_home = status == PEL_OK;
     if (set->has_home)
         memcpy(set->home, set->end, (size_t)set->point_count * sizeof *set->home);
     return status;

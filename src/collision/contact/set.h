@@ -24,6 +24,8 @@
 
 /* in mean edges: what goes farther in a step is not corrected after the solver, but stopped */
 #define PEL_CONTACT_FAR 2.0
+/* of searches, of the least thickness */
+#define PEL_CONTACT_TOLERANCE 1e-2
 
 /* What moves as it is told: a solid or a mesh with its poses. */
 typedef struct pel_obstacle {
@@ -213,8 +215,9 @@ typedef struct pel_contact_set {
     pel_contact_watch *watches; /* (list.count) */
     uint8_t *acts;              /* (list.count) 1 = it is near and not off */
     int32_t *active;            /* (list.active_count) the list's */
+    int32_t *origins;           /* (list.count) where pairs stood before they were merged last, -1 = nowhere */
     double (*owed)[4]; /* (list.count) N, parts of mean_load and mean_drag that are no forces of the step yet */
-    size_t calm_capacity, watch_capacity, act_capacity, active_capacity, owed_capacity;
+    size_t calm_capacity, watch_capacity, act_capacity, active_capacity, origin_capacity, owed_capacity;
     pel_travel travel; /* in this step */
     double calm_until; /* m, the least of `calm` */
     bool is_moved;     /* an obstacle has moved in this substep, or in the one before: */
@@ -261,6 +264,8 @@ void pel_contact_set_widen(pel_contact_set *set);
    near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
    their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
+/* The same in a step: what was known stays as it was when it was looked at last. */
+pel_status pel_contact_set_find_again(pel_contact_set *set, double time, pel_error *error);
 /* Whether the list of the last search has what may touch on the way from start to end, and on ways that are wrong by a
    quarter of the margin: nothing has moved by more than another quarter since. Also false where a smaller margin would
    do, and the list is longer than it has to be. */
@@ -302,6 +307,15 @@ bool pel_contact_set_take_over(pel_contact_set *set, const pel_contact_set *from
 bool pel_contact_sleeps(const pel_contact_set *set, const pel_contact_key *key);
 /* Sets the flags (vertex_count) of the vertices that were pushed. */
 void pel_contact_set_mark(const pel_contact_set *set, uint8_t *flags);
+
+/* ---- meet.c ---- */
+/* Fills in the closest points of a pair at `start`, and the direction from one to the other; returns their distance
+   [m]. */
+double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair);
+/* Whether a pair may come within the thickness in the step, if ways are wrong by up to half of the margin. Where two
+   edges meet at an end or are parallel and hardly slide, vertices keep them apart. A measure of pel_collider_list with
+   a set as its context: fills in what the one above does. */
+bool pel_contact_may_meet(const void *set, pel_collision *pair);
 
 /* ---- distance.c ---- */
 /* m, distance that two groups keep: half the thickness of either */
@@ -346,6 +360,9 @@ void pel_contact_count_search(pel_contact_set *set, const pel_collision_result *
 void pel_contact_set_place_substep(pel_contact_set *set);
 /* Before the first substep of a step, its length [s]: kept loads in the multipliers. */
 void pel_contact_set_recall_loads(pel_contact_set *set, double substep);
+/* The same after pel_contact_set_find_again. keeps_looks: what was known has to be looked at only when it had to be
+   before; the list was in order then. */
+void pel_contact_set_recall_again(pel_contact_set *set, double substep, bool keeps_looks);
 /* At the start of a substep of this length [s]: the points of obstacles at both its ends. */
 void pel_contact_set_begin_substep(pel_contact_set *set, double substep);
 /* After the last substep: store the loads of the multipliers and the remaining slacks. */

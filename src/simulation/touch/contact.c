@@ -585,12 +585,15 @@ static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_reco
     sim->touch->found_until = until;
     sim->touch->is_same = false;
     double substep = contacts->list.substep;
-    pel_status status;
-    do
-        status = pel_contact_set_find(contacts, 0, sim->step.dt * (until - share), error);
-    while (status == PEL_OK && pel_sleep_meet(sim));
+    /* pairs that went to other triangles have changed the order of the list */
+    bool keeps_looks = contacts->list.active != NULL;
+    pel_status status = pel_contact_set_find_again(contacts, sim->step.dt * (until - share), error);
+    while (status == PEL_OK && pel_sleep_meet(sim)) {
+        keeps_looks = false;
+        status = pel_contact_set_find_again(contacts, sim->step.dt * (until - share), error);
+    }
     if (status == PEL_OK)
-        pel_contact_set_recall_loads(contacts, substep);
+        pel_contact_set_recall_again(contacts, substep, keeps_looks);
     return status;
 }
 
