@@ -16,8 +16,8 @@
 #define PEL_CONTACT_SET_H
 
 #include "collide/collider.h"
+#include "collide/travel.h"
 #include "contact/contact.h"
-#include "contact/travel.h"
 #include "geom/solid.h"
 #include "math/pose.h"
 #include "pellicle/sim_contact.h"

@@ -4,8 +4,8 @@
 #ifndef PEL_TOOL_SOLID_H
 #define PEL_TOOL_SOLID_H
 
+#include "collide/travel.h"
 #include "contact/contact.h"
-#include "contact/travel.h"
 #include "geom/solid.h"
 #include "stage/transfer.h"
 

@@ -1,8 +1,8 @@
 /* How far points have gone since the loads of a step were recalled: bounds by which pairs need not be looked at again
    (refresh.c, tool/solid.c). They come from the boxes around the ways of the points of each body between two calls, so
    that a common translation brings no two points nearer to each other. */
-#ifndef PEL_CONTACT_TRAVEL_H
-#define PEL_CONTACT_TRAVEL_H
+#ifndef PEL_COLLIDE_TRAVEL_H
+#define PEL_COLLIDE_TRAVEL_H
 
 #include "base/pool.h"
 #include "math/record.h"

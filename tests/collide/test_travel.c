@@ -3,7 +3,7 @@
 #include "failing_malloc.h"
 
 #include "base/memory.h"
-#include "contact/travel.h"
+#include "collide/travel.h"
 #include "math/vec3.h"
 
 enum { BODIES = 3, SLICES = 40, COUNT = SLICES * PEL_WIDTH, STEPS = 6 };

@@ -1,4 +1,4 @@
-#include "contact/travel.h"
+#include "collide/travel.h"
 
 #include "base/memory.h"
 #include "base/room.h"
