@@ -417,7 +417,7 @@ static void test_methods(void **unused)
     for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++)
         for (int bending = 0; bending < 3; bending++) {
             pel_body_def body = full_body(mesh);
-            body.shell.membrane.kind = (pel_membrane_kind)kind;
+            shell_set_kind(&body, (pel_membrane_kind)kind);
             body.shell.bending.model = models[bending];
             body.shell.bending.stiffness.value = 5;
             body.shell.pressure.form = bending == 0 ? PEL_PRESSURE_CONSISTENT : PEL_PRESSURE_VERTEX_NORMAL;
@@ -508,7 +508,7 @@ static void test_force_at(void **unused)
     static const pel_bending_model models[] = {PEL_BENDING_HINGE, PEL_BENDING_ISOMETRIC};
     for (int kind = PEL_MEMBRANE_STVK; kind < PEL_MEMBRANE_COUNT; kind++) {
         pel_body_def body = full_body(mesh);
-        body.shell.membrane.kind = (pel_membrane_kind)kind;
+        shell_set_kind(&body, (pel_membrane_kind)kind);
         for (int i = 0; i < 2; i++) {
             body.shell.bending.model = models[i];
             body.shell.bending.stiffness.value = 5; /* as important as the membrane */

@@ -289,7 +289,7 @@ static void test_patch(void **unused)
     for (int kind = 0; kind < KIND_COUNT; kind++) {
         pel_membrane_material material = law_material(kind, 4, 0.3, 0.5);
         check_patch(material, stretch, stretch, law_tension(&material, stretch, stretch));
-        if (kind == PEL_MEMBRANE_LINEAR)
+        if (kind == PEL_MEMBRANE_LINEAR || kind == PEL_MEMBRANE_WEAVE)
             continue;
         double width = law_width(&material, stretch);
         check_patch(material, stretch, width, law_tension(&material, stretch, width));

@@ -194,7 +194,7 @@ static void test_implied(void **unused)
                                         "material: neo-hookean\n", NULL});
     /* the modulus of curves is their first slope, and both threads are alike */
     check_implied(BALL "    membrane: {material: weave, warp_curve: [[0.5, 2], [1, 8]], shear: 3, thickness: 0.25}\n",
-                  (const char *const[]){"young: 4\n", "weft_curve:\n        - [0.5, 2]\n        - [1, 8]\n", NULL});
+                  (const char *const[]){"young: 4\n", "weft_curve: [[0.5, 2], [1, 8]]\n", NULL});
     /* the capsule of a filled body has no mass */
     check_implied(BALL "    membrane: {young: 1, thickness: 0.25}\n    volume: {young: 1}\n",
                   (const char *const[]){"density: 1000\n", NULL});

@@ -131,6 +131,8 @@ static void test_pbd_comes_to_rest(void **unused)
     (void)unused;
     pel_mesh *mesh = make_grid(CELLS, CELLS, 1, 1, PEL_GRID_ONE_DIAGONAL);
     for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++) {
+        if (pel_law_yields(pel_membrane_law_traits((pel_membrane_kind)kind)))
+            continue; /* refused */
         pel_model *model = make_sheet_model(mesh, kind);
         pel_sim_def def = sim_of(model, PEL_METHOD_PBD);
         pel_sim *sim = make_sim(&def);

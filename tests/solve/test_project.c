@@ -174,7 +174,7 @@ static void test_wide_is_plain(void **unused)
             for (int bending = PEL_BENDING_ISOMETRIC; bending <= PEL_BENDING_HINGE; bending++) {
                 pel_body_def def = stiff_body(mesh);
                 def.spring_stiffness.value = 10;
-                def.shell.membrane.kind = (pel_membrane_kind)material;
+                shell_set_kind(&def, (pel_membrane_kind)material);
                 def.shell.bending.model = (pel_bending_model)bending;
                 def.shell.anisotropies = regions;
                 def.shell.anisotropy_count = 2;

@@ -163,9 +163,9 @@ static void set_rest_triangles(sample *s, pel_rest_triangle *rest)
         assert_true(pel_rest_triangle_setup((const double(*)[3])s->rest[lane], &rest[lane]));
         for (int j = 0; j < 3; j++)
             s->numbers[j * PEL_BLOCK + lane] = (pel_real)rest[lane].inverse[j];
-        /* of oriented laws: the first axis */
-        s->numbers[PEL_TRIANGLE_NUMBERS * PEL_BLOCK + lane] = 1;
-        s->numbers[(PEL_TRIANGLE_NUMBERS + 1) * PEL_BLOCK + lane] = 0;
+        /* of laws with numbers of each triangle: the first axis, no slip */
+        for (int j = 0; j < PEL_LAW_AXIS; j++)
+            s->numbers[(PEL_TRIANGLE_NUMBERS + j) * PEL_BLOCK + lane] = s->batch.law.numbers[j];
     }
 }
 
