@@ -281,8 +281,8 @@ static void test_jam(void **unused)
 }
 
 /* A finger presses a cloth on a table too far, where steps find no balance: the systems of each are bounded, no surface
-   is crossed, no energy appears, and forces of steps that do not converge are not known. Without the bound the worst of
-   these steps takes 148 systems. */
+   is crossed, no energy appears, and forces of steps that do not converge are not known. The worst of these steps takes
+   172 systems: those of the bound, and few for each part of the rest. */
 static void test_bound(void **unused)
 {
     (void)unused;
@@ -316,7 +316,7 @@ static void test_bound(void **unused)
     }
     pel_sim_ledger ledger;
     pel_sim_get_ledger(sim, &ledger);
-    assert_true(most < 140);
+    assert_true(most < PEL_STEP_SYSTEMS + 60);
     assert_in_range(unknown, 1, 10);
     assert_true(ledger.energy_error < 0.01 * ledger.supplied);
     scene_end(&scene, sim);
