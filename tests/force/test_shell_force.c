@@ -136,6 +136,8 @@ static void test_materials(void **unused)
     pel_mesh *mesh = make_irregular_ball(2, &random);
     for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++) {
         pel_body_def body = shell_body(mesh, (pel_membrane_kind)kind);
+        /* differences want no kinks */
+        body.shell.membrane.warp_curve[1][0] = body.shell.membrane.weft_curve[1][0] = 0;
         check_forces(&body, 0.05, &random);
     }
     /* of a material that varies */
