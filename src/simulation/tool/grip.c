@@ -442,7 +442,7 @@ static void count_hold(pel_tool_tally *tally, double time)
 /* count a shortened stride as held back, and double it if the guard did not act; halve that of a grasp that is stuck */
 static void follow_stride(pel_tool *tool)
 {
-    tool->is_stopped = tool->is_held_back;
+    tool->is_stopped = tool->is_held_back || tool->is_doubtful;
     if (!(tool->stride < 1))
         return;
     bool is_slow = tool->stride <= PEL_LEAST_STRIDE && tool->stride >= PEL_STUCK_STRIDE;

@@ -21,6 +21,7 @@
 #include "tool/reading.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
+#include "touch/doubt.h"
 #include "touch/lips.h"
 #include "touch/sleep.h"
 #include "touch/tangle.h"
@@ -830,6 +831,7 @@ static pel_status step(pel_sim *sim, const pel_step_result *result, pel_error *e
         sim->part.is_repeated = true;
         return PEL_OK;
     }
+    sim->touch->has_stepped_back = contacts->statistics.fall_backs > fall_backs;
     contacts->statistics.stepped_back += pel_part_share(sim) * (double)(contacts->statistics.fall_backs - fall_backs);
     contacts->statistics.guard_seconds += pel_seconds() - began;
     contacts->statistics.contacts += contacts->list.count;
@@ -849,6 +851,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
     if (!sim->stepper->moves_tools)
         pel_tools_move(sim, time);
     pel_status status = PEL_OK;
+    sim->touch->has_stepped_back = false;
     if (pel_sleep_is_everywhere(sim)) {
         release_tools(sim);
         sim->part.is_refused = false;
@@ -860,6 +863,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
     }
     take_corrections(sim);
     pel_tools_read(sim, time);
+    pel_contacts_doubt_forces(sim);
     return PEL_OK;
 }
 

@@ -24,11 +24,12 @@ struct pel_touch {
     int64_t *revisions; /* (body_count) of the surface in the set */
     int32_t *origins;   /* (vertex_count) of each vertex the one that it was before cuts; null = nothing is cut */
     bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
-    bool is_carried;    /* pairs and revisions are of another simulation, the surface of the set is not yet */
-    double found_at;    /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
-    double found_until; /* share of the step up to which they serve */
-    bool is_same;       /* they are those of an earlier step, which serve while all is near its home */
-    void *before_event; /* (event_size) snapshot, of models that refine; else null */
+    bool has_stepped_back; /* vertices, in this part: the guard */
+    bool is_carried;       /* pairs and revisions are of another simulation, the surface of the set is not yet */
+    double found_at;       /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
+    double found_until;    /* share of the step up to which they serve */
+    bool is_same;          /* they are those of an earlier step, which serve while all is near its home */
+    void *before_event;    /* (event_size) snapshot, of models that refine; else null */
     size_t event_size, event_room;
     size_t event_least;              /* of one without lists (sim/snapshot.h) */
     pel_sleep *sleep;                /* null = nothing sleeps */
