@@ -174,6 +174,8 @@ static element membrane_element(int kind, random_state *random)
 {
     element e = {.vertices = 3, .unknowns = 9, .strains = 3, .tangent = tangent_membrane};
     pel_membrane_material material = law_material(kind, 2, 0.35, 0.5);
+    /* differences want no kinks of a curve */
+    material.warp_curve[1][0] = material.weft_curve[1][0] = 0;
     e.name = pel_membrane_kind_name(material.kind);
     e.law = pel_membrane_law_of(&material);
     set_rest(&e, random);
@@ -402,7 +404,7 @@ static void gradients_are_those_of_energies(void **unused)
 static void hessians_are_those_of_gradients(void **unused)
 {
     (void)unused;
-    random_state random = {2};
+    random_state random = {3}; /* no difference meets the kink of a push */
     for (int number = 0; number < ELEMENT_COUNT; number++)
         for (int round = 0; round < ROUNDS(30, 3); round++) {
             element e = make_element(number, &random);

@@ -276,7 +276,7 @@ static inline void check_whole(const char *run)
 /* blanks the columns of the series whose names end in _ms */
 static inline void blank_columns(char *bytes)
 {
-    enum { MOST_COLUMNS = 400 };
+    enum { MOST_COLUMNS = 1200 };
     bool is_time[MOST_COLUMNS] = {false};
     int column = 0;
     char *at = bytes;

@@ -107,6 +107,36 @@ static bool belongs(const schema_writer *out, const pel_def_row *row, const char
     return row->needs_word == NULL || (variant->word != NULL && strcmp(row->needs_word, variant->word) == 0);
 }
 
+/* the next row of the object with the same key, for another word of the key that both need */
+static const pel_def_row *next_of_key(const schema_writer *out, const char *prefix, const pel_def_row *row,
+                                      const schema_variant *variant)
+{
+    const pel_def_row *other = row;
+    while ((other = pel_scene_row_next(out->table, prefix, other)) != NULL)
+        if (strcmp(other->path, row->path) == 0 && belongs(out, other, prefix, variant))
+            return other;
+    return NULL;
+}
+
+static bool is_first_of_key(const schema_writer *out, const char *prefix, const pel_def_row *row,
+                            const schema_variant *variant)
+{
+    const pel_def_row *other = NULL;
+    while ((other = pel_scene_row_next(out->table, prefix, other)) != row)
+        if (strcmp(other->path, row->path) == 0 && belongs(out, other, prefix, variant))
+            return false;
+    return true;
+}
+
+/* whether an object has to have the key, whatever its others are */
+static bool is_needed(const schema_writer *out, const char *prefix, const pel_def_row *row,
+                      const schema_variant *variant)
+{
+    if (row->alternative)
+        return !variant->implied;
+    return row->required && row->supplied == NULL && (row->needs_word == NULL || needs_alternative(out, prefix, row));
+}
+
 /* "key": requires one of the keys that it depends on */
 static void write_dependency(schema_writer *out, const char *prefix, const pel_def_row *row)
 {
@@ -156,25 +186,38 @@ static void write_supplied(schema_writer *out, const char *prefix, const schema_
     emit(out, after);
 }
 
+/* the value of a key, by each of its rows */
+static void write_key(schema_writer *out, const char *prefix, const pel_def_row *row, const pel_def_row *limits,
+                      const schema_variant *variant)
+{
+    const bool is_many = next_of_key(out, prefix, row, variant) != NULL;
+    const char *before = is_many ? "{\"anyOf\":[" : "";
+    for (; row != NULL; row = next_of_key(out, prefix, row, variant)) {
+        emit(out, before);
+        write_value(out, row, row->scoped ? limits : row, row->alternative ? variant->word : NULL);
+        before = ",";
+    }
+    emit(out, is_many ? "]}" : "");
+}
+
 static void write_object(schema_writer *out, const char *prefix, const pel_def_row *limits,
                          const schema_variant *variant)
 {
     const char *comma = "";
     emit(out, "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{");
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        if (!belongs(out, row, prefix, variant))
+        if (!belongs(out, row, prefix, variant) || !is_first_of_key(out, prefix, row, variant))
             continue;
         emit(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));
         emit(out, ":");
-        write_value(out, row, row->scoped ? limits : row, row->alternative ? variant->word : NULL);
+        write_key(out, prefix, row, limits, variant);
         comma = ",\n";
     }
     comma = "";
     emit(out, "},\"required\":[");
     for (const pel_def_row *row = NULL; (row = pel_scene_row_next(out->table, prefix, row)) != NULL;) {
-        bool is_needed = (row->required && row->supplied == NULL) || (row->alternative && !variant->implied);
-        if (!belongs(out, row, prefix, variant) || !is_needed)
+        if (!belongs(out, row, prefix, variant) || !is_needed(out, prefix, row, variant))
             continue;
         emit(out, comma);
         write_text(out, pel_scene_row_name(row, prefix));

@@ -863,7 +863,7 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
     }
     take_corrections(sim);
     pel_tools_read(sim, time);
-    pel_contacts_doubt_forces(sim);
+    pel_contacts_doubt_forces(sim, sim->touch->has_stepped_back);
     return PEL_OK;
 }
 

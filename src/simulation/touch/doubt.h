@@ -6,7 +6,7 @@
 
 /* After the readings of a part: forces are those of the solver's state. Where the guard stepped back a vertex of a body
    that a tool presses or holds, or of one that such a body presses, the state is another one, and they are not known.
- */
-void pel_contacts_doubt_forces(pel_sim *sim);
+   has_stepped_back: it did so with any vertex in this part. */
+void pel_contacts_doubt_forces(pel_sim *sim, bool has_stepped_back);
 
 #endif
