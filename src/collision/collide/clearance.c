@@ -338,10 +338,20 @@ void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const 
 #define INNER_SHARE 0.125
 enum { INNER_STEPS = 8 };
 
+static bool reserve_list(const pel_pair_list *from, pel_pair_list *to)
+{
+    return pel_reserve((void **)&to->pairs, &to->capacity, from->capacity, sizeof *to->pairs);
+}
+
+bool pel_clearance_reserve(pel_clearance *inner, const pel_clearance *outer)
+{
+    return reserve_list(&outer->vertex_face, &inner->vertex_face) && reserve_list(&outer->edge_edge, &inner->edge_edge);
+}
+
 static bool copy_list(const pel_pair_list *from, pel_pair_list *to)
 {
     to->count = 0;
-    if (!pel_reserve((void **)&to->pairs, &to->capacity, from->count, sizeof *to->pairs))
+    if (!reserve_list(from, to))
         return false;
     if (from->count > 0)
         memcpy(to->pairs, from->pairs, from->count * sizeof *to->pairs);

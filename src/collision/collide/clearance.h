@@ -62,6 +62,10 @@ bool pel_clearance_renew(pel_clearance *clearance, pel_candidates *candidates, c
 void pel_clearance_settle(pel_clearance *clearance, const pel_tree *tree, const double (*start)[3],
                           const double (*end)[3], double needed, pel_pool *pool);
 
+/* Room in `inner` for all known pairs, so that pel_clearance_narrow allocates nothing in a step in which bodies have
+   come to rest. False on failure. */
+bool pel_clearance_reserve(pel_clearance *inner, const pel_clearance *outer);
+
 /* Of the known pairs, which served or may serve the step from start to end, those that are near at `start`: fewer pairs
    for some steps. True = they serve this step. False on failure too. */
 bool pel_clearance_narrow(pel_clearance *inner, const pel_clearance *outer, const pel_tree *tree,

@@ -588,7 +588,8 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
         pel_clearance_settle(outer, c->tree, start, end, needed, collider->pool);
         is_known = true;
     } else if (!serves)
-        is_known = pel_clearance_renew(outer, c, start, end, needed, c->margin, collider->pool);
+        is_known = pel_clearance_renew(outer, c, start, end, needed, c->margin, collider->pool) &&
+                   pel_clearance_reserve(inner, outer);
     if (is_known) {
         serves = serves || pel_clearance_narrow(inner, outer, c->tree, start, end, needed, collider->pool);
         list_known(serves ? inner : outer, vertex_face, edge_edge);

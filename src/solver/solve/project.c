@@ -184,6 +184,12 @@ static double massive_drag(const pel_projector *projector)
     return projector->solver.second_order ? projector->solver.drag : 0;
 }
 
+/* s, times drag the part of the mass that it adds: tau to the last bit where ways over velocities are tau as well */
+static double drag_time(const pel_projector *projector)
+{
+    return projector->tau * (projector->tau / projector->span);
+}
+
 /* drag or a volumetric spring of its own */
 static bool is_held(const pel_model *model, int32_t v)
 {
@@ -196,7 +202,7 @@ static pel_restraint restraint_of(const pel_projector *projector, int32_t v, con
 {
     const pel_model *model = projector->model;
     const pel_real w = model->inverse_mass[v];
-    const double tau = projector->tau, time = tau * tau / projector->span;
+    const double tau = projector->tau, time = drag_time(projector);
     double rate = factors[PEL_SPRING_DAMPING] * (double)(model->damping[v] * w);
     if (projector->air != NULL)
         rate += (double)(projector->air[v][3] * w);
@@ -406,7 +412,7 @@ static vertex_job make_job(pel_projector *projector, pel_state *state, pel_recor
 {
     bool first = place & PEL_SUBSTEP_FIRST, second_order = projector->solver.second_order;
     double drag = projector->solver.drag - massive_drag(projector);
-    const pel_real massive = (pel_real)(massive_drag(projector) * projector->tau * projector->tau / projector->span);
+    const pel_real massive = (pel_real)(massive_drag(projector) * drag_time(projector));
     return (vertex_job){
         .projector = projector,
         .state = state,
