@@ -32,7 +32,7 @@
 #define ROOM_SHARE 0.5
 /* of the thickness: the span in which the load of a vertex begins. With 0 the force of a ball that glides over soft
    tissue changes by 9 % in a step of 2 ms, with .05, .1 and .15 by 5, 3.5 and 2 %; against a rigid tool it is 2 to 5 %
-   too small with 0, and within 3 % with .12 */
+   too small with 0, and -2.5 to .7 % off with .1, -.1 to 3.8 % with .15 */
 #define SOFT_SHARE 0.12
 
 /* ---- creation ---- */
