@@ -403,6 +403,7 @@ static void test_amplification(void **unused)
     static char nodes[60000], middle[70000];
     gltf_text file;
     int length = 0;
+    file.size = 0;
     for (int i = 0; i < 3000; i++)
         length += snprintf(nodes + length, sizeof nodes - (size_t)length, "%s{\"mesh\":0}", i > 0 ? "," : "");
     length = snprintf(middle, sizeof middle, HEAD "\"scenes\":[{\"nodes\":[");
