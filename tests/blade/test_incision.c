@@ -24,7 +24,7 @@ typedef struct sheet {
 /* pinned along both long borders */
 static pel_model *model_of(const pel_mesh *mesh)
 {
-    static int32_t pins[400];
+    static int32_t pins[2000];
     pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
     body.shell.membrane.young.value = YOUNG;
     body.shell.membrane.thickness.value = THICKNESS;
