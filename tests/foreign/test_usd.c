@@ -93,7 +93,7 @@ static void test_places(void **unused)
         const char *ops, *order;
         double x, y, z;
     } cases[] = {
-        {"float xformOp:rotateZ = 90", "\"xformOp:rotateZ\"", 0, 1, 0},
+        {"double big = 1e+20\nfloat xformOp:rotateZ = +9e+1", "\"xformOp:rotateZ\"", 0, 1, 0},
         {"float xformOp:rotateY = 90", "\"xformOp:rotateY\"", 0, 0, -1},
         {"float3 xformOp:rotateXYZ = (90, 0, 90)", "\"xformOp:rotateXYZ\"", 0, 1, 0},
         {"float3 xformOp:rotateZYX = (90, 0, 90)", "\"xformOp:rotateZYX\"", 0, 0, 1},

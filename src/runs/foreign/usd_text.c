@@ -135,8 +135,12 @@ pel_status pel_usd_pass_value(pel_text_cursor *scan, pel_error *error)
         return pass_asset(scan, error);
     if (c == '<')
         return pass_path(scan, error);
-    pel_usd_word(scan, &length);
-    if (length > 0 || c == '+')
+    /* a word or a number, such as 1e+20 */
+    const char *begin = scan->at;
+    do
+        pel_usd_word(scan, &length);
+    while (scan->at < scan->end && *scan->at == '+' && scan->at++ != NULL);
+    if (scan->at > begin)
         return PEL_OK;
     return pel_text_cursor_fail(scan, scan->at, error, again, "a value is missing");
 }
