@@ -140,8 +140,9 @@ static pel_status settle(pel_sim *sim, void *surface, pel_error *error)
     double *shift = mesh->fields[0].values, *at = malloc(count * sizeof *at);
     if (at == NULL)
         return pel_fail_memory(error);
+    memcpy(at, rest, count * sizeof *at);
     for (size_t i = 0; i < count; i++)
-        at[i] = rest[i] + shift[i];
+        at[i] += shift[i];
     pel_status status = pel_sim_set_positions(sim, 0, at, error);
     if (status == PEL_OK)
         status = pel_sim_step(sim, error);
