@@ -16,6 +16,8 @@
 
 #define CAPSULE "version: 1\nduration: 1\nbodies:\n  - mesh: {shape: lens-capsule, frequency: 4}\n"
 
+#define WEAVE "    membrane: {material: weave, warp_curve: [[0.5, 2], [1, 8]], shear: 3, thickness: 0.25, "
+
 static pel_scene *load(const char *text)
 {
     pel_scene *scene;
@@ -76,9 +78,9 @@ static void test_materials(void **unused)
         const char *word = kind < count ? words[kind] : pel_membrane_kind_name((pel_membrane_kind)kind);
         char text[400];
         snprintf(text, sizeof text,
-                 BALL "    membrane: {material: %s, young: 2, poisson: 0.1, thickness: 0.5, mooney_ratio: 0.3,\n"
+                 BALL "    membrane: {material: %s, %spoisson: 0.1, thickness: 0.5, mooney_ratio: 0.3,\n"
                       "      extension_limit: 7, stiffening: 8%s}\n",
-                 word,
+                 word, kind == PEL_MEMBRANE_WEAVE ? "" : "young: 2, ",
                  kind == PEL_MEMBRANE_WEAVE           ? ", shear: 3, warp_curve: [[0.5, 1], [1, 4]]"
                  : kind == PEL_MEMBRANE_ELASTOPLASTIC ? ", yield: 4"
                                                       : "");
@@ -244,6 +246,12 @@ static const char *const bad_scenes[][2] = {
     {BALL "    membrane: {young: 1, thickness: 0}\n", "membrane.thickness is out of range: 0 m"},
     {BALL "    membrane: {young: 1, thickness: 1, poisson: 1.5}\n", "membrane.poisson is out of range: 1.5"},
     {BALL "    membrane: {young: 1, thickness: 1, material: stkv}\n", "unknown material 'stkv'. did you mean 'stvk'?"},
+    {BALL WEAVE "young: 5}\n", "a.yaml:5:92: error: 'young' has no effect on the material weave, whose modulus is the "
+                               "first slope of warp_curve, 4 Pa. remove young, or use material orthotropic"},
+    {BALL WEAVE "young: [4, 2]}\n", "'young' has no effect on the material weave"},
+    {BALL WEAVE "weft: 2}\n",
+     "a.yaml:5:92: error: 'weft' has no effect on the material weave, which has curves. give the pull across the warp "
+     "as weft_curve"},
     {BALL "    membrane: {preset: rubbr}\n", "a.yaml:5:24: error: unknown preset 'rubbr'. did you mean 'rubber'?"},
     {BALL "    membrane: {preset: tissue}\n",
      "a.yaml:5:24: error: unknown preset 'tissue'. 'tissue' is a word of bodies[].preset"},

@@ -330,7 +330,8 @@ static const pel_def_row rows[] = {
      .doc = "constitutive law; default: neo-hookean, which resists compression to any extent"},
     {"bodies[].membrane.young", MEMBRANE(young), .forms = PEL_FORM_NUMBER | PEL_FORM_MAP | PEL_FORM_PAIR,
      .like = "<field>", .unit = "Pa", POSITIVE, REQUIRED, .supplied = "preset", WHEN(has_membrane), IMPLYING,
-     .doc = "Young's modulus; orthotropic: along the warp, or [warp, weft]; weave: the first slope of `warp_curve`"},
+     .doc = "Young's modulus; orthotropic: along the warp, or [warp, weft]; weave: left out, the first slope of "
+            "`warp_curve`"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
      WHEN(reads_poisson),
      .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "

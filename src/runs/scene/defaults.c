@@ -10,6 +10,9 @@
 #include <math.h>
 #include <string.h>
 
+/* of a modulus from the slope that it repeats */
+#define SAME_SLOPE 1e-9
+
 enum { MOST_PRESETS = 64, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
 /* the default of the table */
@@ -187,6 +190,27 @@ static pel_status imply_weft(pel_scene_reader *reader, pel_scene_value *membrane
     return status;
 }
 
+/* the curves of weave take the place of moduli: `young` is their first slope, in scenes that were resolved before */
+static pel_status refuse_moduli(pel_scene_reader *reader, pel_scene_value *membrane, double slope)
+{
+    const pel_scene_value *young = find(membrane, "young"), *weft = find(membrane, "weft");
+    double number;
+    if (weft != NULL) {
+        pel_scene_fail(reader, &weft->key_place, "'weft' has no effect on the material weave, which has curves");
+        pel_fail_remedy(reader->error, "give the pull across the warp as weft_curve, or use material orthotropic");
+        return PEL_BAD_SCENE;
+    }
+    bool is_slope = young != NULL && young->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(young->text, &number) &&
+                    fabs(number - slope) <= SAME_SLOPE * slope;
+    if (young == NULL || is_slope)
+        return PEL_OK;
+    pel_scene_fail(reader, &young->key_place,
+                   "'young' has no effect on the material weave, whose modulus is the first slope of warp_curve, %g Pa",
+                   slope);
+    pel_fail_remedy(reader->error, "remove young, or use material orthotropic, which has young and weft");
+    return PEL_BAD_SCENE;
+}
+
 /* weave: the first slope of the curve of the warp, which the weft has too unless it is given */
 static pel_status imply_curves(pel_scene_reader *reader, pel_scene_value *membrane)
 {
@@ -198,19 +222,20 @@ static pel_status imply_curves(pel_scene_reader *reader, pel_scene_value *membra
         !is_word(membrane, "material", "weave"))
         return PEL_OK;
     pel_status status = find(membrane, "weft_curve") == NULL ? set_copy(reader, membrane, "weft_curve", warp) : PEL_OK;
-    if (status == PEL_OK && pel_scene_parse_number(point->first->text, &strain) &&
-        pel_scene_parse_number(point->last->text, &stress) && strain > 0 && stress > 0)
-        status = set_number(reader, membrane, "young", stress / strain);
-    return status;
+    if (status != PEL_OK || !pel_scene_parse_number(point->first->text, &strain) ||
+        !pel_scene_parse_number(point->last->text, &stress) || !(strain > 0 && stress > 0))
+        return status;
+    status = refuse_moduli(reader, membrane, stress / strain);
+    return status == PEL_OK ? set_number(reader, membrane, "young", stress / strain) : status;
 }
 
 static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body, pel_scene_value *membrane)
 {
     const pel_material_preset *preset;
     pel_scene_value *mass = find_map(body, "mass"), *thickness = find(mass, "thickness");
-    pel_status status = imply_weft(reader, membrane);
+    pel_status status = imply_curves(reader, membrane);
     if (status == PEL_OK)
-        status = imply_curves(reader, membrane);
+        status = imply_weft(reader, membrane);
     if (status == PEL_OK)
         status = find_preset(reader, membrane, &preset);
     if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&
