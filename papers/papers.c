@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 
 static const lab_case *const cases[] = {
@@ -97,7 +98,8 @@ pel_status papers_run(papers *all, const lab_case *which, const lab_experiment *
                              .error = error,
                              .bodies = all->bodies,
                              .body_count = all->body_count,
-                             .given_bodies = all->def.mesh != NULL || all->def.data != NULL,
+                             .given_bodies = strcmp(which->group, "paper B") == 0 &&
+                                             (all->def.mesh != NULL || all->def.data != NULL),
                              .progress = all->def.progress,
                              .user = all->def.user};
     pel_status status = make_folder(folder, error);

@@ -139,8 +139,12 @@ const char *lab_claim_text(const lab_experiment *experiment, int claim, char *te
     if (verdict == LAB_ONLY_TOLD)
         snprintf(text, size, "told");
     else if (verdict == LAB_DIFFERS)
-        snprintf(text, size, "differs (%d of %d hold): %s", held, judged,
-                 said->reason != NULL ? said->reason : "not on all bodies that were given");
+        snprintf(text, size, "differs (%d of %d hold)%s%s%s", held, judged,
+                 experiment->given_bodies ? " on bodies that were given" : "",
+                 said->reason == NULL       ? ""
+                 : experiment->given_bodies ? "; on those of the program: "
+                                            : ": ",
+                 said->reason != NULL ? said->reason : "");
     else
         snprintf(text, size, "%s (%d of %d)%s%s", lab_verdict_name(verdict), held, judged,
                  said->by_construction ? ", by construction: " : "", said->by_construction ? said->built : "");

@@ -31,7 +31,8 @@ struct lab_experiment {
     pel_error *error;
     const struct lab_body *bodies; /* (body_count) papers/lab/body.h */
     int body_count;
-    bool given_bodies;  /* they are the user's: a paper's claims and the stored numbers (stored.h) need not hold */
+    bool given_bodies; /* the experiment has bodies of the user: a paper's claims and the stored numbers (stored.h) need
+                          not hold */
     bool is_incomplete; /* memory was out for a claim, a number or an image */
     lab_claim *claims;  /* (claim_count) */
     lab_finding *findings;

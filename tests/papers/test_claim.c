@@ -192,6 +192,28 @@ static void test_verdicts(void **unused)
     lab_clear(&told);
 }
 
+/* a reason speaks of the bodies of the program, also where others were given */
+static void test_reasons(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *reason, *text;
+        bool given_bodies;
+    } rows[] = {
+        {"the liver folds", "differs (0 of 1 hold): the liver folds", false},
+        {"the liver folds", "differs (0 of 1 hold) on bodies that were given; on those of the program: the liver folds",
+         true},
+        {NULL, "differs (0 of 1 hold) on bodies that were given", true},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[128];
+        lab_experiment experiment = judged(LAB_PAPER, rows[i].reason, 2);
+        experiment.given_bodies = rows[i].given_bodies;
+        assert_string_equal(lab_claim_text(&experiment, 0, text, sizeof text), rows[i].text);
+        lab_clear(&experiment);
+    }
+}
+
 static void test_limits(void **unused)
 {
     (void)unused;
@@ -228,8 +250,8 @@ static int remove_folder(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_limit), cmocka_unit_test(test_tables), cmocka_unit_test(test_out_of_memory),
-        cmocka_unit_test(test_verdicts), cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_no_limit), cmocka_unit_test(test_tables),  cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_verdicts), cmocka_unit_test(test_reasons), cmocka_unit_test(test_limits),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
