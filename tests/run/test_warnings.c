@@ -440,6 +440,36 @@ static void test_short_run(void **unused)
     assert_non_null(find_warning(&summary, "unresolved-motion"));
 }
 
+/* A load that is sudden for the motion it starts: steps that keep its energy may still miss its frequency. */
+static void test_sudden_load(void **unused)
+{
+    (void)unused;
+    const char *const balloon = "version: 1\nbodies:\n  - mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"
+                                "    membrane: { preset: rubber }\n    pressure: { inside: 100 }\n"
+                                "solver: { method: implicit }\nduration: 0.02\n";
+    const char *const fall = "version: 1\nbodies:\n  - mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.1 }\n"
+                             "    membrane: { preset: rubber }\ngravity: [0, 0, -9.81]\n"
+                             "solver: { method: implicit, dt: 0.02 }\nduration: 0.4\n";
+    static const struct {
+        const char *dt, *duration, *told; /* null = nothing is told */
+    } cases[] = {
+        {"solver.dt=0.0025", "duration=0.02", "a vibration has "},
+        {"solver.dt=0.0025", "duration=0.0075", "a vibration has "},
+        {"solver.dt=0.005", "duration=0.005", "a vibration has "},
+        {"solver.dt=0.0005", "duration=0.02", NULL},
+    };
+    pel_run_summary summary;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *overrides[] = {cases[i].dt, cases[i].duration};
+        run_scene(balloon, overrides, 2, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+        assert_true((warning != NULL) == (cases[i].told != NULL));
+        assert_true(warning == NULL || strstr(warning->text, cases[i].told) != NULL);
+    }
+    run_scene(fall, NULL, 0, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "unresolved-motion"));
+}
+
 /* a grasp that closes beside the body, or before the tool is there, is reported; one that holds is not */
 static void test_grasp_empty(void **unused)
 {
@@ -867,6 +897,7 @@ int main(void)
         cmocka_unit_test(test_unresolved),
         cmocka_unit_test(test_unresolved_bounce),
         cmocka_unit_test(test_short_run),
+        cmocka_unit_test(test_sudden_load),
         cmocka_unit_test(test_grasp_empty),
         cmocka_unit_test(test_close_start),
         cmocka_unit_test(test_open_seam),

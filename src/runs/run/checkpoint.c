@@ -20,7 +20,7 @@ typedef struct checkpoint_header {
     pel_run_totals totals;
 } checkpoint_header;
 
-static const char magic[8] = "PELRUN6";
+static const char magic[8] = "PELRUN7";
 
 static size_t tool_bytes(const pel_run_state *run)
 {

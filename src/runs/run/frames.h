@@ -12,6 +12,7 @@
 #include "results/tool_surface.h"
 #include "run/kept.h"
 #include "run/plan.h"
+#include "run/swing.h"
 
 /* numbers that are kept of each tool */
 enum { PEL_TOOL_NUMBERS = 3 };
@@ -36,6 +37,7 @@ typedef struct pel_run_totals {
     double loss;                    /* J, dissipated_solver at the last frame */
     double free_loss;               /* J, of it in intervals between frames in which nothing touched */
     double most_kinetic;            /* J, in a frame */
+    pel_swing swing;                /* of all steps */
 } pel_run_totals;
 
 /* A frame that was taken and is to be written. */

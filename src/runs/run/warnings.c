@@ -49,6 +49,11 @@ enum { JAM_STEPS = 10 };
 #define SETTLED_SHARE 0.05
 /* a run of as many steps shows a motion; steps of a quarter of a vibration, at the step that resolves it */
 enum { FEW_STEPS = 4, QUARTER = 10 };
+/* of a given step: one that would do is at most so long */
+#define LONG_SHARE 0.5
+/* rad in a step, of which so many are a vibration */
+#define GOOD_ANGLE 0.15708
+#define GOOD_STEPS 40
 /* of the energy that was supplied: more than that is told in joules alone */
 #define MOST_SHARE 1000
 /* of the energy lost while nothing touched: a loss that is told beside it */
@@ -287,6 +292,7 @@ void pel_warnings_check_step(pel_run_state *run)
     if (pel_sim_cut_is_held(run->sim))
         pel_warn(tallies, PEL_WARN_CUT_HELD, frame, pel_sim_cuts_done(run->sim));
     check_grasps(run, frame);
+    pel_swing_add(run);
     pel_warnings_check_mode(run);
     run->contact_before = now;
     check_tools(run, frame);
@@ -321,6 +327,14 @@ static bool shows_motion(const pel_run_state *run)
     return is_known && pel_sim_time(run->sim) > QUARTER * motions.fastest.dt;
 }
 
+/* and not that of a scene which leaves it to the program */
+static bool is_dt_long(const pel_run_state *run)
+{
+    const double dt = run->scene->sim.solver.dt;
+    pel_motions motions;
+    return pel_scene_find_motions(run->scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < LONG_SHARE * dt;
+}
+
 /* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
    followed, not resolved; a limit of a joint stops a body as contact does. */
 static void check_motion(pel_run_state *run, int64_t frame)
@@ -333,8 +347,14 @@ static void check_motion(pel_run_state *run, int64_t frame)
         moves &= scene->model.bodies[b].shell.pressure.kind != PEL_PRESSURE_VOLUME;
     for (int32_t i = 0; i < scene->sim.joint_count; i++)
         moves &= isinf(scene->sim.joints[i].least) && isinf(scene->sim.joints[i].most);
-    if (moves && pel_scene_is_undamped(scene) && run->totals.free_loss > ledger->tolerance && shows_motion(run))
-        pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame, run->totals.free_loss / ledger->supplied);
+    if (!moves || !pel_scene_is_undamped(scene))
+        return;
+    const double angle = pel_swing_angle(run);
+    run->flagged[PEL_WARN_UNRESOLVED] = (pel_flagged_body){0, angle, 0};
+    bool loses = run->totals.free_loss > ledger->tolerance && shows_motion(run);
+    if (loses || (angle > 0 && is_dt_long(run)))
+        pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame,
+                 loses ? run->totals.free_loss / ledger->supplied : 0);
 }
 
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
@@ -667,15 +687,31 @@ static bool takes_in_contact(const pel_scene *scene)
     return takes;
 }
 
+/* most of the energy stayed, but not the frequency */
+static void tell_coarse_steps(const pel_warning_text *at, double dt)
+{
+    const pel_stepper *stepper = pel_stepper_of(at->run->scene->sim.solver.method);
+    const double steps = GOOD_STEPS * GOOD_ANGLE / at->run->flagged[PEL_WARN_UNRESOLVED].value;
+    snprintf(at->text, at->size,
+             "the steps do not resolve the motion: a vibration has %.2g of them, so that frequencies, phases and "
+             "amplitudes are off. use %ssolver: { dt: %.2g }, or drag if the state of rest is asked for",
+             steps, stepper->minimises ? "" : "the method implicit with ", dt);
+}
+
 /* a step that would do, or one a quarter as long where nothing is known that is so fast: large motion has higher
    frequencies than that about rest */
 static void tell_unresolved(const pel_warning_text *at)
 {
     const pel_scene *scene = at->run->scene;
     const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
-    double dt = scene->sim.solver.dt;
+    const double dt = scene->sim.solver.dt, angle = at->run->flagged[PEL_WARN_UNRESOLVED].value;
     pel_motions motions;
     bool is_known = pel_scene_find_motions(scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < 0.25 * dt;
+    const double good_dt = is_known ? motions.fastest.dt : 0.25 * dt;
+    if (at->tally->worst == 0) {
+        tell_coarse_steps(at, pel_min(good_dt, dt * GOOD_ANGLE / angle));
+        return;
+    }
     double whole = at->run->totals.loss / at->run->ledger.supplied;
     char part[40] = "";
     if (takes_in_contact(scene) && whole > TOUCH_SHARE * at->tally->worst)
@@ -685,7 +721,7 @@ static void tell_unresolved(const pel_warning_text *at)
         "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
         "was supplied%s. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
         100 * (part[0] != '\0' ? whole : at->tally->worst), part, stepper->minimises ? "" : "the method implicit with ",
-        is_known ? motions.fastest.dt : 0.25 * dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");
+        good_dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");
 }
 
 static void tell_row(const pel_warning_text *at)
