@@ -9,10 +9,10 @@
 #define SHEET(name, z)                                                                                                 \
     "  - name: " name "\n    mesh: { shape: grid, nx: 4, ny: 4, size_x: 0.2, size_y: 0.2, translate: [0, 0, " z        \
     "] }\n    membrane: { preset: rubber }\n"
-#define BALL(name, z)                                                                                                  \
-    "  - name: " name "\n    mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.05, translate: [0, 0, " z         \
+#define BALL(name, at)                                                                                                 \
+    "  - name: " name "\n    mesh: { shape: geodesic-sphere, frequency: 2, radius: 0.05, translate: [" at              \
     "] }\n    membrane: { preset: rubber }\n    mass: { density: 1000 }\n"
-#define TWO HEAD SHEET("cloth", "0.0") BALL("ball", "0.2")
+#define TWO HEAD SHEET("cloth", "0.0") BALL("ball", "0, 0, 0.2")
 
 static void test_choice(void **unused)
 {
@@ -23,22 +23,24 @@ static void test_choice(void **unused)
         const char *says; /* null = nothing */
     } cases[] = {
         {TWO, true, true, NULL},
-        {HEAD BALL("ball", "0"), false, false, NULL},
-        {HEAD BALL("ball",
-                   "0") "tools: [{ name: post, mesh: { shape: cylinder }, motion: [{ position: [0, 0, -9] }] }]\n",
+        {HEAD BALL("ball", "0, 0, 0"), false, false, NULL},
+        {HEAD BALL(
+             "ball",
+             "0, 0, 0") "tools: [{ name: post, mesh: { shape: cylinder }, motion: [{ position: [0, 0, -9] }] }]\n",
          true, true, NULL},
-        {HEAD BALL("ball",
-                   "0") "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n",
+        {HEAD BALL(
+             "ball",
+             "0, 0, 0") "tools: [{ name: post, shape: sphere, radius: 0.1, motion: [{ position: [0, 0, -9] }] }]\n",
          false, false, NULL},
         {TWO "contact: {}\n", true, false, NULL},
         {TWO "contact: { self: false, between: false }\n", true, false, NULL},
         {TWO "contact: none\n", false, false, NULL},
         {TWO "solver: { analysis: modal }\n", false, false, NULL},
-        /* boxes overlap, surfaces do not: a ball within a ball would be the same */
-        {HEAD SHEET("cloth", "0.051") BALL("ball", "0"), true, true, NULL},
-        {HEAD SHEET("cloth", "0.01") BALL("ball", "0"), false, false,
+        /* boxes overlap, surfaces do not */
+        {HEAD BALL("a", "0, 0, 0") BALL("b", "0.065, 0.065, 0.065"), true, true, NULL},
+        {HEAD SHEET("cloth", "0.01") BALL("ball", "0, 0, 0"), false, false,
          "no contact: bodies 'cloth' and 'ball' intersect"},
-        {HEAD SHEET("far", "9") BALL("a", "0") BALL("b", "0"), false, false, "bodies 'a' and 'b'"},
+        {HEAD SHEET("far", "9") BALL("a", "0, 0, 0") BALL("b", "0, 0, 0"), false, false, "bodies 'a' and 'b'"},
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         heard told = {""};
@@ -65,7 +67,7 @@ static void test_ball_on_sheet(void **unused)
     (void)unused;
     run r;
     check_begin(&r, HEAD SHEET("cloth", "0.0") "    pinned: boundary\n" BALL(
-                        "ball", "0.06") "gravity: [0, 0, -9.81]\nsolver: { dt: 0.01 }\n");
+                        "ball", "0, 0, 0.06") "gravity: [0, 0, -9.81]\nsolver: { dt: 0.01 }\n");
     for (int i = 0; i < 30; i++)
         assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
     size_t count = (size_t)pel_sim_vertex_count(r.sim, 1);

@@ -155,9 +155,24 @@ static void test_half_box(void **unused)
     assert_near(half[2], 1.0, 1e-15);
 }
 
+/* the normal of a point within a box is that of the nearest face */
+static void test_box_faces(void **unused)
+{
+    (void)unused;
+    const pel_solid *box = &solids[3];
+    for (int face = 0; face < 6; face++) {
+        double p[3] = {0.01, -0.02, 0.03}, normal[3], side = face % 2 == 0 ? 1 : -1;
+        p[face / 2] = side * (box->half_extents[face / 2] - 0.05);
+        assert_near(pel_solid_distance(box, p, normal), -0.05, 1e-12);
+        for (int i = 0; i < 3; i++)
+            assert_near(normal[i], i == face / 2 ? side : 0, 1e-12);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_box_faces),
         cmocka_unit_test(test_depth_against_samples),
         cmocka_unit_test(test_distance_outside_and_inside),
         cmocka_unit_test(test_half_box),

@@ -221,6 +221,29 @@ static void test_choice(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* damping of the material makes what a substep moves stiffer: tau (tau + retardation) takes the place of tau^2 */
+static void test_damped(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = make_sphere(6);
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
+    body.shell.bending.model = PEL_BENDING_HINGE;
+    pel_model *model = make_model(&body);
+    pel_sim_def def = sim_of(model, PEL_METHOD_XPBD, 0.1);
+    def.solver.second_order = PEL_NO;
+    int32_t plain = read_defaults(&def).substeps;
+    pel_model_destroy(model);
+    double *retardations[2] = {&body.shell.membrane.retardation, &body.shell.bending.retardation};
+    for (int i = 0; i < 2; i++) {
+        *retardations[i] = 2 * def.solver.dt / plain;
+        def.model = model = make_model(&body);
+        assert_near((double)read_defaults(&def).substeps / plain, 1 + sqrt(2), 0.1);
+        *retardations[i] = 0;
+        pel_model_destroy(model);
+    }
+    pel_mesh_destroy(mesh);
+}
+
 /* a stiff gas neither feeds nor hides a swing: it stays in bounds without drag */
 static void test_gas_is_stable(void **unused)
 {
@@ -442,10 +465,15 @@ static void test_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_balls),         cmocka_unit_test(test_strips),
-        cmocka_unit_test(test_choice),        cmocka_unit_test(test_gas_is_stable),
-        cmocka_unit_test(test_keyed_springs), cmocka_unit_test(test_large_deformation),
-        cmocka_unit_test(test_looks),         cmocka_unit_test(test_second_order),
+        cmocka_unit_test(test_balls),
+        cmocka_unit_test(test_strips),
+        cmocka_unit_test(test_choice),
+        cmocka_unit_test(test_damped),
+        cmocka_unit_test(test_gas_is_stable),
+        cmocka_unit_test(test_keyed_springs),
+        cmocka_unit_test(test_large_deformation),
+        cmocka_unit_test(test_looks),
+        cmocka_unit_test(test_second_order),
         cmocka_unit_test(test_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -475,6 +475,19 @@ static void test_refusals(void **unused)
     assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
     assert_non_null(strstr(error.what, "no load, gravity or pressure acts"));
     pel_model_destroy(s.model);
+    const int32_t pinned[3] = {0, 1, 2};
+    body.fluid_density = 1000;
+    body.pinned = pinned;
+    body.pinned_count = 3;
+    pel_model_def filled = pel_model_def_default();
+    filled.bodies = &body;
+    filled.body_count = 1;
+    filled.gravity[2] = -9.81;
+    assert_int_equal(pel_model_create(&filled, &s.model, NULL), PEL_OK);
+    def.model = s.model;
+    assert_int_equal(pel_sim_create(&def, &sim, &error), PEL_BAD_ARGUMENT);
+    assert_string_equal(error.what, "a path by arc length does not support `fluid`");
+    pel_model_destroy(s.model);
     pel_mesh_destroy(s.mesh);
 }
 

@@ -170,6 +170,10 @@ static void test_fit(void **state)
     rigid.before = (pel_rigid_state){.rotation = {0, 0, 0, 1}};
     pel_rigid_go_back(&rigid, &end, 0.5);
     assert_near(rigid.state.pivot[0], 0.5 * end.pivot[0], 1e-12);
+    for (int i = 0; i < 3; i++) {
+        assert_near(rigid.state.momentum[i], 0.5 * end.momentum[i], 1e-12);
+        assert_near(rigid.state.angular_momentum[i], 0.5 * end.angular_momentum[i], 1e-12);
+    }
     assert_near(2 * acos(rigid.state.rotation[3]), 0.5 * 2 * acos(fabs(end.rotation[3])), 1e-9);
     pel_mesh_destroy(mesh);
 }

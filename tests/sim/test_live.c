@@ -356,6 +356,17 @@ static void test_pick(void **unused)
     assert_near(hit.distance, 3 - hit.point[0], 1e-12);
     assert_near(hit.weights[0] + hit.weights[1] + hit.weights[2], 1, 1e-12);
     assert_true(hit.normal[0] > 0.9 && hit.mesh_vertex >= 0);
+    /* near a vertex the nearest of the mesh is that vertex, whichever corner of the triangle it is */
+    for (int32_t v = 0; v < s.mesh->vertex_count; v++) {
+        double from[3], inward[3];
+        for (int i = 0; i < 3; i++) {
+            from[i] = 3 * s.mesh->positions[v][i] + (i == 0 ? 1e-3 : 0);
+            inward[i] = -s.mesh->positions[v][i];
+        }
+        assert_int_equal(pel_pick(s.sim, from, inward, &hit, NULL), PEL_OK);
+        assert_true(hit.is_hit);
+        assert_int_equal(hit.mesh_vertex, v);
+    }
     assert_int_equal(pel_pick(s.sim, origin, away, &hit, NULL), PEL_OK);
     assert_false(hit.is_hit);
     assert_int_equal(pel_pick(s.sim, origin, none, &hit, NULL), PEL_BAD_ARGUMENT);
