@@ -70,6 +70,9 @@ typedef struct pel_solver_def {
     double dt;          /* s, one step */
     double alpha;       /* quasi-static: step size; 0 = a stable value for this mesh */
     bool keep_velocity; /* quasi-static: F(x, v) with v = (x_t - x_(t-1)) / dt; false: v = 0 (damping has no effect) */
+    double momentum;    /* quasi-static: share of the last displacement that a step adds, 0 to below 1: heavy-ball steps
+                           (Polyak 1964), which come to rest in fewer steps by about (1 + m) / (1 - m). Not for bodies
+                           that refine */
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
     int32_t iterations; /* pbd, xpbd, descent: iterations per step or substep; 0 = 5, 1 and 500. descent with tools or
                            contact: per round, with up to 12 rounds per step; 0 = 50 */

@@ -3,11 +3,16 @@
 
 #include "math/vec3.h"
 #include "pellicle/live.h"
+#include "pellicle/sim_contact.h"
 #include "pellicle/tear.h"
 #include "stage/stage.h"
+#include "tool/tools.h"
 
 /* a disk with a slit from the middle and 60 degrees along a circle, whose flap a sphere leads on */
-#define DISK(lead)                                                                                                     \
+#define PATH "[0, 0, 0], [0.0025, 0, 0], [0.00235, 0.00086, 0], [0.00192, 0.0016, 0], [0.00125, 0.00217, 0]"
+#define SOLVER "solver: {method: quasi-static, dt: 0.0005}\n"
+#define DISK(lead) DISK_OF(PATH, lead, "0.0004", SOLVER)
+#define DISK_OF(path, lead, height, solver)                                                                            \
     "version: 1\n"                                                                                                     \
     "bodies:\n"                                                                                                        \
     "  - mesh: {shape: disk, radius: 0.004, rings: 12}\n"                                                              \
@@ -15,12 +20,10 @@
     "    springs: {young: 1.5e6, thickness: 13e-6, toughness: 1300}\n"                                                 \
     "    pinned: boundary\n"                                                                                           \
     "cuts:\n"                                                                                                          \
-    "  - path: [[0, 0, 0], [0.0025, 0, 0], [0.00235, 0.00086, 0], [0.00192, 0.0016, 0], [0.00125, 0.00217, 0]]\n"      \
+    "  - path: [" path "]\n"                                                                                           \
     "tools:\n"                                                                                                         \
     "  - {name: forceps, shape: sphere, radius: 0.0003, press: false, grasp: {reach: 1e-5, " lead "}, motion: "        \
-    "[{position: [0.0022, 0.001, 0.0004]}]}\n"                                                                         \
-    "solver: {method: quasi-static, dt: 0.0005}\n"                                                                     \
-    "duration: 100\n"
+    "[{position: [0.0022, 0.001, " height "]}]}\n" solver "duration: 100\n"
 #define LEAD "lead: {radius: 0.0025, speed: 0.004, regrasp: 0.003}"
 
 static void go(pel_sim *sim, int count)
@@ -68,6 +71,86 @@ static void test_lead(void **unused)
     assert_true(ahead_count > 20);
     assert_true(atan2(rest[1], rest[0]) > 2.2 || rest[1] < 0);
     end(&r);
+}
+
+/* the flap in contact with itself and the sheet, by steps with momentum: the tear stays on the circle and goes on as
+   fast */
+static void test_contact(void **unused)
+{
+    (void)unused;
+    run r;
+    double rest[3] = {0};
+    int64_t count;
+    check_begin(&r, DISK_OF(PATH, "lead: {radius: 0.0025, speed: 0.005, regrasp: 0.003}", "0.0004",
+                            "contact: {self: true, thickness: 13e-6}\n"
+                            "solver: {method: quasi-static, momentum: 0.95, dt: 0.001}\n"));
+    for (int i = 0; i < 12; i++) {
+        go(r.sim, 200);
+        assert_int_equal(pel_sim_intersections(r.sim, &count, NULL), PEL_OK);
+        assert_int_equal(count, 0);
+        assert_true(find_tip(r.sim, rest));
+        assert_near(pel_vec3_length(rest), 0.0025, 0.0001);
+    }
+    assert_true(atan2(rest[1], rest[0]) > 1.4 || rest[1] < 0);
+    end(&r);
+}
+
+/* forceps that contact has held back go on by their speed: they aim from where they are */
+static void test_speed(void **unused)
+{
+    (void)unused;
+    run r;
+    pel_tool_reading before, after;
+    check_begin(&r, DISK(LEAD));
+    go(r.sim, 500);
+    r.sim->tools->items[0].blocked = true;
+    pel_sim_get_tool(r.sim, 0, &before);
+    go(r.sim, 1);
+    pel_sim_get_tool(r.sim, 0, &after);
+    assert_near(pel_vec3_distance(before.position, after.position), 0.004 * 0.0005, 1e-9);
+    end(&r);
+}
+
+/* m, mean distance from the middle at rest of the triangles around a vertex, less its own */
+static double surplus(const pel_mesh *mesh, int32_t vertex)
+{
+    double sum = 0;
+    int count = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        double x[3] = {0};
+        if (v[0] != vertex && v[1] != vertex && v[2] != vertex)
+            continue;
+        for (int c = 0; c < 3; c++)
+            pel_vec3_along(x, 1.0 / 3, mesh->positions[v[c]], x);
+        sum += pel_vec3_length(x);
+        count++;
+    }
+    return sum / count - pel_vec3_length(mesh->positions[vertex]);
+}
+
+/* forceps that have nothing take the inner lip, also where the cut turns outward or inward at its end */
+static void test_lip(void **unused)
+{
+    (void)unused;
+    static const char *const texts[] = {
+        DISK_OF(PATH ", [0.0012, 0.00245, 0]", LEAD, "0.002", SOLVER),
+        DISK_OF(PATH ", [0.00115, 0.0027, 0]", LEAD, "0.002", SOLVER),
+        DISK_OF(PATH ", [0.0008, 0.0021, 0]", LEAD, "0.002", SOLVER),
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        run r;
+        check_begin(&r, texts[i]);
+        go(r.sim, 2);
+        const pel_tool *tool = &r.sim->tools->items[0];
+        assert_true(tool->held_count > 0);
+        const pel_mesh *mesh = r.sim->given->bodies[0].mesh;
+        double most = -HUGE_VAL;
+        for (int32_t k = 0; k < tool->held_count; k++)
+            most = fmax(most, surplus(mesh, r.sim->model->mesh_vertex[tool->held[k]]));
+        assert_true(most < 0.00005);
+        end(&r);
+    }
 }
 
 /* a pose that the caller sets ends the leading, and a snapshot knows of it */
@@ -138,9 +221,8 @@ static void test_refusals(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lead),
-        cmocka_unit_test(test_end),
-        cmocka_unit_test(test_patch),
+        cmocka_unit_test(test_lead),     cmocka_unit_test(test_contact), cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_lip),      cmocka_unit_test(test_end),     cmocka_unit_test(test_patch),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

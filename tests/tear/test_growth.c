@@ -7,6 +7,7 @@
 #include "pellicle/sim.h"
 #include "pellicle/tear.h"
 #include "pellicle/topology.h"
+#include "stage/stage.h"
 
 enum { MOST_VERTICES = 4096 };
 
@@ -414,6 +415,25 @@ static double mass_of(pel_sim *sim)
     return sum;
 }
 
+/* a state that still changes does not tear, although its tip releases enough; one that rests does */
+static void test_rest(void **unused)
+{
+    (void)unused;
+    for (int moves = 0; moves < 2; moves++) {
+        sheet s = make_small(PEL_METHOD_QUASI_STATIC);
+        assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
+        stretch(&s, 1.2);
+        double length = length_of(s.sim);
+        const pel_model *model = s.sim->model;
+        for (int32_t v = 0; moves > 0 && v < model->vertex_count; v++)
+            for (int c = 0; c < 3; c++)
+                s.sim->state->position_before[v][c] = model->rest[v][c];
+        assert_int_equal(pel_sim_step(s.sim, NULL), PEL_OK);
+        assert_true(moves > 0 ? length_of(s.sim) == length : length_of(s.sim) > length);
+        end_sheet(&s);
+    }
+}
+
 /* a snapshot from before vertices moved, and one from the middle of a tear, in this simulation and in a new one */
 static void test_snapshots(void **unused)
 {
@@ -566,6 +586,7 @@ int main(void)
         cmocka_unit_test(test_kink),     cmocka_unit_test(test_clamp),   cmocka_unit_test(test_paths),
         cmocka_unit_test(test_trousers), cmocka_unit_test(test_strip),   cmocka_unit_test(test_snapshots),
         cmocka_unit_test(test_budget),   cmocka_unit_test(test_threads), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -843,6 +843,10 @@ static const pel_def_row rows[] = {
     {"solver.velocity", SOLVER(keep_velocity), WORD("ignore", "keep"), .preset = "ignore", WHEN(is_quasi_static),
      .doc = "quasi-static: ignore computes forces without velocities, F(x, 0), so that damping has no effect; keep "
             "computes F(x, v) with the velocities v of the last step"},
+    {"solver.momentum", SOLVER(momentum), NUMBER, BETWEEN(0, 0.99), .preset = "0", WHEN(is_quasi_static),
+     .doc = "quasi-static: share of the last displacement that each step adds (heavy-ball steps, Polyak 1964). A body "
+            "comes to rest in fewer steps, by about (1 + m) / (1 - m); it may swing on the way. Not for bodies that "
+            "refine"},
     {"solver.integrator", SOLVER(symplectic), WORD("symplectic", "forward"), .preset = "symplectic",
      .values = WORD_LIST("forward", "symplectic"), .initial = true, WHEN(is_explicit),
      STRUCTURE("velocities of the two belong to different times"),

@@ -18,6 +18,14 @@ static pel_status refuse_alpha(const pel_sim *sim, pel_error *error)
     return PEL_UNSTABLE;
 }
 
+static double limit_alpha(const pel_sim *sim, const pel_stability *stability, double stiffness)
+{
+    const pel_solver_def *solver = &sim->solver;
+    double limit = pel_stability_alpha(stability, stiffness, solver->dt, solver->keep_velocity);
+    /* x' = x - a K x + m (x - x_before) is stable below a K = 2 (1 + m); drag takes from m */
+    return solver->keep_velocity ? limit : (1 + solver->momentum) * limit;
+}
+
 /* the safe bound decides most cases; only beyond it the true limit is worth its cost */
 static pel_status choose_alpha(pel_sim *sim, pel_error *error)
 {
@@ -25,7 +33,8 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
     pel_shell_stability_bound(sim->shells, &stability);
-    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness_bound, solver->dt, solver->keep_velocity);
+    sim->alpha_limit = limit_alpha(sim, &stability, stability.stiffness_bound);
+    sim->step.momentum = solver->momentum;
     sim->step.alpha = solver->alpha > 0 ? solver->alpha : SAFE_SHARE * sim->alpha_limit;
     if (!isfinite(sim->step.alpha))
         sim->step.alpha = 1;
@@ -34,7 +43,7 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
     pel_status status = pel_sim_refine_stability(sim, &stability, error);
     if (status != PEL_OK)
         return status;
-    sim->alpha_limit = pel_stability_alpha(&stability, stability.stiffness, solver->dt, solver->keep_velocity);
+    sim->alpha_limit = limit_alpha(sim, &stability, stability.stiffness);
     if (sim->step.alpha >= sim->alpha_limit)
         return refuse_alpha(sim, error);
     return PEL_OK;
@@ -42,6 +51,8 @@ static pel_status choose_alpha(pel_sim *sim, pel_error *error)
 
 static pel_status create(pel_sim *sim, pel_error *error)
 {
+    if (sim->active != NULL && sim->solver.momentum > 0)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave momentum out, or refine", "momentum in bodies that refine");
     pel_status status = choose_alpha(sim, error);
     return status == PEL_OK && sim->active != NULL ? pel_sim_relax_create(sim, error) : status;
 }

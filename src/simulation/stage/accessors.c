@@ -56,7 +56,8 @@ size_t pel_sim_step_bytes(const pel_sim *sim)
     if (pel_sim_has_velocity(sim) || sim->solver.keep_velocity) {
         records += pel_sim_has_velocity(sim) ? 2 : 1;
         numbers = 2;
-    }
+    } else if (sim->solver.momentum > 0)
+        records++;
     return slots * (sizeof *model->neighbours + (model->rest_lengths != NULL ? sizeof *model->rest_lengths : 0)) +
            with_stiffness * sizeof *model->stiffnesses +
            slices * PEL_WIDTH * (records * sizeof(pel_record) + numbers * sizeof(pel_real)) +

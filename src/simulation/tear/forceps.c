@@ -52,6 +52,7 @@ typedef struct forceps {
     int32_t tip;             /* -1 = none */
     double axis[3];          /* unit */
     double at[3], rest[3];   /* m, of the tip, at present and at rest */
+    double ahead[3];         /* unit, in which the tip was opened */
     double along[3], out[3]; /* unit: along the circle, and away from the axis */
     double radius;           /* m, of the tip from the axis at rest */
     double load;             /* release of the tip over its resistance */
@@ -111,6 +112,7 @@ static void find_tip(forceps *f)
         return;
     pel_tip tip;
     pel_survey_read(f->survey, f->tip, ahead, &tip);
+    pel_vec3_copy(ahead, f->ahead);
     f->load = tip.release / pel_tear_resistance(f->sim, f->survey->body, f->tip);
     pel_vec3_copy(f->survey->sim->model->bodies[f->survey->body].mesh->positions[f->tip], f->rest);
     pel_vec3_subtract(f->rest, f->def->lead_center, f->out);
@@ -127,17 +129,12 @@ static void find_tip(forceps *f)
 
 /* ---- the flap ---- */
 
-/* m, of the triangle of a half-edge at rest from the axis */
-static double distance_from_axis(const forceps *f, int32_t half_edge)
+/* m, middle of a triangle at rest */
+static void centre_at_rest(const pel_mesh *mesh, int32_t t, double x[3])
 {
-    const pel_mesh *mesh = f->sim->model->bodies[f->survey->body].mesh;
-    const int32_t *v = mesh->triangles[half_edge / 3];
-    double x[3];
+    const int32_t *v = mesh->triangles[t];
     for (int c = 0; c < 3; c++)
-        x[c] = (mesh->positions[v[0]][c] + mesh->positions[v[1]][c] + mesh->positions[v[2]][c]) / 3 -
-               f->def->lead_center[c];
-    flatten(f, x);
-    return pel_vec3_length(x);
+        x[c] = (mesh->positions[v[0]][c] + mesh->positions[v[1]][c] + mesh->positions[v[2]][c]) / 3;
 }
 
 /* m, mean length of the edges at the tip, at rest */
@@ -152,13 +149,25 @@ static double edge_at_tip(const forceps *f)
     return sum / count;
 }
 
+/* whether the lip that a half-edge at the tip belongs to is the inner one */
+static bool is_inner(const forceps *f, int32_t half_edge)
+{
+    const pel_mesh *mesh = f->sim->model->bodies[f->survey->body].mesh;
+    double across[3], aside[3], x[3];
+    pel_vec3_cross(f->axis, f->ahead, across);
+    pel_vec3_cross(f->axis, f->along, aside);
+    centre_at_rest(mesh, half_edge / 3, x);
+    pel_vec3_subtract(x, f->rest, x);
+    return (pel_vec3_dot(x, across) < 0) == (pel_vec3_dot(f->out, aside) > 0);
+}
+
 /* the vertex of the inner lip far enough behind the tip for a tool; -1 where the lip ends before */
 static int32_t find_grip(const forceps *f)
 {
     const pel_survey *s = f->survey;
     const pel_body *body = &f->sim->model->bodies[s->body];
     int32_t from = s->topology->corner_of_vertex[f->tip], to = pel_survey_last(s, f->tip), v = f->tip;
-    bool is_from_inner = distance_from_axis(f, from) < distance_from_axis(f, to);
+    bool is_from_inner = is_inner(f, from);
     double far =
         pel_max(GRASP_BEHIND * pel_grasp_extent(&f->tool->solid, f->tool->reach), EDGES_BEHIND * edge_at_tip(f));
     for (int32_t h = is_from_inner ? from : to; pel_is_lip(body, h);) {
@@ -183,11 +192,11 @@ static bool holds(const pel_tool *tool, int32_t v)
     return false;
 }
 
-/* a hand that pulls a stretched flap far keeps what it has */
+/* forceps that pull a stretched flap far keep what they have */
 static void regrasp(forceps *f)
 {
     int32_t grip = find_grip(f), v = grip >= 0 ? f->sim->model->bodies[f->survey->body].model_index[grip] : -1;
-    if (v >= 0 && !(is_by_hand(f->def) && holds(f->tool, v)))
+    if (v >= 0 && !holds(f->tool, v))
         pel_tool_take_patch(f->sim, f->tool, v);
 }
 
@@ -274,6 +283,8 @@ static void lead(forceps *f)
         return;
     tool->driven_pose = tool->pose;
     tool->driven = tool->is_leading = true;
+    /* it aims from where it is, and has nothing to catch up with */
+    tool->blocked = false;
     find_aim(f, aim);
     pel_vec3_subtract(aim, tool->pose.position, way);
     distance = pel_vec3_normalize(way);

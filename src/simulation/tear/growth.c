@@ -20,6 +20,8 @@
 #define LEAST_RATIO 0.5
 /* sides that overlap by more than this share of their distance are closed */
 #define LEAST_OPENING (-0.05)
+/* change of the force on a tip in a step, over the force, below which its state counts as relaxed */
+#define RELAXED 0.02
 
 static const pel_body_def *def_of(const pel_sim *sim, int32_t body)
 {
@@ -83,6 +85,13 @@ static void read_drop(const pel_survey *s, const pel_tip *tip)
     drop->vertex = -1;
 }
 
+/* methods that approach rest over many steps have no balance just after an edge opened or contact pushed: the force is
+   then larger or smaller than it will be, and has another direction */
+static bool is_relaxed(pel_survey *s, const pel_tip *tip)
+{
+    return !s->sim->stepper->relaxes || pel_survey_change(s, tip) < RELAXED;
+}
+
 /* tips that grow, the readiest first; of too many the others wait */
 static int32_t find_ready(pel_tear *tear, pel_survey *s)
 {
@@ -96,7 +105,7 @@ static int32_t find_ready(pel_tear *tear, pel_survey *s)
         pel_survey_read(s, v, ahead, &tip);
         read_drop(s, &tip);
         double own = readiness(s, &tip);
-        if (!(own >= 1) || !is_open(s, v))
+        if (!(own >= 1) || !is_open(s, v) || !is_relaxed(s, &tip))
             continue;
         int32_t place = count < tear->tip_room ? count++ : count;
         for (; place > 0 && readiness(s, &tear->tips[place - 1]) < own; place--)

@@ -342,6 +342,21 @@ void pel_survey_read(pel_survey *s, int32_t vertex, const double ahead[3], pel_t
     *tip = reading->tip;
 }
 
+double pel_survey_change(pel_survey *s, const pel_tip *tip)
+{
+    pel_state *state = s->sim->state;
+    pel_record *present = state->position;
+    pel_tip before;
+    double change[3];
+    state->position = state->position_before;
+    pel_shell_forces_follow(s->sim->shells, state->position);
+    read_tip(s, tip->vertex, tip->ahead, &before);
+    state->position = present;
+    pel_shell_forces_follow(s->sim->shells, state->position);
+    pel_vec3_subtract(tip->force, before.force, change);
+    return pel_vec3_length(change) / tip->release;
+}
+
 /* ---- tips ---- */
 
 bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t v)

@@ -50,6 +50,8 @@ bool pel_survey_is_held(const pel_survey *survey, int32_t vertex);
 bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t vertex);
 /* The tip in the present state (pel_shell_forces_follow has been called for it). */
 void pel_survey_read(pel_survey *survey, int32_t vertex, const double ahead[3], pel_tip *tip);
+/* How much its force differs from that one step before, over the present one. Of the present triangles. */
+double pel_survey_change(pel_survey *survey, const pel_tip *tip);
 /* Vertices up to some ring around one, with their rings in `rings`, until pel_survey_leave; returns their number. */
 int32_t pel_survey_walk(pel_survey *survey, int32_t vertex, int32_t ring_count);
 /* Likewise those that edges lead to within a distance [m] at rest, with the neighbours of each. */

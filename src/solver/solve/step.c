@@ -48,6 +48,13 @@ STEP_INLINE void quasi_static_slice(const sweep *run, int32_t slice, const pel_s
     }
     pel_wide factor = pel_wide_splat((pel_real)(step->alpha * step->dt * step->dt)) * own->inverse_mass;
     pel_wide3 way = {factor * force.x, factor * force.y, factor * force.z};
+    if (step->momentum > 0) {
+        pel_slice before = pel_slice_load(state->position_before, slice);
+        pel_wide share = pel_wide_splat((pel_real)step->momentum);
+        way.x += share * (own->position.x - before.position.x);
+        way.y += share * (own->position.y - before.position.y);
+        way.z += share * (own->position.z - before.position.z);
+    }
     pel_wide3 next = {own->position.x + way.x, own->position.y + way.y, own->position.z + way.z};
     note_position(sum, &next, way, step);
     pel_slice_store(state->position_next, slice, next, own->inverse_mass);

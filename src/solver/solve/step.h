@@ -10,6 +10,7 @@ typedef struct pel_step {
     double dt;
     double alpha;       /* quasi-static */
     bool keep_velocity; /* quasi-static */
+    double momentum;    /* quasi-static: share of the last displacement */
     bool symplectic;    /* explicit */
     pel_pool *pool;     /* null = one thread */
     double *longest;    /* (chunks of the largest body) scratch */
@@ -24,7 +25,8 @@ typedef struct pel_step_result {
     bool diverged; /* a new position is NaN, infinite or out of bound */
 } pel_step_result;
 
-/* x' = x + alpha F(x, v) dt^2 / m (eq. A-5), v = 0 or, kept, (x - x_before) / dt */
+/* x' = x + alpha F(x, v) dt^2 / m + momentum (x - x_before) (eq. A-5 without momentum), v = 0 or, kept,
+   (x - x_before) / dt */
 void pel_step_quasi_static(const pel_model *model, pel_state *state, const pel_step *step, pel_step_result *result);
 
 /* forward Euler: x' = x + dt v, v' = v + dt F(x, v) / m; symplectic: v' first, then x' = x + dt v' */
