@@ -72,7 +72,10 @@ typedef enum pel_fibre_mode {
     PEL_FIBRE_STRAIN, /* elastic fibres: resist stretch */
     PEL_FIBRE_ACTIVE, /* fibres with the rest length `rest_length` times their length: a muscle */
     PEL_FIBRE_CURL,   /* multiplies the rest angles of hinges in the region by `curvature`: negative values cave in */
-    PEL_FIBRE_NORMAL  /* paper B's energy E_A of the fibres with the gradient `gradient` along the normal */
+    PEL_FIBRE_NORMAL, /* paper B's energy E_A of the fibres with the gradient `gradient` along the normal */
+    PEL_FIBRE_MUSCLE  /* fibres that pull with activation times `tension` times a force-length curve (Hill 1938; the
+                         parabola of Woittiez and others 1984): at the stretch s per width at rest
+                         activation tension (1 - ((s - optimum) / width)^2), nothing where that is below 0 */
 } pel_fibre_mode;
 
 typedef enum pel_fibre_direction {
@@ -85,13 +88,17 @@ typedef enum pel_fibre_direction {
 typedef struct pel_anisotropy_def {
     pel_fibre_mode mode;
     pel_fibre_kind kind;
-    double stiffness; /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL */
+    double stiffness; /* N/m, > 0, of the fibres; not read by PEL_FIBRE_CURL and PEL_FIBRE_MUSCLE */
     double strength;  /* cave: inward motion [m] of a triangle per step at a fibre strain of -5 %, proportional to the
                          square of the strain (to the energy), limited by max_step; > 0 */
     double max_step;  /* as a share of the edge. cave: maximum inward motion per step, for any sweeps and substeps.
                          normal, pbd: maximum motion by one correction. Default: 0.05 */
     double gradient;  /* normal: k_A [N], > 0: a triangle with the energy E_A moves its corners by E_A / (3 k_A) */
     pel_quantity rest_length; /* active: factor on the rest length, 0 to 1 or more; may be keyed */
+    double tension;           /* muscle: N/m, > 0: largest stress of the muscle times its thickness */
+    pel_quantity activation;  /* muscle: 0 to 1; may be keyed, or vary over the body */
+    double optimum;           /* muscle: stretch at which it is strongest, > 0; default: 1 */
+    double width;             /* muscle: distance from it at which it has no force, > 0; default: 0.5 */
     double curvature;         /* curl: factor on rest angles; -1 inverts them */
     pel_fibre_direction direction;
     double axis[3];

@@ -174,7 +174,7 @@ static void test_fibres(void **unused)
     double weights[42];
     for (int32_t v = 0; v < 42; v++)
         weights[v] = mesh->positions[v][2] > 0 ? 0.7 : 0;
-    for (int kind = 0; kind <= PEL_FIBRE_SQRT + 1; kind++) {
+    for (int kind = 0; kind <= PEL_FIBRE_SQRT + 2; kind++) {
         pel_anisotropy_def regions[2] = {pel_anisotropy_def_default(), pel_anisotropy_def_default()};
         regions[0].mode = regions[1].mode = PEL_FIBRE_STRAIN;
         regions[0].kind = regions[1].kind = (pel_fibre_kind)(kind % 3);
@@ -183,6 +183,11 @@ static void test_fibres(void **unused)
         if (kind > PEL_FIBRE_SQRT) {
             regions[0].mode = PEL_FIBRE_ACTIVE;
             regions[0].rest_length = (pel_quantity){.keys = keys, .key_count = 2};
+        }
+        if (kind > PEL_FIBRE_SQRT + 1) {
+            regions[0].mode = PEL_FIBRE_MUSCLE;
+            regions[0].tension = 3;
+            regions[0].activation = regions[0].rest_length;
         }
         pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
         body.shell.membrane.on = false;

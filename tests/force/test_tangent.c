@@ -30,8 +30,8 @@ enum { VARIANT_COUNT = sizeof variants / sizeof *variants };
 
 static const pel_anisotropy_def *fibre_regions(void)
 {
-    static pel_anisotropy_def regions[2];
-    regions[0] = regions[1] = pel_anisotropy_def_default();
+    static pel_anisotropy_def regions[3];
+    regions[0] = regions[1] = regions[2] = pel_anisotropy_def_default();
     regions[0].mode = PEL_FIBRE_ACTIVE;
     regions[0].direction = PEL_FIBRE_ALONG;
     regions[0].stiffness = 300;
@@ -40,6 +40,11 @@ static const pel_anisotropy_def *fibre_regions(void)
     regions[1].kind = PEL_FIBRE_STVK;
     regions[1].stiffness = 200;
     regions[1].center[0] = 3;
+    regions[2].mode = PEL_FIBRE_MUSCLE;
+    regions[2].tension = 250;
+    regions[2].activation.value = 0.6;
+    regions[2].optimum = 1.1;
+    regions[2].center[1] = 3;
     return regions;
 }
 
@@ -60,7 +65,7 @@ static pel_body_def body_of(const variant *v, const pel_mesh *mesh)
     }
     if (v->fibres) {
         body.shell.anisotropies = fibre_regions();
-        body.shell.anisotropy_count = 2;
+        body.shell.anisotropy_count = 3;
     }
     return body;
 }

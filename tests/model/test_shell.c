@@ -219,7 +219,7 @@ static void test_regions(void **unused)
         }
         assert_true(along > 0);
     }
-    assert_near(pel_curve_value(active->rest_length.keys, active->rest_length.key_count, 1), 0.75, 1e-15);
+    assert_near(pel_curve_value(active->course.keys, active->course.key_count, 1), 0.75, 1e-15);
     /* hinges inside turn round, those outside stay */
     assert_int_equal(shell->regions[1].fibre_count, 0);
     for (int32_t i = 0; i < shell->hinge_count; i++) {

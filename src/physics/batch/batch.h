@@ -33,6 +33,7 @@ typedef enum pel_constraint {
     PEL_CONSTRAINT_FIBRE_SQUARE,    /* the same, energy in the square of the length */
     PEL_CONSTRAINT_FIBRE_COMPLIANT, /* without the weight */
     PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT,
+    PEL_CONSTRAINT_MUSCLE,        /* the same, with the softness of the tension */
     PEL_CONSTRAINT_CAVE,          /* image weights, then as in pel_cave_number */
     PEL_CONSTRAINT_NORMAL,        /* image weights, then as in pel_normal_number */
     PEL_CONSTRAINT_NORMAL_SQUARE, /* the same, energy in the square of the length */
@@ -87,7 +88,8 @@ typedef struct pel_batch_law {
     pel_real share;          /* pbd: share of a correction that is applied, below 1 if a step has several substeps */
     pel_real least_strain;   /* limit: Green strain of the least principal stretch */
     pel_real most_strain;    /* limit: of the largest one */
-    pel_real rest_length;    /* fibres: factor on the length at rest, now */
+    pel_real rest_length;    /* fibres: factor on the length at rest, now; muscles: their activation */
+    pel_real optimum, width; /* muscles: of their force-length curve */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
     pel_real viscosity;      /* of compliant kinds: retardation over the length of a substep; 0 = elastic */

@@ -493,6 +493,10 @@ static pel_status add_region(plan *p, int32_t r, pel_error *error)
         batch = (pel_batch){.kind = squared ? PEL_CONSTRAINT_NORMAL_SQUARE : PEL_CONSTRAINT_NORMAL,
                             .arity = 3,
                             .number_count = PEL_NORMAL_NUMBERS};
+    } else if (region->def.mode == PEL_FIBRE_MUSCLE) {
+        batch.kind = PEL_CONSTRAINT_MUSCLE;
+        batch.law.optimum = (pel_real)region->def.optimum;
+        batch.law.width = (pel_real)region->def.width;
     } else if (p->literal) {
         batch.kind = squared ? PEL_CONSTRAINT_FIBRE_SQUARE : PEL_CONSTRAINT_FIBRE;
         batch.number_count = PEL_FIBRE_WEIGHTED_NUMBERS;

@@ -57,7 +57,7 @@ bool pel_batches_is_valid(const pel_batches *batches);
 /* true for a batch whose energy has a region's fibres */
 static inline bool pel_batch_is_fibre(const pel_batch *batch)
 {
-    return batch->kind >= PEL_CONSTRAINT_FIBRE && batch->kind <= PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT;
+    return batch->kind >= PEL_CONSTRAINT_FIBRE && batch->kind <= PEL_CONSTRAINT_MUSCLE;
 }
 
 #endif

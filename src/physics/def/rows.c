@@ -88,8 +88,9 @@ CONDITION(caves, pel_anisotropy_def, def->mode == PEL_FIBRE_CAVE)
 CONDITION(has_max_step, pel_anisotropy_def, def->mode == PEL_FIBRE_CAVE || def->mode == PEL_FIBRE_NORMAL)
 CONDITION(is_normal, pel_anisotropy_def, def->mode == PEL_FIBRE_NORMAL)
 CONDITION(is_active, pel_anisotropy_def, def->mode == PEL_FIBRE_ACTIVE)
+CONDITION(is_muscle, pel_anisotropy_def, def->mode == PEL_FIBRE_MUSCLE)
 CONDITION(curls, pel_anisotropy_def, def->mode == PEL_FIBRE_CURL)
-CONDITION(has_fibres, pel_anisotropy_def, def->mode != PEL_FIBRE_CURL)
+CONDITION(has_fibres, pel_anisotropy_def, def->mode != PEL_FIBRE_CURL && def->mode != PEL_FIBRE_MUSCLE)
 CONDITION(has_foundation, pel_support_def, def->foundation > 0)
 CONDITION(has_radius, pel_tool_def, pel_solid_rows[def->shape].has_radius)
 CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
@@ -903,11 +904,12 @@ static const pel_def_row rows[] = {
             "results do not depend on it"},
 
     {"<anisotropy>", MAP, .doc = "a region with fibres"},
-    {"<anisotropy>.mode", FIBRES(mode), FIXED, WORD("cave", "strain", "active", "curl", "normal"), ALTERNATIVE,
-     .preset = "cave",
+    {"<anisotropy>.mode", FIBRES(mode), FIXED, WORD("cave", "strain", "active", "curl", "normal", "muscle"),
+     ALTERNATIVE, .preset = "cave",
      .doc = "normal: paper B's energy of the fibres with its gradient along the normal, moves triangles inward where "
             "fibres are shorter than at rest; cave: the same with a bounded way per step (pbd, xpbd); strain: fibres "
-            "resist strain; active: fibres contract like a muscle; curl: changes the rest angles of hinges"},
+            "resist strain; active: fibres contract to a rest length; curl: changes the rest angles of hinges; muscle: "
+            "fibres pull with activation times tension times a force-length curve"},
     {"<anisotropy>.energy", FIBRES(kind), FIXED, WORD("arap", "stvk", "sqrt"), .preset = "arap",
      .doc =
          "normal, strain: energy of the fibres. With their stretch s and stiffness k, per area: arap and sqrt k/2 (s - "
@@ -932,6 +934,17 @@ static const pel_def_row rows[] = {
             "(`caving_limited` in series.csv)"},
     {FIBRES_PATH("rest_length"), FIBRES(rest_length), QUANTITY, AT_LEAST(0), .needs = "mode", .needs_word = "active",
      REQUIRED, .initial = 1, WHEN(is_active), .doc = "rest length of the fibres, relative to the rest shape"},
+    {FIBRES_PATH("tension"), FIBRES(tension), NUMBER, .unit = "N/m", POSITIVE, .needs = "mode", .needs_word = "muscle",
+     REQUIRED, .initial = 1, WHEN(is_muscle),
+     .doc = "force over width of the muscle at activation 1 and its optimum: its largest stress, 0.1 to 0.3 MPa of "
+            "skeletal muscle, times its thickness"},
+    {FIBRES_PATH("activation"), FIBRES(activation), QUANTITY, BETWEEN(0, 1), .needs = "mode", .needs_word = "muscle",
+     REQUIRED, .initial = 1, WHEN(is_muscle),
+     .doc = "of the muscle; over time by keys, over the body by a field or the weights of the region"},
+    {FIBRES_PATH("optimum"), FIBRES(optimum), NUMBER, POSITIVE, .needs = "mode", .needs_word = "muscle", DEFAULT(1),
+     WHEN(is_muscle), .doc = "stretch at which the muscle is strongest"},
+    {FIBRES_PATH("width"), FIBRES(width), NUMBER, POSITIVE, .needs = "mode", .needs_word = "muscle", DEFAULT(0.5),
+     WHEN(is_muscle), .doc = "of its force-length curve 1 - ((stretch - optimum) / width)^2, which is 0 beyond that"},
     {FIBRES_PATH("curvature"), FIBRES(curvature), NUMBER, .needs = "mode", .needs_word = "curl", DEFAULT(-1),
      WHEN(curls), .doc = "factor on the rest angles of hinges; below 0 the region bends inward"},
     {"<anisotropy>.direction", FIBRES(direction), FIXED, .forms = PEL_FORM_WORD | PEL_FORM_VECTOR,

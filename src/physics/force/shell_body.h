@@ -83,7 +83,7 @@ static inline int32_t pel_shell_fibre_count(const pel_shell_region *region)
 /* fibres of a region in a triangle, -1 = none; sorted by triangle */
 int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle);
 /* rest length of a region's fibres relative to the shape */
-double pel_shell_rest_length(const pel_shell_region *region, double time);
+double pel_shell_fibre_amount(const pel_shell_region *region, double time);
 /* Energy of a hinge over its factor, and its gradient, which may be null. */
 double pel_shell_hinge_energy(const pel_shell *shell, const pel_record *rest, const pel_shell_hinge *hinge,
                               const double x[4][3], double gradient[4][3]);

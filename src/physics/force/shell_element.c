@@ -8,12 +8,12 @@ double pel_shell_hinge_factor(const pel_shell *shell, const pel_shell_hinge *hin
     return shell->bending->is_angle ? hinge->stiffness : hinge->stiffness / 3;
 }
 
-double pel_shell_rest_length(const pel_shell_region *region, double time)
+double pel_shell_fibre_amount(const pel_shell_region *region, double time)
 {
-    const pel_curve *curve = &region->rest_length;
-    if (region->def.mode != PEL_FIBRE_ACTIVE)
+    const pel_curve *curve = &region->course;
+    if (region->def.mode != PEL_FIBRE_ACTIVE && region->def.mode != PEL_FIBRE_MUSCLE)
         return 1;
-    return region->def.rest_length.value * pel_curve_value(curve->keys, curve->key_count, time);
+    return region->amount * pel_curve_value(curve->keys, curve->key_count, time);
 }
 
 double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *region, int32_t i, double time,
@@ -27,7 +27,11 @@ double pel_shell_fibre_energy(const pel_shell *shell, const pel_shell_region *re
         pel_principal_direction(&rest, x, fibre.direction);
     if (region->def.mode == PEL_FIBRE_STRAIN)
         return pel_fibre_energy(&rest, region->def.kind, stiffness, fibre.direction, x, gradient);
-    return pel_fibre_active_energy(&rest, stiffness, pel_shell_rest_length(region, time), fibre.direction, x, gradient);
+    const double amount = pel_shell_fibre_amount(region, time);
+    if (region->def.mode == PEL_FIBRE_MUSCLE)
+        return pel_muscle_energy(&rest, amount * stiffness, region->def.optimum, region->def.width, fibre.direction, x,
+                                 gradient);
+    return pel_fibre_active_energy(&rest, stiffness, amount, fibre.direction, x, gradient);
 }
 
 int32_t pel_shell_find_fibre(const pel_shell_region *region, int32_t triangle)

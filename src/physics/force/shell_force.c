@@ -38,7 +38,7 @@ static double amount_of(const shell_loop *loop, const pel_shell_body *own, const
         return own->pressure;
     const pel_shell_region *region = &own->shell->regions[batch->region];
     return region->def.mode == PEL_FIBRE_NORMAL ? region->def.stiffness
-                                                : pel_shell_rest_length(region, loop->span.time);
+                                                : pel_shell_fibre_amount(region, loop->span.time);
 }
 
 static void bundle_chunk(void *context, int32_t chunk)

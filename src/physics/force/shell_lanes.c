@@ -135,6 +135,27 @@ PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_
     return stiffness * pel_law_fibre_energy(r);
 }
 
+PEL_INLINE pel_lane pull_muscle(const pel_batch *batch, int32_t block, const pel_record *position, double activation,
+                                pel_lane3 force[3])
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    pel_lane3 x[3];
+    for (int k = 0; k < 3; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    const pel_lane c0 = number_of(batch, block, 0), c1 = number_of(batch, block, 1);
+    const pel_fibre_image f =
+        pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]), c0, c1);
+    const pel_lane length = pel_lane_sqrt(f.square);
+    const pel_muscle_response r =
+        pel_law_muscle(length, pel_lane_splat(batch->law.optimum), pel_lane_splat(batch->law.width));
+    const pel_lane tension = pel_lane_splat((pel_real)activation) / number_of(batch, block, 2);
+    const pel_lane scale = -pel_lane_quotient(tension * r.force, length);
+    force[0] = pel_lane3_scale(f.image, scale * c0);
+    force[1] = pel_lane3_scale(f.image, scale * c1);
+    force[2] = pel_lane3_scale(f.image, -(scale * (c0 + c1)));
+    return tension * r.energy;
+}
+
 /* a push of stiffness / k_A times a third of E_A along the inward normal on each corner */
 PEL_INLINE pel_lane push_normal(const pel_batch *batch, int32_t block, const pel_record *position, double stiffness,
                                 bool squared, pel_lane3 force[3])
@@ -223,6 +244,7 @@ PEL_FORCE_SWEEP(sweep_fold, 4, PEL_FOLD_NUMBERS, bend_fold(batch, block, positio
 PEL_FORCE_SWEEP(sweep_isometric, 4, PEL_ISOMETRIC_NUMBERS, bend_isometric(batch, block, position, forces))
 PEL_FORCE_SWEEP(sweep_fibre, 3, given->number_count, pull_fibre(batch, block, position, amount, false, forces))
 PEL_FORCE_SWEEP(sweep_fibre_square, 3, given->number_count, pull_fibre(batch, block, position, amount, true, forces))
+PEL_FORCE_SWEEP(sweep_muscle, 3, PEL_FIBRE_NUMBERS, pull_muscle(batch, block, position, amount, forces))
 PEL_FORCE_SWEEP(sweep_normal, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, position, amount, false, forces))
 PEL_FORCE_SWEEP(sweep_normal_square, 3, PEL_NORMAL_NUMBERS, push_normal(batch, block, position, amount, true, forces))
 PEL_FORCE_SWEEP(sweep_pressure, 3, given->number_count, press_area(batch, block, position, amount, forces))
@@ -249,6 +271,7 @@ static force_sweep *const sweeps[PEL_CONSTRAINT_COUNT] = {
     [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_fibre,
     [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,
     [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_fibre_square,
+    [PEL_CONSTRAINT_MUSCLE] = sweep_muscle,
     [PEL_CONSTRAINT_NORMAL] = sweep_normal,
     [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,
     PEL_VOLUME_LAWS(PEL_FORCE_SOLID_ROW)[PEL_CONSTRAINT_PRESSURE] = sweep_pressure,

@@ -64,9 +64,13 @@ static double add_fibres(const pel_tangent_loop *loop, const pel_tangent_shell *
         const pel_tangent_fibre *fibre = &own->fibres[i];
         const pel_shell_region *region = &own->shell->regions[fibre->region];
         bool active = region->def.mode == PEL_FIBRE_ACTIVE, squared = !active && region->def.kind == PEL_FIBRE_STVK;
-        double length =
-            active ? region->def.rest_length.value * curve_value(&region->rest_length, loop->input->span.time) : 1;
-        const pel_line line = pel_line_of_fibre(&own->rests[t], squared, fibre->stiffness, length, fibre->direction);
+        const bool is_muscle = region->def.mode == PEL_FIBRE_MUSCLE;
+        const double amount =
+            active || is_muscle ? region->amount * curve_value(&region->course, loop->input->span.time) : 1;
+        const pel_line line =
+            is_muscle ? pel_line_of_muscle(&own->rests[t], amount * fibre->stiffness, region->def.optimum,
+                                           region->def.width, fibre->direction)
+                      : pel_line_of_fibre(&own->rests[t], squared, fibre->stiffness, amount, fibre->direction);
         if (region->def.mode == PEL_FIBRE_NORMAL) {
             add_push(loop, &region->def, &line, stress + i - own->fibre_begin[t], element);
             continue;

@@ -23,6 +23,23 @@ PEL_INLINE pel_lane pel_law_fibre_energy(pel_fibre_response r)
     return PEL_CONSTANT(0.5) * r.strain * r.strain;
 }
 
+/* A muscle of activation and tension 1: force over stretch, and its integral from the shortest length with a force. */
+typedef struct pel_muscle_response {
+    pel_lane force, energy;
+    pel_lane slope; /* of the force */
+} pel_muscle_response;
+
+PEL_INLINE pel_muscle_response pel_law_muscle(pel_lane length, pel_lane optimum, pel_lane width)
+{
+    const pel_lane one = pel_lane_splat(1);
+    const pel_lane at = pel_lane_max(pel_lane_min((length - optimum) / width, one), -one), square = at * at;
+    return (pel_muscle_response){
+        one - square,
+        width * (at - square * at * PEL_CONSTANT(0.33333333333333333) + PEL_CONSTANT(0.66666666666666667)),
+        pel_lane_where(pel_lane_above(one, square), PEL_CONSTANT(-2.0) * at / width),
+    };
+}
+
 /* The energy of a fibre that is shorter than at rest, else 0: paper B's E_A as PEL_FIBRE_NORMAL takes it. */
 PEL_INLINE pel_lane pel_law_fibre_shortening(pel_fibre_response r)
 {

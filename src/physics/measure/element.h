@@ -34,4 +34,8 @@ void pel_triangle_gradient(const double x[3][3], const double values[3], double 
 /* The direction of the rest frame in which the triangle is stretched most; the first axis if there is none. */
 void pel_principal_direction(const pel_rest_triangle *triangle, const double x[3][3], double direction[2]);
 
+/* As pel_fibre_active_energy, of a muscle of the given activation times tension [N/m]. */
+double pel_muscle_energy(const pel_rest_triangle *triangle, double tension, double optimum, double width,
+                         const double direction[2], const double x[3][3], double gradient[3][3]);
+
 #endif

@@ -1,6 +1,7 @@
 #define PEL_LANE_DOUBLE
 #include "measure/tangent.h"
 
+#include "law/fibre.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
 #include "measure/tangent_triangle.h"
@@ -26,7 +27,7 @@ double pel_membrane_tangent(const pel_rest_triangle *rest, const pel_membrane_la
 
 pel_line pel_line_of_spring(double stiffness, double rest_length)
 {
-    return (pel_line){PEL_LINE_LENGTH, 2, {-1, 1}, stiffness, rest_length};
+    return (pel_line){PEL_LINE_LENGTH, 2, {-1, 1}, stiffness, rest_length, 1};
 }
 
 pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double stiffness, double rest_length,
@@ -38,14 +39,24 @@ pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double s
                       3,
                       {first, second, -(first + second)},
                       rest->area * stiffness,
-                      rest_length};
+                      rest_length,
+                      1};
+}
+
+pel_line pel_line_of_muscle(const pel_rest_triangle *rest, double stiffness, double optimum, double width,
+                            const double direction[2])
+{
+    pel_line line = pel_line_of_fibre(rest, false, stiffness, optimum, direction);
+    line.kind = PEL_LINE_MUSCLE;
+    line.width = width;
+    return line;
 }
 
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness)
 {
     const double *w = stencil->weight;
     /* D / 3 represents a plate */
-    return (pel_line){PEL_LINE_VECTOR, 4, {w[0], w[1], w[2], w[3]}, stiffness / 3 * stencil->factor, 0};
+    return (pel_line){PEL_LINE_VECTOR, 4, {w[0], w[1], w[2], w[3]}, stiffness / 3 * stencil->factor, 0, 1};
 }
 
 /* y, from differences to the first vertex where the weights sum to zero: exact far from the origin */
@@ -103,6 +114,12 @@ double pel_line_tangent(const pel_line *line, const double *x, const pel_tangent
                               .strain = {strain},
                               .stress = {line->stiffness * strain},
                               .tangent = {{line->stiffness}}};
+    if (line->kind == PEL_LINE_MUSCLE) {
+        const pel_muscle_response r = pel_law_muscle(length, line->rest, line->width);
+        point.energy = line->stiffness * r.energy;
+        point.stress[0] = line->stiffness * r.force;
+        point.tangent[0][0] = line->stiffness * (request->kind == PEL_TANGENT_POSITIVE ? pel_max(r.slope, 0) : r.slope);
+    }
     set_line_gradient(line, squared ? 2 : inverse, y, point.gradient[0]);
     pel_strain_damp(&point, PEL_LINE_STRAINS, request);
     double stress = pel_strain_geometric(&point, request)[0];

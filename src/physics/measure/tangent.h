@@ -59,7 +59,8 @@ double pel_membrane_tangent(const pel_rest_triangle *rest, const pel_membrane_la
 typedef enum pel_line_kind {
     PEL_LINE_LENGTH, /* k/2 (|y| - rest)^2 */
     PEL_LINE_SQUARE, /* k/2 (|y|^2 - 1)^2 */
-    PEL_LINE_VECTOR  /* k/2 |y|^2: constant Hessian, no stress */
+    PEL_LINE_VECTOR, /* k/2 |y|^2: constant Hessian, no stress */
+    PEL_LINE_MUSCLE  /* k times the energy of a muscle (law/fibre.h), with `rest` as its optimum */
 } pel_line_kind;
 
 typedef struct pel_line {
@@ -67,6 +68,7 @@ typedef struct pel_line {
     int count;        /* vertices, 2 to 4 */
     double weight[4]; /* sum to 0 */
     double stiffness, rest;
+    double width; /* of a muscle */
 } pel_line;
 
 /* x (3 count). A line of length 0 has no direction: PEL_LINE_LENGTH then adds nothing but its energy. */
@@ -78,6 +80,9 @@ double pel_line_tangent(const pel_line *line, const double *x, const pel_tangent
 pel_line pel_line_of_spring(double stiffness, double rest_length);
 pel_line pel_line_of_fibre(const pel_rest_triangle *rest, bool squared, double stiffness, double rest_length,
                            const double direction[2]);
+/* of a muscle, whose stiffness is its activation times its tension */
+pel_line pel_line_of_muscle(const pel_rest_triangle *rest, double stiffness, double optimum, double width,
+                            const double direction[2]);
 pel_line pel_line_of_isometric(const pel_bending_isometric *stencil, double stiffness);
 
 /* An angle less that at rest, the short way round [rad]. */

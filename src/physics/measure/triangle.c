@@ -1,6 +1,7 @@
 #define PEL_LANE_DOUBLE
 #include "measure/element.h"
 
+#include "law/fibre.h"
 #include "math/functions.h"
 #include "math/vec3.h"
 #include "measure/volume.h"
@@ -146,6 +147,23 @@ double pel_fibre_active_energy(const pel_rest_triangle *triangle, double stiffne
     if (gradient != NULL)
         pel_stress_gradient(triangle, p, gradient);
     return triangle->area * psi;
+}
+
+double pel_muscle_energy(const pel_rest_triangle *triangle, double tension, double optimum, double width,
+                         const double direction[2], const double x[3][3], double gradient[3][3])
+{
+    double f[6], image[3], p[6];
+    pel_deformation_gradient(triangle, x, f);
+    for (int i = 0; i < 3; i++)
+        image[i] = f[2 * i] * direction[0] + f[2 * i + 1] * direction[1];
+    const double length = pel_vec3_length(image);
+    const pel_muscle_response r = pel_law_muscle(length, optimum, width);
+    /* P = tension force (F a) a^T / |F a| */
+    for (int i = 0; i < 6; i++)
+        p[i] = length > 0 ? tension * r.force / length * image[i / 2] * direction[i % 2] : 0;
+    if (gradient != NULL)
+        pel_stress_gradient(triangle, p, gradient);
+    return triangle->area * tension * r.energy;
 }
 
 static pel_lane3 point_of(const double x[3])

@@ -218,16 +218,29 @@ static pel_status check_bending(const pel_body_def *def, int32_t body, pel_error
     return pel_quantity_check(&bending->stiffness, def->mesh->vertex_count, body, "bending stiffness", false, error);
 }
 
+static pel_status check_muscle(const pel_body_def *body_def, const pel_anisotropy_def *def, int32_t body,
+                               pel_error *error)
+{
+    const double numbers[] = {def->tension, def->optimum, def->width};
+    static const char *const names[] = {"muscle tension", "muscle optimum", "muscle width"};
+    pel_status status =
+        pel_quantity_check(&def->activation, body_def->mesh->vertex_count, body, "activation", true, error);
+    for (int i = 0; status == PEL_OK && i < 3; i++)
+        if (!(numbers[i] > 0 && isfinite(numbers[i])))
+            status = check_number(numbers[i], 1e-300, HUGE_VAL, body, names[i], error);
+    return status;
+}
+
 static pel_status check_anisotropy(const pel_body_def *body_def, const pel_anisotropy_def *def, int32_t body,
                                    pel_error *error)
 {
-    bool fibres = def->mode != PEL_FIBRE_CURL;
-    pel_status status = check_choice((int)def->mode, PEL_FIBRE_NORMAL + 1, body, "anisotropy mode", error);
+    bool fibres = def->mode != PEL_FIBRE_CURL, is_muscle = def->mode == PEL_FIBRE_MUSCLE;
+    pel_status status = check_choice((int)def->mode, PEL_FIBRE_MUSCLE + 1, body, "anisotropy mode", error);
     if (status == PEL_OK)
         status = check_choice((int)def->kind, PEL_FIBRE_SQRT + 1, body, "fibre kind", error);
     if (status == PEL_OK)
         status = check_choice((int)def->direction, PEL_FIBRE_PRINCIPAL + 1, body, "fibre direction", error);
-    if (status == PEL_OK && fibres && !(def->stiffness > 0))
+    if (status == PEL_OK && fibres && !is_muscle && !(def->stiffness > 0))
         status = check_number(def->stiffness, 1e-300, HUGE_VAL, body, "fibre stiffness", error);
     if (status == PEL_OK && def->mode == PEL_FIBRE_CAVE && !(def->strength > 0 && isfinite(def->strength)))
         status = check_number(def->strength, 1e-300, HUGE_VAL, body, "anisotropy strength", error);
@@ -238,6 +251,8 @@ static pel_status check_anisotropy(const pel_body_def *body_def, const pel_aniso
     if (status == PEL_OK && def->mode == PEL_FIBRE_ACTIVE)
         status =
             pel_quantity_check(&def->rest_length, body_def->mesh->vertex_count, body, "fibre rest_length", true, error);
+    if (status == PEL_OK && is_muscle)
+        status = check_muscle(body_def, def, body, error);
     if (status == PEL_OK && !fibres && !pel_bending_traits_of(body_def->shell.bending.model)->has_rest_angles)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body, "give the bending the model hinge",
                                   "anisotropy that curls changes rest angles, but the body has no hinges");
@@ -607,29 +622,41 @@ void pel_shell_fibre_direction(const pel_anisotropy_def *def, const double x[3][
     pel_rest_triangle_direction(x, along, direction);
 }
 
+/* of a region, of an activation over the body, or of both */
+static double fibre_weight(const double *weights, const double *spread, const int32_t corners[3])
+{
+    return (weights != NULL ? mean_weight(weights, corners) : 1) * (spread != NULL ? mean_weight(spread, corners) : 1);
+}
+
 static pel_status create_region(const pel_anisotropy_def *def, const pel_body *body, pel_shell_region *region,
                                 pel_error *error)
 {
     const pel_mesh *mesh = body->mesh;
+    const bool is_muscle = def->mode == PEL_FIBRE_MUSCLE;
+    const pel_quantity *course = is_muscle ? &def->activation : &def->rest_length;
+    const double *spread = is_muscle ? def->activation.field : NULL;
     region->def = *def;
     region->def.weights = NULL;
-    region->def.rest_length.field = NULL;
-    region->def.rest_length.keys = NULL;
-    region->def.rest_length.value = pel_quantity_at(&def->rest_length, 0);
-    pel_status status = pel_curve_copy(&def->rest_length, &region->rest_length, error);
+    region->def.rest_length.field = region->def.activation.field = NULL;
+    region->def.rest_length.keys = region->def.activation.keys = NULL;
+    region->amount = spread != NULL ? 1 : pel_quantity_at(course, 0);
+    /* the tension is the stiffness of the numbers of its elements */
+    if (is_muscle)
+        region->def.stiffness = def->tension;
+    pel_status status = pel_curve_copy(course, &region->course, error);
     if (status != PEL_OK || def->mode == PEL_FIBRE_CURL)
         return status;
-    if (def->weights == NULL) {
+    if (def->weights == NULL && spread == NULL) {
         region->fibre_count = mesh->triangle_count;
         return PEL_OK;
     }
     size_t count = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++)
-        count += mean_weight(def->weights, mesh->triangles[t]) > 0;
+        count += fibre_weight(def->weights, spread, mesh->triangles[t]) > 0;
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(region->triangles, count), PEL_ROOM(region->weights, count)))
         return pel_fail_memory(error);
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        double weight = mean_weight(def->weights, mesh->triangles[t]);
+        double weight = fibre_weight(def->weights, spread, mesh->triangles[t]);
         if (!(weight > 0))
             continue;
         region->triangles[region->fibre_count] = t;
@@ -753,7 +780,7 @@ void pel_shell_destroy(pel_shell *shell)
     if (shell == NULL)
         return;
     for (int32_t i = 0; i < shell->region_count; i++) {
-        PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].rest_length.keys);
+        PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].course.keys);
     }
     PEL_FREE_ALL(shell->sheets, shell->axes, shell->coordinate, shell->hinge_sides, shell->hinge_stiffnesses,
                  shell->rest_angles, shell->yield_angles, shell->regions, shell->parts, shell->outside.keys,

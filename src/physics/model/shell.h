@@ -35,12 +35,13 @@ typedef struct pel_shell_hinge {
 typedef struct pel_shell_fibre {
     int32_t triangle;
     double direction[2]; /* in the rest frame; of PEL_FIBRE_PRINCIPAL any */
-    double weight;       /* mean of the corners, > 0 */
+    double weight;       /* mean of the corners, > 0; of muscles times the activation over the body */
 } pel_shell_fibre;
 
 typedef struct pel_shell_region {
-    pel_anisotropy_def def;           /* pointers null */
-    pel_curve rest_length;            /* with def.rest_length.value as its factor */
+    pel_anisotropy_def def; /* pointers null */
+    pel_curve course; /* over time of the rest length of active fibres, of the activation of muscles; with `amount` */
+    double amount;    /* as its factor */
     int32_t fibre_count, fibre_limit; /* 0 for PEL_FIBRE_CURL */
     int32_t *triangles;               /* (fibre_count) with fibres, rising; null = all */
     double *weights;                  /* (fibre_count) null = 1 */
@@ -196,7 +197,8 @@ static inline pel_yield pel_shell_yield(const pel_shell *shell, int32_t i, const
  */
 static inline bool pel_shell_region_is_elastic(const pel_shell_region *region)
 {
-    return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE;
+    return region->def.mode == PEL_FIBRE_STRAIN || region->def.mode == PEL_FIBRE_ACTIVE ||
+           region->def.mode == PEL_FIBRE_MUSCLE;
 }
 /* true if a region has this mode */
 bool pel_shell_has_mode(const pel_shell *shell, pel_fibre_mode mode);

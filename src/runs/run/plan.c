@@ -27,7 +27,8 @@ static double shell_end(const pel_shell_def *shell)
 {
     double time = pel_max(quantity_end(&shell->pressure.outside), quantity_end(&shell->pressure.target));
     for (int32_t i = 0; i < shell->anisotropy_count; i++)
-        time = pel_max(time, quantity_end(&shell->anisotropies[i].rest_length));
+        time = pel_max(time, pel_max(quantity_end(&shell->anisotropies[i].rest_length),
+                                     quantity_end(&shell->anisotropies[i].activation)));
     return time;
 }
 

@@ -72,7 +72,14 @@ static double sheet_stiffness(const pel_membrane_def *membrane, const pel_mesh *
 static pel_status find_stiffness(const pel_scene_part *source, const pel_scene_value *value, const pel_shell_def *shell,
                                  pel_anisotropy_def *fibres)
 {
-    if (pel_scene_value_entry(value, "stiffness")->form == PEL_FORM_NUMBER)
+    const bool is_given = pel_scene_value_entry(value, "stiffness")->form == PEL_FORM_NUMBER;
+    if (is_given && fibres->mode == PEL_FIBRE_MUSCLE) {
+        pel_scene_fail(source->reader, &pel_scene_value_entry(value, "stiffness")->place,
+                       "a muscle has a tension, and no stiffness");
+        pel_fail_remedy(source->reader->error, "use a second region of mode strain for what resists stretch beside it");
+        return PEL_BAD_SCENE;
+    }
+    if (is_given || fibres->mode == PEL_FIBRE_MUSCLE)
         return PEL_OK;
     if (shell->membrane.on) {
         fibres->stiffness = sheet_stiffness(&shell->membrane, source->mesh);

@@ -306,7 +306,7 @@ static bool has_keyed_fibres(const pel_sim *sim)
     for (int32_t b = 0; sim->shells != NULL && b < sim->model->body_count; b++) {
         const pel_shell *shell = sim->model->bodies[b].shell;
         for (int32_t r = 0; shell != NULL && r < shell->region_count; r++)
-            if (shell->regions[r].rest_length.key_count > 0)
+            if (shell->regions[r].course.key_count > 0)
                 return true;
     }
     return false;

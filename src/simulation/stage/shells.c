@@ -60,6 +60,10 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
         if (body->shell == NULL)
             continue;
         const char *refusal = mode_refusal(sim, body->shell);
+        if (pel_shell_has_mode(body->shell, PEL_FIBRE_MUSCLE) && pel_sim_is_projected(sim) &&
+            !sim->stepper->is_compliant)
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, implicit or static",
+                                      "muscles pull with a tension, and pbd knows no forces");
         if (refusal != NULL)
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
                                       "use the method pbd, or one of the modes strain, active and curl", "%s", refusal);

@@ -7,10 +7,9 @@ static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_sol
 {
     const pel_shell_region *region = &shell->regions[batch->region];
     const pel_anisotropy_def *def = &region->def;
-    if (def->mode == PEL_FIBRE_ACTIVE)
+    if (def->mode == PEL_FIBRE_ACTIVE || def->mode == PEL_FIBRE_MUSCLE)
         batch->law.rest_length =
-            (pel_real)(def->rest_length.value *
-                       pel_curve_value(region->rest_length.keys, region->rest_length.key_count, time));
+            (pel_real)(region->amount * pel_curve_value(region->course.keys, region->course.key_count, time));
     if (batch->kind == PEL_CONSTRAINT_CAVE)
         pel_project_cave_begin(batch, shell, state, solver);
     for (int32_t i = 0; batch->is_projected && pel_batch_is_push(batch) && i < batch->block_count * PEL_BLOCK; i++)

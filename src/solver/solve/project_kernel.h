@@ -669,6 +669,29 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
     ways[2] = pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1)));
 }
 
+/* Newton's step of force + softness times multiplier, with the slope of the force-length curve where it rises; beyond
+   its optimum the force of the present length acts. */
+PEL_INLINE void project_muscle(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
+                               pel_lane3 *ways)
+{
+    PEL_ASSERT_INDEX(block, batch->block_count);
+    const fibre_lanes f = load_fibre(batch, block, lane, positions, true);
+    const pel_lane length = pel_lane_sqrt(f.fibre.square),
+                   softness = f.number * pel_lane_splat(batch->law.inverse_square);
+    const pel_muscle_response r =
+        pel_law_muscle(length, pel_lane_splat(batch->law.optimum), pel_lane_splat(batch->law.width));
+    const pel_lane force = pel_lane_splat(batch->law.rest_length) * r.force,
+                   old = multiplier_of(batch, block, 1, 0, lane);
+    const pel_lane slope = pel_lane_splat(batch->law.rest_length) * pel_lane_max(r.slope, pel_lane_splat(0));
+    const pel_lane change = -((force + softness * old) / (slope * f.mobility + softness));
+    add_multiplier(batch, block, 1, 0, lane, old, change);
+    const pel_lane3 way = pel_lane3_scale(f.fibre.image, pel_lane_quotient(change, length));
+    const pel_particle *p = f.point;
+    ways[0] = pel_lane3_scale(way, p[0].fourth * f.c0);
+    ways[1] = pel_lane3_scale(way, p[1].fourth * f.c1);
+    ways[2] = pel_lane3_scale(way, -(p[2].fourth * (f.c0 + f.c1)));
+}
+
 /* each corner that can move goes inward along the normal (project_cave.c) */
 PEL_INLINE void project_cave(const pel_batch *batch, int32_t block, int32_t lane, const pel_record *positions,
                              pel_lane3 *ways)
@@ -931,6 +954,7 @@ PEL_PROJECT_SWEEP(sweep_fibre, 3, project_fibre(batch, block, lane, positions, w
 PEL_PROJECT_SWEEP(sweep_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, false))
 PEL_PROJECT_SWEEP(sweep_soft_fibre, 3, project_fibre(batch, block, lane, positions, ways, false, true))
 PEL_PROJECT_SWEEP(sweep_soft_fibre_square, 3, project_fibre(batch, block, lane, positions, ways, true, true))
+PEL_PROJECT_SWEEP(sweep_muscle, 3, project_muscle(batch, block, lane, positions, ways))
 PEL_PROJECT_SWEEP(pass_limit, 3, project_limit(batch, block, lane, positions, ways))
 
 /* A limit has no multiplier that one sweep could leave to the next one, so it passes several times: a strip of 16
@@ -958,7 +982,8 @@ PEL_PROJECT_SWEEP(sweep_normal_square, 3, project_normal(batch, block, lane, pos
         [PEL_CONSTRAINT_FIBRE] = sweep_fibre, [PEL_CONSTRAINT_FIBRE_SQUARE] = sweep_fibre_square,                      \
         [PEL_CONSTRAINT_FIBRE_COMPLIANT] = sweep_soft_fibre,                                                           \
         [PEL_CONSTRAINT_FIBRE_SQUARE_COMPLIANT] = sweep_soft_fibre_square, [PEL_CONSTRAINT_CAVE] = sweep_cave,         \
-        [PEL_CONSTRAINT_NORMAL] = sweep_normal, [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,                  \
+        [PEL_CONSTRAINT_MUSCLE] = sweep_muscle, [PEL_CONSTRAINT_NORMAL] = sweep_normal,                                \
+        [PEL_CONSTRAINT_NORMAL_SQUARE] = sweep_normal_square,                                                          \
         PEL_VOLUME_LAWS(PEL_PROJECT_SOLID_ROW)[PEL_CONSTRAINT_LIMIT] = sweep_limit,                                    \
     }
 

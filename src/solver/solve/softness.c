@@ -334,7 +334,9 @@ static sample sample_fibre(const pel_model *model, const pel_shell *shell, const
     for (int k = 0; k < 3; k++)
         mobility += (double)model->inverse_mass[corners[k]] * c[k] * c[k];
     bool squared = region->def.kind == PEL_FIBRE_STVK && region->def.mode != PEL_FIBRE_ACTIVE;
-    double stiffness = (squared ? 4 : 1) * rest.area * region->def.stiffness * fibre.weight;
+    /* of a muscle the steepest part of its force, or force over length */
+    const double times = squared ? 4 : region->def.mode == PEL_FIBRE_MUSCLE ? 2 / region->def.width : 1;
+    double stiffness = times * rest.area * region->def.stiffness * fibre.weight;
     return make_sample(stiffness, stiffness * mobility);
 }
 
