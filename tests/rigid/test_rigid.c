@@ -171,6 +171,10 @@ static void test_fit(void **state)
     pel_rigid_go_back(&rigid, &end, 0.5);
     assert_near(rigid.state.pivot[0], 0.5 * end.pivot[0], 1e-12);
     for (int i = 0; i < 3; i++) {
+        double axis[3] = {i == 0, i == 1, i == 2}, turned[3];
+        pel_rotate(rigid.state.rotation, axis, turned);
+        for (int k = 0; k < 3; k++)
+            assert_near(rigid.matrix[k][i], turned[k], 1e-12);
         assert_near(rigid.state.momentum[i], 0.5 * end.momentum[i], 1e-12);
         assert_near(rigid.state.angular_momentum[i], 0.5 * end.angular_momentum[i], 1e-12);
     }
