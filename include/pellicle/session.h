@@ -17,7 +17,8 @@
    leave; with ANEW 1 those of the hand grasp the flap anew behind the tip as they did, with 0 they hold what they have
        press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation (unit quaternion). SHAPE: sphere, box
                                           (half edge R), capsule (radius R, half length 2 R), blade and hook (edge from
-                                          -R to R along its z axis) with R [m]. If the scene
+                                          -R to R along its z axis), scissors (blades from X Y Z, 2 R along x, that
+                                          open to -R and R along z and close within 0.25 s), with R [m]. If the scene
                                           has contact, also a mesh, scaled to fit into the sphere of radius R: torus,
                                           cylinder, blend, or a mesh file with %20 for spaces, relative to the folder of
                                           the scene (absolute in the record)

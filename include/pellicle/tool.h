@@ -2,6 +2,7 @@
 #ifndef PELLICLE_TOOL_H
 #define PELLICLE_TOOL_H
 
+#include "quantity.h"
 #include "sequence.h"
 
 #ifdef __cplusplus
@@ -15,10 +16,11 @@ typedef enum pel_tool_shape {
     PEL_TOOL_MESH,    /* mesh; needs contact (pel_contact_def) */
     PEL_TOOL_SUPPORT, /* a support with keys: no surface; holds `vertices` of `body` from the first step on */
     PEL_TOOL_BLADE,   /* edge; cuts what the edge passes through, at any speed */
-    PEL_TOOL_HOOK     /* edge; holds the rim of a surface that the edge passes over */
+    PEL_TOOL_HOOK,    /* edge; holds the rim of a surface that the edge passes over */
+    PEL_TOOL_SCISSORS /* edge, closing; cut what is between their blades while they close */
 } pel_tool_shape;
 
-enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_HOOK + 1 }; /* number of shapes */
+enum { PEL_TOOL_SHAPE_COUNT = PEL_TOOL_SCISSORS + 1 }; /* number of shapes */
 
 /* Pose of a tool at a time: x -> exp(rotation_vector) rotation x + position.
 
@@ -89,15 +91,20 @@ typedef struct pel_tool_def {
        the cut ends within half an edge of the blade. It begins at a border, at an older cut, or inside the surface once
        the way there is longer than an edge. Bodies must not refine. A hook takes the nearest vertex of a border or lip
        that its edge passes over, and holds it up to grasp_max_force */
-    double edge[2][3]; /* m */
-    double sharpness;  /* J/m2, energy that a new area of the cut takes; 0 (default) = none. With it the blade holds the
-                          end of the cut until the force there is sharpness times the thickness of the sheet, and from
-                          then on cuts under this force; where it lies on the inside of a surface it presses until its
-                          force is sharpness times the thickness times the length that touches over `kerf`, at least
-                          over the thickness. The ledger books it as dissipated_fracture */
-    double kerf;       /* m, width of the blade; 0 (default) = the thickness of the sheet */
-    double strength;   /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
-                          step is released for good */
+    double edge[2][3]; /* m; PEL_TOOL_SCISSORS: the tips of both blades when open, which meet in the tool's origin */
+    /* PEL_TOOL_SCISSORS: share of the blades that has closed over time, 0 to 1. From one step to the next the surface
+       opens along the way of the segment between the points of both blades at that share of their length, as with
+       PEL_TOOL_BLADE; while they open or stay nothing is cut. They exert no force on the surface */
+    const pel_key *closing; /* (closing_count) times increasing */
+    int32_t closing_count;
+    double sharpness; /* J/m2, energy that a new area of the cut takes; 0 (default) = none. With it the blade holds the
+                         end of the cut until the force there is sharpness times the thickness of the sheet, and from
+                         then on cuts under this force; where it lies on the inside of a surface it presses until its
+                         force is sharpness times the thickness times the length that touches over `kerf`, at least
+                         over the thickness. The ledger books it as dissipated_fracture */
+    double kerf;      /* m, width of the blade; 0 (default) = the thickness of the sheet */
+    double strength;  /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
+                         step is released for good */
 } pel_tool_def;
 
 PEL_API pel_tool_def pel_tool_def_default(void);

@@ -134,6 +134,32 @@ static void any_speed(void **unused)
         }
 }
 
+/* with contact a sheet at rest is cut too, wherever its first vertex has to move to */
+static void beside_contact(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 6; i++) {
+        sheet s = {.mesh = make_grid(12, 12, 1, 1, PEL_GRID_ONE_DIAGONAL)};
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, 0.02);
+        tool.edge[0][2] = -0.2;
+        tool.edge[1][2] = 0.2;
+        keys[0].position[0] = -0.52;
+        keys[1].position[0] = -0.12;
+        keys[0].position[1] = keys[1].position[1] = 0.17 + 0.015 * i;
+        s.model = model_of(s.mesh);
+        pel_sim_def def = lone_sim(s.model, PEL_METHOD_XPBD, 1e-3);
+        def.tools = &tool;
+        def.tool_count = 1;
+        def.contact.enabled = true;
+        def.contact.thickness = 1.4e-4;
+        s.sim = make_sim(&def);
+        step(s.sim, 22);
+        assert_near(length_of(s.sim), 0.38, 0.08);
+        end_sheet(&s);
+    }
+}
+
 /* over both borders: two pieces */
 static void falls_apart(void **unused)
 {
@@ -166,6 +192,8 @@ static void inside(void **unused)
     sheet s = make_sheet(PEL_METHOD_IMPLICIT, 1e-3, &tool, 1);
     step(s.sim, 60);
     assert_near(length_of(s.sim), 0.0401, EDGE);
+    /* three edges above the sheet it has left the end of its cut */
+    assert_int_equal(s.sim->tools->items[0].blade->tip_count, 0);
     double length = length_of(s.sim);
     step(s.sim, 10);
     assert_near(length_of(s.sim), length, 0);
@@ -445,7 +473,7 @@ int main(void)
         cmocka_unit_test(any_speed),  cmocka_unit_test(falls_apart), cmocka_unit_test(inside),
         cmocka_unit_test(guillotine), cmocka_unit_test(resistance),  cmocka_unit_test(presses),
         cmocka_unit_test(returns),    cmocka_unit_test(hook),        cmocka_unit_test(refusals),
-        cmocka_unit_test(ranges),     cmocka_unit_test(places),
+        cmocka_unit_test(ranges),     cmocka_unit_test(places),      cmocka_unit_test(beside_contact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -327,6 +327,50 @@ static void test_cut(void **unused)
     pel_session_free_text(repeated);
 }
 
+static const char snipped[] =
+    "version: 1\nbodies:\n"
+    "  - { name: sheet, mesh: { shape: grid, nx: 12, ny: 12, size_x: 1, size_y: 1 },\n"
+    "      membrane: { young: 1e4, thickness: 0.01 }, mass: { density: 1000 }, pinned: boundary }\n"
+    "gravity: [0, 0, 0]\nsolver: { method: implicit, dt: 0.01 }\nduration: 1\n";
+
+/* scissors of the hand close within 0.25 s and cut what lies between them; undo shuts it, and a run repeats it */
+static void test_snip(void **unused)
+{
+    (void)unused;
+    play made = begin(snipped);
+    pel_cut_reading reading;
+    bool done;
+    char *repeated;
+    steps(&made, 12);
+    apply(&made, "mark");
+    assert_int_equal(pel_sim_get_cuts(made.sim, 0, &reading, NULL), PEL_OK);
+    double before = reading.length;
+    uint64_t hash = pel_sim_hash(made.sim);
+    for (int round = 0; round < 2; round++) {
+        apply(&made, "press scissors 0.2 -0.52 0.2 0  0 0 0 1");
+        steps(&made, 10);
+        assert_int_equal(pel_sim_get_cuts(made.sim, 0, &reading, NULL), PEL_OK);
+        assert_in_range((int)(1000 * (reading.length - before)), 50, 200);
+        steps(&made, 20);
+        assert_int_equal(pel_sim_get_cuts(made.sim, 0, &reading, NULL), PEL_OK);
+        assert_in_range((int)(1000 * (reading.length - before)), 300, 460);
+        apply(&made, "release");
+        if (round > 0)
+            break;
+        assert_int_equal(pel_session_undo(made.session, &done, NULL), PEL_OK);
+        assert_true(done && pel_sim_hash(made.sim) == hash);
+    }
+    hash = pel_sim_hash(made.sim);
+    assert_int_equal(pel_session_scene(made.session, &repeated, NULL), PEL_OK);
+    end(&made);
+    pel_scene *scene = load_scene(repeated, NULL, 0);
+    run_case test = {.run = "snipped"};
+    check_run(scene, &test, PEL_OK);
+    assert_true(test.summary.state_hash == hash);
+    pel_scene_destroy(scene);
+    pel_session_free_text(repeated);
+}
+
 /* mean distance of the vertices from their mean, after some steps of pressure */
 static double inflated_radius(const pel_mesh *mesh)
 {
@@ -578,12 +622,19 @@ static void test_memory_of_tools(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_undo_and_reset),  cmocka_unit_test(test_many_marks),
-        cmocka_unit_test(test_run_repeats),     cmocka_unit_test(test_mesh_tool),
-        cmocka_unit_test(test_solid_tools),     cmocka_unit_test(test_inside_out),
-        cmocka_unit_test(test_bad_lines),       cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_divergence),      cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_memory_of_tools), cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_undo_and_reset),
+        cmocka_unit_test(test_many_marks),
+        cmocka_unit_test(test_run_repeats),
+        cmocka_unit_test(test_mesh_tool),
+        cmocka_unit_test(test_solid_tools),
+        cmocka_unit_test(test_inside_out),
+        cmocka_unit_test(test_bad_lines),
+        cmocka_unit_test(test_bad_scenes),
+        cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_memory_of_tools),
+        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_snip),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -251,9 +251,9 @@ export interface Simulation {
     grasp(origin: Vector, direction: Vector, options?: { reach?: number; anew?: boolean }): boolean;
     /**
      * Adds a tool that `move` moves: sphere, box (half edge `radius`), capsule (half length 2 `radius`), blade or hook (edge from -`radius` to
-     * `radius` along its z axis); lengths in m.
+     * `radius` along its z axis), scissors (2 `radius` long along x, closing within 0.25 s); lengths in m.
      */
-    press(options: { shape?: "sphere" | "capsule" | "box" | "blade" | "hook"; radius: number; position: Vector; rotation?: Quaternion }): void;
+    press(options: { shape?: "sphere" | "capsule" | "box" | "blade" | "hook" | "scissors"; radius: number; position: Vector; rotation?: Quaternion }): void;
     /** Sets the target [m] of the end of the spring, or of the tool. */
     move(target: Vector): void;
     /** Releases the surface, or removes the tool. */

@@ -97,6 +97,7 @@ CONDITION(has_length, pel_tool_def, pel_solid_rows[def->shape].has_length)
 CONDITION(has_size, pel_tool_def, pel_solid_rows[def->shape].has_size)
 CONDITION(is_instrument, pel_tool_def, def->shape != PEL_TOOL_SUPPORT)
 CONDITION(is_blade, pel_tool_def, def->shape == PEL_TOOL_BLADE)
+CONDITION(is_scissors, pel_tool_def, def->shape == PEL_TOOL_SCISSORS)
 CONDITION(grasps, pel_tool_def, def->grasp)
 CONDITION(leads, pel_tool_def, def->grasp && def->leads)
 CONDITION(is_enabled, pel_contact_def, def->enabled)
@@ -600,7 +601,15 @@ static const pel_def_row rows[] = {
      .doc =
          "the two ends of the hook's edge. It takes the rim or lip of a surface that it passes over, and holds it up "
          "to `max_force`"},
+    {"tools[].edge", LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "scissors", REQUIRED,
+     .doc = "the tips of both blades, open, which turn about the origin of the tool's frame. What lies between them "
+            "opens while they close"},
     {"tools[].edge[]", VECTOR, .unit = "m", .doc = "one end"},
+    {"tools[].closing", TOOL_LIST(closing, closing_count), FIXED, LIST, COUNT_FROM(1), .needs = "shape",
+     .needs_word = "scissors", REQUIRED, WHEN(is_scissors),
+     .doc = "how far the scissors have closed over time, from 0 (open) to 1: the share of the blades, from the origin, "
+            "that has cut. Nothing is cut while they open"},
+    {"tools[].closing[]", .forms = PEL_FORM_KEY, .doc = "time [s] and share"},
     {"tools[].sharpness", TOOL(sharpness), NUMBER, .unit = "J/m2", POSITIVE, .needs = "shape", .needs_word = "blade",
      AUTO(0), WHEN(is_blade), DIRECT,
      .doc =

@@ -66,7 +66,7 @@ static bool has_shape_of(const pel_tool_surface *surface, const pel_tool *tool)
     return surface->triangles != NULL && surface->mesh == tool->mesh && a->shape == b->shape &&
            a->radius == b->radius && a->half_length == b->half_length &&
            memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0 &&
-           memcmp(a->edge, b->edge, sizeof a->edge) == 0;
+           memcmp(a->edge, b->edge, sizeof a->edge) == 0 && a->closed == b->closed;
 }
 
 pel_status pel_tool_def_surface(const pel_tool_def *def, pel_mesh **mesh, pel_error *error)

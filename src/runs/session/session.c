@@ -361,6 +361,24 @@ static void take_tool(pel_session *session, pel_hand_kind kind, const pel_tool_d
     memcpy(session->rotation, def->keys[0].rotation, sizeof session->rotation);
 }
 
+/* s, in which scissors of the hand close */
+#define SNIP_SECONDS 0.25
+
+/* both ends of the edge along z; scissors point along x, open along z, and close from now on */
+static void set_edge(const pel_session *session, double radius, pel_key closing[2], pel_tool_def *def)
+{
+    double time = pel_sim_time(session->sim);
+    def->edge[0][2] = -radius;
+    def->edge[1][2] = radius;
+    if (def->shape != PEL_TOOL_SCISSORS)
+        return;
+    def->edge[0][0] = def->edge[1][0] = 2 * radius;
+    closing[0] = (pel_key){time, 0};
+    closing[1] = (pel_key){time + SNIP_SECONDS, 1};
+    def->closing = closing;
+    def->closing_count = 2;
+}
+
 static pel_status press(pel_session *session, pel_command *command, pel_error *error)
 {
     const double *n = command->numbers;
@@ -377,6 +395,7 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
                           (int)MOST_SIZES, session->size);
     choose_name(session);
     pel_pose_key key = {.position = {n[1], n[2], n[3]}};
+    pel_key closing[2];
     for (int i = 0; i < 4; i++)
         key.rotation[i] = n[4 + i] / length;
     pel_tool_def def = pel_tool_def_default();
@@ -390,8 +409,7 @@ static pel_status press(pel_session *session, pel_command *command, pel_error *e
     def.mesh = mesh;
     def.radius = n[0];
     def.half_length = 2 * n[0];
-    def.edge[0][2] = -n[0];
-    def.edge[1][2] = n[0];
+    set_edge(session, n[0], closing, &def);
     for (int i = 0; i < 3; i++)
         def.half_extents[i] = n[0];
     def.keys = &key;

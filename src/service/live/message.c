@@ -65,7 +65,7 @@ static void put_tools(pel_json *json, const pel_scene *scene)
             put_circle(json, tool);
         pel_json_number(json, "half_length", tool->half_length);
         pel_json_numbers(json, "half_extents", tool->half_extents, 3);
-        if (tool->shape == PEL_TOOL_BLADE || tool->shape == PEL_TOOL_HOOK)
+        if (pel_solid_rows[tool->shape].has_edge)
             pel_json_numbers(json, "edge", tool->edge[0], 6);
         if (tool->shape == PEL_TOOL_MESH && tool->mesh != NULL)
             put_mesh(json, tool->mesh);

@@ -299,7 +299,7 @@ static double edge_distance(const pel_solid *solid, const double p[3], double no
 {
     const double sideways[3] = {1, 0, 0};
     double weights[2], nearest[3], d[3];
-    double distance = pel_closest_point_segment(p, solid->edge[0], solid->edge[1], weights);
+    double distance = sqrt(pel_closest_point_segment(p, solid->edge[0], solid->edge[1], weights));
     pel_vec3_scale(solid->edge[0], weights[0], nearest);
     pel_vec3_along(nearest, weights[1], solid->edge[1], nearest);
     pel_vec3_subtract(p, nearest, d);
@@ -338,11 +338,36 @@ static void edge_corner(const pel_solid *solid, const double unit[3], double cor
         pel_vec3_along(corner, BAR_SHARE * length * unit[k], across[k], corner);
 }
 
+/* of two spikes from the pivot to the tips, which come together as the scissors close */
+static void scissors_corner(const pel_solid *solid, const double unit[3], double corner[3])
+{
+    const double *own = solid->edge[unit[2] > 0];
+    double middle[3], tip[3], normal[3];
+    for (int k = 0; k < 3; k++)
+        middle[k] = 0.5 * (solid->edge[0][k] + solid->edge[1][k]);
+    pel_vec3_scale(own, 1 - solid->closed, tip);
+    pel_vec3_along(tip, solid->closed, middle, tip);
+    pel_vec3_cross(solid->edge[0], solid->edge[1], normal);
+    pel_vec3_normalize(normal);
+    double width = BAR_SHARE * pel_vec3_length(tip);
+    if (unit[1] < 0)
+        pel_vec3_scale(normal, unit[0] * width, corner);
+    else if (unit[0] < 0)
+        pel_vec3_copy(tip, corner);
+    else
+        pel_vec3_cross(normal, tip, corner);
+    if (unit[0] > 0 && unit[1] > 0)
+        pel_vec3_scale(corner, 2 * BAR_SHARE, corner);
+}
+
+static const int32_t spike_triangles[8][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3},
+                                              {4, 6, 5}, {4, 5, 7}, {4, 7, 6}, {5, 6, 7}};
+
 /* ---- the rows ---- */
 
 #define EDGE                                                                                                           \
     .has_edge = true, .distance = edge_distance, .depth = edge_depth, .half_box = edge_half_box, .corner_count = 8,    \
-    .triangle_count = 12, .corners = box_corners, .triangles = box_triangles
+    .corners = box_corners
 
 #define ROUND                                                                                                          \
     .is_round = true, .has_radius = true, .distance = round_distance, .depth = round_depth, .half_box = round_half_box
@@ -363,8 +388,9 @@ const pel_solid_row pel_solid_rows[PEL_TOOL_SHAPE_COUNT] = {
                       .triangles = box_triangles},
     [PEL_TOOL_MESH] = {.word = "mesh"},
     [PEL_TOOL_SUPPORT] = {.word = "support"},
-    [PEL_TOOL_BLADE] = {.word = "blade", EDGE},
-    [PEL_TOOL_HOOK] = {.word = "hook", EDGE},
+    [PEL_TOOL_BLADE] = {.word = "blade", EDGE, .triangle_count = 12, .triangles = box_triangles},
+    [PEL_TOOL_HOOK] = {.word = "hook", EDGE, .triangle_count = 12, .triangles = box_triangles},
+    [PEL_TOOL_SCISSORS] = {.word = "scissors", EDGE, .triangle_count = 8, .triangles = spike_triangles},
 };
 
 bool pel_solid_find(const char *word, pel_tool_shape *shape)
@@ -426,7 +452,7 @@ void pel_solid_corner(const pel_solid *solid, int32_t i, double corner[3])
 {
     const double *unit = pel_solid_rows[solid->shape].corners[i];
     if (pel_solid_has_edge(solid)) {
-        edge_corner(solid, unit, corner);
+        (solid->shape == PEL_TOOL_SCISSORS ? scissors_corner : edge_corner)(solid, unit, corner);
         return;
     }
     for (int k = 0; k < 3; k++)

@@ -13,6 +13,7 @@ typedef struct pel_solid {
     double radius, half_length;
     double half_extents[3];
     double edge[2][3];
+    double closed; /* of scissors, 0 to 1 */
 } pel_solid;
 
 typedef struct pel_solid_row {
@@ -41,7 +42,7 @@ static inline bool pel_solid_is_round(const pel_solid *solid)
     return pel_solid_rows[solid->shape].is_round;
 }
 
-/* a blade or a hook */
+/* a blade, a hook or scissors */
 static inline bool pel_solid_has_edge(const pel_solid *solid)
 {
     return pel_solid_rows[solid->shape].has_edge;

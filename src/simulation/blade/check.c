@@ -44,6 +44,10 @@ static pel_status check_def(const pel_sim *sim, const pel_tool_def *def, int32_t
                                   "give two points of the tool's frame that are apart, such as edge: [[0, 0, -0.01], "
                                   "[0, 0, 0.01]]",
                                   "the edge of '%s' has no length", def->name);
+    if (def->shape == PEL_TOOL_SCISSORS && (def->sharpness != 0 || def->kerf != 0))
+        return pel_refuse_element(
+            error, PEL_BAD_ARGUMENT, "tool", tool, "leave out sharpness and kerf, or use shape: blade",
+            "scissors '%s' have a sharpness or a kerf: their blades exert no force on the surface", def->name);
     if (!is_number(def->sharpness) || !is_number(def->kerf))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
                                   "give a sharpness in J/m2 and a kerf in m of at least 0",
@@ -51,7 +55,7 @@ static pel_status check_def(const pel_sim *sim, const pel_tool_def *def, int32_t
     if (def->grasp || def->leads)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use a second tool to grasp",
                                   "'%s' has an edge and a grasp", def->name);
-    if (sim->def.tie_count > 0 && def->shape == PEL_TOOL_BLADE)
+    if (sim->def.tie_count > 0 && def->shape != PEL_TOOL_HOOK)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "leave attachments and stitches out",
                                   "blade '%s' beside attachments or stitches", def->name);
     const pel_stepper *stepper = sim->stepper;
@@ -71,9 +75,14 @@ static pel_status check_def(const pel_sim *sim, const pel_tool_def *def, int32_t
 
 pel_status pel_blade_check_start(const pel_sim *sim, int32_t index, pel_error *error)
 {
-    const pel_tool *tool = &sim->tools->items[index];
+    pel_tool *tool = &sim->tools->items[index];
+    pel_blade_close(sim, tool);
+    tool->blade->closed_before = tool->blade->closed;
+    /* open scissors reach around a surface, from a place on it too */
+    if (tool->solid.shape == PEL_TOOL_SCISSORS && !(tool->blade->closed > 0))
+        return PEL_OK;
     double edge[2][3], corners[3][3], weights[3];
-    pel_blade_edge_at(tool, &tool->pose, edge);
+    pel_blade_edge_at(tool, &tool->pose, 1, edge);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const pel_body *body = &sim->model->bodies[b];
         for (int32_t t = 0; pel_tool_acts_on(tool, b) && t < body->mesh->triangle_count; t++) {

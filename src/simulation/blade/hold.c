@@ -18,6 +18,8 @@
 
 /* of the mean edge: a blade farther from its vertex than this has left it */
 #define FAR_OFF 2.5
+/* share of the blades of scissors that are open: a segment without length has no way */
+#define LEAST_CLOSED 1e-3
 /* stiffness of a sheet at the end of a cut, over Young's modulus times thickness; at least half of what it is */
 #define TIP_SHARE 0.6
 
@@ -45,14 +47,36 @@ void pel_blades_begin(pel_sim *sim)
     memcpy(sim->tools->blade_before, sim->state->position,
            (size_t)sim->model->vertex_count * sizeof *sim->tools->blade_before);
     for (int32_t i = 0; i < sim->tools->count; i++)
-        if (sim->tools->items[i].blade != NULL)
+        if (sim->tools->items[i].blade != NULL) {
             sim->tools->items[i].blade->pose_before = sim->tools->items[i].pose;
+            sim->tools->items[i].blade->closed_before = sim->tools->items[i].blade->closed;
+        }
 }
 
-void pel_blade_edge_at(const pel_tool *tool, const pel_pose *pose, double edge[2][3])
+static bool is_scissors(const pel_tool *tool)
 {
-    for (int end = 0; end < 2; end++)
-        pel_pose_to_world(pose, tool->solid.edge[end], edge[end]);
+    return tool->solid.shape == PEL_TOOL_SCISSORS;
+}
+
+bool pel_blade_close(const pel_sim *sim, pel_tool *tool)
+{
+    pel_blade *blade = tool->blade;
+    if (!is_scissors(tool))
+        return true;
+    blade->closed = pel_curve_value(blade->closing, blade->closing_count, pel_sim_time(sim));
+    tool->solid.closed = blade->closed;
+    return blade->closed > blade->closed_before;
+}
+
+void pel_blade_edge_at(const pel_tool *tool, const pel_pose *pose, double at, double edge[2][3])
+{
+    const pel_blade *blade = tool->blade;
+    double closed = pel_max(LEAST_CLOSED, blade->closed_before + at * (blade->closed - blade->closed_before));
+    for (int end = 0; end < 2; end++) {
+        double x[3];
+        pel_vec3_scale(tool->solid.edge[end], closed, x);
+        pel_pose_to_world(pose, x, edge[end]);
+    }
 }
 
 /* ---- held vertices ---- */
@@ -141,9 +165,9 @@ static double stiffness_of(const pel_sim *sim, int32_t body)
 static double find_point(const pel_tool *tool, const double x[3], double way[3])
 {
     double now[2][3], before[2][3], weights[2], nearest[3];
-    pel_blade_edge_at(tool, &tool->pose, now);
-    pel_blade_edge_at(tool, &tool->blade->pose_before, before);
-    double distance = pel_closest_point_segment(x, now[0], now[1], weights);
+    pel_blade_edge_at(tool, &tool->pose, 1, now);
+    pel_blade_edge_at(tool, &tool->blade->pose_before, 0, before);
+    double distance = sqrt(pel_closest_point_segment(x, now[0], now[1], weights));
     pel_vec3_set(way, 0, 0, 0);
     for (int end = 0; end < 2; end++) {
         pel_vec3_subtract(now[end], before[end], nearest);
@@ -173,7 +197,7 @@ static void read_hold(hold *h)
     double edge[2][3], axis[3], x[3], along[3];
     pel_vertex_position(h->sim->state->position, h->v, x);
     find_point(h->tool, x, h->way);
-    pel_blade_edge_at(h->tool, &h->tool->pose, edge);
+    pel_blade_edge_at(h->tool, &h->tool->pose, 1, edge);
     pel_vec3_subtract(edge[1], edge[0], axis);
     pel_vec3_normalize(axis);
     pel_vec3_copy(h->sim->tools->grip_forces[h->v], h->force);
@@ -224,6 +248,20 @@ static void come_back(pel_sim *sim, pel_tool *tool, const pel_blade_tip *tip, co
         pel_blade_take(sim, tool, tip->body, tip->vertex);
 }
 
+/* m, from the blade; of scissors, which open and bite again, from the line that they close along */
+static double distance_off(const pel_tool *tool, const double x[3], double way[3])
+{
+    double middle[3], line[2][3], weights[2];
+    if (!is_scissors(tool))
+        return find_point(tool, x, way);
+    pel_vec3_add(tool->solid.edge[0], tool->solid.edge[1], middle);
+    pel_vec3_scale(middle, 0.5, middle);
+    pel_pose_to_world(&tool->pose, middle, line[1]);
+    pel_vec3_copy(tool->pose.position, line[0]);
+    pel_vec3_set(way, 0, 0, 0);
+    return sqrt(pel_closest_point_segment(x, line[0], line[1], weights));
+}
+
 static void forget(pel_tool *tool, int32_t i)
 {
     tool->blade->tips[i] = tool->blade->tips[--tool->blade->tip_count];
@@ -249,7 +287,7 @@ void pel_blade_slide(pel_sim *sim, pel_tool *tool,
         double x[3], way[3];
         hold h = {.sim = sim, .tool = tool, .tip = tip, .v = v, .i = find_held(tool, v)};
         pel_vertex_position(sim->state->position, v, x);
-        if (find_point(tool, x, way) > FAR_OFF * edge_of(sim, tip->body)) {
+        if (distance_off(tool, x, way) > FAR_OFF * edge_of(sim, tip->body)) {
             pel_blade_let_go(sim, tool, tip->body, tip->vertex);
             forget(tool, i);
         } else if (tip->is_pressing || !pel_blade_resists(sim, tool)) {

@@ -6,8 +6,10 @@
 
 /* Keeps where tools and surfaces are before a step. */
 void pel_blades_begin(pel_sim *sim);
-/* The edge of a tool at a pose. */
-void pel_blade_edge_at(const pel_tool *tool, const pel_pose *pose, double edge[2][3]);
+/* The edge at a share of the last step, 0 at its start and 1 at present; of scissors the segment that cuts. */
+void pel_blade_edge_at(const pel_tool *tool, const pel_pose *pose, double at, double edge[2][3]);
+/* Scissors are closed as their keys say at present; returns whether they close on. True of blades and hooks. */
+bool pel_blade_close(const pel_sim *sim, pel_tool *tool);
 /* whether it needs a force, and where it is a hook */
 bool pel_blade_resists(const pel_sim *sim, const pel_tool *tool);
 bool pel_blade_is_hook(const pel_sim *sim, const pel_tool *tool);

@@ -35,6 +35,9 @@
 /* of the mean edge: a blade that presses holds vertices this near to its edge */
 #define NEAR_EDGE 0.75
 
+/* of the mean edge: scissors bite again along lips this near */
+#define ALONG_LIP 0.3
+
 /* cosine between the edges of a border at a vertex that may move along it */
 #define STRAIGHT 0.995
 /* between the edge and a surface that it lies on */
@@ -137,7 +140,7 @@ static bool sweep_part(search *s, int part, int part_count)
     for (int i = 0; i < 2; i++) {
         pel_pose pose;
         pel_pose_between(&s->tool->blade->pose_before, &s->tool->pose, shares[i], &pose);
-        pel_blade_edge_at(s->tool, &pose, edges[i]);
+        pel_blade_edge_at(s->tool, &pose, shares[i], edges[i]);
         for (int end = 0; end < 2; end++)
             pel_vec3_along(edges[i][end], ASIDE * length, aside, edges[i][end]);
     }
@@ -337,9 +340,9 @@ static bool begins_at_lip(const search *s)
 static double off_edge(const search *s, int32_t vertex)
 {
     double edge[2][3], x[3], weights[2];
-    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
+    pel_blade_edge_at(s->tool, &s->tool->pose, 1, edge);
     pel_vertex_position(s->sim->state->position, s->own->model_index[vertex], x);
-    return pel_closest_point_segment(x, edge[0], edge[1], weights);
+    return sqrt(pel_closest_point_segment(x, edge[0], edge[1], weights));
 }
 
 /* vertices of the triangles of a way near the edge: those that the blade presses on */
@@ -357,7 +360,7 @@ static void press_on(const search *s, double size)
 static double width_of(const search *s, double length)
 {
     double edge[2][3], corners[3][3], normal[3], along[3];
-    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
+    pel_blade_edge_at(s->tool, &s->tool->pose, 1, edge);
     for (int c = 0; c < 3; c++)
         pel_vertex_position(s->sim->state->position, s->own->model_index[s->mesh->triangles[s->first->triangle][c]],
                             corners[c]);
@@ -588,6 +591,34 @@ static bool leaves_surface(const search *s)
            !pel_is_lip(s->own, 3 * s->last->triangle + s->last->ends[s->last_end].edge);
 }
 
+static bool is_along_lip(const search *s, const double x[3])
+{
+    const pel_mesh *mesh = s->mesh;
+    double reach = ALONG_LIP * size_of(s, s->first->triangle), weights[2];
+    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
+        const int32_t *v = mesh->triangles[h / 3];
+        const double *from = mesh->positions[v[h % 3]], *to = mesh->positions[v[(h + 1) % 3]];
+        if (pel_is_lip(s->own, h) && pel_closest_point_segment(x, from, to, weights) < reach * reach)
+            return true;
+    }
+    return false;
+}
+
+/* The start of a way is left out as far as it goes along lips, up to a tip of theirs: scissors bite from behind the end
+   of their cut. */
+static void leave_out_slit(search *s)
+{
+    while (s->point_count > 1 && find_tip(s) == NULL && is_along_lip(s, s->points[0]) &&
+           is_along_lip(s, s->points[1])) {
+        int32_t next = s->first->next[1 - s->first_end];
+        memmove(s->points, s->points + 1, (size_t)--s->point_count * sizeof *s->points);
+        if (next < 0)
+            return;
+        s->first = &s->arcs[next / 2];
+        s->first_end = next % 2;
+    }
+}
+
 /* a way that is followed to its end; a blade that resists cuts by its slip */
 static pel_status use_way(search *s, pel_error *error)
 {
@@ -714,7 +745,7 @@ static double present_stretch(const search *s, int32_t v)
 static double way_ahead(const search *s, const pel_blade_tip *tip, double way[3])
 {
     double edge[2][3], x[3], weights[2];
-    pel_blade_edge_at(s->tool, &s->tool->pose, edge);
+    pel_blade_edge_at(s->tool, &s->tool->pose, 1, edge);
     place(s, tip->vertex, x);
     pel_closest_point_segment(x, edge[0], edge[1], weights);
     pel_vec3_scale(edge[0], weights[0], way);
@@ -752,7 +783,9 @@ static pel_status use_ways(search *s, pel_error *error)
         if (s->arcs[i / 2].is_done || s->arcs[i / 2].next[i % 2] >= 0)
             continue;
         status = follow_way(s, i, error);
-        if (status == PEL_OK)
+        if (status == PEL_OK && s->tool->solid.shape == PEL_TOOL_SCISSORS)
+            leave_out_slit(s);
+        if (status == PEL_OK && s->point_count > 1)
             status = use_way(s, error);
     }
     for (int32_t i = s->found->tip_count - 1; status == PEL_OK && i >= 0; i--)

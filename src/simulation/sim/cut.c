@@ -363,8 +363,10 @@ static pel_status open_incision(pel_sim *sim, int32_t body, pel_incision *incisi
     *is_open = status == PEL_OK && opening.edge_count > 0;
     if (*is_open)
         status = apply(sim, &c, &opening, sim->cuts_done, &incision->growth, error);
-    /* shorter edges may need shorter steps than the given ones: the edges then open as they are */
-    if (status == PEL_UNSTABLE) {
+    /* shorter edges may need shorter steps than the given ones, and vertices that move may run into the surface: the
+       edges then open as they are */
+    if (is_refused(sim, status)) {
+        sim->cut_is_held = false;
         memcpy(incision->growth.mesh->positions, mesh->positions, (size_t)mesh->vertex_count * sizeof *mesh->positions);
         memset(incision->growth.is_moved, 0, (size_t)mesh->vertex_count);
         status = apply(sim, &c, &opening, sim->cuts_done, &incision->growth, error);
@@ -436,8 +438,9 @@ pel_status pel_blades_cut(pel_sim *sim, bool *has_cut, pel_error *error)
         pel_tool *tool = &sim->tools->items[t];
         if (tool->blade == NULL)
             continue;
+        bool closes = pel_blade_close(sim, tool);
         pel_blade_slide(sim, tool, pel_incision_limit);
-        for (int32_t b = 0; status == PEL_OK && b < sim->given->body_count; b++)
+        for (int32_t b = 0; status == PEL_OK && closes && b < sim->given->body_count; b++)
             if (pel_tool_acts_on(&sim->tools->items[t], b))
                 status = cut_body(sim, t, b, has_cut, error);
     }

@@ -29,6 +29,29 @@ static bool is_positive(double value)
     return value > 0 && isfinite(value);
 }
 
+static pel_status check_closing(const pel_tool_def *def, int32_t tool, pel_error *error)
+{
+    bool is_whole = def->closing != NULL && def->closing_count > 0;
+    for (int32_t k = 0; is_whole && k < def->closing_count; k++) {
+        const pel_key *key = &def->closing[k];
+        is_whole = isfinite(key->time) && key->value >= 0 && key->value <= 1 && (k == 0 || key->time > key[-1].time);
+    }
+    if (!is_whole)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give times that increase and shares from 0 (open) to 1 (closed), such as closing: "
+                                  "[[0, 0], [0.3, 1]]",
+                                  "'%s' closes by no keys, or by keys out of range or order", def->name);
+    double across[3];
+    pel_vec3_cross(def->edge[0], def->edge[1], across);
+    double least = 1e-3 * pel_vec3_length(def->edge[0]) * pel_vec3_length(def->edge[1]);
+    if (!(pel_vec3_length(across) > least) || !isfinite(least))
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool,
+                                  "give the tips of both blades in the tool's frame, apart as seen from its origin, "
+                                  "such as edge: [[0.05, 0, 0.01], [0.05, 0, -0.01]]",
+                                  "the blades of '%s' do not open", def->name);
+    return PEL_OK;
+}
+
 static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *error)
 {
     const pel_solid_row *row = &pel_solid_rows[def->shape];
@@ -45,7 +68,7 @@ static pel_status check_shape(const pel_tool_def *def, int32_t tool, pel_error *
     if (row->has_length && !(def->half_length >= 0 && isfinite(def->half_length)))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "give a half length of at least 0",
                                   "%s length is below 0", row->word);
-    return PEL_OK;
+    return def->shape == PEL_TOOL_SCISSORS ? check_closing(def, tool, error) : PEL_OK;
 }
 
 static pel_status check_support(const pel_sim *sim, const pel_tool_def *def, int32_t tool, pel_error *error)
@@ -208,7 +231,7 @@ static void set_numbers(const pel_tool_def *def, pel_tool *tool)
 }
 
 /* it holds vertices as a grasp does, which never closes by itself */
-static bool create_blade(pel_sim *sim, pel_tool *tool)
+static bool create_blade(pel_sim *sim, const pel_tool_def *def, pel_tool *tool)
 {
     size_t vertex_count = (size_t)sim->model->vertex_count;
     tool->blade = pel_allocate(1, sizeof *tool->blade);
@@ -217,7 +240,17 @@ static bool create_blade(pel_sim *sim, pel_tool *tool)
     tool->press = false;
     tool->grasp = true;
     tool->grasp_from = tool->grasp_until = tool->grasp_max_force = (double)HUGE_VAL;
-    return tool->blade != NULL && sim->tools->blade_before != NULL;
+    if (tool->blade == NULL || sim->tools->blade_before == NULL)
+        return false;
+    tool->blade->closed = tool->blade->closed_before = 1;
+    if (def->shape != PEL_TOOL_SCISSORS)
+        return true;
+    tool->blade->closing = pel_allocate((size_t)def->closing_count, sizeof *def->closing);
+    if (tool->blade->closing == NULL)
+        return false;
+    tool->blade->closing_count = def->closing_count;
+    memcpy(tool->blade->closing, def->closing, (size_t)def->closing_count * sizeof *def->closing);
+    return true;
 }
 
 static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *tool, pel_error *error)
@@ -235,7 +268,7 @@ static pel_status create_tool(pel_sim *sim, const pel_tool_def *def, pel_tool *t
             return status;
     }
     set_numbers(def, tool);
-    if (pel_solid_has_edge(&tool->solid) && !create_blade(sim, tool))
+    if (pel_solid_has_edge(&tool->solid) && !create_blade(sim, def, tool))
         return pel_fail_memory(error);
     tool->keys = pel_allocate((size_t)def->key_count, sizeof *tool->keys);
     tool->key_spins = pel_allocate((size_t)def->key_count, sizeof *tool->key_spins);
@@ -352,6 +385,8 @@ void pel_tools_destroy(pel_sim *sim)
 {
     for (int32_t i = 0; i < sim->tools->count; i++) {
         pel_tool *tool = &sim->tools->items[i];
+        if (tool->blade != NULL)
+            pel_free(tool->blade->closing);
         PEL_FREE_ALL(tool->keys, tool->key_spins, tool->planes, tool->planes_before, tool->touches,
                      tool->touch_of_vertex, tool->held, tool->anchors, tool->support, tool->support_marks,
                      tool->near.triangles, tool->in_reach.triangles, tool->blade);

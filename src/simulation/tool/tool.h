@@ -80,7 +80,10 @@ enum { PEL_BLADE_TIPS = 32 };
 typedef struct pel_blade {
     pel_blade_tip tips[PEL_BLADE_TIPS]; /* (tip_count) */
     int32_t tip_count;
-    pel_pose pose_before; /* at the start of the step */
+    pel_pose pose_before;         /* at the start of the step */
+    double closed, closed_before; /* share of scissors at present, and then; else 1 */
+    pel_key *closing;             /* (closing_count) of scissors; else null */
+    int32_t closing_count;
 } pel_blade;
 
 typedef struct pel_tool {

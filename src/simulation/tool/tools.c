@@ -169,6 +169,7 @@ void pel_tool_transfer(pel_cursor *at, const pel_sim *sim, int32_t index)
     if (tool->blade != NULL) {
         pel_transfer(at, &tool->blade->tip_count, sizeof tool->blade->tip_count);
         pel_transfer(at, tool->blade->tips, sizeof tool->blade->tips);
+        pel_transfer(at, &tool->blade->closed, sizeof tool->blade->closed);
     }
     if (tool->grasp) {
         pel_transfer_list(at, tool->held, vertex_count, sizeof *tool->held);
@@ -187,6 +188,8 @@ static bool has_whole_tips(const pel_sim *sim, const pel_tool *tool)
 {
     int32_t count = tool->blade != NULL ? tool->blade->tip_count : 0;
     if (count < 0 || count > PEL_BLADE_TIPS)
+        return false;
+    if (tool->blade != NULL && !(tool->blade->closed >= 0 && tool->blade->closed <= 1))
         return false;
     for (int32_t i = 0; i < count; i++) {
         const pel_blade_tip *tip = &tool->blade->tips[i];
@@ -221,8 +224,10 @@ bool pel_tools_restore(pel_sim *sim)
     for (int32_t t = 0; !whole && t < sim->tools->count; t++) {
         pel_tool *tool = &sim->tools->items[t];
         tool->held_count = tool->plane_count = 0;
-        if (tool->blade != NULL)
+        if (tool->blade != NULL) {
             tool->blade->tip_count = 0;
+            tool->blade->closed = 1;
+        }
         tool->stride = 1;
         tool->driven = tool->is_leading = tool->blocked = tool->is_held_back = tool->is_stopped = false;
         tool->phase = PEL_GRASP_DONE;
