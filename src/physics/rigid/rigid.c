@@ -502,30 +502,57 @@ static void fit_rotation(const double a[3][3], pel_rigid *rigid)
     }
 }
 
-void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *positions)
+/* positions as records, or, where those are null, in double */
+static void fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *records,
+                const double *positions)
 {
     double sum = 0, center[3] = {0}, rest[3] = {0}, x[3], own[3], a[3][3] = {{0}};
-    for (int32_t v = rigid->begin; v < rigid->end; v++) {
-        double mass = (double)masses[v];
-        pel_vertex_position(positions, v, x);
-        pel_vertex_position(rigids->rest, v, own);
-        pel_vec3_along(center, mass, x, center);
-        pel_vec3_along(rest, mass, own, rest);
-        sum += mass;
-    }
-    pel_vec3_scale(center, 1 / sum, center);
-    pel_vec3_scale(rest, 1 / sum, rest);
-    for (int32_t v = rigid->begin; v < rigid->end; v++) {
-        pel_vertex_position(positions, v, x);
-        pel_vertex_position(rigids->rest, v, own);
-        pel_vec3_subtract(x, center, x);
-        pel_vec3_subtract(own, rest, own);
-        for (int i = 0; i < 3; i++)
-            pel_vec3_along(a[i], (double)masses[v] * x[i], own, a[i]);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int32_t v = rigid->begin; v < rigid->end; v++) {
+            double mass = (double)masses[v];
+            if (records != NULL)
+                pel_vertex_position(records, v, x);
+            else
+                pel_vec3_copy(positions + 3 * (size_t)v, x);
+            pel_vertex_position(rigids->rest, v, own);
+            if (pass == 0) {
+                pel_vec3_along(center, mass, x, center);
+                pel_vec3_along(rest, mass, own, rest);
+                sum += mass;
+                continue;
+            }
+            pel_vec3_subtract(x, center, x);
+            pel_vec3_subtract(own, rest, own);
+            for (int i = 0; i < 3; i++)
+                pel_vec3_along(a[i], mass * x[i], own, a[i]);
+        }
+        pel_vec3_scale(center, pass == 0 ? 1 / sum : 1, center);
+        pel_vec3_scale(rest, pass == 0 ? 1 / sum : 1, rest);
     }
     fit_rotation((const double(*)[3])a, rigid);
     pel_vec3_subtract(rigid->shape->pivot, rest, own);
     multiply((const double(*)[3])rigid->matrix, own, own);
     if (rigid->shape->is_free)
         pel_vec3_add(center, own, rigid->state.pivot);
+}
+
+void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *positions)
+{
+    fit(rigid, rigids, masses, positions, NULL);
+}
+
+void pel_rigid_fit_to(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const double *positions)
+{
+    fit(rigid, rigids, masses, NULL, positions);
+}
+
+void pel_rigid_place_in(const pel_rigid *rigid, const pel_rigids *rigids, double *positions)
+{
+    double arm[3];
+    for (int32_t v = rigid->begin; v < rigid->end; v++) {
+        if (!(rigids->inverse_mass[v] > 0) && !rigid->shape->is_free)
+            continue;
+        arm_of(rigid, rigids, v, arm);
+        pel_vec3_add(rigid->state.pivot, arm, positions + 3 * (size_t)v);
+    }
 }

@@ -22,6 +22,7 @@
 #include "math/pose.h"
 #include "pellicle/sim_rigid.h"
 #include "stage/accessors.h"
+#include "stage/stepper.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -414,6 +415,11 @@ static pel_status check(const pel_sim *sim, const pel_joint_def *defs, int32_t n
     if (!is_rigid(sim, def->body) || (def->to_body != -1 && !is_rigid(sim, def->to_body)))
         return refuse(number, "give the body `rigid`, or hold its vertices by an attachment",
                       "joint '%s' holds a body that is not rigid", name, error);
+    if (!sim->stepper->has_substeps)
+        return refuse(number,
+                      "use the method xpbd, pbd or pbd-distance, or pin vertices: one is a ball joint, several "
+                      "on a line are a hinge",
+                      "joint '%s' needs another method", name, error);
     if (def->body == def->to_body)
         return refuse(number, "give another body, or none for the world", "joint '%s' leads from a body to itself",
                       name, error);

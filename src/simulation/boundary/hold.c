@@ -551,7 +551,7 @@ pel_newton_frames pel_holds_fix(const pel_sim *sim, double time, uint8_t *fixed,
     }
     int32_t edges = pel_newton_pattern(sim->newton)->edge_count;
     memcpy(fixed + 3 * (size_t)sim->model->vertex_count, holds->edge_fixed, (size_t)edges);
-    return (pel_newton_frames){holds->held_count, holds->vertices, (const double(*)[3][3])holds->axes};
+    return (pel_newton_frames){holds->held_count, holds->vertices, (const double(*)[3][3])holds->axes, NULL};
 }
 
 /* m, how far a spring is stretched at a position */

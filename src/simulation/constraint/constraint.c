@@ -40,6 +40,9 @@ enum { ESTIMATE_SWEEPS = 20 };
 static double mobility_of(const pel_sim *sim, int32_t v)
 {
     PEL_ASSERT_INDEX(v, sim->model->vertex_count);
+    const pel_rigid *rigid = pel_rigid_of(sim->rigids, v);
+    if (rigid != NULL && rigid->shape->has_joint && !(sim->held != NULL && sim->held[v]))
+        return 1 / rigid->shape->mass;
     return sim->held != NULL ? pel_tool_mobility(sim, v) : (double)sim->model->inverse_mass[v];
 }
 
@@ -335,8 +338,9 @@ pel_status pel_minimise_contact_add(pel_sim *sim, const pel_minimise_contact *co
     for (int i = 0; i < 4; i++) {
         int32_t v = constraint->vertices[i];
         double mobility = mobility_of(sim, v);
+        double share = pel_rigid_of(sim->rigids, v) != NULL ? mobility * (double)sim->model->mass[v] : 1;
         if (mobility > 0 && minimise->inertia != NULL)
-            mobility = 1 / (1 / mobility + minimise->inertia[v] / minimise->stiffness);
+            mobility = 1 / (1 / mobility + minimise->inertia[v] / (share * minimise->stiffness));
         free += mobility * constraint->weights[i] * constraint->weights[i];
     }
     if (!(free > 0))

@@ -60,6 +60,9 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
         return pel_refuse(error, PEL_BAD_ARGUMENT,
                           "take derivatives by differences of whole runs, or leave `yield` out",
                           "what yields has no derivatives");
+    if (sim->rigids != NULL)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs",
+                          "rigid bodies have no derivatives");
     if (sim->minimise->newton->viscous != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "set `damping` of membranes, bending and springs to 0, or use drag",
                           "damping of the material has no derivatives");

@@ -19,6 +19,7 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                        : sim->minimise->newton->viscous != NULL         ? "damping of the material"
                        : sim->loads->fluid_count > 0                    ? "fluids"
                        : sim->loads->wind != NULL                       ? "wind"
+                       : sim->rigids != NULL                            ? "rigid bodies"
                        : sim->active != NULL                            ? "refinement"
                        : sim->cuts_done < sim->def.cut_count            ? "cuts"
                        : sim->tear != NULL                              ? "a toughness or seams"

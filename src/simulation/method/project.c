@@ -421,9 +421,9 @@ static void follow_surface(pel_sim *sim)
 }
 
 #define PROJECTS                                                                                                       \
-    .has_velocity = true, .has_substeps = true, .moves_tools = true, .create = create, .step = step,                   \
-    .follow_surface = follow_surface, .restart = restart, .set_time = set_time, .accept = accept, .advise = advise,    \
-    .get_held_force = get_held_force, .record_held = record_held, .follow_held = follow_held,                          \
+    .has_velocity = true, .has_substeps = true, .moves_rigid = true, .moves_tools = true, .create = create,            \
+    .step = step, .follow_surface = follow_surface, .restart = restart, .set_time = set_time, .accept = accept,        \
+    .advise = advise, .get_held_force = get_held_force, .record_held = record_held, .follow_held = follow_held,        \
     .read_grips = read_grips, .set_substeps = set_substeps, .get_solver = pel_substeps_read
 
 #define NO_MATERIAL .energy_remedy = "use the method xpbd: pbd does not follow the material"

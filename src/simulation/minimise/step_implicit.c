@@ -49,6 +49,7 @@
 #include "minimise/step_newton.h"
 #include "minimise/step_turn.h"
 #include "stage/accessors.h"
+#include "stage/rigids.h"
 #include "tool/tools.h"
 
 #include <float.h>
@@ -194,7 +195,7 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
         return sim->minimise->newton->scheme;
     const pel_sim_newton *newton = sim->minimise->newton;
     bool is_alone = sim->tools->count == 0 && sim->contacts == NULL && sim->solver.budget <= 0 && !newton->is_damped &&
-                    sim->loads->wind == NULL && !volume_moves(sim);
+                    sim->loads->wind == NULL && sim->rigids == NULL && !volume_moves(sim);
     if (is_alone && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) && state->unresolved == 0)
         return &midpoint;
     if (is_alone && !newton->leads)
@@ -283,7 +284,8 @@ static void set_points(pel_sim *sim, const pel_implicit_scheme *s)
         double sum = inertia + drag + (air != NULL ? (double)air[v][3] : 0);
         newton->point_stiffness[v] = sim->model->inverse_mass[v] > 0 ? sum * rate : 0;
         double anchor[3], carried[3], push[3] = {0, 0, 0};
-        pel_sim_turn_refer(sim, s, v, anchor, carried);
+        if (!pel_rigid_parts_anchor(sim, &newton->rigid, v, anchor, carried))
+            pel_sim_turn_refer(sim, s, v, anchor, carried);
         if (air != NULL)
             pel_vertex_position(air, v, push);
         for (int k = 0; k < 3; k++)
@@ -312,6 +314,7 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
             }
         }
     }
+    pel_rigid_parts_finish(sim, &newton->rigid);
 }
 
 /* m/s: mean velocity of the step */
@@ -337,6 +340,11 @@ static void mean_change(const pel_sim *sim, int32_t group, double change[3])
     pel_vec3_scale(change, mass > 0 ? 1 / mass : 0, change);
 }
 
+static bool has_collided(const pel_sim *sim, int32_t body)
+{
+    return sim->minimise->newton->collided[pel_sim_newton_group(sim, body)];
+}
+
 /* BDF2 would extrapolate the velocity from before a collision: groups that collide take the mean velocity of the step
    instead, free groups up to a translation that conserves their momentum. */
 static void finish_collisions(pel_sim *sim)
@@ -357,6 +365,7 @@ static void finish_collisions(pel_sim *sim)
                 state->velocity_next[v][k] = (pel_real)(mean_velocity(sim, v, k) - mean[k]);
         }
     }
+    pel_rigid_parts_collide(sim, &newton->rigid, has_collided);
 }
 
 static pel_status create(pel_sim *sim, pel_error *error)
@@ -432,6 +441,7 @@ static pel_status solve(pel_sim *sim, const pel_implicit_scheme *s, pel_step_res
 {
     sim->minimise->newton->scheme = s;
     pel_sim_turns_set(sim, s);
+    pel_rigid_parts_refer(sim, &sim->minimise->newton->rigid, s->rate / sim->step.dt, s->position, s->velocity);
     set_points(sim, s);
     sim->minimise->acts = s->acts;
     set_radial(sim, s);
@@ -472,6 +482,7 @@ static pel_status solve_by(pel_sim *sim, const pel_implicit_scheme *s, pel_step_
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_minimise_begin_at_state(sim);
+    pel_rigids_begin(sim);
     pel_wind_begin(sim);
     sim->viscous_loss = 0;
     const pel_implicit_scheme *s = choose_scheme(sim);
@@ -537,6 +548,7 @@ const pel_stepper pel_step_implicit_kind = {
     .divides = true,
     .create = create,
     .minimises = true,
+    .moves_rigid = true,
     .has_budget = true,
     .step = step,
     .read_tools = pel_minimise_read_tools,

@@ -80,7 +80,8 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     }
     if (!room)
         return pel_fail_memory(error);
-    return is_dynamic ? pel_sim_prepared_create(sim, error) : PEL_OK;
+    status = pel_rigid_parts_create(sim, newton->unknowns, is_dynamic, &newton->rigid, error);
+    return status == PEL_OK && is_dynamic ? pel_sim_prepared_create(sim, error) : status;
 }
 
 void pel_sim_newton_destroy(pel_sim *sim)
@@ -89,6 +90,7 @@ void pel_sim_newton_destroy(pel_sim *sim)
     if (newton == NULL)
         return;
     pel_sim_prepared_destroy(sim);
+    pel_rigid_parts_destroy(&newton->rigid);
     pel_newton_destroy(sim->newton);
     PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
                  newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
@@ -101,7 +103,7 @@ void pel_sim_newton_destroy(pel_sim *sim)
 void pel_sim_newton_begin(pel_sim *sim)
 {
     sim->minimise->newton->goes_on = false;
-    sim->minimise->newton->way = sim->minimise->newton->choice.way;
+    sim->minimise->newton->way = sim->rigids != NULL ? PEL_SYSTEMS : sim->minimise->newton->choice.way;
     pel_newton_forget(sim->newton);
     if (sim->solver.budget > 0)
         sim->deadline = sim->clock() + sim->solver.budget;
@@ -134,7 +136,7 @@ static bool may_prepare(const pel_sim *sim)
 void pel_sim_newton_choose(pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    if (newton == NULL || newton->point_stiffness == NULL)
+    if (newton == NULL || newton->point_stiffness == NULL || sim->rigids != NULL)
         return;
     pel_newton_choice *choice = &newton->choice;
     double *cost = choice->cost, work = (double)(pel_newton_work(sim->newton) - newton->work);
@@ -352,13 +354,15 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, pel_span span, bool sup
     newton->frames = pel_holds_fix(sim, span.time, newton->fixed, newton->target);
     find_loads(sim, span);
     for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
-        if (!pel_sim_newton_is_free(sim, b))
+        if (sim->model->bodies[b].rigid != NULL || !pel_sim_newton_is_free(sim, b))
             continue;
         if (newton->lead != NULL)
             support_as_lead(sim, b);
         else
             support_free_body(sim, b);
     }
+    newton->frames.rigids =
+        pel_rigid_parts_gather(sim, &newton->rigid, supports_free ? pel_sim_newton_is_free : NULL, newton->fixed);
     return newton->frames;
 }
 
@@ -723,7 +727,7 @@ static pel_descent_result result_of(const pel_newton_result *run)
 static void choose_way(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    if (touches(sim) || (newton->way == PEL_PREPARED && !may_prepare(sim)))
+    if (sim->rigids == NULL && (touches(sim) || (newton->way == PEL_PREPARED && !may_prepare(sim))))
         newton->way = PEL_QUASI;
 }
 
@@ -757,6 +761,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         pel_sim_prepared_take(sim, &own);
     if (status == PEL_OK && is_dynamic && newton->lead == NULL)
         balance_groups(sim, context->is_constrained);
+    pel_rigid_parts_take(sim, &newton->rigid);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->minimise->position[3 * v + k] = newton->unknowns[3 * v + k];

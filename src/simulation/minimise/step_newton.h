@@ -3,6 +3,7 @@
 #define PEL_MINIMISE_STEP_NEWTON_H
 
 #include "constraint/frame.h"
+#include "minimise/rigid_part.h"
 #include "newton/newton.h"
 #include "newton/run.h"
 
@@ -27,7 +28,8 @@ struct pel_sim_newton {
     double *target;           /* (unknown_count) of fixed ones */
     double *loads;            /* (unknown_count) N */
     uint8_t *fixed;           /* (unknown_count) */
-    pel_newton_frames frames; /* of supports, since the last gathering */
+    pel_newton_frames frames; /* of supports and rigid bodies, since the last gathering */
+    pel_rigid_parts rigid;    /* bodies */
     pel_record *force;        /* (vertex_count) N, of loads */
     double *point_stiffness;  /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];      /* (vertex_count) m */

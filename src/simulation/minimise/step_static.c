@@ -11,6 +11,7 @@
 #include "minimise/step_newton.h"
 #include "minimise/step_path.h"
 #include "stage/rigid_motion.h"
+#include "stage/rigids.h"
 #include "tool/tool.h"
 
 #include <math.h>
@@ -21,6 +22,10 @@ static pel_status create(pel_sim *sim, pel_error *error)
     if (status == PEL_OK)
         status = pel_sim_newton_create(sim, false, error);
     bool has_modes = sim->solver.analysis != PEL_ANALYSIS_NONE;
+    bool is_plain = !has_modes && sim->solver.path != PEL_PATH_ARC_LENGTH;
+    if (status == PEL_OK && sim->rigids != NULL && !is_plain)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "leave rigid bodies out, or the analysis and the path",
+                          "analyses and paths do not know rigid bodies");
     if (status == PEL_OK && has_modes)
         status = pel_sim_modes_create(sim, error);
     bool has_path = !has_modes && sim->solver.path == PEL_PATH_ARC_LENGTH;
@@ -75,7 +80,8 @@ static void recenter_free_bodies(pel_sim *sim)
     enum { TIMES = 3 };
     bool any = false;
     for (int32_t b = 0; b < sim->model->body_count; b++) {
-        bool turns = !has_loads(sim, b), is_free = sim->contacts == NULL && pel_sim_newton_is_free(sim, b);
+        bool turns = !has_loads(sim, b),
+             is_free = sim->contacts == NULL && sim->model->bodies[b].rigid == NULL && pel_sim_newton_is_free(sim, b);
         for (int32_t t = 0; is_free && t < sim->tools->count; t++)
             is_free = !pel_tool_acts_on(&sim->tools->items[t], b);
         for (int i = 0; is_free && i < (turns ? TIMES : 1); i++)
@@ -92,6 +98,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
         return pel_sim_modes_step(sim, result, error);
     if (sim->path != NULL)
         return pel_sim_path_step(sim, result, error);
+    pel_rigids_begin(sim);
     pel_sim_newton_begin(sim);
     pel_status status = pel_minimise_step(sim, result, error);
     if (status == PEL_OK)
@@ -166,6 +173,7 @@ const pel_stepper pel_step_static_kind = {
     .check_start = check_start,
     .minimises = true,
     .is_static = true,
+    .moves_rigid = true,
     .has_budget = true,
     .energy_remedy = "the work of tools and supports is that of their mean force in a step: give them keys and raise "
                      "solver.steps",

@@ -26,10 +26,9 @@ static pel_status refuse_method(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].rigid != NULL)
-            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
-                                      "use the method xpbd; for an equilibrium with solver.drag, until it rests",
-                                      "body '%s' is rigid, which this method does not know",
-                                      sim->model->bodies[b].name);
+            return pel_refuse_element(
+                error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, implicit, static, pbd or pbd-distance",
+                "body '%s' is rigid, which this method does not know", sim->model->bodies[b].name);
     return PEL_OK;
 }
 
@@ -39,7 +38,7 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
     int32_t count = count_bodies(model);
     if (count == 0)
         return PEL_OK;
-    if (!sim->stepper->has_substeps)
+    if (!sim->stepper->moves_rigid)
         return refuse_method(sim, error);
     pel_rigids *rigids = sim->rigids = pel_allocate(1, sizeof *rigids);
     if (rigids == NULL ||
@@ -301,19 +300,16 @@ void pel_rigids_follow_positions(pel_sim *sim, int32_t body)
     sim->state->rigids[body] = rigid->state;
 }
 
-void pel_rigids_follow_velocities(pel_sim *sim, int32_t body)
+void pel_rigids_take_motion(const pel_sim *sim, pel_rigid *rigid, const pel_record *positions,
+                            const pel_record *velocities)
 {
     const pel_model *model = sim->model;
-    pel_rigid *rigid = rigid_of(sim, body);
     double momentum[3] = {0}, turn[3] = {0}, center[3], inertia[3][3] = {{0}}, inverse[3][3], spin[3], x[3], v[3], c[3];
-    if (rigid == NULL)
-        return;
-    pel_rigid_begin(rigid, &sim->state->rigids[body]);
     pel_rigid_center(rigid->shape, &rigid->state, center, NULL, NULL, NULL);
     for (int32_t i = rigid->begin; i < rigid->end; i++) {
         double mass = (double)model->mass[i];
-        pel_vertex_position(sim->state->position, i, x);
-        pel_vertex_position(sim->state->velocity, i, v);
+        pel_vertex_position(positions, i, x);
+        pel_vertex_position(velocities, i, v);
         pel_vec3_subtract(x, center, x);
         pel_vec3_along(momentum, mass / rigid->shape->mass, v, momentum);
         pel_vec3_cross(x, v, c);
@@ -326,6 +322,15 @@ void pel_rigids_follow_velocities(pel_sim *sim, int32_t body)
     for (int a = 0; a < 3; a++)
         spin[a] = pel_vec3_dot(inverse[a], turn);
     pel_rigid_set_motion(rigid, momentum, spin);
+}
+
+void pel_rigids_follow_velocities(pel_sim *sim, int32_t body)
+{
+    pel_rigid *rigid = rigid_of(sim, body);
+    if (rigid == NULL)
+        return;
+    pel_rigid_begin(rigid, &sim->state->rigids[body]);
+    pel_rigids_take_motion(sim, rigid, sim->state->position, sim->state->velocity);
     pel_rigid_place_velocities(rigid, sim->rigids, sim->state->position, sim->state->velocity);
     sim->state->rigids[body] = rigid->state;
 }
@@ -345,7 +350,7 @@ void pel_rigids_hit(pel_sim *sim, int32_t body, const double point[3], const dou
 double pel_rigids_extra_energy(const pel_sim *sim, const pel_rigid_state *states, const pel_record *velocities)
 {
     double sum = 0, v[3];
-    for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
+    for (int32_t i = 0; sim->rigids != NULL && velocities != NULL && i < sim->rigids->count; i++) {
         const pel_rigid *rigid = &sim->rigids->items[i];
         sum += pel_rigid_kinetic_energy(rigid->shape, &states[body_of(sim, rigid)]);
         for (int32_t k = rigid->begin; k < rigid->end; k++) {

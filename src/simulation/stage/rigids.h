@@ -1,4 +1,5 @@
-/* Rigid bodies in a step of a position-based method: what owns their vertices, beside the state of the others. */
+/* Rigid bodies in a step: what owns their vertices, beside the state of the others. Kicks, drifts and their ends are of
+   position-based methods; for those of Newton see minimise/rigid_part.h. */
 #ifndef PEL_STAGE_RIGIDS_H
 #define PEL_STAGE_RIGIDS_H
 
@@ -24,11 +25,14 @@ void pel_rigids_keep(pel_sim *sim);
 /* After positions or velocities of the vertices of a body were set: the rigid motion that is nearest to them. */
 void pel_rigids_follow_positions(pel_sim *sim, int32_t body);
 void pel_rigids_follow_velocities(pel_sim *sim, int32_t body);
+/* Momenta of a body whose vertices move like this (both vertex_count), as it stands. */
+void pel_rigids_take_motion(const pel_sim *sim, pel_rigid *rigid, const pel_record *positions,
+                            const pel_record *velocities);
 /* An impulse [N s] at a point of a body, between two steps. */
 void pel_rigids_hit(pel_sim *sim, int32_t body, const double point[3], const double impulse[3]);
 
 /* J, by which the kinetic energies of rigid bodies differ from those of their vertices: at the start of the step, or,
-   in the step, at its end. */
+   in the step, at its end; velocities (vertex_count) may be null: 0. */
 double pel_rigids_extra_energy(const pel_sim *sim, const pel_rigid_state *states, const pel_record *velocities);
 
 #endif

@@ -27,6 +27,7 @@ typedef struct pel_stepper {
     bool relaxes;       /* approaches rest over many steps: solver.alpha and velocity */
     bool descends;      /* by L-BFGS or gradient descent: solver.descent */
     bool is_static;     /* each step is an equilibrium: it has analyses, paths and solver.steps */
+    bool moves_rigid;   /* moves rigid bodies */
     bool has_budget;    /* a step may end at a wall time: solver.budget */
     bool has_lengths;   /* knows lengths of edges alone: other energies have no effect */
     bool can_refill;    /* create only checks and chooses numbers where no body refines: it may be repeated */

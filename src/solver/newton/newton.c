@@ -249,7 +249,7 @@ void pel_newton_destroy(pel_newton *newton)
                  newton->load, newton->answer, newton->balance, newton->way, newton->begin, newton->part_start,
                  newton->part_walked, newton->best, newton->best_walked, newton->first, newton->left, newton->product,
                  newton->sum, newton->plain, newton->coupled, newton->before_walked, newton->before_gradient,
-                 newton->before_terms, newton->volumes, newton->prepared_at);
+                 newton->before_terms, newton->volumes, newton->prepared_at, newton->owned, newton->blocks);
     pel_pairs_release(&newton->pairs);
     pel_free(newton);
 }
@@ -331,6 +331,14 @@ pel_status pel_newton_couple(newton_run *run)
         return uncouple(run);
     if (terms != NULL && terms->list_couplings != NULL)
         count = terms->list_couplings(terms->context, &couplings, &acting);
+    if (run->problem->frames.rigids != NULL) {
+        int32_t own = pel_newton_rigids_couple(run, 0, acting, couplings);
+        count = own < 0 ? own : pel_newton_rigids_couple(run, own, count - acting, couplings + acting);
+        acting = own;
+        couplings = (const int32_t(*)[4])newton->owned;
+    }
+    if (count < 0)
+        return pel_fail_memory(run->error);
     bool is_right = !newton->is_outdated;
     if (is_right)
         is_right = newton->is_stale ? newton->couplings == hash_couplings(count, couplings)
@@ -766,7 +774,7 @@ static void balance_start(newton_run *run)
     run->share = 0;
     pel_newton_evaluate(run);
     memcpy(newton->balance, newton->gradient, (size_t)newton->pattern->unknown_count * sizeof(double));
-    pel_newton_frames_turn_back(&run->problem->frames, newton->balance);
+    pel_newton_frames_turn_forces_back(&run->problem->frames, newton->balance);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++)
         newton->way[u] = pel_newton_way_to_target(run, u);
 }

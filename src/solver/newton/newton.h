@@ -18,6 +18,7 @@
 
 #include "force/tangent.h"
 #include "linear/factor.h"
+#include "rigid/rigid.h"
 
 /* A part of the energy that acts only on one side, max(0, load - stiffness gap)^2 / (2 stiffness), with a gap that is
    nearly linear: it changes with the weighted sum of the ways of its vertices along the normal. */
@@ -57,16 +58,45 @@ typedef struct pel_newton_terms {
 /* What terms add to a matrix; null = nothing. */
 void pel_newton_add_terms(const pel_newton_terms *terms, bool has_kinks, pel_matrix *matrix);
 
+/* A rigid body among the unknowns (rigid.c). All vectors have its vertices; in linear systems two of these stand for
+   all: the unknowns of one are the way of the pivot, those of the other the rotation vector times a length. */
+typedef struct pel_newton_rigid {
+    pel_rigid *body;   /* where it is; follows the unknowns */
+    int32_t at, turn;  /* the two vertices */
+    double axes[3][3]; /* rows, orthonormal: of the components of the rotation vector */
+    double length;     /* m */
+    /* inertia that its vertices, whose springs to points it has, lack or have too much: the energy is half the trace of
+       (R - target) lack (R - target)^T */
+    double lack[3][3], target[3][3]; /* N m; a rotation */
+    /* at the last evaluation */
+    double torque[3];    /* N m, of that energy */
+    double moment[3][3]; /* N m, sum of arms times gradient: of the second derivative of a turn */
+} pel_newton_rigid;
+
+typedef struct pel_newton_rigids {
+    int32_t count;
+    pel_newton_rigid *items; /* (count) those that move */
+    const pel_rigids *bodies;
+    const pel_real *masses; /* (vertex_count) kg */
+    double (*arms)[3];      /* (vertex_count) m, of vertices from the pivot, at the last evaluation */
+} pel_newton_rigids;
+
+/* in `fixed` of a problem: unknowns that rigid bodies own, which have no target */
+enum { PEL_NEWTON_OWNED = 2 };
+
 /* The unknowns of a vertex along axes of its own. */
 typedef struct pel_newton_frames {
     int32_t count;
-    const int32_t *vertices;    /* (count) each once */
-    const double (*axes)[3][3]; /* (count) rows, orthonormal */
+    const int32_t *vertices;         /* (count) each once */
+    const double (*axes)[3][3];      /* (count) rows, orthonormal */
+    const pel_newton_rigids *rigids; /* null = none */
 } pel_newton_frames;
 
-/* Vectors of unknowns from x, y, z to these axes, and back; gradients of volumes to them. */
+/* Forces on unknowns from x, y, z to these axes and to rigid bodies; ways back from there; gradients of volumes to
+   axes. Forces of rigid bodies are spread over their vertices, or their pins. */
 void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector);
 void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector);
+void pel_newton_frames_turn_forces_back(const pel_newton_frames *frames, double *vector);
 void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern);
 
 typedef struct pel_newton_problem {
@@ -79,7 +109,7 @@ typedef struct pel_newton_problem {
     const double (*points)[3];     /* (vertex_count) m */
     const double *viscous;         /* of strains, with their rate [1/s]; null = elastic (force/tangent.h) */
     double rate;
-    const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there */
+    const uint8_t *fixed;          /* (unknown_count) 1 = goes to its target and stays there; PEL_NEWTON_OWNED */
     const double *target;          /* (unknown_count) of positions where fixed [m]; of psi its increment in this run */
     pel_newton_frames frames;      /* vertices for which fixed and target are along axes of their own */
     const pel_newton_terms *terms; /* null = none */

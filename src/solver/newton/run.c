@@ -138,7 +138,7 @@ pel_status pel_newton_run(pel_newton *newton, const pel_newton_problem *problem,
     }
     if (!is_done)
         pel_newton_run_systems(&run);
-    pel_newton_frames_turn_back(&problem->frames, newton->gradient);
+    pel_newton_frames_turn_forces_back(&problem->frames, newton->gradient);
     return run.status;
 }
 

@@ -48,6 +48,10 @@ struct pel_newton {
     int32_t (*coupled)[4]; /* (coupled_count) those in the pattern */
     int32_t coupled_count;
     size_t coupled_capacity;
+    int32_t (*owned)[4]; /* scratch: couplings with those of rigid bodies (rigid.c) */
+    size_t owned_capacity;
+    double *blocks; /* scratch: of their vertices */
+    size_t block_capacity;
     bool is_outdated; /* the pattern is that of an older surface, or there was no memory for one */
     bool is_stale;    /* the pattern may have other couplings than the present run */
     pel_pcg *pcg;
@@ -183,6 +187,20 @@ void pel_newton_find_quasi_step(newton_run *run);
 /* Goes on with the step of the matrix across what begins and ceases to act along it. False where a solve fails. */
 bool pel_newton_cross_kinks(newton_run *run);
 void pel_newton_space_destroy(pel_newton_space *space);
+
+/* ---- rigid.c ---- */
+/* Rigid bodies go where the unknowns have them, and the unknowns to their places. */
+void pel_newton_rigids_follow(newton_run *run);
+/* Sums at the gradient of the last evaluation, along x, y, z; returns J, the energy of the inertia that vertices lack.
+ */
+double pel_newton_rigids_measure(newton_run *run);
+/* adds its torques to the gradient after it was turned to the bodies */
+void pel_newton_rigids_add_torques(newton_run *run);
+/* The matrix from the blocks of vertices to those of bodies. */
+void pel_newton_rigids_reduce(newton_run *run);
+/* Couplings (count) of vertices, with those of the bodies that own some: to newton->owned, from `at`. Returns how many
+   there are then; -1 without memory. */
+int32_t pel_newton_rigids_couple(newton_run *run, int32_t at, int32_t count, const int32_t (*couplings)[4]);
 
 /* ---- path.c ---- */
 /* newton->load = dF/dfactor along the axes of the vertices, 0 where fixed; evaluates at the unknowns. */

@@ -56,26 +56,6 @@ static double add_loads(const newton_run *run)
     return sum;
 }
 
-void pel_newton_frames_turn(const pel_newton_frames *frames, double *vector)
-{
-    for (int32_t f = 0; f < frames->count; f++) {
-        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3];
-        for (int k = 0; k < 3; k++)
-            turned[k] = pel_vec3_dot(frames->axes[f][k], x);
-        pel_vec3_copy(turned, x);
-    }
-}
-
-void pel_newton_frames_turn_back(const pel_newton_frames *frames, double *vector)
-{
-    for (int32_t f = 0; f < frames->count; f++) {
-        double *x = vector + 3 * (size_t)frames->vertices[f], turned[3] = {0};
-        for (int k = 0; k < 3; k++)
-            pel_vec3_along(turned, x[k], frames->axes[f][k], turned);
-        pel_vec3_copy(turned, x);
-    }
-}
-
 void pel_newton_frames_turn_rank_ones(const pel_newton_frames *frames, const pel_tangent_pattern *pattern)
 {
     for (int32_t r = 0; r < pattern->rank_one_count; r++)
@@ -224,6 +204,7 @@ void pel_newton_evaluate(newton_run *run)
         run->status = pel_pool_check(newton->pool, run->error);
         return;
     }
+    pel_newton_rigids_follow(run);
     const pel_tangent_input input = {
         .unknowns = run->unknowns,
         .span = problem->span,
@@ -237,7 +218,7 @@ void pel_newton_evaluate(newton_run *run)
         .rate = problem->rate,
     };
     pel_tangent_energy energy = pel_tangent_evaluate(newton->tangent, &input, newton->pool, newton->gradient);
-    double loads = add_loads(run), terms = 0;
+    double loads = add_loads(run), terms = 0, bodies;
     bool asks = problem->rest_share > 0 && run->result->iterations == 0;
     bool may_settle = problem->settles && problem->terms != NULL && problem->terms->has_kinks;
     if (asks || may_settle)
@@ -247,11 +228,13 @@ void pel_newton_evaluate(newton_run *run)
         terms = problem->terms->evaluate(problem->terms->context, run->unknowns, newton->gradient);
     if (may_settle)
         measure_works(run);
+    bodies = pel_newton_rigids_measure(run);
     run->parts = fabs(energy.membrane) + fabs(energy.volume) + fabs(energy.fibres) + fabs(energy.bending) +
                  fabs(energy.edges) + fabs(energy.springs) + fabs(energy.points) + fabs(energy.pressure) + fabs(loads) +
-                 fabs(terms);
-    run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms;
+                 fabs(terms) + fabs(bodies);
+    run->result->energy = pel_tangent_energy_sum(&energy) + loads + terms + bodies;
     pel_newton_frames_turn(&problem->frames, newton->gradient);
+    pel_newton_rigids_add_torques(run);
     pel_newton_frames_turn_rank_ones(&problem->frames, newton->pattern);
     measure_forces(run);
     measure_inertia(run);
@@ -277,7 +260,7 @@ double pel_newton_way_to_target(const newton_run *run, int32_t u)
 {
     const pel_newton *newton = run->newton;
     bool is_position = u < 3 * newton->pattern->vertex_count;
-    if (run->problem->fixed == NULL || !run->problem->fixed[u])
+    if (run->problem->fixed == NULL || !run->problem->fixed[u] || run->problem->fixed[u] == PEL_NEWTON_OWNED)
         return 0;
     double left = run->share > 0 ? run->share * newton->way[u] : 0;
     return run->problem->target[u] - left - (is_position ? coordinate(run, u) : newton->walked[u]);
@@ -400,6 +383,7 @@ void pel_newton_assemble(newton_run *run)
     pel_newton_add_terms(run->problem->terms, !run->is_prepared, newton->matrix);
     if (run->shift > 0)
         pel_matrix_add_diagonal(newton->matrix, run->shift, newton->masses);
+    pel_newton_rigids_reduce(run);
     if (run->problem->frames.count > 0)
         pel_matrix_turn(newton->matrix, newton->pool, newton->frame, run->problem->frames.axes);
     for (int32_t u = 0; u < newton->pattern->unknown_count; u++) {

@@ -1,0 +1,41 @@
+/* Rigid bodies of the methods static and implicit: six unknowns of each (newton/rigid.c), their inertia, their momenta.
+ */
+#ifndef PEL_MINIMISE_RIGID_PART_H
+#define PEL_MINIMISE_RIGID_PART_H
+
+#include "newton/newton.h"
+#include "stage/stage.h"
+
+typedef struct pel_rigid_part pel_rigid_part;
+
+typedef struct pel_rigid_parts {
+    pel_newton_rigids rigids; /* those that move */
+    pel_rigid_part *items;    /* (bodies that are rigid) of the step in time */
+    double *unknowns;         /* (3 vertex_count and more) m, of the solver */
+    bool is_dynamic;
+} pel_rigid_parts;
+
+/* For a solver with its unknowns; nothing without rigid bodies. PEL_OUT_OF_MEMORY. */
+pel_status pel_rigid_parts_create(const pel_sim *sim, double *unknowns, bool is_dynamic, pel_rigid_parts *parts,
+                                  pel_error *error);
+void pel_rigid_parts_destroy(pel_rigid_parts *parts);
+/* Marks in `fixed` which unknowns bodies own, and which of them move; bodies that are free stay where they are (null:
+   they move). Returns those that move, null for none. */
+const pel_newton_rigids *pel_rigid_parts_gather(const pel_sim *sim, pel_rigid_parts *parts,
+                                                bool (*is_free)(const pel_sim *sim, int32_t body), uint8_t *fixed);
+/* The motion that inertia would go on with, in a step in time u = rate (y - anchor), m rate (u - carried) = F; weights
+   of the start of the step and of the one before, in the anchor and in what is carried. */
+void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, double rate, const double position[2],
+                           const double velocity[2]);
+/* Anchor and carried velocity of a vertex, as of pel_sim_turn_refer; false where it is of no rigid body. */
+bool pel_rigid_parts_anchor(const pel_sim *sim, const pel_rigid_parts *parts, int32_t v, double anchor[3],
+                            double carried[3]);
+/* Momenta at the end of a step in time, and velocities of vertices. */
+void pel_rigid_parts_finish(const pel_sim *sim, const pel_rigid_parts *parts);
+/* Where a body collided the velocities of its vertices tell that of its center. */
+void pel_rigid_parts_collide(const pel_sim *sim, const pel_rigid_parts *parts,
+                             bool (*collided)(const pel_sim *sim, int32_t body));
+/* bodies go where the unknowns have them, and the unknowns to their places */
+void pel_rigid_parts_take(const pel_sim *sim, const pel_rigid_parts *parts);
+
+#endif
