@@ -32,6 +32,7 @@ const eyes = [
     ["swollen, 20 mmHg", (body) => [`inflate ${body} 2666`]],
     ["young: stretches more", (body) => [`set bodies.${body}.springs.young 7e5`]],
     ["old: stiffer", (body) => [`set bodies.${body}.springs.young 3e6`]],
+    ["weak zonules on one side", () => ["unpin 0.02 0 0 -1 0 0 0.003"]],
 ];
 
 export class Trainer {
