@@ -44,7 +44,8 @@ static pel_sim_ledger ledger_of(const run *r)
     return ledger;
 }
 
-/* 2 length stress / E, but for the edges at both ends; what the cut releases is what the step takes */
+/* the gape is 2 length stress / E, and the slit releases pi length^2 stress^2 thickness / (4 E), but for the edges at
+   both ends; the stress is that of the force of 2.255 N before */
 static void test_skin(void **unused)
 {
     (void)unused;
@@ -67,8 +68,7 @@ static void test_skin(void **unused)
     assert_near(right - left, 5.83e-3, 0.05 * 5.83e-3);
     assert_near(cuts_of(&r).length, 0.03, 1e-9);
     double released = before.elastic - after.elastic + after.work_tools - before.work_tools;
-    assert_true(released > 1e-3);
-    assert_near(after.dissipated_solver - before.dissipated_solver, released, 0.02 * released);
+    assert_near(released, 1.29e-3, 0.06 * 1.29e-3);
     end(&r);
 }
 
