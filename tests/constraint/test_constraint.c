@@ -1,6 +1,7 @@
 /* Surfaces that touch while an energy is minimised: collapsing shells stay free of intersections and come to rest,
    friction sticks and slips. */
 #include "math/vec3.h"
+#include "minimise/rounds.h"
 #include "sim/contact_scene.h"
 #include "stage/stage.h"
 
@@ -306,9 +307,12 @@ static void test_bound(void **unused)
     scene_move(&scene, 1, 0.5, 0.5, -0.1055, -0.1055, 1);
     pel_sim *sim = scene_create(&scene);
     int32_t most = 0, unknown = 0;
+    int64_t work = 0;
     for (int n = 0; n < 45; n++) {
+        int64_t before = pel_newton_work(sim->newton);
         assert_true(run_free(sim, 1) >= 0);
         most = sim->part.systems > most ? sim->part.systems : most;
+        work = pel_newton_work(sim->newton) - before > work ? pel_newton_work(sim->newton) - before : work;
         pel_tool_reading reading;
         pel_sim_get_tool(sim, 0, &reading);
         assert_true(solver_of(sim).converged || !reading.force_known);
@@ -317,6 +321,7 @@ static void test_bound(void **unused)
     pel_sim_ledger ledger;
     pel_sim_get_ledger(sim, &ledger);
     assert_true(most < PEL_STEP_SYSTEMS + 60);
+    assert_true(work < (PEL_STEP_SYSTEMS + 60) * PEL_SYSTEM_WORK);
     assert_in_range(unknown, 1, 10);
     assert_true(ledger.energy_error < 0.01 * ledger.supplied);
     scene_end(&scene, sim);

@@ -80,13 +80,14 @@ struct pel_minimise {
     /* in snapshots, for steps in time: what the next one begins with */
     pel_minimise_load *kept; /* (kept_count, room for vertex_count) ascending by pair */
     int32_t kept_count;
-    bool prefers_kept;  /* to loads that balance the forces at the start of a step: they were nearer to its end */
-    double begun[2];    /* N, sums of the latter and of kept loads when the step began; not in snapshots */
-    double penalty;     /* stiffness of constraints relative to bodies and inertia */
-    pel_span acts;      /* when forces act, in steps after the start of the step: at its end, unless the scheme in time
-                           tells */
-    int32_t stray_body; /* has got away by the last step (pel_minimise_find_stray); -1 = none */
-    double stray_way;   /* m */
+    bool prefers_kept;   /* to loads that balance the forces at the start of a step: they were nearer to its end */
+    double begun[2];     /* N, sums of the latter and of kept loads when the step began; not in snapshots */
+    double penalty;      /* stiffness of constraints relative to bodies and inertia */
+    int32_t spent_steps; /* one after the other, whose work has reached its bound */
+    pel_span acts;       /* when forces act, in steps after the start of the step: at its end, unless the scheme in time
+                            tells */
+    int32_t stray_body;  /* has got away by the last step (pel_minimise_find_stray); -1 = none */
+    double stray_way;    /* m */
     double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
                                     sum is in snapshots */
     pel_descent_result result;   /* of the step at work */

@@ -35,8 +35,13 @@
 enum { ROUND_LIMIT = 12, MOST_PARTS = 16 };
 /* rounds, and unconverged rounds, after which a step is repeated in parts */
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
-/* rounds of a part after the systems of the step are spent */
-enum { SPENT_ROUNDS = 2 };
+/* rounds of a part after the systems of the step are spent, and systems of each of them */
+enum { SPENT_ROUNDS = 2, SPENT_SYSTEMS = 6 };
+/* of a run under constraints */
+enum { MOST_SYSTEMS = 40 };
+/* Steps in time that were spent one after the other, after which the next ones have few systems: a jam that lasts. One
+   in so many has all of them, in case the jam can be solved by now. */
+enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
 
 /* forces are balanced when the residual is this share of the forces that act */
 #define LOAD_SHARE 1e-6
@@ -416,6 +421,46 @@ static pel_status run_and_round(pel_minimise_context *context, const pel_descent
     return status;
 }
 
+/* ---- work of a step in time ---- */
+
+static bool is_bounded(const pel_sim *sim)
+{
+    return pel_sim_has_velocity(sim) && sim->part.can_halve;
+}
+
+int32_t pel_minimise_systems_left(const pel_sim *sim)
+{
+    int32_t left = PEL_STEP_SYSTEMS - sim->part.systems;
+    if (!is_bounded(sim))
+        return MOST_SYSTEMS;
+    return pel_parts_are_spent(sim) ? SPENT_SYSTEMS : left < MOST_SYSTEMS ? left : MOST_SYSTEMS;
+}
+
+/* before its first part */
+static void begin_work(pel_sim *sim)
+{
+    int32_t spent = sim->minimise->spent_steps;
+    bool is_jammed = spent >= JAMMED_STEPS && spent % PROBING_STEPS != 0;
+    if (is_bounded(sim) && sim->part.at == 0 && sim->part.systems == 0 && is_jammed)
+        sim->part.systems = PEL_STEP_SYSTEMS - JAMMED_SYSTEMS;
+}
+
+/* a round: what costs as much as several systems counts as so many */
+static void count_work(pel_sim *sim, const pel_descent_result *round)
+{
+    int32_t systems = (int32_t)(round->work / PEL_SYSTEM_WORK);
+    if (pel_sim_has_velocity(sim))
+        sim->part.systems += systems > round->iterations ? systems : round->iterations > 0 ? round->iterations : 1;
+}
+
+/* after an accepted part */
+static void end_work(pel_sim *sim)
+{
+    pel_minimise *minimise = sim->minimise;
+    if (is_bounded(sim) && pel_parts_are_last(sim))
+        minimise->spent_steps = pel_parts_are_spent(sim) ? minimise->spent_steps + 1 : 0;
+}
+
 /* rounds until gaps are closed and forces balanced; the last part of a step looks for surfaces as well */
 static pel_status minimise_in_rounds(pel_minimise_context *context, double loads, bool is_last, pel_error *error)
 {
@@ -425,7 +470,8 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
     pel_descent_result *sum = &minimise->result, round;
     pel_status status = PEL_OK;
     bool closed = false, is_dynamic = pel_sim_has_velocity(sim), can_halve = pel_parts_can_halve(sim);
-    int failures = 0, limit = can_halve ? HALVING_ROUNDS : pel_parts_are_spent(sim) ? SPENT_ROUNDS : ROUND_LIMIT;
+    bool is_spent = is_bounded(sim) && pel_parts_are_spent(sim);
+    int failures = 0, limit = can_halve ? HALVING_ROUNDS : is_spent ? SPENT_ROUNDS : ROUND_LIMIT;
     double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < limit; n++) {
@@ -436,7 +482,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         status = run_and_round(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;
-        sim->part.systems += is_dynamic ? round.iterations : 0;
+        count_work(sim, &round);
         sum->iterations += round.iterations;
         sum->evaluations += round.evaluations;
         sum->residual = round.residual;
@@ -467,7 +513,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         sum->converged = closed && slips_by_law(sim, &change, problem.tolerance) && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
         bool is_late = sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline;
-        if (is_late || (can_halve && pel_parts_are_spent(sim)))
+        if (is_late || (!is_spent && is_bounded(sim) && pel_parts_are_spent(sim)))
             break;
     }
     return status;
@@ -481,6 +527,22 @@ static double plain_energy(pel_minimise_context *context)
     double energy = energy_of(context, minimise->position, minimise->force);
     context->is_constrained = true;
     return energy;
+}
+
+/* when forces act in the present part of the step */
+static pel_span span_of(const pel_sim *sim)
+{
+    pel_span span = sim->minimise->acts;
+    span.time = pel_sim_part_time(sim, span.time);
+    span.back *= sim->step.dt;
+    span.ahead *= sim->step.dt;
+    return span;
+}
+
+double pel_minimise_energy(pel_sim *sim)
+{
+    pel_minimise_context context = {.sim = sim, .state = *sim->state, .span = span_of(sim)};
+    return plain_energy(&context);
 }
 
 /* in proportion to the finest edges that there may be: with coarse ones every pair of a fine surface would be near */
@@ -568,6 +630,7 @@ static pel_status minimise_under_constraints(pel_minimise_context *context, doub
     pel_tools_move(sim, context->span.time);
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
+    begin_work(sim);
     sim->minimise->penalty = pel_sim_has_velocity(sim) ? pel_max(PENALTY, SOFTENING * sim->minimise->penalty) : PENALTY;
     for (int part = 1; status == PEL_OK && part <= part_count; part++) {
         set_poses(sim, (double)part / part_count);
@@ -626,16 +689,6 @@ void pel_minimise_begin_at_state(pel_sim *sim)
     memcpy(state->position_next, state->position, (size_t)sim->model->vertex_count * sizeof *state->position);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         copy_position(state->position, v, sim->minimise->position);
-}
-
-/* when forces act in the present part of the step */
-static pel_span span_of(const pel_sim *sim)
-{
-    pel_span span = sim->minimise->acts;
-    span.time = pel_sim_part_time(sim, span.time);
-    span.back *= sim->step.dt;
-    span.ahead *= sim->step.dt;
-    return span;
 }
 
 pel_status pel_minimise_step(pel_sim *sim, pel_step_result *step, pel_error *error)
@@ -779,6 +832,7 @@ void pel_minimise_accept(pel_sim *sim)
     pel_descent_result *accepted = &sim->minimise->accepted, *part = &sim->minimise->result;
     if (!part->converged && sim->part.can_halve)
         forget_forces(sim);
+    end_work(sim);
     pel_sim_newton_choose(sim);
     if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)
         sim->minimise->newton->base->is_due |= !pel_newton_is_prepared(sim->newton);
@@ -816,6 +870,8 @@ static void check_loaded(pel_minimise *minimise, int32_t vertex_count)
 {
     if (minimise->kept_count < 0 || minimise->kept_count > vertex_count)
         minimise->kept_count = 0;
+    if (minimise->spent_steps < 0 || minimise->spent_steps == INT32_MAX)
+        minimise->spent_steps = 0;
     if (minimise->newton != NULL && (PEL_IS_NO_CHOICE(minimise->newton->choice.way, PEL_WAY_COUNT) ||
                                      PEL_IS_NO_CHOICE(minimise->newton->choice.tried, PEL_WAY_COUNT)))
         minimise->newton->choice = (pel_newton_choice){.way = PEL_QUASI};
@@ -843,6 +899,7 @@ void pel_minimise_transfer(pel_cursor *at, const pel_sim *sim, int32_t unused)
     pel_transfer(at, &sim->minimise->kept_count, sizeof sim->minimise->kept_count);
     pel_transfer(at, &sim->minimise->prefers_kept, sizeof sim->minimise->prefers_kept);
     pel_transfer(at, &sim->minimise->penalty, sizeof sim->minimise->penalty);
+    pel_transfer(at, &sim->minimise->spent_steps, sizeof sim->minimise->spent_steps);
     if (sim->minimise->newton != NULL)
         pel_transfer(at, &sim->minimise->newton->choice, sizeof sim->minimise->newton->choice);
     if (sim->minimise->newton != NULL && sim->minimise->newton->base != NULL)

@@ -14,6 +14,14 @@ void pel_minimise_begin_at_state(pel_sim *sim);
 /* One step. */
 pel_status pel_minimise_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
+/* J, elastic, with conservative pressure and loads, at sim->minimise->position in a step. */
+double pel_minimise_energy(pel_sim *sim);
+/* Linear systems that a run under constraints may take; those of a step in time are bounded. */
+int32_t pel_minimise_systems_left(const pel_sim *sim);
+/* What a system may cost with all that belongs to it, in evaluations of forces; in the mean 16. What costs more counts
+   as several. */
+enum { PEL_SYSTEM_WORK = 32 };
+
 /* Tolerances of a minimisation without constraints: N, by the loads at a time (N, and the share of holding forces), or
    m. Clears sim->force and the external forces. */
 double pel_minimise_tolerance(pel_sim *sim, double time);

@@ -46,6 +46,7 @@
 #include "math/extremes.h"
 #include "minimise/prepared.h"
 #include "minimise/rounds.h"
+#include "minimise/shorten.h"
 #include "minimise/step_newton.h"
 #include "minimise/step_turn.h"
 #include "stage/accessors.h"
@@ -152,16 +153,17 @@ static turn_measure measure_turn(const pel_sim *sim, int32_t body)
     return turn;
 }
 
+/* What touches and is in no balance has no velocity that could be extrapolated either. */
 static void find_collisions(const pel_sim *sim)
 {
     pel_sim_newton *newton = sim->minimise->newton;
-    bool knows = sim->state->older_is_known;
+    bool knows = sim->state->older_is_known, is_balance = sim->minimise->result.converged;
     mark_touched(sim, 1);
     memset(newton->collided, 0, (size_t)sim->model->body_count);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const turn_measure turn = measure_turn(sim, b);
         bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
-        bool collides = turn.touches && (!knows || jumps);
+        bool collides = turn.touches && (!knows || jumps || !is_balance);
         newton->collided[pel_sim_newton_group(sim, b)] |= collides;
     }
     mark_touched(sim, 0);
@@ -500,8 +502,11 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     find_collisions(sim);
     if (sim->minimise->newton->scheme == &bdf2)
         finish_collisions(sim);
+    bool is_spent = sim->part.can_halve && !sim->part.is_refused && !sim->minimise->result.converged;
+    if (is_spent && pel_sim_all_inside(sim))
+        status = pel_minimise_shorten(sim, error);
     result->diverged |= !pel_sim_all_inside(sim);
-    return PEL_OK;
+    return status;
 }
 
 /* Make the previous state the older one. The velocities have been swapped by now. */

@@ -33,8 +33,8 @@
 enum { TRY_STEPS = 24, FIRST_TRY = 4, FIRST_PREPARED_TRY = 12, LEAST_COST = 30 };
 /* of the cost of a step in its mean */
 #define MEAN_SHARE 0.5
-/* of a run of a step in time, without constraints and with them; after the systems of the step are spent */
-enum { DYNAMIC_ITERATIONS = 20, CONSTRAINED_ITERATIONS = 40, SPENT_ITERATIONS = 10 };
+/* of a run of a step in time without constraints */
+enum { DYNAMIC_ITERATIONS = 20 };
 
 /* systems of the first round that are not ended where little energy is left: smooth motion needs no more, and converges
    fast */
@@ -669,10 +669,11 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
     bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
     double tolerance = pel_hypot(problem->tolerance, problem->held_share * moments);
-    int32_t constrained = pel_parts_are_spent(sim) ? SPENT_ITERATIONS : CONSTRAINED_ITERATIONS;
+    int32_t constrained = pel_minimise_systems_left(sim);
     int32_t automatic = !is_dynamic               ? PEL_STATIC_ITERATIONS
                         : context->is_constrained ? constrained
                                                   : DYNAMIC_ITERATIONS;
+    bool is_bounded = is_dynamic && context->is_constrained && sim->part.can_halve;
     return (pel_newton_problem){
         .span = context->span,
         .state = sim->state,
@@ -692,6 +693,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .enough = is_dynamic ? HUGE_VAL : problem->enough,
         .short_move = is_exact ? EXACT_REDUCTION * problem->short_move : problem->short_move,
         .iterations = sim->solver.iterations > 0 ? sim->solver.iterations : automatic,
+        .work = is_bounded ? (int64_t)PEL_SYSTEM_WORK * constrained : 0,
         .clock = sim->solver.budget > 0 ? sim->clock : NULL,
         .deadline = sim->deadline,
         .keeps_factor = is_dynamic,
@@ -743,6 +745,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         !pel_reserve((void **)&newton->kinks, &newton->kink_capacity, count, sizeof *newton->kinks))
         return pel_fail_memory(error);
     bool is_first = !newton->goes_on;
+    int64_t work = pel_newton_work(sim->newton);
     pel_sim_newton_gather(sim, context->span, !is_dynamic && !context->is_constrained);
     choose_way(sim);
     pel_newton_problem own = problem_of(context, problem, &terms);
@@ -766,6 +769,7 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
         for (int k = 0; k < 3 && sim->model->mesh_vertex[v] >= 0; k++)
             sim->minimise->position[3 * v + k] = newton->unknowns[3 * v + k];
     *result = result_of(&run);
+    result->work = pel_newton_work(sim->newton) - work;
     result->moment_force = pel_newton_moment_force(sim->newton, newton->loads);
     pel_edge_loads_add_work(sim, context->span, pel_newton_turns(sim->newton));
     return status;

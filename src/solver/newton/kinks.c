@@ -151,6 +151,7 @@ static bool answer(crossing *c)
     pel_newton *newton = c->newton;
     pel_newton_space *space = c->space;
     double products[TOUCHED];
+    newton->work++;
     pel_factor_solve(newton->factors[newton->precision], newton->pool, newton->right, newton->step);
     c->run->status = pel_pool_check(newton->pool, c->run->error);
     if (c->run->status != PEL_OK)
@@ -228,6 +229,7 @@ static bool respond(crossing *c, int32_t number)
     memset(newton->product, 0, (size_t)c->unknowns * sizeof *newton->product);
     push(&c->kinks[number], 1, newton->product);
     set_right(c, newton->product);
+    newton->work++;
     pel_factor_reduce(newton->factors[newton->precision], newton->pool, newton->right, reduced(c, own));
     c->run->status = pel_pool_check(newton->pool, c->run->error);
     if (c->run->status != PEL_OK)
@@ -404,7 +406,7 @@ static double cross_in_space(crossing *c, double enough)
     }
     c->way = 0;
     c->space->count = 0;
-    for (int n = 0; n < PIECES; n++) {
+    for (int n = 0; n < PIECES && !(n > 0 && pel_newton_is_spent(c->run)); n++) {
         if (!touch_changed(c) || !find_target(c, target) || !find_way(c, target))
             break;
         l.slope = pel_newton_dot(newton, newton->left, newton->step);
@@ -472,7 +474,7 @@ bool pel_newton_cross_kinks(newton_run *run)
     memset(newton->sum, 0, bytes);
     double enough = ENOUGH * sqrt(pel_newton_dot(newton, newton->left, newton->left));
     run->reuses = true;
-    for (int n = 0; n < SPACES && cross_in_space(&c, enough) > enough; n++)
+    for (int n = 0; n < SPACES && !(n > 0 && pel_newton_is_spent(run)) && cross_in_space(&c, enough) > enough; n++)
         if (!take_piece(&c))
             break;
     run->reuses = false;

@@ -22,6 +22,8 @@ enum { SEARCHES = 12, CUTS = 12 };
 enum { POSITIVE_SYSTEMS = 2 };
 /* of steps, that L-BFGS goes by */
 enum { PAIRS = 6 };
+/* what a matrix with other blocks, its order and its room cost, in evaluations */
+enum { PATTERN_WORK = 10 };
 /* Line search: a slope below STEEP of the initial one counts as zero; a slope steeper than FLAT of it extends the step,
    up to MOST_SHARE times. A step that is too long is reduced to between LEAST_CUT and MOST_CUT of it. */
 #define STEEP 0.2
@@ -345,6 +347,8 @@ pel_status pel_newton_couple(newton_run *run)
                                     : has_blocks(newton, acting, couplings);
     bool is_first = newton->is_stale || newton->is_outdated;
     newton->is_stale = false;
+    /* the same after a snapshot, which has no matrix */
+    newton->work += is_first || !is_right ? PATTERN_WORK : 0;
     if (is_right)
         return PEL_OK;
     if (!keep_couplings(newton, is_first, count, couplings))
@@ -644,7 +648,8 @@ static bool go_full_steps(newton_run *run)
         if (is_first)
             result->first_residual = result->residual;
         is_first = false;
-        if (pel_newton_has_converged(run) || result->iterations >= run->limit)
+        bool is_spent = result->iterations > 0 && pel_newton_is_spent(run);
+        if (pel_newton_has_converged(run) || result->iterations >= run->limit || is_spent)
             return true;
         if (pel_newton_is_late(run)) {
             take_best(run, best);
@@ -696,7 +701,7 @@ static bool find_shifted_step(newton_run *run, double most)
     while (run->shift <= most) {
         if (pel_newton_find_step(run))
             return true;
-        if (run->status != PEL_OK)
+        if (run->status != PEL_OK || pel_newton_is_spent(run))
             return false;
         run->shift = pel_max(GROW * run->shift, LEAST_SHIFT * most);
     }
@@ -736,7 +741,7 @@ static bool go_downhill(newton_run *run, double most)
         memcpy(run->unknowns, newton->start, bytes);
         pel_newton_evaluate(run);
         run->shift = pel_max(GROW * run->shift, LEAST_SHIFT * most);
-        if (run->result->iterations >= run->limit)
+        if (run->result->iterations >= run->limit || pel_newton_is_spent(run))
             return false;
     }
     return false;
@@ -755,7 +760,7 @@ static void go_down(newton_run *run)
     double most = MOST_SHIFT * pel_newton_stiffness_scale(newton);
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
     while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit &&
-           !pel_newton_is_late(run))
+           !pel_newton_is_late(run) && !pel_newton_is_spent(run))
         if (!go_downhill(run, most)) {
             run->result->stuck = run->status == PEL_OK;
             break;

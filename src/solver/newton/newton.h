@@ -120,6 +120,7 @@ typedef struct pel_newton_problem {
     double enough;         /* N, when it is no more than this */
     double short_move;     /* m, and after a full step in which no vertex goes farther than this */
     int32_t iterations;    /* of full steps, and as many of steps of least energy after them */
+    int64_t work;          /* in evaluations, after which a run takes the state that it has reached; 0 = any */
     double (*clock)(void); /* s; null = no deadline */
     double deadline;       /* s by the clock: after the first step that ends later the best state by then is taken */
     bool keeps_factor;     /* conjugate gradients with an older factor, while they need few iterations */

@@ -108,6 +108,7 @@ typedef struct newton_run {
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
     double longest;        /* m, that a step downhill moves any vertex by; 0 = any */
     int32_t limit;         /* of iterations so far */
+    int64_t most_work;     /* of newton->work */
     double loose;          /* N, residual that is enough in a part of the loads; 0 at the last one */
     double factor;         /* of loads and given pressure */
     double path_stiffness; /* N/m along newton->path; 0 = none */
@@ -131,12 +132,18 @@ static inline newton_run pel_newton_run_of(pel_newton *newton, const pel_newton_
                         .result = result,
                         .error = error,
                         .factor = problem->load_factor != NULL ? *problem->load_factor : 1,
-                        .limit = problem->iterations};
+                        .limit = problem->iterations,
+                        .most_work = problem->work > 0 ? newton->work + problem->work : INT64_MAX};
 }
 
 /* ---- newton.c ---- */
 /* Blocks of the matrix for the couplings of the terms of the problem. PEL_OUT_OF_MEMORY. */
 pel_status pel_newton_couple(newton_run *run);
+/* whether the work of the run is done: it takes the state that it has reached, with fixed unknowns at their targets */
+static inline bool pel_newton_is_spent(const newton_run *run)
+{
+    return run->newton->work >= run->most_work;
+}
 /* whether the deadline is over, after a system */
 bool pel_newton_is_late(newton_run *run);
 /* fixed unknowns are at their targets from here on */

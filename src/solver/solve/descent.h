@@ -37,6 +37,7 @@ typedef struct pel_descent_problem {
 
 typedef struct pel_descent_result {
     int32_t iterations, evaluations;
+    int64_t work;          /* in evaluations, of Newton's method */
     double energy;         /* J, at the end */
     double residual;       /* N, root of the sum of squares of all forces */
     double first_residual; /* N, that at the start */
