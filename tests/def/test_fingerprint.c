@@ -61,6 +61,7 @@ static all_defs *make_defs(void)
     for (int i = 0; i < 2; i++) {
         all->anisotropies[i] = pel_anisotropy_def_default();
         fill_quantity(all, &all->anisotropies[i].rest_length);
+        fill_quantity(all, &all->anisotropies[i].activation);
         all->anisotropies[i].weights = all->field;
         fill_body(all, &all->bodies[i]);
         all->loads[i] = pel_load_def_default();
@@ -73,6 +74,8 @@ static all_defs *make_defs(void)
         all->tools[i].sequence = &all->sequence;
         all->tools[i].keys = all->poses;
         all->tools[i].key_count = 2;
+        all->tools[i].closing = all->keys;
+        all->tools[i].closing_count = 2;
         all->tools[i].vertices = all->vertices;
         all->tools[i].vertex_count = 3;
         all->supports[i] = pel_support_def_default();
