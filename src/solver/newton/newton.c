@@ -22,8 +22,6 @@ enum { SEARCHES = 12, CUTS = 12 };
 enum { POSITIVE_SYSTEMS = 2 };
 /* of steps, that L-BFGS goes by */
 enum { PAIRS = 6 };
-/* what a matrix with other blocks, its order and its room cost, in evaluations */
-enum { PATTERN_WORK = 10 };
 /* Line search: a slope below STEEP of the initial one counts as zero; a slope steeper than FLAT of it extends the step,
    up to MOST_SHARE times. A step that is too long is reduced to between LEAST_CUT and MOST_CUT of it. */
 #define STEEP 0.2
@@ -347,8 +345,6 @@ pel_status pel_newton_couple(newton_run *run)
                                     : has_blocks(newton, acting, couplings);
     bool is_first = newton->is_stale || newton->is_outdated;
     newton->is_stale = false;
-    /* the same after a snapshot, which has no matrix */
-    newton->work += is_first || !is_right ? PATTERN_WORK : 0;
     if (is_right)
         return PEL_OK;
     if (!keep_couplings(newton, is_first, count, couplings))
