@@ -118,20 +118,31 @@ PEL_INLINE pel_lane bend_isometric(const pel_batch *batch, int32_t block, const 
     return PEL_CONSTANT(0.5) * factor * (pel_lane3_dot(sum, sum) - number_of(batch, block, 4));
 }
 
+PEL_INLINE pel_fibre_image fibre_of(const pel_batch *batch, int32_t block, const pel_record *position)
+{
+    pel_lane3 x[3];
+    for (int k = 0; k < 3; k++)
+        x[k] = corner_of(batch, block, k, position).at;
+    return pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]),
+                              number_of(batch, block, 0), number_of(batch, block, 1));
+}
+
+PEL_INLINE void pull_along(const pel_batch *batch, int32_t block, pel_lane3 image, pel_lane scale, pel_lane3 force[3])
+{
+    pel_lane c0 = number_of(batch, block, 0), c1 = number_of(batch, block, 1);
+    force[0] = pel_lane3_scale(image, scale * c0);
+    force[1] = pel_lane3_scale(image, scale * c1);
+    force[2] = pel_lane3_scale(image, -(scale * (c0 + c1)));
+}
+
 PEL_INLINE pel_lane pull_fibre(const pel_batch *batch, int32_t block, const pel_record *position, double rest_length,
                                bool squared, pel_lane3 force[3])
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
-    pel_lane3 x[3];
-    for (int k = 0; k < 3; k++)
-        x[k] = corner_of(batch, block, k, position).at;
-    pel_lane c0 = number_of(batch, block, 0), c1 = number_of(batch, block, 1);
-    pel_fibre_image f = pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]), c0, c1);
+    pel_fibre_image f = fibre_of(batch, block, position);
     pel_fibre_response r = pel_law_fibre(f.square, pel_lane_splat((pel_real)rest_length), squared);
-    pel_lane stiffness = pel_lane_splat(1) / number_of(batch, block, 2), scale = -(stiffness * r.strain * r.slope);
-    force[0] = pel_lane3_scale(f.image, scale * c0);
-    force[1] = pel_lane3_scale(f.image, scale * c1);
-    force[2] = pel_lane3_scale(f.image, -(scale * (c0 + c1)));
+    pel_lane stiffness = pel_lane_splat(1) / number_of(batch, block, 2);
+    pull_along(batch, block, f.image, -(stiffness * r.strain * r.slope), force);
     return stiffness * pel_law_fibre_energy(r);
 }
 
@@ -139,20 +150,12 @@ PEL_INLINE pel_lane pull_muscle(const pel_batch *batch, int32_t block, const pel
                                 pel_lane3 force[3])
 {
     PEL_ASSERT_INDEX(block, batch->block_count);
-    pel_lane3 x[3];
-    for (int k = 0; k < 3; k++)
-        x[k] = corner_of(batch, block, k, position).at;
-    const pel_lane c0 = number_of(batch, block, 0), c1 = number_of(batch, block, 1);
-    const pel_fibre_image f =
-        pel_fibre_image_of(pel_lane3_subtract(x[0], x[2]), pel_lane3_subtract(x[1], x[2]), c0, c1);
-    const pel_lane length = pel_lane_sqrt(f.square);
-    const pel_muscle_response r =
+    pel_fibre_image f = fibre_of(batch, block, position);
+    pel_lane length = pel_lane_sqrt(f.square);
+    pel_muscle_response r =
         pel_law_muscle(length, pel_lane_splat(batch->law.optimum), pel_lane_splat(batch->law.width));
-    const pel_lane tension = pel_lane_splat((pel_real)activation) / number_of(batch, block, 2);
-    const pel_lane scale = -pel_lane_quotient(tension * r.force, length);
-    force[0] = pel_lane3_scale(f.image, scale * c0);
-    force[1] = pel_lane3_scale(f.image, scale * c1);
-    force[2] = pel_lane3_scale(f.image, -(scale * (c0 + c1)));
+    pel_lane tension = pel_lane_splat((pel_real)activation) / number_of(batch, block, 2);
+    pull_along(batch, block, f.image, -pel_lane_quotient(tension * r.force, length), force);
     return tension * r.energy;
 }
 
