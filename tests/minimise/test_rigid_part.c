@@ -200,36 +200,12 @@ static void test_refusals(void **state)
     rigid_scene_end(&scene);
 }
 
-static pel_status make_and_step(const void *data, pel_error *error)
-{
-    pel_body_def body = pel_body_def_default();
-    body.name = "b";
-    body.mesh = data;
-    body.rigid.on = true;
-    pel_model_def model_def = pel_model_def_default();
-    model_def.bodies = &body;
-    model_def.body_count = 1;
-    pel_model *model;
-    pel_sim *sim = NULL;
-    pel_status status = pel_model_create(&model_def, &model, error);
-    if (status == PEL_OK) {
-        pel_sim_def def = pel_sim_def_default();
-        def.solver.method = PEL_METHOD_IMPLICIT;
-        def.model = model;
-        status = pel_sim_create(&def, &sim, error);
-    }
-    if (status == PEL_OK)
-        status = pel_sim_step(sim, error);
-    pel_sim_destroy(sim);
-    pel_model_destroy(model);
-    return status;
-}
-
 static void test_memory(void **state)
 {
     (void)state;
     pel_mesh *mesh = make_box(0.1, 0.2, 0.4, origin);
-    assert_true(for_allocation_failures(make_and_step, mesh, 1) > 0);
+    const rigid_case made = {mesh, PEL_METHOD_IMPLICIT, true};
+    assert_true(for_allocation_failures(rigid_scene_lone, &made, 1) > 0);
     pel_mesh_destroy(mesh);
 }
 

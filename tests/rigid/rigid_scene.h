@@ -159,4 +159,39 @@ static inline void turn_mesh(pel_mesh *mesh, const double axis[3], double degree
     assert_int_equal(pel_mesh_transform(mesh, &transform, NULL), PEL_OK);
 }
 
+/* a rigid body of a mesh, alone, as a case of for_allocation_failures (tests/failing_malloc.h); it takes a step if
+ * asked */
+typedef struct rigid_case {
+    const pel_mesh *mesh;
+    pel_method method;
+    bool steps;
+} rigid_case;
+
+static inline pel_status rigid_scene_lone(const void *data, pel_error *error)
+{
+    const rigid_case *made = data;
+    pel_body_def body = pel_body_def_default();
+    body.name = "b";
+    body.mesh = made->mesh;
+    body.rigid.on = true;
+    pel_model_def model_def = pel_model_def_default();
+    model_def.bodies = &body;
+    model_def.body_count = 1;
+    pel_model *model;
+    pel_sim *sim = NULL;
+    pel_status status = pel_model_create(&model_def, &model, error);
+    if (status == PEL_OK) {
+        pel_sim_def def = pel_sim_def_default();
+        def.solver.method = made->method;
+        def.model = model;
+        status = pel_sim_create(&def, &sim, error);
+    }
+    assert_true((sim != NULL) == (status == PEL_OK));
+    if (status == PEL_OK && made->steps)
+        status = pel_sim_step(sim, error);
+    pel_sim_destroy(sim);
+    pel_model_destroy(model);
+    return status;
+}
+
 #endif
