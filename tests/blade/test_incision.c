@@ -1,6 +1,6 @@
 /* Blades: the cut is where the edge went, at any speed and under every method; its resistance against the energy that
    the tool spends; snapshots, threads, hooks, and what is refused. */
-#include "shell_fixture.h"
+#include "sim/cut_fixture.h"
 
 #include "failing_malloc.h"
 #include "pellicle/live.h"
@@ -37,6 +37,31 @@ static pel_model *model_of(const pel_mesh *mesh)
             pins[body.pinned_count++] = v;
     body.pinned = pins;
     return make_model(&body);
+}
+
+/* hangs from the border of the largest y */
+static pel_model *soft_model(const pel_mesh *mesh)
+{
+    int32_t pins[32];
+    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_NEO_HOOKEAN);
+    body.shell.membrane.young.value = 1e4;
+    body.shell.membrane.thickness.value = 0.01;
+    body.spring_stiffness.value = body.spring_damping.value = body.volumetric_stiffness.value = 0;
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 1000;
+    body.thickness.value = 0.01;
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->positions[v][1] > 0.49)
+            pins[body.pinned_count++] = v;
+    body.pinned = pins;
+    pel_model_def def = pel_model_def_default();
+    def.bodies = &body;
+    def.body_count = 1;
+    def.gravity[1] = -1;
+    def.gravity[2] = 0.2;
+    pel_model *model;
+    assert_int_equal(pel_model_create(&def, &model, NULL), PEL_OK);
+    return model;
 }
 
 static pel_tool_def straight(pel_pose_key keys[2], double duration)
@@ -156,6 +181,41 @@ static void beside_contact(void **unused)
         s.sim = make_sim(&def);
         step(s.sim, 22);
         assert_near(length_of(s.sim), 0.38, 0.08);
+        end_sheet(&s);
+    }
+}
+
+/* a sheet that hangs and swings: a vertex that moves onto the way and opens at once takes its copy along */
+static void swinging(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 8; i++) {
+        pel_pose_key keys[2];
+        pel_tool_def tool = straight(keys, i < 4 ? 0.25 : 0.05);
+        for (int k = 0; k < 2; k++) {
+            keys[k].position[0] = k == 0 ? -0.52 : -0.12;
+            keys[k].position[1] = i % 2 == 0 ? 0.2 : 0.22;
+            keys[k].time += 0.12;
+            tool.edge[k][2] = k == 0 ? -0.2 : 0.2;
+        }
+        sheet s = {.mesh = make_grid(12, 12, 1, 1, PEL_GRID_ONE_DIAGONAL)};
+        s.model = soft_model(s.mesh);
+        pel_sim_def def = lone_sim(s.model, i % 4 < 2 ? PEL_METHOD_XPBD : PEL_METHOD_IMPLICIT, 0.01);
+        def.tools = &tool;
+        def.tool_count = 1;
+        def.contact.enabled = true;
+        def.contact.thickness = 1.4e-4;
+        s.sim = make_sim(&def);
+        for (int n = 0; n < 50; n++) {
+            int32_t count = pel_sim_vertex_count(s.sim, 0);
+            step(s.sim, 1);
+            assert_true(farthest_new_copy(s.sim, count) < 1e-3);
+        }
+        pel_sim_ledger ledger;
+        pel_sim_get_ledger(s.sim, &ledger);
+        assert_near(length_of(s.sim), 0.38, 0.08);
+        assert_true(fabs(ledger.energy_error) < 0.02 * ledger.supplied);
+        assert_true(fabs(ledger.dissipated_remesh) < 0.01 * ledger.supplied);
         end_sheet(&s);
     }
 }
@@ -474,6 +534,7 @@ int main(void)
         cmocka_unit_test(guillotine), cmocka_unit_test(resistance),  cmocka_unit_test(presses),
         cmocka_unit_test(returns),    cmocka_unit_test(hook),        cmocka_unit_test(refusals),
         cmocka_unit_test(ranges),     cmocka_unit_test(places),      cmocka_unit_test(beside_contact),
+        cmocka_unit_test(swinging),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

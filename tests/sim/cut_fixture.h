@@ -4,7 +4,9 @@
 
 #include "shell_fixture.h"
 
+#include "mesh/topology_check.h"
 #include "pellicle/sim.h"
+#include "pellicle/sim_contact.h"
 #include "pellicle/tear.h"
 #include "pellicle/topology.h"
 
@@ -104,6 +106,86 @@ static inline int32_t column(const pel_mesh *mesh, double x, double low, double 
                 path[j] = other;
             }
     return count;
+}
+
+/* ---- random surfaces ---- */
+
+/* a sheet, an irregular one, a disk, a ball or a ring */
+static inline pel_mesh *random_surface(random_state *random)
+{
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    switch (random_below(random, 6)) {
+    case 0:
+        return make_grid((int32_t)random_integer(random, 3, 9), (int32_t)random_integer(random, 3, 9), 1, 1,
+                         (pel_grid_diagonals)random_below(random, 3));
+    case 1:
+        return make_irregular_patch((int32_t)random_integer(random, 4, 9), random);
+    case 2:
+        return make_irregular_ball((int32_t)random_integer(random, 1, 3), random);
+    case 3:
+        def = pel_shape_def_default(PEL_SHAPE_DISK);
+        def.rings = (int32_t)random_integer(random, 2, 5);
+        return make_shape(&def);
+    case 4:
+        def = pel_shape_def_default(PEL_SHAPE_TORUS);
+        def.slices = (int32_t)random_integer(random, 6, 14);
+        def.rings = (int32_t)random_integer(random, 4, 8);
+        return make_shape(&def);
+    default:
+        def.frequency = (int32_t)random_integer(random, 1, 4);
+        return make_shape(&def);
+    }
+}
+
+/* the same number of triangles, each edge between two of them at most, each vertex with one fan, and no intersection */
+static inline void check_opened(pel_sim *sim, int32_t triangle_count, bool has_contact)
+{
+    const pel_mesh *mesh = pel_model_mesh(pel_sim_model(sim), 0);
+    pel_topology *topology;
+    assert_int_equal(mesh->triangle_count, triangle_count);
+    assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
+    assert_true(pel_topology_is_valid(topology));
+    pel_topology_destroy(topology);
+    int64_t crossings = 0;
+    if (has_contact)
+        assert_int_equal(pel_sim_intersections(sim, &crossings, NULL), PEL_OK);
+    assert_int_equal(crossings, 0);
+}
+
+/* a push that pulls the surface apart, or presses it together */
+static inline void push(pel_sim *sim, random_state *random)
+{
+    int32_t count = pel_sim_vertex_count(sim, 0);
+    double *x = calloc((size_t)count, 24), *v = calloc((size_t)count, 24), rates[3];
+    for (int c = 0; c < 3; c++)
+        rates[c] = random_between(random, -10, 20);
+    pel_sim_get_positions(sim, 0, x);
+    for (int32_t i = 0; i < 3 * count; i++)
+        v[i] = rates[i % 3] * x[i];
+    assert_int_equal(pel_sim_set_velocities(sim, 0, v, NULL), PEL_OK);
+    free(x);
+    free(v);
+}
+
+/* m, the farthest of the copies from `first` on from the vertices that they are like: as they are made they lie there
+ */
+static inline double farthest_new_copy(const pel_sim *sim, int32_t first)
+{
+    int32_t count = pel_sim_vertex_count(sim, 0);
+    int32_t *origins = calloc((size_t)count, sizeof *origins);
+    double *x = calloc((size_t)count, 24), most = 0;
+    pel_sim_get_origins(sim, 0, origins);
+    pel_sim_get_positions(sim, 0, x);
+    for (int32_t v = first; v < count; v++) {
+        double least = HUGE_VAL;
+        for (int32_t k = 0; k < count; k++)
+            if (k != v && origins[k] == origins[v])
+                least = fmin(least, pel_vec3_distance(x + 3 * k, x + 3 * v));
+        most = fmax(most, least);
+    }
+    free(origins);
+    free(x);
+    return most;
 }
 
 #endif

@@ -2,41 +2,11 @@
    cut leaves as it is, a surface without branches, and no intersection. */
 #include "sim/cut_fixture.h"
 
-#include "mesh/topology_check.h"
-#include "pellicle/sim_contact.h"
-
 enum { MOST_PATH = 12, ACTIONS = 10 };
 
 static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT, PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC,
                                      PEL_METHOD_PBD_DISTANCE};
 enum { METHOD_COUNT = sizeof methods / sizeof methods[0] };
-
-/* a sheet, an irregular one, a disk, a ball or a ring */
-static pel_mesh *make_surface(random_state *random)
-{
-    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
-    switch (random_below(random, 6)) {
-    case 0:
-        return make_grid((int32_t)random_integer(random, 3, 9), (int32_t)random_integer(random, 3, 9), 1, 1,
-                         (pel_grid_diagonals)random_below(random, 3));
-    case 1:
-        return make_irregular_patch((int32_t)random_integer(random, 4, 9), random);
-    case 2:
-        return make_irregular_ball((int32_t)random_integer(random, 1, 3), random);
-    case 3:
-        def = pel_shape_def_default(PEL_SHAPE_DISK);
-        def.rings = (int32_t)random_integer(random, 2, 5);
-        return make_shape(&def);
-    case 4:
-        def = pel_shape_def_default(PEL_SHAPE_TORUS);
-        def.slices = (int32_t)random_integer(random, 6, 14);
-        def.rings = (int32_t)random_integer(random, 4, 8);
-        return make_shape(&def);
-    default:
-        def.frequency = (int32_t)random_integer(random, 1, 4);
-        return make_shape(&def);
-    }
-}
 
 typedef struct surface {
     pel_mesh *mesh;
@@ -48,7 +18,7 @@ typedef struct surface {
 
 static surface make_body(random_state *random)
 {
-    surface s = {.mesh = make_surface(random), .method = methods[random_below(random, METHOD_COUNT)]};
+    surface s = {.mesh = random_surface(random), .method = methods[random_below(random, METHOD_COUNT)]};
     bool is_shell = s.method != PEL_METHOD_QUASI_STATIC && s.method != PEL_METHOD_PBD_DISTANCE, tears;
     pel_body_def body = pel_body_def_default();
     body.name = "surface";
@@ -110,19 +80,9 @@ static int32_t find_path(const pel_mesh *mesh, random_state *random, int32_t *pa
     return count;
 }
 
-/* the same number of triangles, each edge between two of them at most, each vertex with one fan, and no intersection */
 static void check_surface(const surface *s)
 {
-    const pel_mesh *mesh = pel_model_mesh(pel_sim_model(s->sim), 0);
-    pel_topology *topology;
-    assert_int_equal(mesh->triangle_count, s->mesh->triangle_count);
-    assert_int_equal(pel_topology_create(mesh, &topology, NULL), PEL_OK);
-    assert_true(pel_topology_is_valid(topology));
-    pel_topology_destroy(topology);
-    int64_t crossings = 0;
-    if (s->has_contact)
-        assert_int_equal(pel_sim_intersections(s->sim, &crossings, NULL), PEL_OK);
-    assert_int_equal(crossings, 0);
+    check_opened(s->sim, s->mesh->triangle_count, s->has_contact);
 }
 
 /* a cut changes no motion; one that is refused changes nothing */
@@ -146,21 +106,6 @@ static bool cut(const surface *s, random_state *random)
     return false;
 }
 
-/* a push that pulls the surface apart, or presses it together */
-static void push(const surface *s, random_state *random)
-{
-    int32_t count = pel_sim_vertex_count(s->sim, 0);
-    double *x = calloc((size_t)count, 24), *v = calloc((size_t)count, 24), rates[3];
-    for (int c = 0; c < 3; c++)
-        rates[c] = random_between(random, -10, 20);
-    pel_sim_get_positions(s->sim, 0, x);
-    for (int32_t i = 0; i < 3 * count; i++)
-        v[i] = rates[i % 3] * x[i];
-    assert_int_equal(pel_sim_set_velocities(s->sim, 0, v, NULL), PEL_OK);
-    free(x);
-    free(v);
-}
-
 typedef struct tally {
     int64_t cut_count, refused_count, tear_count, step_count, failed_count;
 } tally;
@@ -177,7 +122,7 @@ static void fuzz(random_state *random, tally *all)
             all->refused_count++;
         check_surface(&s);
         if (s.method != PEL_METHOD_QUASI_STATIC && random_below(random, 3) == 0)
-            push(&s, random);
+            push(s.sim, random);
         pel_sim_get_cuts(s.sim, 0, &before, NULL);
         /* a surface that is pushed too hard may have no next step, which is told */
         if (pel_sim_step(s.sim, &error) != PEL_OK) {

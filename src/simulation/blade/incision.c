@@ -22,8 +22,10 @@
 
 /* rad, by which a blade turns in a part of a step */
 #define MOST_TURN 0.1
-/* of its length: the edge is moved aside, so that it does not go through vertices and along edges */
+/* of its length: the edge is moved aside, so that it does not go through vertices and along edges; by another share in
+   each step, because vertices move onto the way of the steps before */
 #define ASIDE 1e-7
+#define GOLDEN 0.6180339887498949
 /* of the mean edge: what is ahead and not cut; the length of a first cut inside a surface, and from a lip; how far a
    way begins from the tip that it goes on from */
 #define LAG 0.5
@@ -132,17 +134,26 @@ static void fill_sweep(const search *s, int32_t triangle, const double edges[2][
     }
 }
 
+/* m, by how much the edge is aside at a share of the step */
+static double aside_at(const search *s, double share)
+{
+    double turns = GOLDEN * (double)(s->sim->state->step % 1000000), start = turns - floor(turns);
+    double end = start + GOLDEN - floor(start + GOLDEN);
+    double length = pel_vec3_distance(s->tool->solid.edge[0], s->tool->solid.edge[1]);
+    return ASIDE * length * (0.5 + (1 - share) * start + share * end);
+}
+
 static bool sweep_part(search *s, int part, int part_count)
 {
     const double shares[2] = {(double)part / part_count, (double)(part + 1) / part_count};
-    double edges[2][2][3], length = pel_vec3_distance(s->tool->solid.edge[0], s->tool->solid.edge[1]);
+    double edges[2][2][3];
     static const double aside[3] = {0.5377, 0.7311, 0.4201};
     for (int i = 0; i < 2; i++) {
         pel_pose pose;
         pel_pose_between(&s->tool->blade->pose_before, &s->tool->pose, shares[i], &pose);
         pel_blade_edge_at(s->tool, &pose, shares[i], edges[i]);
         for (int end = 0; end < 2; end++)
-            pel_vec3_along(edges[i][end], ASIDE * length, aside, edges[i][end]);
+            pel_vec3_along(edges[i][end], aside_at(s, shares[i]), aside, edges[i][end]);
     }
     for (int32_t t = 0; t < s->mesh->triangle_count; t++) {
         pel_sweep sweep;

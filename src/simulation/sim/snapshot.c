@@ -506,16 +506,20 @@ static pel_status find_places(carrier *c, const pel_surfaces *surfaces, pel_erro
     return PEL_OK;
 }
 
-/* a mean of records at the places of a move's corners */
-static void blend(const carrier *c, const pel_body *old, const pel_vertex_move *move, const pel_record *from,
-                  pel_record *to)
+/* a mean of records at the places of a move's corners, for the vertex and the copies that the cut makes of it */
+static void blend(const pel_surfaces *surfaces, int32_t body, const pel_vertex_move *move, const carrier *c,
+                  const pel_record *from, pel_record *to)
 {
+    const pel_body *old = &c->from->given->bodies[body], *new = &c->to->given->bodies[body];
     pel_record sum = {0};
     for (int i = 0; i < 3; i++)
         sum += (pel_real)move->weights[i] * from[old->model_index[move->corners[i]]];
-    int32_t place = c->place_of[old->model_index[move->vertex]];
-    for (int i = 0; i < 3; i++)
-        to[place][i] = sum[i];
+    for (int32_t v = move->vertex; v < new->mesh->vertex_count;) {
+        if (surfaces->sources[body][v] == move->vertex)
+            for (int i = 0; i < 3; i++)
+                to[new->model_index[v]][i] = sum[i];
+        v = v < old->mesh->vertex_count ? old->mesh->vertex_count : v + 1;
+    }
 }
 
 /* vertices that moved over the surface take on the motion of it there */
@@ -525,12 +529,11 @@ static void carry_moves(const carrier *c, const pel_surfaces *surfaces)
     pel_state *to = c->to->state;
     for (int32_t b = 0; b < surfaces->body_count; b++)
         for (int32_t i = 0; i < surfaces->move_counts[b]; i++) {
-            const pel_body *old = &c->from->given->bodies[b];
             const pel_vertex_move *move = &surfaces->moves[b][i];
-            blend(c, old, move, from->position, to->position);
-            blend(c, old, move, from->position_before, to->position_before);
+            blend(surfaces, b, move, c, from->position, to->position);
+            blend(surfaces, b, move, c, from->position_before, to->position_before);
             if (from->velocity != NULL)
-                blend(c, old, move, from->velocity, to->velocity);
+                blend(surfaces, b, move, c, from->velocity, to->velocity);
             to->older_is_known = false;
         }
 }
