@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_COLUMNS = 1024, PATH_SIZE = 4352 };
+enum { MOST_COLUMNS = 1024, PATH_SIZE = 4352, NAME_SIZE = 224 };
 
 /* the header of a series: its names point into the line */
 typedef struct header {
@@ -78,6 +78,61 @@ static int list_columns(const header *head)
     return CLI_DONE;
 }
 
+static bool ends_in(const char *text, const char *end)
+{
+    const size_t length = strlen(text), size = strlen(end);
+    return length > size && strcmp(text + length - size, end) == 0;
+}
+
+/* the unit of a column by its name, empty if it has none */
+static const char *unit_of(const char *name)
+{
+    static const struct {
+        const char *ending, *unit;
+    } units[] = {
+        {"angular_momentum_x", "N m s"},
+        {"angular_momentum_y", "N m s"},
+        {"angular_momentum_z", "N m s"},
+        {"momentum_x", "N s"},
+        {"momentum_y", "N s"},
+        {"momentum_z", "N s"},
+        {"torque_x", "N m"},
+        {"torque_y", "N m"},
+        {"torque_z", "N m"},
+        {"rotation_x", ""},
+        {"rotation_y", ""},
+        {"rotation_z", ""},
+        {"force", "N"},
+        {"force_max", "N"},
+        {"force_x", "N"},
+        {"force_y", "N"},
+        {"force_z", "N"},
+        {"_x", "m"},
+        {"_y", "m"},
+        {"_z", "m"},
+        {"displacement", "m"},
+        {"volume", "m³"},
+        {"energy", "J"},
+        {"energy_error", "J"},
+        {"time", "s"},
+        {"_ms", "ms"},
+        {"frequency", "Hz"},
+        {"pressure", "Pa"},
+    };
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
+        if (strcmp(name, units[i].ending) == 0 || ends_in(name, units[i].ending))
+            return units[i].unit;
+    return strncmp(name, "work_", 5) == 0 || strncmp(name, "dissipated_", 11) == 0 ? "J" : "";
+}
+
+/* "ball_force_z [N]" */
+static const char *write_name(const char *column, char text[NAME_SIZE])
+{
+    const char *unit = unit_of(column);
+    snprintf(text, NAME_SIZE, unit[0] != '\0' ? "%.200s [%s]" : "%.200s", column, unit);
+    return text;
+}
+
 /* the points of a curve that can be drawn; returns their number */
 static int take_points(const chosen *plot, int column, double *x, double *y)
 {
@@ -91,28 +146,26 @@ static int take_points(const chosen *plot, int column, double *x, double *y)
     return count;
 }
 
-static bool ends_in(const char *text, const char *end)
-{
-    const size_t length = strlen(text), size = strlen(end);
-    return length > size && strcmp(text + length - size, end) == 0;
-}
-
 static pel_status write_picture(const chosen *plot, const char *title, const char *path, pel_error *error)
 {
     const size_t rows = (size_t)plot->series->row_count + 1;
     double *numbers = calloc(2 * rows * (size_t)plot->count, sizeof *numbers);
     if (numbers == NULL)
         return pel_fail_memory(error);
+    /* one curve is named beside its axis, several in the legend */
+    const bool single = plot->count == 2;
+    char names[LAB_CURVES + 1][NAME_SIZE];
     lab_plot picture = {.title = title,
-                        .x_name = plot->names[0],
-                        .y_name = plot->count == 2 ? plot->names[1] : "",
+                        .x_name = write_name(plot->names[0], names[0]),
+                        .y_name = single ? write_name(plot->names[1], names[1]) : "",
                         .log_x = plot->log_x,
                         .log_y = plot->log_y};
     for (int c = 1; c < plot->count; c++) {
         double *x = numbers + 2 * (size_t)c * rows, *y = x + rows;
         int count = take_points(plot, c, x, y);
         if (count > 0)
-            picture.curves[picture.curve_count++] = (lab_curve){.name = plot->names[c], .x = x, .y = y, .count = count};
+            picture.curves[picture.curve_count++] =
+                (lab_curve){.name = single ? "" : write_name(plot->names[c], names[c]), .x = x, .y = y, .count = count};
     }
     pel_status status = PEL_BAD_ARGUMENT;
     if (picture.curve_count > 0) {

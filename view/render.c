@@ -622,7 +622,7 @@ __attribute__((format(printf, 3, 4))) static void add_part(char *text, size_t si
     va_end(values);
 }
 
-/* "soft, force, t = 0.50 s", or "soft, frame 50" */
+/* "soft, force, t = 0.50 s", "soft, frame 50", or "soft, mode 1" */
 static void draw_label(job *j, view_shot shot, int32_t cell)
 {
     const view_run *run = &j->runs[shot.run];
@@ -643,6 +643,8 @@ static void draw_label(job *j, view_shot shot, int32_t cell)
         add_part(text, sizeof text, "%s", j->fields[shot.field].scale.title);
     if (run->has_times && j->def.frame_numbers)
         add_part(text, sizeof text, "frame %d", (int)shot.frame);
+    else if (run->has_times && view_run_has_modes(run))
+        add_part(text, sizeof text, shot.frame > 0 ? "mode %d" : "at rest", (int)shot.frame);
     else if (run->has_times)
         add_part(text, sizeof text, "t = %.*f s", j->time_decimals, view_run_time(run, shot.frame));
     view_sheet_label(&j->page, &j->image, cell, text);

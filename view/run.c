@@ -79,6 +79,11 @@ static pel_status open_scene(view_run *run, bool tools, const pel_log *log, pel_
     return read_positions(run, path, error);
 }
 
+bool view_run_has_modes(const view_run *run)
+{
+    return run->scene != NULL && run->scene->sim.solver.analysis != PEL_ANALYSIS_NONE;
+}
+
 int32_t view_run_up(const view_run *run)
 {
     return run->scene != NULL ? run->scene->up : 2;

@@ -22,6 +22,8 @@ void view_run_close(view_run *run);
 
 int32_t view_run_frame_count(const view_run *run);
 double view_run_time(const view_run *run, int32_t frame);
+/* of an analysis, whose frames after the first are modes */
+bool view_run_has_modes(const view_run *run);
 
 /* Reads a frame; free the mesh with pel_mesh_destroy. */
 pel_status view_run_read(const view_run *run, int32_t frame, pel_mesh **mesh, pel_error *error);

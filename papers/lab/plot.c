@@ -12,7 +12,7 @@
 #include <stdlib.h>
 
 /* sizes in pixels */
-enum { WIDTH = 920, HEIGHT = 460, LEFT = 96, RIGHT = 250, TOP = 44, BOTTOM = 56 };
+enum { WIDTH = 920, HEIGHT = 460, LEFT = 96, RIGHT = 36, LEGEND = 250, TOP = 44, BOTTOM = 56 };
 
 /* Okabe and Ito 2008: told apart also by the colour-blind */
 static const char *const colors[LAB_CURVES] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -120,7 +120,8 @@ static void draw_line(const pen *p, double x0, double y0, double x1, double y1, 
     p->line(p->target, (double[4]){x0, y0, x1, y1}, 2, width, color);
 }
 
-static void draw_axis(const pen *p, const axis *a, bool vertical)
+/* with lines across the plot, which ends at `right` */
+static void draw_axis(const pen *p, const axis *a, int right, bool vertical)
 {
     double step = a->tick_count > 1 ? a->ticks[1] - a->ticks[0] : 1;
     for (int i = 0; i < a->tick_count; i++) {
@@ -128,7 +129,7 @@ static void draw_axis(const pen *p, const axis *a, bool vertical)
         char text[32];
         snprintf(text, sizeof text, "%.6g", fabs(value) < 1e-9 * step ? 0 : value);
         if (vertical) {
-            draw_line(p, LEFT, at, WIDTH - RIGHT, at, 1, "#dddddd");
+            draw_line(p, LEFT, at, right, at, 1, "#dddddd");
             p->text(p->target, LEFT - 8, at + 4, "end", false, text);
         } else {
             draw_line(p, at, TOP, at, HEIGHT - BOTTOM, 1, "#dddddd");
@@ -164,7 +165,7 @@ static void draw_bars(const pen *p, const lab_plot *plot, int c, const axis *x, 
 static void draw_legend(const pen *p, const lab_plot *plot)
 {
     for (int c = 0; c < plot->curve_count; c++) {
-        int y = TOP + 16 + 18 * c, x = WIDTH - RIGHT + 12;
+        int y = TOP + 16 + 18 * c, x = WIDTH - LEGEND + 12;
         draw_line(p, x, y - 4, x + 24, y - 4, plot->bars ? 8 : 2, colors[c]);
         p->text(p->target, x + 30, y, "start", false, plot->curves[c].name);
     }
@@ -173,22 +174,25 @@ static void draw_legend(const pen *p, const lab_plot *plot)
 /* points: scratch, two numbers for each point of the longest curve */
 static void draw_plot(const pen *p, const lab_plot *plot, double *points)
 {
-    axis x = {.log = plot->log_x, .from = LEFT, .to = WIDTH - RIGHT};
+    const bool legend = plot->curve_count != 1 || plot->curves[0].name[0] != '\0';
+    const int right = WIDTH - (legend ? LEGEND : RIGHT);
+    axis x = {.log = plot->log_x, .from = LEFT, .to = right};
     axis y = {.log = plot->log_y, .from = HEIGHT - BOTTOM, .to = TOP};
     fit_axis(plot, false, &x);
     fit_axis(plot, true, &y);
-    draw_axis(p, &x, false);
-    draw_axis(p, &y, true);
+    draw_axis(p, &x, right, false);
+    draw_axis(p, &y, right, true);
     draw_line(p, LEFT, TOP, LEFT, HEIGHT - BOTTOM, 1, "#000000");
-    draw_line(p, LEFT, HEIGHT - BOTTOM, WIDTH - RIGHT, HEIGHT - BOTTOM, 1, "#000000");
+    draw_line(p, LEFT, HEIGHT - BOTTOM, right, HEIGHT - BOTTOM, 1, "#000000");
     for (int c = 0; c < plot->curve_count; c++)
         if (plot->bars)
             draw_bars(p, plot, c, &x, &y);
         else
             draw_curve(p, &plot->curves[c], colors[c], &x, &y, points);
-    draw_legend(p, plot);
-    p->text(p->target, (LEFT + WIDTH - RIGHT) / 2.0, 26, "middle", false, plot->title);
-    p->text(p->target, (LEFT + WIDTH - RIGHT) / 2.0, HEIGHT - 14, "middle", false, plot->x_name);
+    if (legend)
+        draw_legend(p, plot);
+    p->text(p->target, (LEFT + right) / 2.0, 26, "middle", false, plot->title);
+    p->text(p->target, (LEFT + right) / 2.0, HEIGHT - 14, "middle", false, plot->x_name);
     p->text(p->target, 20, HEIGHT / 2.0, "middle", true, plot->y_name);
 }
 

@@ -7,7 +7,7 @@
 #include <pellicle/base.h>
 
 typedef struct lab_curve {
-    const char *name; /* in the legend */
+    const char *name; /* in the legend; empty, of a single curve: no legend */
     const double *x, *y;
     int count;
     bool marks; /* a dot at each point */

@@ -30,7 +30,7 @@ NOT_RUN = {
     r"pellicle bench (frames|frames-all|springs|springs-explicit|table1)": "measurements; the test cli/bench",
     r"pellicle reproduce (--all.*|precision|b-table2|b-figure10 b-figure16-18 --mesh bust.ply)": "takes minutes; the test cli/reproduce",
     r"pellicle run scenes/shell-crushed.yaml --set bodies.*": "a measurement of minutes",
-    r"pellicle sweep study.yaml .*": "needs a cluster; the tests cli/slurm and study/study",
+    r"pellicle sweep study.yaml .*--(chunk|slurm).*": "needs a cluster; the tests cli/slurm and study/study",
     r"pellicle calibrate .*": "needs the Python package; the test python/calibration",
 }
 # the page that `make reproduction` writes with the results of its commands
@@ -104,8 +104,9 @@ class Pages:
             for scene, text in steps(path.read_text()):
                 if scene is None:
                     self.run_command(page, folder, text)
-                elif text.startswith("version:"):
-                    (folder / scene).write_text(text)
+                    continue
+                (folder / scene).write_text(text)
+                if text.startswith("version:"):
                     self.execute(page, folder, f"pellicle check {scene}")
 
 
