@@ -4,6 +4,7 @@
 #include "check.h"
 
 #include <malloc.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -23,6 +24,7 @@ enum { LIVE_LIMIT = 1 << 16 };
 static atomic_flag busy = ATOMIC_FLAG_INIT;
 static atomic_bool counting;
 static long fail_at;
+static size_t fatal_size;
 static allocation_count count;
 static uintptr_t live[LIVE_LIMIT];
 
@@ -38,8 +40,10 @@ static void unlock(void)
 }
 
 /* true when the allocation being asked for has to fail */
-static bool must_fail(void)
+static bool must_fail(size_t number, size_t size)
 {
+    if (fatal_size > 0 && size > 0 && number >= (fatal_size + size - 1) / size)
+        raise(SIGALRM);
     if (!atomic_load(&counting) || pel_check_is_running())
         return false;
     lock();
@@ -77,22 +81,22 @@ static void move(uintptr_t from, uintptr_t to)
 
 void *__wrap_malloc(size_t size)
 {
-    return must_fail() ? NULL : remember(__real_malloc(size));
+    return must_fail(1, size) ? NULL : remember(__real_malloc(size));
 }
 
 void *__wrap_calloc(size_t number, size_t size)
 {
-    return must_fail() ? NULL : remember(__real_calloc(number, size));
+    return must_fail(number, size) ? NULL : remember(__real_calloc(number, size));
 }
 
 void *__wrap_aligned_alloc(size_t alignment, size_t size)
 {
-    return must_fail() ? NULL : remember(__real_aligned_alloc(alignment, size));
+    return must_fail(1, size) ? NULL : remember(__real_aligned_alloc(alignment, size));
 }
 
 void *__wrap_realloc(void *block, size_t size)
 {
-    if (must_fail()) {
+    if (must_fail(1, size)) {
         count.failed_shrink = block != NULL && size <= malloc_usable_size(block);
         return NULL;
     }
@@ -123,6 +127,11 @@ allocation_count failing_malloc_end(void)
 {
     atomic_store(&counting, false);
     return count;
+}
+
+void failing_malloc_ends_at(size_t size)
+{
+    fatal_size = size;
 }
 
 long for_every_allocation_failure(allocation_case *run, const void *data)

@@ -16,6 +16,8 @@ typedef struct allocation_count {
 void failing_malloc_begin(long n);
 /* Stops counting and failing. */
 allocation_count failing_malloc_end(void);
+/* From here on a block of this size [bytes] or a larger one ends the process by SIGALRM, counted or not; 0 = none. */
+void failing_malloc_ends_at(size_t size);
 
 /* Creates something from data, asserts that the out-pointer is null when that fails, destroys it, returns the status.
  */

@@ -20,6 +20,16 @@ typedef struct fixture {
     pel_state *state;
 } fixture;
 
+static void create_model(fixture *made, const pel_body_def bodies[2])
+{
+    pel_model_def def = pel_model_def_default();
+    def.bodies = bodies;
+    def.body_count = 2;
+    assert_int_equal(pel_model_create(&def, &made->model, NULL), PEL_OK);
+    assert_int_equal(pel_refined_create(made->model, &made->active, NULL), PEL_OK);
+    assert_int_equal(pel_state_create(&made->active->model, false, &made->state, NULL), PEL_OK);
+}
+
 static void begin(fixture *made)
 {
     pel_mesh *mesh = made->mesh = make_sphere(3);
@@ -55,12 +65,26 @@ static void begin(fixture *made)
     shell->shell.pressure.outside.value = 1;
     shell->shell.pressure.weights = made->weights;
     shell->refine.levels = 2;
-    pel_model_def def = pel_model_def_default();
-    def.bodies = bodies;
-    def.body_count = 2;
-    assert_int_equal(pel_model_create(&def, &made->model, NULL), PEL_OK);
-    assert_int_equal(pel_refined_create(made->model, &made->active, NULL), PEL_OK);
-    assert_int_equal(pel_state_create(&made->active->model, false, &made->state, NULL), PEL_OK);
+    create_model(made, bodies);
+}
+
+/* woven cloth, whose warp is a direction or runs along a coordinate that rises in it */
+static void begin_woven(fixture *made, const double direction[3], bool is_coordinate)
+{
+    *made = (fixture){.mesh = make_sphere(3)};
+    pel_body_def bodies[2] = {shell_body(made->mesh, PEL_MEMBRANE_STVK),
+                              shell_body(made->mesh, PEL_MEMBRANE_ORTHOTROPIC)},
+                 *shell = &bodies[BODY];
+    double *coordinate = made->weights = calloc((size_t)made->mesh->vertex_count, sizeof(double));
+    for (int32_t v = 0; v < made->mesh->vertex_count; v++)
+        coordinate[v] = pel_vec3_dot(direction, made->mesh->positions[v]);
+    bodies[0].name = "first";
+    shell->shell.membrane.weft = 5e4;
+    memcpy(shell->shell.membrane.direction, direction, 3 * sizeof *direction);
+    if (is_coordinate)
+        shell->shell.membrane.coordinate = coordinate;
+    shell->refine.levels = 2;
+    create_model(made, bodies);
 }
 
 static void end(fixture *made)
@@ -276,6 +300,46 @@ static void test_random_fronts(void **unused)
     end(&made);
 }
 
+/* the warp of a triangle in its rest frame: the given direction, or the part within the base triangle of the gradient
+   of a coordinate */
+static void check_warp(const fixture *made, const double direction[3], bool is_coordinate)
+{
+    const pel_shell_front *own = made->active->bodies[BODY].shell;
+    for (int32_t t = 0; t < own->shell.triangle_count; t++) {
+        const int32_t *v = made->mesh->triangles[own->base_of_triangle[t]];
+        double x[3][3], normal[3], along[3], expected[2];
+        corners_of(made, own->shell.corners[t], 3, x);
+        pel_vec3_copy(direction, along);
+        pel_vec3_triangle_normal(made->mesh->positions[v[0]], made->mesh->positions[v[1]], made->mesh->positions[v[2]],
+                                 normal);
+        pel_vec3_normalize(normal);
+        if (is_coordinate)
+            pel_vec3_along(along, -pel_vec3_dot(along, normal), normal, along);
+        assert_true(pel_rest_triangle_direction((const double(*)[3])x, along, expected));
+        for (int i = 0; i < PEL_LAW_AXIS; i++)
+            assert_near(own->shell.axes[t][i], expected[i], sizeof(pel_real) == 8 ? 1e-12 : 1e-5);
+    }
+}
+
+static void test_warp(void **unused)
+{
+    (void)unused;
+    static const double direction[3] = {0.3, 1, 0.2};
+    for (int is_coordinate = 0; is_coordinate < 2; is_coordinate++) {
+        fixture made;
+        random_state random = {11};
+        begin_woven(&made, direction, is_coordinate);
+        check_warp(&made, direction, is_coordinate);
+        bool *marked = calloc((size_t)made.active->bodies[BODY].front->node_begin[2], sizeof *marked);
+        for (int round = 0; round < 3; round++) {
+            mark_some(&made, &random, marked);
+            check_warp(&made, direction, is_coordinate);
+        }
+        free(marked);
+        end(&made);
+    }
+}
+
 static pel_status create_active(const void *model, pel_error *error)
 {
     pel_refined_model *active;
@@ -298,6 +362,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_fronts),
+        cmocka_unit_test(test_warp),
         cmocka_unit_test(test_every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
-/* Warnings about tools: blades that open less than they pass, before the first step; energy that contact must not make.
- */
+/* Warnings about tools: blades that open less than they pass, before the first step; energy that contact must not make;
+   tools that contact holds back. */
 #define _XOPEN_SOURCE 700 /* nftw */
+#include "pellicle/frames.h"
 #include "run/warned.h"
 #include "run/warnings_contact.h"
 
@@ -76,9 +77,56 @@ static void test_found_too_near(void **unused)
     check_contains("warned", "summary.json", "\"fall_backs\": 0,");
 }
 
+/* a plate that presses a ball on another one by its keys, which lead it beyond both */
+#define PRESS(keys)                                                                                                    \
+    "version: 1\nbodies: [ { name: ball, mesh: { shape: geodesic-sphere, frequency: 1, radius: 0.05 }, membrane: { "   \
+    "young: 1.0e6, thickness: 0.002 } } ]\ntools:\n"                                                                   \
+    "  - { name: floor, shape: box, size: [0.3, 0.3, 0.02], motion: [ { position: [0, 0, -0.0605] } ] }\n"             \
+    "  - { name: press, shape: box, size: [0.3, 0.3, 0.02], motion: [ { position: [0, 0, 0.0605] }, " keys " ] }\n"    \
+    "contact: {}\nsolver: { dt: 0.01 }\n"
+
+#define DOWN "{ time: 0.05, position: [0, 0, -0.09] }"
+
+static const pel_run_warning *held(const char *text, pel_run_summary *summary)
+{
+    run_scene(text, NULL, 0, NULL, 0, summary);
+    const pel_run_warning *warning = find_warning(summary, "tool-held-back");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "tool 'press' was held back in "));
+    return warning;
+}
+
+/* what to do depends on where a tool that was held back ends: away from its keys, at them, or within pinned vertices */
+static void test_held_back(void **unused)
+{
+    (void)unused;
+    static const char *const column = "press_z";
+    char path[256];
+    double lag;
+    pel_run_summary summary;
+    pel_series *series;
+    const pel_run_warning *warning = held(PRESS(DOWN) "duration: 0.05\n", &summary);
+    const char *ends = strstr(warning->text, "it ends ");
+    assert_non_null(ends);
+    assert_int_equal(sscanf(ends, "it ends %lf m away", &lag), 1);
+    assert_int_equal(pel_series_read(in_folder(path, "warned", "series.csv"), &column, 1, &series, NULL), PEL_OK);
+    assert_near(lag, pel_series_value(series, 0, series->row_count - 1) + 0.09, 5e-3 * lag);
+    assert_true(lag > 0.03);
+    pel_series_destroy(series);
+    warning = held(PRESS(DOWN ", { time: 0.1, position: [0, 0, 0.0605] }") "duration: 0.12\n", &summary);
+    assert_non_null(strstr(warning->text, "it caught up with its keys"));
+    warning =
+        held("version: 1\nbodies: [ { name: stone, mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }, "
+             "membrane: { young: 1.0e6, thickness: 0.002 }, pinned: all } ]\ntools: [ { name: press, shape: "
+             "sphere, radius: 0.02, motion: [ { position: [0, 0, 0.08] }, { time: 0.1, position: [0, 0, 0.05] } ] "
+             "} ]\ncontact: {}\nsolver: { dt: 0.01 }\nduration: 0.1\n",
+             &summary);
+    assert_non_null(strstr(warning->text, "vertices of body 'stone' that are all pinned"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_sheet_over_corner),
-                                       cmocka_unit_test(test_found_too_near)};
+                                       cmocka_unit_test(test_found_too_near), cmocka_unit_test(test_held_back)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -15,7 +15,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/stat.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -446,38 +445,40 @@ static void test_kill(void **unused)
 
 /* ---- runs that take their process with them ---- */
 
-/* the second one never ends by itself */
-static const char crashing[] = "scene: scene.yaml\nvary: { duration: [0.2, 1e9, 0.1, 0.3] }\nmeasure: [steps]\n";
+/* the second one has a large mesh, and never ends by itself */
+static const char crashing[] =
+    "scene: scene.yaml\nvary: [{ duration: [0.2, 1e9, 0.1, 0.3], bodies.ball.mesh.frequency: [2, 90, 2, 2] }]\n"
+    "measure: [steps]\n";
 
-/* what becomes of workers that are forked from here on: they fail to get memory, or are ended by a signal */
+/* what becomes of workers that are forked from here on: they fail to get memory, or a large mesh ends them by a signal,
+   always at the same place */
 static struct {
-    bool has_no_memory;
-    int milliseconds; /* until then; 0 = never */
+    bool have_no_memory, end_at_large_meshes;
 } workers;
 
 static void in_worker(void)
 {
     failing_malloc_end();
-    if (workers.has_no_memory)
+    if (workers.have_no_memory)
         failing_malloc_begin(1);
-    if (workers.milliseconds > 0)
-        setitimer(ITIMER_REAL, &(struct itimerval){.it_value = {.tv_usec = 1000 * workers.milliseconds}}, NULL);
+    if (workers.end_at_large_meshes)
+        failing_malloc_ends_at((size_t)1 << 20);
 }
 
 static void test_a_crash_is_a_row(void **unused)
 {
     (void)unused;
     char path[256];
-    workers.milliseconds = 800;
+    workers.end_at_large_meshes = true;
     pel_study_summary summary = execute(crashing, "crash", 2, 1, 1);
-    workers.milliseconds = 0;
+    workers.end_at_large_meshes = false;
     assert_int_equal(summary.done, 4);
     assert_int_equal(summary.missing, 0);
     assert_int_equal(summary.failed, 1);
     char *table = read_file("crash/runs.csv");
-    assert_non_null(strstr(table, "\n0,0.2,20,done,\n1,1e9,,crashed,"));
+    assert_non_null(strstr(table, "\n0,0.2,2,20,done,\n1,1e9,90,,crashed,"));
     assert_non_null(strstr(table, "ended twice, the last time by signal 14 (Alarm clock)"));
-    assert_non_null(strstr(table, "\n2,0.1,10,done,\n3,0.3,30,done,\n"));
+    assert_non_null(strstr(table, "\n2,0.1,2,10,done,\n3,0.3,2,30,done,\n"));
     pel_free(table);
     /* only what failed is done again, and only when asked for */
     assert_int_equal(execute(crashing, "crash", 2, 1, 1).done, 0);
@@ -490,7 +491,7 @@ static void test_a_crash_is_a_row(void **unused)
     assert_int_equal(summary.done, 1);
     assert_int_equal(summary.present, 3);
     table = read_file("crash/runs.csv");
-    assert_non_null(strstr(table, "\n1,1e9,,timeout,"));
+    assert_non_null(strstr(table, "\n1,1e9,90,,timeout,"));
     pel_free(table);
     pel_study_destroy(study);
 }
@@ -499,16 +500,18 @@ static void test_a_crash_is_a_row(void **unused)
 static void test_a_crash_behind_others(void **unused)
 {
     (void)unused;
-    workers.milliseconds = 800;
-    pel_study_summary summary = execute(
-        "scene: scene.yaml\nvary: { duration: [0.01, 0.02, 0.03, 0.04, 1e9, 0.05, 0.06, 0.07] }\nmeasure: [steps]\n",
-        "behind", 1, 1, 1);
-    workers.milliseconds = 0;
+    workers.end_at_large_meshes = true;
+    pel_study_summary summary =
+        execute("scene: scene.yaml\nvary: [{ duration: [0.01, 0.02, 0.03, 0.04, 1e9, 0.05, 0.06, 0.07],\n"
+                "  bodies.ball.mesh.frequency: [2, 2, 2, 2, 90, 2, 2, 2] }]\nmeasure: [steps]\n",
+                "behind", 1, 1, 1);
+    workers.end_at_large_meshes = false;
     assert_int_equal(summary.done, 8);
     assert_int_equal(summary.failed, 1);
     char *table = read_file("behind/runs.csv");
-    assert_non_null(strstr(table, "\n0,0.01,1,done,\n1,0.02,2,done,\n2,0.03,3,done,\n3,0.04,4,done,\n4,1e9,,crashed,"));
-    assert_non_null(strstr(table, "\n5,0.05,5,done,\n6,0.06,6,done,\n7,0.07,7,done,\n"));
+    assert_non_null(
+        strstr(table, "\n0,0.01,2,1,done,\n1,0.02,2,2,done,\n2,0.03,2,3,done,\n3,0.04,2,4,done,\n4,1e9,90,,crashed,"));
+    assert_non_null(strstr(table, "\n5,0.05,2,5,done,\n6,0.06,2,6,done,\n7,0.07,2,7,done,\n"));
     pel_free(table);
 }
 
@@ -725,9 +728,9 @@ static pel_status lost_case(const void *data, pel_error *error)
 static void test_no_memory_is_a_row(void **unused)
 {
     (void)unused;
-    workers.has_no_memory = true;
+    workers.have_no_memory = true;
     pel_study_summary summary = execute("scene: scene.yaml\nvary: { solver.alpha: [10] }\n", "poor", 1, 1, 1);
-    workers.has_no_memory = false;
+    workers.have_no_memory = false;
     assert_int_equal(summary.failed, 1);
     char *table = read_file("poor/runs.csv");
     assert_non_null(strstr(table, ",failed,"));

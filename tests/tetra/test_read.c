@@ -165,6 +165,29 @@ static void test_versions(void **unused)
     }
 }
 
+/* from version 5 on cells are offsets and connectivity, before they are lists */
+static void test_versions_of_vtk(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *file, *version;
+        pel_status status;
+    } cases[] = {{"vtk/two.vtk", "1.0", PEL_OK},         {"vtk/two.vtk", "4.2", PEL_OK},
+                 {"vtk/two.vtk", "5.0", PEL_BAD_FORMAT}, {"vtk/five.vtk", "4.9", PEL_BAD_FORMAT},
+                 {"vtk/five.vtk", "5.0", PEL_OK},        {"vtk/five.vtk", "5.1", PEL_OK}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[1000], *bytes;
+        size_t size;
+        pel_mesh *mesh;
+        snprintf(path, sizeof path, "%s%s", CORPUS, cases[i].file);
+        assert_int_equal(pel_file_read(path, &bytes, &size, NULL), PEL_OK);
+        memcpy(strstr(bytes, "Version ") + 8, cases[i].version, 3);
+        assert_int_equal(pel_mesh_parse_filled("a.vtk", bytes, size, NULL, &mesh, NULL), cases[i].status);
+        pel_mesh_destroy(mesh);
+        pel_free(bytes);
+    }
+}
+
 static void write_text(const char *path, const char *text)
 {
     FILE *file = fopen(path, "w");
@@ -262,9 +285,9 @@ static void test_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formats),  cmocka_unit_test(test_errors), cmocka_unit_test(test_second_order),
-        cmocka_unit_test(test_versions), cmocka_unit_test(test_tetgen), cmocka_unit_test(test_corpus),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_formats),  cmocka_unit_test(test_errors),          cmocka_unit_test(test_second_order),
+        cmocka_unit_test(test_versions), cmocka_unit_test(test_versions_of_vtk), cmocka_unit_test(test_tetgen),
+        cmocka_unit_test(test_corpus),   cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
