@@ -5,9 +5,22 @@
 #include <pellicle/import.h>
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* A standard stream that whoever started the program closed: the next file that is opened would take its number, and
+   messages would be written into that file. What is written to such a stream fails. */
+static void keep_standard_streams(void)
+{
+    int number = open("/dev/null", O_RDONLY);
+    while (number >= 0 && number < 3)
+        number = open("/dev/null", O_RDONLY);
+    if (number >= 3)
+        close(number);
+}
 
 /* output that did not reach its place (disk full, closed pipe) is a failure */
 static int close_output(int status)
@@ -50,6 +63,7 @@ static int unknown_command(const char *name)
 int main(int argc, char **argv)
 {
     const char *first = argc > 1 ? argv[1] : "";
+    keep_standard_streams();
     /* a file beyond `ulimit -f` is a failed write with a message, as on a full disk */
     signal(SIGXFSZ, SIG_IGN);
     if (*first == '\0') {
