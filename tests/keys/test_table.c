@@ -159,6 +159,26 @@ static void test_parameter_paths(void **unused)
     free(paths);
 }
 
+/* elements of lists by number, of more than one digit too */
+static void test_numbered_elements(void **unused)
+{
+    (void)unused;
+    char text[1200] = "version: 1\nduration: 1\nbodies: [{mesh: {shape: grid}}]\nloads:\n";
+    for (int i = 0; i < 12; i++)
+        strcat(text, "  - {force: [0, 0, 1], from: 0.25}\n");
+    const char *const overrides[] = {"loads.10.from=0.5", "loads.9.from=0.75", "loads.0011.from=0.125"};
+    pel_scene *scene;
+    pel_error error;
+    assert_int_equal(pel_scene_parse("t", text, strlen(text), overrides, 3, NULL, &scene, NULL), PEL_OK);
+    for (int i = 0; i < 12; i++)
+        assert_near(scene->sim.loads[i].from, i == 10 ? 0.5 : i == 9 ? 0.75 : i == 11 ? 0.125 : 0.25, 0);
+    pel_scene_destroy(scene);
+    const char *const beyond = "loads.13.from=1";
+    assert_int_equal(pel_scene_parse("t", text, strlen(text), &beyond, 1, NULL, &scene, &error), PEL_BAD_SCENE);
+    assert_non_null(strstr(error.what, "no element '13'"));
+    assert_non_null(strstr(error.remedy, "it has 12, numbered from 0"));
+}
+
 /* a scene that has every list and map: its resolved text agrees with the defaults of the table */
 static void test_presets_are_valid(void **unused)
 {
@@ -244,6 +264,7 @@ int main(void)
         cmocka_unit_test(test_schema_is_json),
         cmocka_unit_test(test_locale),
         cmocka_unit_test(test_parameter_paths),
+        cmocka_unit_test(test_numbered_elements),
         cmocka_unit_test(test_presets_are_valid),
         cmocka_unit_test(test_numbers),
         cmocka_unit_test(test_write_failures),

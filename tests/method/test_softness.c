@@ -210,6 +210,13 @@ static void test_choice(void **unused)
     assert_true(read_defaults(&def).substeps == 1 && !read_defaults(&def).second_order);
     assert_true(read_defaults(&def).softness == 0);
     pel_model_destroy(model);
+    /* a body that is 1e12 times as soft, with steps 1e6 times as long, takes as many: its rate is below 1 per s2 */
+    pel_body_def soft = body;
+    soft.shell.membrane.young.value *= 1e-12;
+    model = make_model(&soft);
+    def = sim_of(model, PEL_METHOD_XPBD, 1e5);
+    assert_int_equal(read_defaults(&def).substeps, first.substeps);
+    pel_model_destroy(model);
     body.shell.pressure.kind = PEL_PRESSURE_GAS;
     body.shell.pressure.value = 1e6;
     body.shell.pressure.gamma = 1.4;
