@@ -650,6 +650,45 @@ pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* the nearest points of a pair where it stands now: normal from the second side to the first; false where they meet */
+static bool find_normal(const pel_sim *sim, const pel_contact_key *key, const double normal[3], double found[3])
+{
+    double x[4][3], weights[4] = {1, 0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        int32_t p = key->points[i];
+        pel_vec3_copy(p < sim->model->vertex_count ? sim->minimise->position + 3 * (size_t)p : sim->contacts->end[p],
+                      x[i]);
+    }
+    if (key->edge_edge)
+        pel_closest_segment_segment(x[0], x[1], x[2], x[3], weights);
+    else
+        pel_closest_point_triangle(x[0], x[1], x[2], x[3], weights + 1);
+    pel_vec3_set(found, 0, 0, 0);
+    for (int i = 0; i < 4; i++)
+        pel_vec3_along(found, (i < (key->edge_edge ? 2 : 1) ? 1 : -1) * weights[i], x[i], found);
+    if (pel_vec3_dot(found, normal) < 0)
+        pel_vec3_scale(found, -1, found);
+    return pel_vec3_normalize(found) > 0;
+}
+
+double pel_minimise_contacts_turned(const pel_sim *sim)
+{
+    const pel_minimise *minimise = sim->minimise;
+    double square = 0, all = 0;
+    for (int32_t c = minimise->tool_count; c < minimise->count; c++) {
+        const pel_minimise_contact *constraint = &minimise->constraints[c];
+        double normal[3];
+        if (!(constraint->load > 0))
+            continue;
+        all += constraint->load * constraint->load;
+        if (!find_normal(sim, &sim->contacts->keys[constraint->number], constraint->normal, normal))
+            continue;
+        pel_vec3_subtract(normal, constraint->normal, normal);
+        square += constraint->load * constraint->load * pel_vec3_squared_length(normal);
+    }
+    return all > 0 ? sqrt(square / all) : 0;
+}
+
 void pel_minimise_contacts_keep_loads(pel_sim *sim)
 {
     const pel_minimise *minimise = sim->minimise;

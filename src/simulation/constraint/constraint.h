@@ -39,6 +39,8 @@ double pel_minimise_contacts_sum(const pel_sim *sim);
 double pel_minimise_contacts_force(const pel_sim *sim);
 /* Constraints of surfaces from the list of contacts, after those of tools, with the loads stored by their keys. */
 pel_status pel_minimise_contacts_add_surfaces(pel_sim *sim, pel_error *error);
+/* Share of the forces of surfaces that has turned since the step found where they touch. */
+double pel_minimise_contacts_turned(const pel_sim *sim);
 /* Writes these loads into the keys. */
 void pel_minimise_contacts_keep_loads(pel_sim *sim);
 /* Flags of the vertices of surfaces that press against each other. */

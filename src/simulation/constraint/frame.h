@@ -88,6 +88,7 @@ struct pel_minimise {
                             tells */
     int32_t stray_body;  /* has got away by the last step (pel_minimise_find_stray); -1 = none */
     double stray_way;    /* m */
+    double turned;       /* of the forces of surfaces, the share that has turned in the last step at rest */
     double tool_way, step_way;   /* m, farthest that any tool went, summed over the steps; in the step in progress. The
                                     sum is in snapshots */
     pel_descent_result result;   /* of the step at work */

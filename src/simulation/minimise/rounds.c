@@ -37,6 +37,8 @@ enum { ROUND_LIMIT = 12, MOST_PARTS = 16 };
 enum { HALVING_ROUNDS = 8, HALVING_FAILURES = 2 };
 /* rounds of a part after the systems of the step are spent, and systems of each of them */
 enum { SPENT_ROUNDS = 2, SPENT_SYSTEMS = 6 };
+/* unconverged rounds of a step at rest, one after the other, after which surfaces are taken where they are by now */
+enum { LOST_ROUNDS = 2 };
 /* of a run under constraints */
 enum { MOST_SYSTEMS = 40 };
 /* Steps in time that were spent one after the other, after which the next ones have few systems: a jam that lasts. One
@@ -81,6 +83,8 @@ enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
 /* A round limits friction by the loads at its last linear system. Largest difference from the limits by its own loads.
  */
 #define FRICTION_SHARE 0.05
+/* Of the forces of surfaces, how much may have turned since a step at rest found where they touch. */
+#define MOST_TURNED 0.02
 /* displacement of a tool in one part of a step, relative to half its thickness; share of the path to an impact that is
    taken */
 #define PART_SHARE 0.5
@@ -471,7 +475,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
     pel_status status = PEL_OK;
     bool closed = false, is_dynamic = pel_sim_has_velocity(sim), can_halve = pel_parts_can_halve(sim);
     bool is_spent = is_bounded(sim) && pel_parts_are_spent(sim);
-    int failures = 0, limit = can_halve ? HALVING_ROUNDS : is_spent ? SPENT_ROUNDS : ROUND_LIMIT;
+    int failures = 0, lost = 0, limit = can_halve ? HALVING_ROUNDS : is_spent ? SPENT_ROUNDS : ROUND_LIMIT;
     double before = HUGE_VAL;
     sum->converged = false;
     for (int n = 0; status == PEL_OK && !sum->converged && n < limit; n++) {
@@ -512,8 +516,9 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         closed = !again && pel_max(error_of_gaps, deepest_gap(sim)) <= allowed;
         sum->converged = closed && slips_by_law(sim, &change, problem.tolerance) && is_balanced(sim, &round, loads);
         problem.goes_on = !again;
+        lost = sim->stepper->is_static && minimise->count > minimise->tool_count && !round.converged ? lost + 1 : 0;
         bool is_late = sim->deadline < HUGE_VAL && sim->clock() >= sim->deadline;
-        if (is_late || (!is_spent && is_bounded(sim) && pel_parts_are_spent(sim)))
+        if (is_late || lost == LOST_ROUNDS || (!is_spent && is_bounded(sim) && pel_parts_are_spent(sim)))
             break;
     }
     return status;
@@ -713,6 +718,7 @@ pel_status pel_minimise_step(pel_sim *sim, pel_step_result *step, pel_error *err
         status = minimise_under_constraints(&context, loads, error);
     else
         status = minimise_alone(&context, loads, error);
+    sim->minimise->turned = pel_sim_has_velocity(sim) ? 0 : pel_minimise_contacts_turned(sim);
     /* search again for remaining constraints */
     if (sim->contacts != NULL)
         sim->contacts->list.count = 0;
@@ -846,6 +852,11 @@ void pel_minimise_accept(pel_sim *sim)
         part->converged &= accepted->converged;
     }
     *accepted = *part;
+}
+
+bool pel_minimise_slides(const pel_sim *sim)
+{
+    return sim->minimise->turned > MOST_TURNED;
 }
 
 void pel_minimise_get_solver(const pel_sim *sim, pel_solver_reading *reading)

@@ -32,6 +32,8 @@ double pel_minimise_short_move(const pel_sim *sim);
 void pel_minimise_read_tools(pel_sim *sim);
 /* After an accepted step or part of one: readings of a step are sums over the parts, and the worst of residuals. */
 void pel_minimise_accept(pel_sim *sim);
+/* whether contacts have slid or turned so far in the last step at rest that it is not in balance (stepper->slides) */
+bool pel_minimise_slides(const pel_sim *sim);
 /* Updates the stiffness of constraints after the surface has changed: constraints are as stiff as the finest vertices.
    With the bound of the base, which is 4 times lower per level, rounds close gaps slowly. Only shells in motion keep
    the bound of the base: there stiffer constraints take 1.3 to 1.7 times the time. */

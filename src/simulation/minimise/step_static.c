@@ -158,6 +158,11 @@ static pel_status check_start(pel_sim *sim, pel_error *error)
     return status == PEL_OK && sim->modes == NULL ? check_mechanisms(sim, error) : status;
 }
 
+static bool slides(const pel_sim *sim)
+{
+    return sim->modes == NULL && sim->path == NULL && pel_minimise_slides(sim);
+}
+
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -185,5 +190,6 @@ const pel_stepper pel_step_static_kind = {
     .mark_contacts = pel_minimise_contacts_mark,
     .get_solver = pel_minimise_get_solver,
     .accept = pel_minimise_accept,
+    .slides = slides,
     .advise = advise,
 };

@@ -269,6 +269,21 @@ static pel_status step_once(pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* A step takes contacts as planes where they are found. What slides far, or turns, in a step at rest is in balance with
+   planes that it has left: the same step again, from there. */
+enum { MOST_SLIDES = 6 };
+
+static pel_status step_to_rest(pel_sim *sim, pel_error *error)
+{
+    pel_status status = step_once(sim, error);
+    bool may_slide = sim->stepper->slides != NULL;
+    for (int i = 0; status == PEL_OK && may_slide && i < MOST_SLIDES && sim->stepper->slides(sim); i++) {
+        sim->state->step--;
+        status = step_once(sim, error);
+    }
+    return status;
+}
+
 /* a balance in which a tip still releases enough, or a seam carries too much, is none: the same step again, from there
  */
 static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
@@ -287,7 +302,7 @@ static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
         if (status != PEL_OK || !has_grown)
             return status;
         sim->state->step--;
-        status = step_once(sim, error);
+        status = step_to_rest(sim, error);
     }
     return status;
 }
@@ -305,7 +320,7 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         status = pel_tears_grow(sim, &has_grown, error);
     if (status == PEL_OK) {
         pel_forceps_lead(sim);
-        status = step_once(sim, error);
+        status = step_to_rest(sim, error);
     }
     if (status == PEL_OK && sim->stepper->is_static)
         status = grow_to_rest(sim, error);
