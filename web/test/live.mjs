@@ -285,6 +285,26 @@ async function cutting(page) {
     await until(page, (n) => globalThis.pellicle.stage.bodies[0].count === n, before);
 }
 
+// scissors cut along a drag once it ends, leave by themselves, and undo shuts the cut
+async function snipping(page) {
+    const count = () => page.evaluate(() => globalThis.pellicle.stage.bodies[0].count);
+    const before = await count();
+    await page.click("[data-mode=blade]");
+    await page.selectOption("#options select", "scissors");
+    await drag(page, 160, 30);
+    assert.ok(await page.isVisible("#length"), "the drag shows its length");
+    assert.equal((await frame(page)).hand.kind, "free");
+    await picture(page, "scissors");
+    await page.mouse.up();
+    await until(page, () => globalThis.pellicle.frame.hand.shape === "scissors" && globalThis.pellicle.frame.hand.kind === "press");
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].count > n + 2 && globalThis.pellicle.frame.hand.kind === "free", before);
+    await picture(page, "snipped");
+    await page.click("#undo");
+    await until(page, (n) => globalThis.pellicle.stage.bodies[0].count === n, before);
+    await page.selectOption("#options select", "blade");
+    await page.click("[data-mode=pull]");
+}
+
 async function sliding(page) {
     const path = "bodies.sphere.springs.stiffness";
     const valueOf = (path) => page.evaluate((path) => globalThis.pellicle.parameters.list.find((info) => info.path === path).value[0], path);
@@ -567,6 +587,7 @@ try {
     await cutting(page);
     await colouring(page);
     await measuring(page);
+    await snipping(page);
     await inflating(page);
     await typing(page);
     await pressingMeshes(page);

@@ -64,6 +64,7 @@ struct pel_session {
     pel_tool_shape shape;
     pel_mesh *mesh; /* of a tool that is one, in its size; else null */
     double radius, place[3], rotation[4], target[3];
+    double closed_at; /* s, of scissors */
     pel_session_events record;
     mark start, marks[MARK_LIMIT];
     int32_t mark_count;
@@ -365,7 +366,7 @@ static void take_tool(pel_session *session, pel_hand_kind kind, const pel_tool_d
 #define SNIP_SECONDS 0.25
 
 /* both ends of the edge along z; scissors point along x, open along z, and close from now on */
-static void set_edge(const pel_session *session, double radius, pel_key closing[2], pel_tool_def *def)
+static void set_edge(pel_session *session, double radius, pel_key closing[2], pel_tool_def *def)
 {
     double time = pel_sim_time(session->sim);
     def->edge[0][2] = -radius;
@@ -374,7 +375,7 @@ static void set_edge(const pel_session *session, double radius, pel_key closing[
         return;
     def->edge[0][0] = def->edge[1][0] = 2 * radius;
     closing[0] = (pel_key){time, 0};
-    closing[1] = (pel_key){time + SNIP_SECONDS, 1};
+    closing[1] = (pel_key){session->closed_at = time + SNIP_SECONDS, 1};
     def->closing = closing;
     def->closing_count = 2;
 }
@@ -811,6 +812,13 @@ static pel_status step_back(pel_session *session, pel_error *error)
     return status;
 }
 
+/* scissors, which leave the surface then */
+static bool has_closed(const pel_session *session)
+{
+    return session->hand == PEL_HAND_PRESS && session->shape == PEL_TOOL_SCISSORS &&
+           pel_sim_time(session->sim) >= session->closed_at;
+}
+
 pel_status pel_session_step(pel_session *session, pel_error *error)
 {
     PEL_REFUSE_NULL(session, error);
@@ -823,6 +831,8 @@ pel_status pel_session_step(pel_session *session, pel_error *error)
         status = pel_sim_step(session->sim, error);
     if (status == PEL_OK)
         status = follow_surfaces(session, error);
+    if (status == PEL_OK && has_closed(session))
+        status = release(session, error);
     if (status != PEL_DIVERGED)
         return status;
     pel_status restored = step_back(session, error);

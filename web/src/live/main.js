@@ -21,6 +21,7 @@ const state = {
     brush: 0.08, // in the same unit
     bite: 0.045, // in the same unit, of forceps
     blade: 0.06, // in the same unit, half the edge of a blade or hook
+    edge: "blade", // or scissors
     anew: true, // forceps grasp the flap of a tear anew
     lift: 0, // in the same unit, of forceps above the height of those of the scene, or above the surface
     grip: 0, // decimal exponent of a factor on the stiffness that the program proposes
@@ -279,20 +280,23 @@ function placeLabels() {
 }
 
 function placeRuler() {
-    const points = ruler.map(({ body, place }) => stage.bodies[body].point(place));
+    const snipped = hand?.line?.();
+    const points = snipped ?? ruler.map(({ body, place }) => stage.bodies[body].point(place));
     const [a, b] = points.map((point) => stage.project(point));
     $("ruler").toggleAttribute("hidden", !b);
     if (!a) return put("length", null);
+    const line = $("ruler").firstElementChild;
+    for (const [name, value] of Object.entries(b ? { x1: a.x, y1: a.y, x2: b.x, y2: b.y } : {})) line.setAttribute(name, value);
+    // place the label below the line
+    const below = b && { x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) + 24 };
+    const length = b && `${formatNumber(points[0].distanceTo(points[1]) * stage.size, 4)} m`;
+    if (snipped) return put("length", below, length);
     const bends = ruler.map(({ body, place }) => formatNumber(stage.bodies[body].curvature(place) / stage.size, 3)).join(" → ");
     const valueAt = ({ body, place }) => place.corners.reduce((sum, v, c) => sum + place.weights[c] * stage.bodies[body].values[v], 0);
     const values = stage.uniforms.coloured.value ? ruler.map((at) => formatNumber(valueAt(at), 3)).join(" → ") : "";
     const bent = `mean curvature ${bends} m⁻¹`;
     if (!b) return put("length", a, [bent, values, "select a second point"].filter(Boolean).join("   "));
-    const line = $("ruler").firstElementChild;
-    for (const [name, value] of Object.entries({ x1: a.x, y1: a.y, x2: b.x, y2: b.y })) line.setAttribute(name, value);
-    const metres = points[0].distanceTo(points[1]) * stage.size;
-    // place the label below the line
-    put("length", { x: (a.x + b.x) / 2, y: Math.max(a.y, b.y) + 24 }, [`${formatNumber(metres, 4)} m`, bent, values].filter(Boolean).join("   "));
+    put("length", below, [length, bent, values].filter(Boolean).join("   "));
 }
 
 /* ---- the hand ---- */
@@ -344,7 +348,7 @@ const modes = {
         send(`grasp ${rayText(ray)} ${numbers([Math.min(state.bite * stage.size, most)])} ${anew ? 1 : 0}`);
         return { kind: "forceps", last: ray, move(now) { this.last = now; moveTo(place(now)); }, end: () => send("release") };
     },
-    blade: (ray, hit) => lead("blade", ray, hit),
+    blade: (ray, hit) => (state.edge === "scissors" ? snip(hit) : lead("blade", ray, hit)),
     hook: (ray, hit) => lead("hook", ray, hit),
     pin: (ray) => brush("pin", ray),
     unpin: (ray) => brush("unpin", ray),
@@ -371,6 +375,26 @@ function lead(shape, ray, hit) {
     moveTo(hit.point);
     return { kind: shape, move: (now) => moveTo(stage.pick(now)?.point ?? stage.onPlane(now, hit.point)), end: () => send("release") };
 }
+
+// scissors cut from where the drag begins to where it ends
+function snip(hit) {
+    let to = hit.point;
+    const way = () => to.clone().sub(hit.point);
+    send("mark");
+    return {
+        kind: "scissors",
+        line: () => [hit.point, to],
+        move(now) {
+            to = stage.pick(now)?.point ?? stage.onPlane(now, hit.point);
+            needs();
+        },
+        end() {
+            const turn = Stage.along(way(), hit.normal);
+            if (way().length() > leastSnip) send(`press scissors ${numbers([(way().length() / 2) * stage.size, ...stage.outward(hit.point), ...turn.toArray()])}`);
+        },
+    };
+}
+const leastSnip = 0.01; // in units of half the size of the bodies
 
 function brush(word, ray) {
     const paint = (at) => send(`${word} ${rayText(at)} ${numbers([state.brush * stage.size])}`);
@@ -616,6 +640,18 @@ function makeOptions() {
         label.append(select);
         return label;
     };
+    const edge = () => {
+        const label = element("label", "", "Tool");
+        const select = element("select");
+        select.append(new Option("blade"), new Option("scissors"));
+        select.value = state.edge;
+        select.addEventListener("change", () => {
+            state.edge = select.value;
+            makeOptions();
+        });
+        label.append(select);
+        return label;
+    };
     // meshes need contact, which cannot be switched on during a simulation
     const startContact = () => {
         if (solids.includes(state.shape) || hello.contact) return [];
@@ -629,7 +665,7 @@ function makeOptions() {
         pull: () => [slider("Spring", "grip", -2, 2, () => `${formatNumber(stiffness(), 2)} N/m`), slider("Reach", "reach", 0, 0.6, metres)],
         press: () => [shape(), ...startContact(), slider("Size", "radius", 0.03, 0.5, metres), slider("Depth", "depth", 0, 1, metres)],
         forceps: () => [slider("Bite", "bite", 0.01, 0.15, metres), slider("Height", "lift", -1, 1, metres), ...(stage.circle ? [checkbox("Grasp anew", "anew")] : [])],
-        blade: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
+        blade: () => [edge(), ...(state.edge === "scissors" ? [] : [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))])],
         hook: () => [slider("Edge", "blade", 0.02, 0.3, (part) => metres(2 * part))],
         pin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],
         unpin: () => [slider("Brush", "brush", 0.01, 0.4, metres)],

@@ -11,6 +11,7 @@ import {
     FrontSide,
     LineBasicMaterial,
     LineLoop,
+    Matrix4,
     Mesh,
     Points,
     PointsMaterial,
@@ -205,9 +206,10 @@ function outsideOf(corners, positions) {
     return volume < 0 ? BackSide : FrontSide;
 }
 
-const edges = new Set(["blade", "hook"]);
+// of the hand: edges along z, and the line on which scissors close
+const edges = { blade: (radius) => [0, 0, -radius, 0, 0, radius], hook: (radius) => [0, 0, -radius, 0, 0, radius], scissors: (radius) => [0, 0, 0, 2 * radius, 0, 0] };
 
-// of a blade or hook: a rod along the edge, six numbers
+// a rod along an edge, six numbers
 function edgeGeometry(edge) {
     const from = new Vector3(...edge.slice(0, 3));
     const along = new Vector3(...edge.slice(3)).sub(from);
@@ -357,7 +359,7 @@ export class Stage {
         const held = hand.kind === "press" || hand.kind === "grasp" ? tools.at(-1).name : "";
         this.held.name = held;
         if (held && !this.tools.has(held))
-            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], edge: edges.has(hand.shape) ? [0, 0, -hand.radius, 0, 0, hand.radius] : undefined, ...this.held.mesh });
+            this.addTool({ name: held, shape: hand.shape, radius: hand.radius, half_length: 2 * hand.radius, half_extents: [hand.radius, hand.radius, hand.radius], edge: edges[hand.shape]?.(hand.radius), ...this.held.mesh });
         const names = new Set(tools.map((tool) => tool.name));
         for (const name of [...this.tools.keys()]) if (!names.has(name)) this.removeTool(name);
         for (const tool of tools) {
@@ -566,6 +568,12 @@ export class Stage {
         this.camera.updateMatrixWorld();
         const at = point.clone().project(this.camera);
         return { x: ((at.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - at.y) / 2) * this.canvas.clientHeight };
+    }
+
+    // rotation that turns the x axis to the direction and the z axis to the normal, a unit vector
+    static along(direction, normal) {
+        const x = direction.clone().addScaledVector(normal, -direction.dot(normal)).normalize();
+        return new Quaternion().setFromRotationMatrix(new Matrix4().makeBasis(x, normal.clone().cross(x), normal));
     }
 
     // rotation that turns the z axis to the direction
