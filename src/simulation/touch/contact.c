@@ -672,16 +672,20 @@ static bool solves_layers(const pel_sim *sim)
     return sim->contacts->def.has_layers || (sim->contact_in_loop && sim->stepper->minimises);
 }
 
-/* relative to the mean edge: longer motions in a part do not locate an impact */
+/* relative to the mean edge: longer motions in a part do not locate an impact; shorter ones around a corner are of what
+   is pressed against it, which parts do not help */
 #define FAR_SHARE 0.25
+#define AROUND_SHARE 0.02
 
 /* conflicts of fast motion, and of straight paths that cut a corner although their ends are free */
 static int32_t count_far_conflicts(const pel_contact_set *contacts)
 {
     int32_t count = 0;
-    for (size_t c = 0; c < contacts->conflict_count; c++)
-        count += contacts->conflicts[c].ends_free ||
-                 pel_contact_conflict_way(contacts, &contacts->conflicts[c]) > FAR_SHARE * contacts->mean_edge;
+    for (size_t c = 0; c < contacts->conflict_count; c++) {
+        const pel_conflict *conflict = &contacts->conflicts[c];
+        double share = conflict->ends_free ? AROUND_SHARE : FAR_SHARE;
+        count += pel_contact_conflict_way(contacts, conflict) > share * contacts->mean_edge;
+    }
     return count;
 }
 
