@@ -21,7 +21,7 @@ help: ## print this list
 program: build/$(PRESET)/build.ninja
 	@cmake --build build/$(PRESET) --target pellicle_program $(QUIET)
 
-demo: program ## press the human lens capsule; MESH=file presses that mesh (SCALE=0.001: millimetres; UP=y: y is up), SCENE=file runs that scene
+demo: program ## press an organ; MESH=file presses that mesh (SCALE=0.001: millimetres; UP=y: y is up), SCENE=file runs that scene
 	@tools/demo $(PROGRAM) "$(SCENE)" "$(MESH)" "$(SCALE)" "$(UP)"
 
 live: program web ## touch an organ in a browser (needs Node.js and the npm registry once); SCENE=file or MESH=file: yours

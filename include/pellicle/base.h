@@ -80,8 +80,8 @@ typedef struct pel_error {
 PEL_API const char *pel_error_text(const pel_error *error, char *text, size_t size);
 
 /* The name (of count) with the smallest edit distance to `name`, or the first of several such names; case is ignored,
-   and '-' equals '_'. Null if all differ by more than two letters and by more than a third of the letters. For remedies
-   such as "did you mean ...?". */
+   and '-' equals '_'. If all differ by more than two letters and a third of the letters: the first with `name` between
+   hyphens (geodesic-sphere for sphere), else null. For remedies such as "did you mean ...?". */
 PEL_API const char *pel_nearest_name(const char *name, const char *const *names, size_t count);
 
 /* Seconds of a monotonic clock, from any origin: only differences mean something. Setting the time of the system does

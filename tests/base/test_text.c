@@ -57,6 +57,13 @@ static void test_nearest_name(void **unused)
     assert_null(pel_nearest_name("colour", names, 5));
     assert_null(pel_nearest_name("qq", names, 5));
     assert_null(pel_nearest_name("radius", names, 0));
+    /* parts between hyphens */
+    static const char *const kinds[] = {"lens-capsule", "capsule", "uv-sphere", "geodesic-sphere"};
+    assert_string_equal(pel_nearest_name("capsule", kinds, 4), "capsule");
+    assert_string_equal(pel_nearest_name("lens", kinds, 4), "lens-capsule");
+    assert_string_equal(pel_nearest_name("sphere", kinds, 4), "uv-sphere");
+    assert_null(pel_nearest_name("spheres-of", kinds, 4));
+    assert_null(pel_nearest_name("phere", kinds, 2));
     /* a third of the letters may be wrong, and two of short names */
     for (int length = 4; length <= 14; length++)
         for (int wrong = 1; wrong < length; wrong++) {

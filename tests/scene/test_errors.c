@@ -152,7 +152,7 @@ static const bad_scene bad_scenes[] = {
     {BALL, "bodies.0.mesh.scale=1e308", NULL},
 
     /* missing keys */
-    {"", NULL, "a.yaml:1:1: error: the scene lacks 'version'. add 'version:': "},
+    {"", NULL, "a.yaml:1:1: error: the scene lacks 'version'. add 'version: 1': "},
     {"version: 1\n", NULL, "a.yaml:1:1: error: the scene lacks 'bodies'. add 'bodies:': deformable surfaces"},
     {"version: 1\nduration: 1\nbodies:\n  - name: ball\n", NULL,
      "a.yaml:4:5: error: bodies.0 lacks 'mesh'. add 'mesh:"},

@@ -47,6 +47,16 @@ size_t pel_edit_distance(const char *a, const char *b)
     return rows[a_length % 3][b_length];
 }
 
+const char *pel_longer_name(const char *name, const char *const *names, size_t count)
+{
+    const size_t length = strlen(name);
+    for (size_t i = 0; length > 0 && i < count; i++)
+        for (const char *at = strstr(names[i], name); at != NULL; at = strstr(at + 1, name))
+            if ((at == names[i] || at[-1] == '-') && (at[length] == '\0' || at[length] == '-'))
+                return names[i];
+    return NULL;
+}
+
 const char *pel_nearest_name(const char *name, const char *const *names, size_t count)
 {
     if (name == NULL || names == NULL)
@@ -64,7 +74,7 @@ const char *pel_nearest_name(const char *name, const char *const *names, size_t 
                 break;
         }
     }
-    return nearest;
+    return nearest != NULL ? nearest : pel_longer_name(name, names, count);
 }
 
 size_t pel_utf8_length(const char *text, size_t size)

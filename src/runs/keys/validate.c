@@ -165,24 +165,12 @@ static const pel_def_row *row_of_word(const pel_scene_table *table, const char *
     return NULL;
 }
 
-/* the first known word that has this one as a part between hyphens: geodesic-sphere for sphere; null if there is none
- */
-static const char *word_with_part(const char *text, const char *const *known, size_t known_count)
-{
-    const size_t length = strlen(text);
-    for (size_t i = 0; length > 0 && i < known_count; i++)
-        for (const char *at = strstr(known[i], text); at != NULL; at = strstr(at + 1, text))
-            if ((at == known[i] || at[-1] == '-') && (at[length] == '\0' || at[length] == '-'))
-                return known[i];
-    return NULL;
-}
-
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count)
 {
     const char *key = value->key != NULL ? value->key : "word";
     const pel_def_row *row = row_of_word(reader->table, key, value->text);
-    const char *longer = word_with_part(value->text, known, known_count);
+    const char *longer = pel_longer_name(value->text, known, known_count);
     /* a geodesic-sphere is a sphere, but a paper-a is no paper */
     bool is_kind = longer != NULL && strcmp(longer + strlen(longer) - strlen(value->text), value->text) == 0;
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
@@ -293,14 +281,18 @@ static pel_status fail_missing(pel_scene_reader *reader, const pel_scene_value *
     return pel_scene_fail(reader, &map->place, "%s lacks %s", name, what);
 }
 
-static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_value *map, const char *key,
-                                   const char *doc)
+/* the remedy has the value of a key that may have only one */
+static pel_status fail_missing_key(pel_scene_reader *reader, const pel_scene_value *map, const pel_def_row *row,
+                                   const char *key, const char *doc)
 {
-    char quoted[212];
+    char quoted[212], only[32] = "";
     snprintf(quoted, sizeof quoted, "'%s'", key);
     fail_missing(reader, map, quoted);
+    if (row->range.given && !(row->range.most > row->range.least))
+        snprintf(only, sizeof only, " %g", row->range.least);
     const char *end = strstr(doc, "; left out");
-    pel_fail_remedy(reader->error, "add '%s:': %.*s", key, end != NULL ? (int)(end - doc) : (int)strlen(doc), doc);
+    pel_fail_remedy(reader->error, "add '%s:%s': %.*s", key, only, end != NULL ? (int)(end - doc) : (int)strlen(doc),
+                    doc);
     return PEL_BAD_SCENE;
 }
 
@@ -581,7 +573,7 @@ static pel_status fill_alternative(pel_scene_reader *reader, const char *prefix,
     if (last == NULL || !needed)
         return PEL_OK;
     if (strchr(names, ',') == NULL)
-        return fail_missing_key(reader, map, names, last->doc);
+        return fail_missing_key(reader, map, last, names, last->doc);
     fail_missing(reader, map, "one of its main keys");
     pel_fail_remedy(reader->error, "add one of: %s", names);
     return PEL_BAD_SCENE;
@@ -599,7 +591,7 @@ static pel_status fill_entries(pel_scene_reader *reader, const char *prefix, pel
             pel_scene_value_remove(entry);
             pel_scene_value_append(map, name, entry);
         } else if (row->required) {
-            return fail_missing_key(reader, map, name, row->doc);
+            return fail_missing_key(reader, map, row, name, row->doc);
         } else if (row->preset != NULL && !row->alternative) {
             pel_status status = add_preset(reader, row, name, map);
             if (status != PEL_OK)

@@ -84,6 +84,8 @@ static const struct {
     {"vtk", "legacy VTK files hold no surface", "save the surface as .vtp or .ply in ParaView (Extract Surface)"},
     {"vtu", "the file holds a volume", "use it as the mesh of a body with `volume`, or save its surface as .vtp"},
     {"msh", "the file holds a volume", "use it as the mesh of a body with `volume`, or save its surface as STL"},
+    {"yaml", "the file is a scene", "run it with pellicle run, and name a mesh or a folder of results here"},
+    {"yml", "the file is a scene", "run it with pellicle run, and name a mesh or a folder of results here"},
 };
 
 static pel_status fail_file(const char *name, const char *what, const char *remedy, pel_error *error)
