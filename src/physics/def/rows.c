@@ -301,8 +301,8 @@ static const pel_def_row rows[] = {
     {"bodies[].volume.poisson", VOLUME(poisson), NUMBER, .range = {true, false, 0, 0.4999}, DEFAULT(0.3),
      WHEN(has_volume),
      .doc = "Poisson's ratio; above 0.45 linear tetrahedra lock, and are too stiff: `element: smooth` does not"},
-    {"bodies[].volume.mooney_ratio", VOLUME(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2), WHEN(reads_volume_ratio),
-     .doc = "mooney-rivlin: c2 over c1"},
+    {"bodies[].volume.mooney_ratio", VOLUME(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2), .needs = "material",
+     .needs_word = "mooney-rivlin", WHEN(reads_volume_ratio), .doc = "mooney-rivlin: c2 over c1"},
     {"bodies[].volume.element", VOLUME(element), .forms = PEL_FORM_WORD, .words = pel_volume_element_words,
      .preset = "linear", WHEN(has_volume), STRUCTURE("the element decides which vertices act on each other"),
      .doc =
@@ -337,8 +337,8 @@ static const pel_def_row rows[] = {
             "`warp_curve`"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
      WHEN(reads_poisson),
-     .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
-            "ignore it"},
+     .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible, with "
+            "0.5"},
     {"bodies[].membrane.thickness", MEMBRANE(thickness), FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
      WHEN(has_membrane), IMPLYING, .doc = "thickness of the sheet; default: that of `mass`"},
     {"bodies[].membrane.mooney_ratio", MEMBRANE(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2),

@@ -8,10 +8,14 @@
 #include "stage/stepper.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* of a modulus from the slope that it repeats */
 #define SAME_SLOPE 1e-9
+
+/* Poisson's ratio */
+#define INCOMPRESSIBLE 0.5
 
 enum { MOST_PRESETS = 64, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
@@ -131,6 +135,61 @@ static pel_status find_preset(pel_scene_reader *reader, pel_scene_value *membran
     return pel_scene_fail_word(reader, name, names, known);
 }
 
+/* the law of a membrane, PEL_MEMBRANE_COUNT if its word is wrong */
+static int law_of(pel_scene_value *membrane, const pel_material_preset *preset)
+{
+    const pel_scene_value *word = find(membrane, "material");
+    int kind = 0;
+    if (word == NULL)
+        return (int)(preset != NULL ? preset->material.kind : PEL_MEMBRANE_NEO_HOOKEAN);
+    while (kind < PEL_MEMBRANE_COUNT && !is_word(membrane, "material", pel_membrane_words[kind]))
+        kind++;
+    return kind;
+}
+
+static void list_readers(int trait, pel_error *error, const char *name)
+{
+    char words[160] = "";
+    const char *before = "";
+    for (int kind = 0; kind < PEL_MEMBRANE_COUNT; kind++)
+        if ((pel_membrane_law_traits((pel_membrane_kind)kind) & trait) != 0) {
+            size_t length = strlen(words);
+            snprintf(words + length, sizeof words - length, "%s%s", before, pel_membrane_words[kind]);
+            before = " or ";
+        }
+    pel_fail_remedy(error, "remove %s, or use material %s", name, words);
+}
+
+/* Numbers that no law of a material reads. Scenes that runs have written contain defaults of all laws; incompressible
+   ones have the Poisson's ratio 0.5. */
+static bool says_nothing(const pel_scene_value *value, const pel_material_number *own, const char *preset)
+{
+    double number = 0, usual = 0;
+    if (value->kind != PEL_SCENE_SCALAR || !pel_scene_parse_number(value->text, &number))
+        return false;
+    bool is_usual = preset != NULL && pel_scene_parse_number(preset, &usual) && number == usual;
+    return is_usual || (own->trait == PEL_LAW_READS_POISSON && number == INCOMPRESSIBLE);
+}
+
+/* a number of another law would have no effect; rows that need a material tell it themselves */
+static pel_status refuse_unread(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
+{
+    const pel_material_number *own;
+    const int kind = law_of(membrane, preset);
+    for (int32_t i = 0; kind < PEL_MEMBRANE_COUNT && (own = pel_material_number_at(i)) != NULL; i++) {
+        const pel_scene_value *value = find(membrane, own->name);
+        const pel_def_row *row = pel_scene_row_find(reader->table, "bodies[].membrane", own->name);
+        bool is_read = (pel_membrane_law_traits((pel_membrane_kind)kind) & own->trait) != 0;
+        if (value == NULL || is_read || row->needs != NULL || says_nothing(value, own, row->preset))
+            continue;
+        pel_scene_fail(reader, &value->key_place, "'%s' has no effect on the material %s", own->name,
+                       pel_membrane_words[kind]);
+        list_readers(own->trait, reader->error, own->name);
+        return PEL_BAD_SCENE;
+    }
+    return PEL_OK;
+}
+
 static pel_status imply_material(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
 {
     const pel_membrane_material *material = &preset->material;
@@ -238,6 +297,8 @@ static pel_status imply_membrane(pel_scene_reader *reader, pel_scene_value *body
         status = imply_weft(reader, membrane);
     if (status == PEL_OK)
         status = find_preset(reader, membrane, &preset);
+    if (status == PEL_OK)
+        status = refuse_unread(reader, membrane, preset);
     if (status == PEL_OK && thickness != NULL && find(membrane, "thickness") == NULL &&
         !is_word(mass, "thickness", "auto"))
         status = set_copy(reader, membrane, "thickness", thickness);
