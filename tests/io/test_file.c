@@ -7,6 +7,7 @@
 #include <dirent.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -280,6 +281,27 @@ static void test_write_failures(void **unused)
 }
 
 /* the kernel refuses every byte written to /dev/full: small files fail in commit, large ones before */
+/* the limit on open files is named, not the folder */
+static void test_too_many_open(void **unused)
+{
+    (void)unused;
+    char path[200];
+    struct rlimit before, none;
+    pel_file_writer writer;
+    pel_error error;
+    path_in_folder(path, sizeof path, "many");
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
+    none = (struct rlimit){.rlim_cur = 0, .rlim_max = before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    pel_status status = pel_file_writer_open(&writer, path, &error);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
+    assert_int_equal(status, PEL_BAD_FILE);
+    assert_non_null(strstr(error.remedy, "ulimit -n"));
+    path_in_folder(path, sizeof path, "none/many");
+    assert_int_equal(pel_file_writer_open(&writer, path, &error), PEL_BAD_FILE);
+    assert_non_null(strstr(error.remedy, "check that the folder exists"));
+}
+
 static void test_disk_full(void **unused)
 {
     (void)unused;
@@ -308,8 +330,9 @@ int main(void)
         cmocka_unit_test(test_read_pipe_or_device), cmocka_unit_test(test_inside),
         cmocka_unit_test(test_killed_writer),       cmocka_unit_test(test_abandon_keeps_old),
         cmocka_unit_test(test_mode_and_links_kept), cmocka_unit_test(test_write_failures),
-        cmocka_unit_test(test_disk_full),           cmocka_unit_test(test_read_error),
-        cmocka_unit_test(test_taken_temporary),     cmocka_unit_test(test_descriptors),
+        cmocka_unit_test(test_disk_full),           cmocka_unit_test(test_too_many_open),
+        cmocka_unit_test(test_read_error),          cmocka_unit_test(test_taken_temporary),
+        cmocka_unit_test(test_descriptors),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

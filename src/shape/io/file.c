@@ -259,7 +259,8 @@ pel_status pel_file_writer_open(pel_file_writer *writer, const char *path, pel_e
     if (number == ENOMEM)
         return pel_fail_memory(error);
     return fail_path(error, path, "cannot write the file", number,
-                     "check that the folder exists and that you may write to it");
+                     number == EMFILE ? "raise the limit on open files: ulimit -n 1024"
+                                      : "check that the folder exists and that you may write to it");
 }
 
 void pel_file_writer_write(pel_file_writer *writer, const void *bytes, size_t size)
