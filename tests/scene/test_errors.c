@@ -372,6 +372,9 @@ static void test_locations(void **unused)
     (void)unused;
     check_location("solver: {method: quasi-static, alpha: 5000}\n", "a.yaml:5:39: error: alpha 5000 is unstable");
     check_location("solver: {method: explicit, integrator: forward, dt: 5}\n", "a.yaml:5:53: error: dt 5 is unstable");
+    check_location("    rigid: {}\njoints:\n  - {kind: ball, point: [0, 0, 0]}\n  - {name: knee, kind: hinge, point: "
+                   "[0, 0, 0], least: 3}\n",
+                   "a.yaml:8:5: error: joint 'knee' starts beyond its limits");
     check_location("    refine: {above: 1, budget: 30}\n",
                    "a.yaml:4:5: error: body 'body1': refine: the budget is 30 triangles, 500 are needed");
     check_location("    refine: {above: 1, levels: 6}\n  - {mesh: {shape: grid, nx: 600, ny: 600}, refine: {above: 1, "

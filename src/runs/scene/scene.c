@@ -315,7 +315,8 @@ static const pel_scene_value *find_support(const pel_scene_value *root, int64_t 
 /* the value that an error of the model or the simulation refers to; otherwise the whole scene */
 static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error *error)
 {
-    static const char *const kinds[][2] = {{"body", "bodies"}, {"load", "loads"}, {"tool", "tools"}};
+    static const char *const kinds[][2] = {
+        {"body", "bodies"}, {"load", "loads"}, {"tool", "tools"}, {"joint", "joints"}};
     const pel_scene_value *root = ((const scene_storage *)scene->inner)->root;
     if (error->element >= 0 && strcmp(error->element_kind, "support") == 0)
         return find_support(root, error->element);
@@ -333,7 +334,7 @@ static const pel_scene_value *find_cause(const pel_scene *scene, const pel_error
     return NULL;
 }
 
-/* people know bodies, loads, tools and supports by their names */
+/* people know bodies, loads, tools, joints and supports by their names */
 static void name_element(const pel_scene *scene, pel_error *error)
 {
     const char *name = NULL, *kind = error->element_kind;
@@ -344,6 +345,8 @@ static void name_element(const pel_scene *scene, pel_error *error)
         name = scene->sim.loads[i].name;
     else if (strcmp(kind, "tool") == 0 && i >= 0 && i < scene->sim.tool_count)
         name = scene->sim.tools[i].name;
+    else if (strcmp(kind, "joint") == 0 && i >= 0 && i < scene->sim.joint_count)
+        name = scene->sim.joints[i].name;
     else if (strcmp(kind, "support") == 0 && i >= 0 && i < scene->sim.support_count)
         name = scene->sim.supports[i].name;
     if (name != NULL)
