@@ -13,14 +13,8 @@ enum { ROUNDS = 60, CALLS = 3 };
 static pel_model *make_model(int32_t frequency, pel_bending_model bending, bool pressed)
 {
     pel_mesh *mesh = bench_sphere(frequency);
-    pel_body_def body = pel_body_def_default();
-    body.name = "sphere";
-    body.mesh = mesh;
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("sphere", mesh, 1e6, 0.01, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;
     body.shell.pressure.kind = pressed ? PEL_PRESSURE_VOLUME : PEL_PRESSURE_NONE;
     body.shell.pressure.bulk = 1e4;

@@ -26,17 +26,8 @@ static pel_model *make_model(const pel_mesh *mesh, pel_bending_model bending)
     fibres.mode = PEL_FIBRE_STRAIN;
     fibres.direction = PEL_FIBRE_ALONG;
     fibres.stiffness = 100;
-    pel_body_def body = pel_body_def_default();
-    body.name = "sphere";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 0.01;
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("sphere", mesh, 1e5, 0.01, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e5;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;
     body.shell.anisotropies = &fibres;
     body.shell.anisotropy_count = 1;

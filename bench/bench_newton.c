@@ -71,18 +71,9 @@ static void time_model(const char *name, pel_bending_model bending, int32_t freq
     shape.frequency = frequency;
     if (pel_shape_create(&shape, &mesh, &error) != PEL_OK)
         return;
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = mesh;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 1e-3;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("ball", mesh, 1e6, 1e-2, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 1e-2;
+    body.thickness.value = 1e-3;
     body.shell.bending.model = bending;
     pel_model_def def = pel_model_def_default();
     def.bodies = &body;
@@ -141,19 +132,9 @@ static void time_statics(int32_t frequency, int threads)
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         if (mesh->positions[v][0] < -0.0999 && edge_count <= cells)
             edge[edge_count++] = v;
-    pel_body_def body = pel_body_def_default();
-    body.name = "sheet";
-    body.mesh = mesh;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 7800;
-    body.thickness.value = 5e-4;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("sheet", mesh, 2e10, 5e-4, 7800);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 2e10;
     body.shell.membrane.poisson = 0.3;
-    body.shell.membrane.thickness.value = 5e-4;
     body.shell.bending.model = PEL_BENDING_MIDEDGE;
     pel_model *model;
     pel_model_def def = pel_model_def_default();

@@ -17,14 +17,8 @@ enum { ROUNDS = 25, SWEEPS = 5 };
 static pel_model *make_model(int32_t frequency, pel_membrane_kind material, pel_bending_model bending)
 {
     pel_mesh *mesh = bench_sphere(frequency);
-    pel_body_def body = pel_body_def_default();
-    body.name = "sphere";
-    body.mesh = mesh;
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("sphere", mesh, 1e6, 0.01, 1000);
     body.shell.membrane.kind = material;
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;
     pel_model *model = bench_model(&body);
     pel_mesh_destroy(mesh);

@@ -57,11 +57,8 @@ int main(int argc, char **argv)
     body.name = "sphere";
     body.mesh = mesh;
     pel_model *springs = bench_model(&body);
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
-    body.shell.membrane.on = true;
+    body = pel_body_def_sheet("sphere", mesh, 1e6, 0.01, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = PEL_BENDING_ISOMETRIC_REST;
     pel_model *shell = bench_model(&body);
     rest("springs, quasi-static", springs, PEL_METHOD_QUASI_STATIC, steps);

@@ -64,14 +64,8 @@ static void part_advance(void *context)
 static void time_model(const char *name, int32_t frequency, pel_bending_model bending, pel_pool *pool)
 {
     pel_mesh *mesh = bench_sphere(frequency);
-    pel_body_def body = pel_body_def_default();
-    body.name = "sphere";
-    body.mesh = mesh;
-    body.spring_stiffness.value = body.volumetric_stiffness.value = 0;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("sphere", mesh, 1e6, 0.01, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = bending;
     pel_model *model = bench_model(&body);
     run on = {.pool = pool};

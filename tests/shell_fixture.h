@@ -65,23 +65,10 @@ static inline void shell_set_kind(pel_body_def *body, pel_membrane_kind kind)
     memcpy(membrane->weft_curve, curve, sizeof curve);
 }
 
-/* no springs, a density, and a membrane of that kind */
+/* a sheet of that law */
 static inline pel_body_def shell_body(const pel_mesh *mesh, pel_membrane_kind kind)
 {
-    pel_body_def body = pel_body_def_default();
-    body.name = "shell";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 0.01;
-    body.spring_stiffness.value = 0;
-    body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = 0;
-    body.volumetric_damping.value = 0;
-    body.shell.membrane.on = true;
-    body.shell.membrane.kind = kind;
-    body.shell.membrane.young.value = 1e5;
-    body.shell.membrane.thickness.value = 0.01;
+    pel_body_def body = pel_body_def_sheet("shell", mesh, 1e5, 0.01, 1000);
     shell_set_kind(&body, kind);
     return body;
 }

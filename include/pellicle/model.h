@@ -135,6 +135,11 @@ typedef struct pel_body_def {
  */
 PEL_API pel_body_def pel_body_def_default(void);
 
+/* A sheet without springs: a membrane of Young's modulus `young` [Pa] and its mass, by thickness [m] and density
+   [kg/m3]. The law of the membrane and all else are those of pel_body_def_default; bending is shell.bending. */
+PEL_API pel_body_def pel_body_def_sheet(const char *name, const pel_mesh *mesh, double young, double thickness,
+                                        double density);
+
 typedef struct pel_model_def {
     const pel_body_def *bodies; /* (body_count) */
     int32_t body_count;

@@ -53,17 +53,8 @@ static pel_status create_model(const pressed_ball *ball, pel_model **model)
 {
     const double frame = 1.0 / 60, critical = 2e6 / sqrt(3 * 0.91) * 1e-4;
     const pel_key keys[2] = {{0, 0}, {5 * frame, 0.5 * critical}};
-    pel_body_def body = pel_body_def_default();
-    body.name = "ball";
-    body.mesh = ball->mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = body.shell.membrane.thickness.value = 0.01;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("ball", ball->mesh, 1e6, 0.01, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = 1e6;
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     body.shell.pressure.outside = (pel_quantity){.keys = keys, .key_count = 2};

@@ -25,13 +25,8 @@ typedef struct sheet {
 static pel_model *model_of(const pel_mesh *mesh)
 {
     static int32_t pins[2000];
-    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
-    body.shell.membrane.young.value = YOUNG;
-    body.shell.membrane.thickness.value = THICKNESS;
-    body.spring_stiffness.value = body.spring_damping.value = body.volumetric_stiffness.value = 0;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = THICKNESS;
+    pel_body_def body = pel_body_def_sheet("shell", mesh, YOUNG, THICKNESS, 1000);
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         if (fabs(fabs(mesh->positions[v][1]) - WIDTH / 2) < 1e-9)
             pins[body.pinned_count++] = v;

@@ -23,13 +23,8 @@ typedef struct sheet {
 static sheet make_sheet(const pel_tool_def *tool, int threads)
 {
     sheet s = {.mesh = make_grid(30, 18, LENGTH, WIDTH, PEL_GRID_ONE_DIAGONAL)};
-    pel_body_def body = shell_body(s.mesh, PEL_MEMBRANE_STVK);
-    body.shell.membrane.young.value = 1e6;
-    body.shell.membrane.thickness.value = 1e-3;
-    body.spring_stiffness.value = body.spring_damping.value = body.volumetric_stiffness.value = 0;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 1e-3;
+    pel_body_def body = pel_body_def_sheet("shell", s.mesh, 1e6, 1e-3, 1000);
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     s.model = make_model(&body);
     pel_sim_def def = lone_sim(s.model, PEL_METHOD_IMPLICIT, 1e-3);
     def.tools = tool;

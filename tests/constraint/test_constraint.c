@@ -11,15 +11,8 @@ static void scene_shell(contact_scene *scene, int32_t frequency)
     scene_begin(scene, PEL_METHOD_DESCENT);
     scene_body(scene, make_sphere(frequency));
     pel_body_def *body = &scene->bodies[0];
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = 0.01;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
+    *body = pel_body_def_sheet(body->name, body->mesh, 1e5, 0.01, 1000);
     body->shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body->shell.membrane.young.value = 1e5;
-    body->shell.membrane.thickness.value = 0.01;
     body->shell.bending.model = PEL_BENDING_HINGE;
     scene->def.solver.dt = 0.025;
     scene->def.solver.iterations = 100;

@@ -14,15 +14,7 @@ static pel_body_def *add_cloth(rigid_scene *scene, double height)
     transform.translation[2] = height;
     assert_int_equal(pel_mesh_transform(mesh, &transform, NULL), PEL_OK);
     pel_body_def *cloth = rigid_scene_add(scene, mesh, 1);
-    cloth->rigid.on = false;
-    cloth->spring_stiffness.value = cloth->spring_damping.value = 0;
-    cloth->volumetric_stiffness.value = cloth->volumetric_damping.value = 0;
-    cloth->mass_kind = PEL_MASS_DENSITY;
-    cloth->mass = 750;
-    cloth->thickness.value = 4e-4;
-    cloth->shell.membrane.on = true;
-    cloth->shell.membrane.young.value = 1e6;
-    cloth->shell.membrane.thickness.value = 4e-4;
+    *cloth = pel_body_def_sheet(cloth->name, mesh, 1e6, 4e-4, 750);
     return cloth;
 }
 

@@ -25,15 +25,7 @@ static void add_sheet(rigid_scene *scene, int cells, double size, int32_t *rim)
     def.size_x = def.size_y = size;
     assert_int_equal(pel_shape_create(&def, &mesh, NULL), PEL_OK);
     pel_body_def *body = rigid_scene_add(scene, mesh, 1000);
-    body->rigid.on = false;
-    body->spring_stiffness.value = body->volumetric_stiffness.value = 0;
-    body->spring_damping.value = body->volumetric_damping.value = 0;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 900;
-    body->thickness.value = 1e-3;
-    body->shell.membrane.on = true;
-    body->shell.membrane.young.value = 1e6;
-    body->shell.membrane.thickness.value = 1e-3;
+    *body = pel_body_def_sheet(body->name, mesh, 1e6, 1e-3, 900);
     for (int32_t v = 0; v < mesh->vertex_count && rim != NULL; v++)
         if (fabs(mesh->positions[v][0]) > 0.499 * size || fabs(mesh->positions[v][1]) > 0.499 * size)
             rim[count++] = v;

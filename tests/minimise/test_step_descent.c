@@ -128,16 +128,7 @@ static pel_mesh *make_strip(void)
 static pel_model *make_steel(const pel_mesh *mesh, double gravity)
 {
     int32_t clamped[40];
-    pel_body_def body = pel_body_def_default();
-    body.name = "strip";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 7800;
-    body.thickness.value = body.shell.membrane.thickness.value = 1e-3;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = 2e11;
+    pel_body_def body = pel_body_def_sheet("strip", mesh, 2e11, 1e-3, 7800);
     body.shell.bending.model = PEL_BENDING_HINGE;
     for (int32_t v = 0; v < mesh->vertex_count; v++)
         if (mesh->positions[v][0] < -0.47)

@@ -11,18 +11,8 @@
 /* a thick shell of the mesh of the stage */
 static void make_shell_of_mesh(stage *s, pel_body_def *body, double young, double drag, double dt, pel_sim_def *def)
 {
-    *body = pel_body_def_default();
-    body->name = "shell";
-    body->mesh = s->mesh;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = 0.1;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->volumetric_stiffness.value = body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
+    *body = pel_body_def_sheet("shell", s->mesh, young, 0.1, 1000);
     body->shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body->shell.membrane.young.value = young;
-    body->shell.membrane.thickness.value = 0.1;
     body->shell.bending.model = PEL_BENDING_HINGE;
     s->model = make_model(body);
     *def = lone_sim(s->model, PEL_METHOD_IMPLICIT, dt);
@@ -877,14 +867,9 @@ static int64_t crumple(double friction)
     scene_begin(&scene, PEL_METHOD_IMPLICIT);
     scene_body(&scene, mesh);
     pel_body_def *body = scene.bodies;
-    body->spring_stiffness.value = body->spring_damping.value = body->volumetric_damping.value = 0;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->shell.membrane.on = true;
+    *body = pel_body_def_sheet(body->name, mesh, 1e6, 5e-4, 1000);
     body->shell.membrane.kind = PEL_MEMBRANE_NEO_HOOKEAN;
-    body->shell.membrane.young.value = 1e6;
     body->shell.membrane.poisson = 0.45;
-    body->thickness.value = body->shell.membrane.thickness.value = 5e-4;
     body->velocity[2] = -1;
     body->velocity[0] = friction > 0 ? 0.5 : 0;
     pel_tool_def *floor = scene_tool(&scene, PEL_TOOL_BOX);

@@ -189,6 +189,10 @@ static void test_model(void **unused)
     REFUSED("name", try_body(&wrong, &error));
     wrong = body, wrong.mesh = NULL;
     REFUSED("mesh", try_body(&wrong, &error));
+    wrong = pel_body_def_sheet("sheet", NULL, 1e6, 1e-3, 900);
+    REFUSED("mesh", try_body(&wrong, &error));
+    wrong = pel_body_def_sheet("sheet", mesh, nan_value, 1e-3, 900);
+    FAILS(try_body(&wrong, &error));
     wrong = body, wrong.mass_kind = (pel_mass_kind)9;
     REFUSED("mass", try_body(&wrong, &error));
     wrong = body, wrong.mass = nan_value;

@@ -34,15 +34,8 @@ static inline void press_begin(press_scene *scene, int32_t frequency, double you
     body->name = "ball";
     body->mesh = scene->mesh;
     if (young > 0) {
-        body->mass_kind = PEL_MASS_DENSITY;
-        body->mass = 1000;
-        body->thickness.value = 0.1;
-        body->spring_stiffness.value = body->spring_damping.value = 0;
-        body->volumetric_stiffness.value = body->volumetric_damping.value = 0;
-        body->shell.membrane.on = true;
+        *body = pel_body_def_sheet("ball", scene->mesh, young, 0.1, 1000);
         body->shell.membrane.kind = PEL_MEMBRANE_STVK;
-        body->shell.membrane.young.value = young;
-        body->shell.membrane.thickness.value = 0.1;
         body->shell.bending.model = PEL_BENDING_HINGE;
     }
     for (int32_t v = 0; v < scene->mesh->vertex_count; v++)

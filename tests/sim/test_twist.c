@@ -37,14 +37,8 @@ static pel_sim *begin(twist *t, pel_method method, double contact_thickness, boo
     scene->def.contact.enabled = contact_thickness >= 0;
     scene->def.contact.thickness = contact_thickness;
     pel_body_def *body = scene->bodies;
-    body->spring_stiffness.value = body->spring_damping.value = body->volumetric_damping.value = 0;
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 300;
-    body->thickness.value = thickness;
-    body->shell.membrane.on = true;
-    body->shell.membrane.young.value = 1e5;
+    *body = pel_body_def_sheet(body->name, mesh, 1e5, thickness, 300);
     body->shell.membrane.poisson = 0.3;
-    body->shell.membrane.thickness.value = thickness;
     if (method == PEL_METHOD_IMPLICIT)
         body->shell.membrane.kind = PEL_MEMBRANE_NEO_HOOKEAN;
     for (int i = 0; i < 2; i++) {

@@ -24,14 +24,8 @@ static pel_body_def bare_body(const pel_mesh *mesh)
 /* a shell that bends, under a pressure that is still to be given */
 static pel_body_def pressed_body(const pel_mesh *mesh, double young, double thickness)
 {
-    pel_body_def body = bare_body(mesh);
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = thickness;
-    body.shell.membrane.on = true;
+    pel_body_def body = pel_body_def_sheet("body", mesh, young, thickness, 1000);
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body.shell.membrane.young.value = young;
-    body.shell.membrane.thickness.value = thickness;
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
     return body;
@@ -423,13 +417,7 @@ static void region_radii(pel_fibre_mode mode, pel_method method, double pressure
     region.max_step = 0.02;
     region.rest_length.value = 0.5;
     region.center[2] = 1;
-    pel_body_def body = bare_body(mesh);
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 0.01;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = 1e5;
-    body.shell.membrane.thickness.value = 0.01;
+    pel_body_def body = pel_body_def_sheet("body", mesh, 1e5, 0.01, 1000);
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.anisotropies = &region;
     body.shell.anisotropy_count = 1;

@@ -37,12 +37,9 @@ static int32_t column(const pel_mesh *mesh, double low, double high, int32_t *li
 
 static pel_body_def body_of(const pel_mesh *mesh, bool has_membrane)
 {
-    pel_body_def body = shell_body(mesh, PEL_MEMBRANE_STVK);
-    body.shell.membrane.young.value = YOUNG;
-    body.shell.membrane.thickness.value = THICKNESS;
+    pel_body_def body = pel_body_def_sheet("shell", mesh, YOUNG, THICKNESS, 1000);
+    body.shell.membrane.kind = PEL_MEMBRANE_STVK;
     body.shell.membrane.poisson = 0;
-    body.shell.bending.model = PEL_BENDING_NONE;
-    body.spring_stiffness.value = body.spring_damping.value = body.volumetric_stiffness.value = 0;
     if (!has_membrane) {
         body.shell.membrane.on = false;
         body.spring_stiffness.value = 1e3;

@@ -11,13 +11,7 @@ static void make_shell(contact_scene *scene, pel_mesh *mesh, double young)
 {
     scene_body(scene, mesh);
     pel_body_def *body = &scene->bodies[scene->body_count - 1];
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = density;
-    body->thickness.value = thickness;
-    body->spring_stiffness.value = body->spring_damping.value = body->volumetric_damping.value = 0;
-    body->shell.membrane.on = true;
-    body->shell.membrane.young.value = young;
-    body->shell.membrane.thickness.value = thickness;
+    *body = pel_body_def_sheet(body->name, mesh, young, thickness, density);
     body->shell.bending.model = PEL_BENDING_HINGE;
 }
 

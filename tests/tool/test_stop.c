@@ -17,14 +17,7 @@ static stage make_drum(double radius, double speed, pel_method method, double dt
     grid.nx = grid.ny = 12;
     grid.diagonals = PEL_GRID_UNION_JACK;
     assert_int_equal(pel_shape_create(&grid, &s.mesh, NULL), PEL_OK);
-    pel_body_def body = ball_body(s.mesh);
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 300;
-    body.thickness.value = body.shell.membrane.thickness.value = 0.001;
-    body.spring_stiffness.value = body.spring_damping.value = 0;
-    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = 1e6;
+    pel_body_def body = pel_body_def_sheet("sheet", s.mesh, 1e6, 0.001, 300);
     body.shell.membrane.poisson = 0.3;
     int32_t border[48], count = 0;
     for (int32_t v = 0; v < s.mesh->vertex_count; v++)

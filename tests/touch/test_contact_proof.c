@@ -58,15 +58,9 @@ static void test_tool(void **unused)
 
 static void make_shell(pel_body_def *body, double pressure)
 {
-    body->mass_kind = PEL_MASS_DENSITY;
-    body->mass = 1000;
-    body->thickness.value = 0.01;
-    body->spring_stiffness.value = body->spring_damping.value = 0;
-    body->shell.membrane.on = true;
+    *body = pel_body_def_sheet(body->name, body->mesh, 1e5, 0.01, 1000);
     body->shell.membrane.kind = PEL_MEMBRANE_STVK;
-    body->shell.membrane.young.value = 1e5;
     body->shell.membrane.poisson = 0.3;
-    body->shell.membrane.thickness.value = 0.01;
     body->shell.bending.model = PEL_BENDING_HINGE;
     body->shell.pressure.kind = pressure > 0 ? PEL_PRESSURE_GIVEN : PEL_PRESSURE_NONE;
     body->shell.pressure.outside.value = pressure;

@@ -33,6 +33,21 @@ pel_body_def pel_body_def_default(void)
     return def;
 }
 
+pel_body_def pel_body_def_sheet(const char *name, const pel_mesh *mesh, double young, double thickness, double density)
+{
+    pel_body_def def = pel_body_def_default();
+    def.name = name;
+    def.mesh = mesh;
+    def.mass_kind = PEL_MASS_DENSITY;
+    def.mass = density;
+    def.spring_stiffness.value = def.spring_damping.value = 0;
+    def.volumetric_stiffness.value = def.volumetric_damping.value = 0;
+    def.shell.membrane.on = true;
+    def.shell.membrane.young.value = young;
+    def.thickness.value = def.shell.membrane.thickness.value = thickness;
+    return def;
+}
+
 pel_model_def pel_model_def_default(void)
 {
     return (pel_model_def){.cookie = MODEL_COOKIE};
