@@ -56,6 +56,26 @@ static void test_hinge_row(void **unused)
     assert_true(warns(STRIP(ROW "\n    pressure: { outside: 1 }", SHORT), no_change, 0, "hinge-row"));
 }
 
+/* a frequency of 0; not that of a body that is free, clamped, or held at two ends */
+static void test_hinge_mode(void **unused)
+{
+    (void)unused;
+    static const char modal[] = "solver: { analysis: modal, modes: 8 }\n";
+    char held[400], free_body[400], clamped[400], both[500];
+    snprintf(held, sizeof held, STRIP(ROW, "%s"), modal);
+    snprintf(free_body, sizeof free_body, STRIP("", "%s"), modal);
+    snprintf(clamped, sizeof clamped, STRIP(CLAMP, "%s"), modal);
+    snprintf(both, sizeof both,
+             STRIP("supports: [ { at: { vertices: [0, 11, 22, 33, 44] } }, { at: { vertices: [10, "
+                   "21, 32, 43, 54] } } ]",
+                   "%s"),
+             modal);
+    assert_true(warns(held, no_change, 0, "hinge-row"));
+    assert_false(warns(free_body, no_change, 0, "hinge-row"));
+    assert_false(warns(clamped, no_change, 0, "hinge-row"));
+    assert_false(warns(both, no_change, 0, "hinge-row"));
+}
+
 static void test_no_hinge_row(void **unused)
 {
     (void)unused;
@@ -255,10 +275,11 @@ static void test_coarse_vibration(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hinge_row),        cmocka_unit_test(test_no_hinge_row),
-        cmocka_unit_test(test_two_rows),         cmocka_unit_test(test_pendulum),
-        cmocka_unit_test(test_coarse_load),      cmocka_unit_test(test_coarse_mode),
-        cmocka_unit_test(test_coarse_vibration), cmocka_unit_test(test_largest_pressure),
+        cmocka_unit_test(test_hinge_row),        cmocka_unit_test(test_hinge_mode),
+        cmocka_unit_test(test_no_hinge_row),     cmocka_unit_test(test_two_rows),
+        cmocka_unit_test(test_pendulum),         cmocka_unit_test(test_coarse_load),
+        cmocka_unit_test(test_coarse_mode),      cmocka_unit_test(test_coarse_vibration),
+        cmocka_unit_test(test_largest_pressure),
     };
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

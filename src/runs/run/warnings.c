@@ -193,7 +193,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
 {
     double softness = pel_sim_softness(run->sim);
     pel_status status = check_start(run, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK && run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
         status = pel_warnings_check_rows(run, error);
     pel_warnings_check_pressures(run);
     pel_warnings_check_blades(run);

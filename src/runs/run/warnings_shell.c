@@ -54,6 +54,8 @@
 #define GOOD_ERROR 0.02
 /* of the energy supplied, that moves in a frame; larger meshes are fine enough for their slowest vibration */
 #define MOVING_SHARE 0.02
+/* of the highest frequency that is found: less is a rigid motion */
+#define RIGID_SHARE 1e-3
 enum { MOST_COARSE_TRIANGLES = 2000 };
 #define PI 3.14159265358979323846
 
@@ -250,6 +252,13 @@ static double find_cells(held_row *row)
     return depth < HUGE_VAL ? depth : 0;
 }
 
+static void warn_of_row(pel_run_state *run, const held_row *row, double error)
+{
+    if (run->totals.warnings.of[PEL_WARN_HINGE_ROW].count == 0)
+        run->flagged[PEL_WARN_HINGE_ROW] = (pel_flagged_body){row->body, row->length, error};
+    pel_warn(&run->totals.warnings, PEL_WARN_HINGE_ROW, 0, row->length);
+}
+
 static void tell_row(pel_run_state *run, held_row *row, double depth)
 {
     double arm[3], across = 0;
@@ -261,22 +270,19 @@ static void tell_row(pel_run_state *run, held_row *row, double depth)
     if (!(moment > 0) || !(moment * across < MOST_SAG * 3 * stiffness * row->length) ||
         (depth > 0 && !(error > MOST_ERROR && error < MOST_CELLS)))
         return;
-    if (run->totals.warnings.of[PEL_WARN_HINGE_ROW].count == 0)
-        run->flagged[PEL_WARN_HINGE_ROW] = (pel_flagged_body){row->body, row->length, error};
-    pel_warn(&run->totals.warnings, PEL_WARN_HINGE_ROW, 0, row->length);
+    warn_of_row(run, row, error);
 }
 
 static void check_row(pel_run_state *run, held_row *row)
 {
     mark_held(row);
-    if (find_row(row)) {
-        tell_row(run, row, 0);
-        return;
-    }
+    const bool is_one = find_row(row), is_mode = run->scene->sim.solver.analysis != PEL_ANALYSIS_NONE;
     /* hinges do not turn edges */
-    bool turns = run->sim->model->bodies[row->body].shell->bending->turns_edges;
-    const double depth = turns ? find_cells(row) : 0;
-    if (depth > 0)
+    const bool turns = run->sim->model->bodies[row->body].shell->bending->turns_edges;
+    const double depth = !is_one && !is_mode && turns ? find_cells(row) : 0;
+    if (is_one && is_mode)
+        warn_of_row(run, row, 0);
+    else if (is_one || depth > 0)
         tell_row(run, row, depth);
 }
 
@@ -285,7 +291,7 @@ pel_status pel_warnings_check_rows(pel_run_state *run, pel_error *error)
     const pel_model *model = run->sim->model;
     for (int32_t b = 0; b < model->body_count; b++) {
         held_row row = {.run = run, .body = b, .first = model->bodies[b].slice_begin * PEL_WIDTH};
-        if (!bends(run, b) || is_held_otherwise(run, b) || run->scene->sim.solver.analysis != PEL_ANALYSIS_NONE)
+        if (!bends(run, b) || is_held_otherwise(run, b))
             continue;
         row.end = pel_body_place_end(model, b);
         row.held = pel_allocate((size_t)(row.end - row.first), sizeof *row.held);
@@ -357,6 +363,11 @@ void pel_warnings_check_mode(pel_run_state *run)
     if (sim->modes == NULL || !sim->modes->is_solved || sim->modes->count == 0)
         return;
     int32_t number = (int32_t)((sim->state->step - 1) % sim->modes->count);
+    const double *values = sim->modes->values;
+    /* a held body that turns freely */
+    if (number == 0 && values[0] < RIGID_SHARE * values[sim->modes->count - 1] &&
+        run->scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
+        pel_warnings_check_rows(run, NULL);
     const pel_mode_wave wave =
         pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, number), sim->modes->values[number],
                          run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING);
