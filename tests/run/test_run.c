@@ -294,7 +294,7 @@ static void test_stops_within_steps(void **unused)
     pel_run_def def = pel_run_def_default();
     def.wanted = is_wanted;
     def.user = &asked;
-    def.thread_count = thread_count;
+    def.thread_count = 1; /* with more, the number of questions depends on which thread is faster */
     assert_int_equal(pel_run(scene, &def, &summary, NULL), PEL_OK);
     int whole = asked.count;
     assert_true(summary.steps > 1 && whole > 2 * summary.steps);
