@@ -337,8 +337,8 @@ static const pel_def_row rows[] = {
             "`warp_curve`"},
     {"bodies[].membrane.poisson", MEMBRANE(poisson), NUMBER, .range = {true, true, -1, 1}, DEFAULT(0.3),
      WHEN(reads_poisson),
-     .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible, with "
-            "0.5"},
+     .doc = "Poisson's ratio, less than 1; 0 to 0.5 for neo-hookean; mooney-rivlin and gent are incompressible and "
+            "ignore it"},
     {"bodies[].membrane.thickness", MEMBRANE(thickness), FIELD, .unit = "m", POSITIVE, REQUIRED, .supplied = "",
      WHEN(has_membrane), IMPLYING, .doc = "thickness of the sheet; default: that of `mass`"},
     {"bodies[].membrane.mooney_ratio", MEMBRANE(mooney_ratio), NUMBER, AT_LEAST(0), DEFAULT(0.2),

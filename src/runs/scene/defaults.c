@@ -14,9 +14,6 @@
 /* of a modulus from the slope that it repeats */
 #define SAME_SLOPE 1e-9
 
-/* Poisson's ratio */
-#define INCOMPRESSIBLE 0.5
-
 enum { MOST_PRESETS = 64, DEFAULT_PATH_STEPS = 100, MOST_STATIC_STEPS = 1000 };
 
 /* the default of the table */
@@ -160,18 +157,16 @@ static void list_readers(int trait, pel_error *error, const char *name)
     pel_fail_remedy(error, "remove %s, or use material %s", name, words);
 }
 
-/* Numbers that no law of a material reads. Scenes that runs have written contain defaults of all laws; incompressible
-   ones have the Poisson's ratio 0.5. */
-static bool says_nothing(const pel_scene_value *value, const pel_material_number *own, const char *preset)
+/* scenes that runs have written contain the defaults of all laws */
+static bool is_usual(const pel_scene_value *value, const char *preset)
 {
     double number = 0, usual = 0;
-    if (value->kind != PEL_SCENE_SCALAR || !pel_scene_parse_number(value->text, &number))
-        return false;
-    bool is_usual = preset != NULL && pel_scene_parse_number(preset, &usual) && number == usual;
-    return is_usual || (own->trait == PEL_LAW_READS_POISSON && number == INCOMPRESSIBLE);
+    return preset != NULL && value->kind == PEL_SCENE_SCALAR && pel_scene_parse_number(value->text, &number) &&
+           pel_scene_parse_number(preset, &usual) && number == usual;
 }
 
-/* a number of another law would have no effect; rows that need a material tell it themselves */
+/* A number of another law would have no effect; rows that need a material tell it themselves. Poisson's ratio is one of
+   every material: that of incompressible ones is known. */
 static pel_status refuse_unread(pel_scene_reader *reader, pel_scene_value *membrane, const pel_material_preset *preset)
 {
     const pel_material_number *own;
@@ -180,7 +175,8 @@ static pel_status refuse_unread(pel_scene_reader *reader, pel_scene_value *membr
         const pel_scene_value *value = find(membrane, own->name);
         const pel_def_row *row = pel_scene_row_find(reader->table, "bodies[].membrane", own->name);
         bool is_read = (pel_membrane_law_traits((pel_membrane_kind)kind) & own->trait) != 0;
-        if (value == NULL || is_read || row->needs != NULL || says_nothing(value, own, row->preset))
+        if (value == NULL || is_read || row->needs != NULL || own->trait == PEL_LAW_READS_POISSON ||
+            is_usual(value, row->preset))
             continue;
         pel_scene_fail(reader, &value->key_place, "'%s' has no effect on the material %s", own->name,
                        pel_membrane_words[kind]);
