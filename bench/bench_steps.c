@@ -114,9 +114,19 @@ static void time_steps(const char *name, const pel_sim_def *def, int steps, void
 static pel_body_def make_shell(const pel_mesh *mesh)
 {
     static const pel_key pressure[2] = {{0, 0}, {0.2, 50}};
-    pel_body_def body = pel_body_def_sheet("shell", mesh, 1e5, 0.01, 1000);
+    pel_body_def body = pel_body_def_default();
+    body.name = "shell";
+    body.mesh = mesh;
+    body.mass_kind = PEL_MASS_DENSITY;
+    body.mass = 1000;
+    body.thickness.value = 0.01;
+    body.spring_stiffness.value = body.spring_damping.value = 0;
+    body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
+    body.shell.membrane.on = true;
     body.shell.membrane.kind = PEL_MEMBRANE_STVK;
+    body.shell.membrane.young.value = 1e5;
     body.shell.membrane.poisson = 0.3;
+    body.shell.membrane.thickness.value = 0.01;
     body.shell.bending.model = PEL_BENDING_HINGE;
     body.shell.bending.weight = -1;
     body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
