@@ -12,21 +12,27 @@
        set PATH VALUE                     a parameter as in pel_set_parameter_text
        grab OX OY OZ DX DY DZ K REACH     grasp a body where the ray from O along D meets it: spring K [N/m], vertices
                                           within REACH [m]
-       grasp OX OY OZ DX DY DZ REACH ANEW  forceps: hold one connected patch of the surface within REACH [m] of where
-   the ray meets it, and go where `move` asks. Forceps of the scene that lead a tear (pel_tool_def) let go then and
-   leave; with ANEW 1 those of the hand grasp the flap anew behind the tip as they did, with 0 they hold what they have
+       grasp OX OY OZ DX DY DZ REACH ANEW
+                                          forceps: hold one connected patch of the surface within REACH [m] of
+                                          where the ray meets it, and go where `move` asks. Forceps of the scene
+                                          that lead a tear (pel_tool_def) let go then and leave; with ANEW 1 those
+                                          of the hand grasp the flap anew behind the tip as they did, with 0 they
+                                          hold what they have
        press SHAPE R X Y Z QX QY QZ QW    a tool at a position [m] with a rotation (unit quaternion). SHAPE: sphere, box
                                           (half edge R), capsule (radius R, half length 2 R), blade and hook (edge from
                                           -R to R along its z axis), scissors (blades from X Y Z, 2 R along x, that
                                           open to -R and R along z, close within 0.25 s and leave), with R [m]. If the
                                           scene has contact, also a mesh, scaled to fit into the sphere of radius R:
-   torus, cylinder, blend, or a mesh file with %20 for spaces, relative to the folder of the scene (absolute in the
-   record) move X Y Z                         target of the hand [m]: end of the spring, or the tool release release the
-   surface pin OX OY OZ DX DY DZ REACH        fix the vertices within REACH [m] of the hit at their positions unpin OX
-   OY OZ DX DY DZ REACH      release them inflate BODY P                     pressure [Pa] along the normals of a body,
-   in addition to that of the scene cut OX OY OZ DX DY DZ              the first one sets a blade on the surface,
-   further ones lead it there: the surface opens along its edges (pellicle/tear.h) until `release` mark start of an
-   interaction: undo returns here
+                                          torus, cylinder, blend, or a mesh file with %20 for spaces, relative to the
+                                          folder of the scene (absolute in the record)
+       move X Y Z                         target of the hand [m]: end of the spring, or the tool
+       release                            release the surface
+       pin OX OY OZ DX DY DZ REACH        fix the vertices within REACH [m] of the hit at their positions
+       unpin OX OY OZ DX DY DZ REACH      release them
+       inflate BODY P                     pressure [Pa] along the normals of a body, in addition to that of the scene
+       cut OX OY OZ DX DY DZ              the first one sets a blade on the surface, further ones lead it there: the
+                                          surface opens along its edges (pellicle/tear.h) until `release`
+       mark                               start of an interaction: undo returns here
 
    One thread uses a session at a time. */
 #ifndef PELLICLE_SESSION_H

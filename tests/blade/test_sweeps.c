@@ -1,5 +1,6 @@
 /* Random ways of blades and scissors through surfaces of all kinds, at any speed and under methods with and without
-   contact: a surface without branches, no intersection, the same mass, and copies where the surface opened. */
+   contact: a surface without branches, no intersection, copies where the surface opened, and a mass that only the areas
+   of coarse curved surfaces change. */
 #include "sim/cut_fixture.h"
 
 enum { KEYS = 5, STEPS = 25 };
@@ -18,17 +19,8 @@ typedef struct surface {
 static pel_model *model_of(const pel_mesh *mesh, bool tears, random_state *random)
 {
     int32_t pins[8];
-    pel_body_def body = pel_body_def_default();
-    body.name = "surface";
-    body.mesh = mesh;
-    body.mass_kind = PEL_MASS_DENSITY;
-    body.mass = 1000;
-    body.thickness.value = 0.01;
-    body.volumetric_stiffness.value = body.spring_stiffness.value = 0;
-    body.shell.membrane.on = true;
-    body.shell.membrane.young.value = 1e4;
+    pel_body_def body = pel_body_def_sheet("surface", mesh, 1e4, 0.01, 1000);
     body.shell.membrane.poisson = 0.3;
-    body.shell.membrane.thickness.value = 0.01;
     body.shell.membrane.toughness.value = tears ? random_between(random, 1, 30) : 0;
     for (int i = 0; i < 8; i++)
         pins[i] = (int32_t)random_below(random, (uint32_t)mesh->vertex_count);

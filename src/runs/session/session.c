@@ -374,8 +374,9 @@ static void set_edge(pel_session *session, double radius, pel_key closing[2], pe
     if (def->shape != PEL_TOOL_SCISSORS)
         return;
     def->edge[0][0] = def->edge[1][0] = 2 * radius;
+    session->closed_at = time + SNIP_SECONDS;
     closing[0] = (pel_key){time, 0};
-    closing[1] = (pel_key){session->closed_at = time + SNIP_SECONDS, 1};
+    closing[1] = (pel_key){session->closed_at, 1};
     def->closing = closing;
     def->closing_count = 2;
 }

@@ -618,8 +618,17 @@ function checkbox(text, key) {
 const metres = (part) => `${formatNumber(part * stage.size, 2)} m`;
 
 function makeOptions() {
+    const choice = (name, select, key) => {
+        const label = element("label", "", name);
+        select.value = state[key];
+        select.addEventListener("change", () => {
+            state[key] = select.value;
+            makeOptions();
+        });
+        label.append(select);
+        return label;
+    };
     const shape = () => {
-        const label = element("label", "", "Shape");
         const select = element("select");
         const group = (name, words) => {
             const made = element("optgroup");
@@ -632,25 +641,12 @@ function makeOptions() {
         select.append(...solids.map((name) => new Option(name, name)), group("Meshes", made));
         if (files.length > 0) select.append(group("Files in the folder of the scene", files));
         if (![...solids, ...meshes].includes(state.shape)) state.shape = "sphere";
-        select.value = state.shape;
-        select.addEventListener("change", () => {
-            state.shape = select.value;
-            makeOptions();
-        });
-        label.append(select);
-        return label;
+        return choice("Shape", select, "shape");
     };
     const edge = () => {
-        const label = element("label", "", "Tool");
         const select = element("select");
         select.append(new Option("blade"), new Option("scissors"));
-        select.value = state.edge;
-        select.addEventListener("change", () => {
-            state.edge = select.value;
-            makeOptions();
-        });
-        label.append(select);
-        return label;
+        return choice("Tool", select, "edge");
     };
     // meshes need contact, which cannot be switched on during a simulation
     const startContact = () => {
