@@ -100,7 +100,8 @@ static void test_choice(void **unused)
         {BALL STEEL "contact: {}\n", "implicit"},
         /* a gas that swings, unless something damps or touches the body, or it takes long */
         {HEAD SOFT GAS, "implicit"},
-        {HEAD SOFT GAS "solver: {drag: 1}\n", NULL},
+        {HEAD SOFT GAS "solver: {drag: 1}\n", "implicit"},
+        {HEAD SOFT GAS "solver: {drag: 90}\n", NULL},
         {HEAD SOFT GAS "contact: {}\n", NULL},
         {LONG_HEAD SOFT GAS, NULL},
     };

@@ -40,6 +40,7 @@ static void test_choice(void **unused)
         {THICK("0.00325"), 0.0003125, "vibration of body 'ruler', 6"},
         {RULER "duration: 1\nsolver: { dt: 0.01 }\n", 0.01, NULL},
         {RULER "duration: 1\nsolver: { drag: 5 }\n", 0.01, NULL},
+        {RULER "duration: 1\nsolver: { drag: 1 }\n", 0.002, "vibration of body 'ruler', 10."},
         {RULER "duration: 1\nsolver: { method: static }\n", 0.01, NULL},
         {RULER "duration: 1\noutput: { every_frame: 1 }\n", 0.01, NULL},
         {RULER "stop: { frames: 3 }\n", 0.01, NULL},
@@ -72,7 +73,7 @@ static void test_choice(void **unused)
         {RULER "duration: 2\nloads: [ { name: tick, force: [0, 0, 1], until: 0.0001 } ]\n", 0.002,
          "load 'tick' does in 0.0001 s would take 1.25e-05 s"},
         /* no step is longer than the time between frames */
-        {RULER "duration: 0.1\nsolver: { drag: 5 }\noutput: { every: 0.004 }\n", 0.004, "output.every"},
+        {RULER "duration: 0.1\nsolver: { drag: 50 }\noutput: { every: 0.004 }\n", 0.004, "output.every"},
         {RULER "duration: 0.1\nsolver: { dt: 0.01 }\noutput: { every: 0.004 }\n", 0.01, "each step is a frame"},
         {RULER "duration: 1\nloads: [ { force: [0, 0, 1], keys: [[0, 0], [0.1, 1], [0.108, 1], [0.15, 0]] } ]\n", 0.002,
          "vibration of body 'ruler', 10."},

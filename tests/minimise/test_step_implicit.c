@@ -81,14 +81,16 @@ static double distance_of(const double *a, const double *b)
     return sqrt(square);
 }
 
-/* midpoint rule without drag, BDF2 with it, two stages: a quarter of the error at half the step */
+/* midpoint rule without drag, BDF2 with it, two stages, midpoint rule with light drag: a quarter of the error at half
+   the step */
 static void test_order(void **unused)
 {
     (void)unused;
     if (sizeof(pel_real) == 4)
         skip();
-    for (int i = 0; i < 3; i++) {
-        double drag = i % 2, exact[300], coarse[300], fine[300];
+    const double drags[] = {0, 4, 0, 0.4};
+    for (int i = 0; i < 4; i++) {
+        double drag = drags[i], exact[300], coarse[300], fine[300];
         vibrate(drag, i == 2, 640, exact);
         vibrate(drag, i == 2, i == 2 ? 20 : 40, coarse);
         vibrate(drag, i == 2, i == 2 ? 40 : 80, fine);
@@ -141,6 +143,27 @@ static void test_energy(void **unused)
     }
     assert_true(elastic > 0.3 * start);
     assert_true(most < 0.01 * start);
+    end_stage(&s);
+}
+
+/* light drag d leaves exp(-d t) of the energy, and the steps take nothing beside */
+static void test_light_drag(void **unused)
+{
+    (void)unused;
+    stage s;
+    pel_body_def body;
+    pel_sim_def def;
+    pel_sim_measures measures;
+    pel_sim_ledger ledger;
+    make_shell(&s, &body, 1e4, 0.2, 0.02, &def);
+    set_oval(&s, 0.1, 0);
+    pel_sim_measure(s.sim, &measures);
+    double start = measures.kinetic_energy + measures.elastic_energy;
+    run_steps(s.sim, 200);
+    pel_sim_measure(s.sim, &measures);
+    assert_near((measures.kinetic_energy + measures.elastic_energy) / start, exp(-0.2 * 4), 0.01);
+    pel_sim_get_ledger(s.sim, &ledger);
+    assert_near(ledger.dissipated_drag / start, 1 - exp(-0.2 * 4), 0.01);
     end_stage(&s);
 }
 
@@ -952,17 +975,18 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_order),          cmocka_unit_test(test_stages),
-        cmocka_unit_test(test_energy),         cmocka_unit_test(test_spin),
-        cmocka_unit_test(test_set_velocities), cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_load_in_time),   cmocka_unit_test(test_driven_volume),
-        cmocka_unit_test(test_slide),          cmocka_unit_test(test_rests),
-        cmocka_unit_test(test_flat_fall),      cmocka_unit_test(test_landing),
-        cmocka_unit_test(test_round_tool),     cmocka_unit_test(test_capsule),
-        cmocka_unit_test(test_light),          cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_collision),      cmocka_unit_test(test_collision_bits),
-        cmocka_unit_test(test_refined),        cmocka_unit_test(test_refined_bits),
-        cmocka_unit_test(test_refusal),        cmocka_unit_test(test_radial_damping),
-        cmocka_unit_test(test_budget),         cmocka_unit_test(test_crumple),
+        cmocka_unit_test(test_energy),         cmocka_unit_test(test_light_drag),
+        cmocka_unit_test(test_spin),           cmocka_unit_test(test_set_velocities),
+        cmocka_unit_test(test_momentum),       cmocka_unit_test(test_load_in_time),
+        cmocka_unit_test(test_driven_volume),  cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_rests),          cmocka_unit_test(test_flat_fall),
+        cmocka_unit_test(test_landing),        cmocka_unit_test(test_round_tool),
+        cmocka_unit_test(test_capsule),        cmocka_unit_test(test_light),
+        cmocka_unit_test(test_bits),           cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_collision_bits), cmocka_unit_test(test_refined),
+        cmocka_unit_test(test_refined_bits),   cmocka_unit_test(test_refusal),
+        cmocka_unit_test(test_radial_damping), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_crumple),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

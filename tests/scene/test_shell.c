@@ -154,7 +154,6 @@ static void test_regions_and_pressures(void **unused)
     /* pressure alone leaves the springs as they are */
     assert_true(scene->model.bodies[0].spring_stiffness.value == 5000);
     assert_true(scene->model.bodies[0].spring_thickness > 0);
-    assert_true(scene->sim.solver.method == PEL_METHOD_XPBD);
     pel_scene_destroy(scene);
     scene = load(BALL "    pressure: {volume: {target: 0.5, bulk: 3}}\n    bending: {}\n"
                       "    anisotropy: {mode: curl, curvature: -2}\n");

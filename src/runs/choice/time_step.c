@@ -27,27 +27,35 @@ enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8, STEPS_A_POSE = 4 };
 #define MOST_SYSTEM 2
 /* those of a free body and one that is none */
 enum { MODE_COUNT = 7 };
+/* drag in a run, that leaves more than a third of an amplitude at its end: vibrations are to be seen all the time */
+#define MOST_BRAKING 2
 /* of the largest of these: lower frequencies are rigid motions */
 #define RIGID_SHARE 1e-3
 
 static const int32_t divisors[] = {1,  2,  4,   5,   8,   10,  16,  20,  25,  32,  40,  50,
                                    64, 80, 100, 125, 160, 200, 250, 320, 400, 500, 800, 1000};
 
-static bool is_damped(const pel_body_def *body)
+static bool has(const pel_quantity *quantity)
 {
-    const pel_quantity *numbers[] = {&body->spring_damping, &body->volumetric_damping};
-    bool any = false;
-    for (int i = 0; i < 2; i++)
-        any |= numbers[i]->value > 0 || numbers[i]->field != NULL || numbers[i]->key_count > 0;
-    return any;
+    return quantity->value > 0 || quantity->field != NULL || quantity->key_count > 0;
+}
+
+/* 1/s, at most, that drag takes of the momentum of a body; infinite where it is not known, or springs damp otherwise */
+static double braking_of(const pel_scene *scene, const pel_body_def *body)
+{
+    const pel_quantity *drag = &body->spring_damping;
+    bool is_rate = body->spring_thickness > 0 && drag->field == NULL && drag->key_count == 0;
+    if (has(&body->volumetric_damping) || (has(drag) && !is_rate))
+        return INFINITY;
+    return scene->sim.solver.drag + drag->value;
 }
 
 bool pel_scene_is_undamped(const pel_scene *scene)
 {
-    bool any = scene->sim.solver.drag > 0;
+    double most = scene->sim.solver.drag;
     for (int32_t b = 0; b < scene->model.body_count; b++)
-        any |= is_damped(&scene->model.bodies[b]);
-    return !any;
+        most = pel_max(most, braking_of(scene, &scene->model.bodies[b]));
+    return !(most * scene->duration > MOST_BRAKING);
 }
 
 /* not by pins that move, nor in the end by grasps that open */

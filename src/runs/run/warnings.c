@@ -718,7 +718,7 @@ static void tell_unresolved(const pel_warning_text *at)
         snprintf(part, sizeof part, ", %.2g %% while nothing touched", 100 * at->tally->worst);
     snprintf(
         at->text, at->size,
-        "nothing damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
+        "little damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
         "was supplied%s. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
         100 * (part[0] != '\0' ? whole : at->tally->worst), part, stepper->minimises ? "" : "the method implicit with ",
         good_dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");

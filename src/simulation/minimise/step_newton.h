@@ -44,7 +44,6 @@ struct pel_sim_newton {
     pel_newton_kink *kinks; /* scratch: constraints */
     size_t kink_capacity;
     bool has_stepped; /* since the state was loaded: the springs of inertia belong to a step that led to it */
-    bool is_damped;   /* drag, or damping of springs */
     const struct pel_implicit_scheme *scheme; /* of the last step in time */
     struct pel_sim_turn *turns;               /* (body_count) frames of the step in time; null in statics */
     uint8_t *collided;                        /* (body_count) groups whose velocities jump in the step in progress */
