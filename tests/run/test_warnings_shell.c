@@ -61,7 +61,7 @@ static void test_hinge_mode(void **unused)
 {
     (void)unused;
     static const char modal[] = "solver: { analysis: modal, modes: 8 }\n";
-    char held[400], free_body[400], clamped[400], both[500];
+    char held[400], free_body[400], clamped[400], both[500], rows[400];
     snprintf(held, sizeof held, STRIP(ROW, "%s"), modal);
     snprintf(free_body, sizeof free_body, STRIP("", "%s"), modal);
     snprintf(clamped, sizeof clamped, STRIP(CLAMP, "%s"), modal);
@@ -70,7 +70,15 @@ static void test_hinge_mode(void **unused)
                    "21, 32, 43, 54] } } ]",
                    "%s"),
              modal);
+    const char *lowest[] = {"solver.modes=1"};
     assert_true(warns(held, no_change, 0, "hinge-row"));
+    assert_true(warns(held, lowest, 1, "hinge-row"));
+    assert_false(warns(clamped, lowest, 1, "hinge-row"));
+    /* as far as a deflection, by two thirds: 3/2 of a ninth */
+    pel_run_summary summary;
+    snprintf(rows, sizeof rows, STRIP(TWO_ROWS, "%s"), modal);
+    const char *text = warning_of(rows, lowest, 1, "hinge-row", &summary);
+    assert_true(text != NULL && strstr(text, "about 11 % too slowly") != NULL);
     assert_false(warns(free_body, no_change, 0, "hinge-row"));
     assert_false(warns(clamped, no_change, 0, "hinge-row"));
     assert_false(warns(both, no_change, 0, "hinge-row"));

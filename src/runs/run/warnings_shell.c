@@ -54,8 +54,9 @@
 #define GOOD_ERROR 0.02
 /* of the energy supplied, that moves in a frame; larger meshes are fine enough for their slowest vibration */
 #define MOVING_SHARE 0.02
-/* of the highest frequency that is found: less is a rigid motion */
-#define RIGID_SHARE 1e-3
+/* frequency of a clamped beam over sqrt(D w / (m L^3)), and the share of it below which a body turns about a row */
+#define BEAM 0.5596
+#define SLACK 0.1
 enum { MOST_COARSE_TRIANGLES = 2000 };
 #define PI 3.14159265358979323846
 
@@ -261,28 +262,32 @@ static void warn_of_row(pel_run_state *run, const held_row *row, double error)
 
 static void tell_row(pel_run_state *run, held_row *row, double depth)
 {
-    double arm[3], across = 0;
-    for (int32_t v = row->first; v < row->end; v++)
-        if (run->sim->model->mesh_vertex[v] >= 0 && !row->held[v - row->first])
-            across = pel_max(across, arm_of(row, v, arm));
-    double moment = find_moment(row), stiffness = run->sim->model->bodies[row->body].shell->hinge_stiffness;
-    const double error = across > 0 ? CELL_ERROR * depth / across : 0;
-    if (!(moment > 0) || !(moment * across < MOST_SAG * 3 * stiffness * row->length) ||
-        (depth > 0 && !(error > MOST_ERROR && error < MOST_CELLS)))
+    const pel_model *model = run->sim->model;
+    double arm[3], across = 0, mass = 0, stiffness = model->bodies[row->body].shell->hinge_stiffness;
+    for (int32_t v = row->first; v < row->end; v++) {
+        bool is_free = model->mesh_vertex[v] >= 0 && !row->held[v - row->first];
+        across = is_free ? pel_max(across, arm_of(row, v, arm)) : across;
+        mass += (double)model->mass[v];
+    }
+    const double error = across > 0 ? CELL_ERROR * depth / across : 0, moment = find_moment(row);
+    if (!(across > 0) || (depth > 0 && !(error > MOST_ERROR && error < MOST_CELLS)))
         return;
-    warn_of_row(run, row, error);
+    bool bends = moment > 0 && moment * across < MOST_SAG * 3 * stiffness * row->length;
+    if (run->sim->modes != NULL)
+        bends = depth > 0 || run->sim->modes->values[0] <
+                                 SLACK * BEAM * pel_sqrt(stiffness * row->length / (mass * across * across * across));
+    if (bends)
+        warn_of_row(run, row, error);
 }
 
 static void check_row(pel_run_state *run, held_row *row)
 {
     mark_held(row);
-    const bool is_one = find_row(row), is_mode = run->scene->sim.solver.analysis != PEL_ANALYSIS_NONE;
+    const bool is_one = find_row(row);
     /* hinges do not turn edges */
     const bool turns = run->sim->model->bodies[row->body].shell->bending->turns_edges;
-    const double depth = !is_one && !is_mode && turns ? find_cells(row) : 0;
-    if (is_one && is_mode)
-        warn_of_row(run, row, 0);
-    else if (is_one || depth > 0)
+    const double depth = !is_one && turns ? find_cells(row) : 0;
+    if (is_one || depth > 0)
         tell_row(run, row, depth);
 }
 
@@ -310,9 +315,10 @@ void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size)
     if (flagged->limit > 0)
         snprintf(text, size,
                  "body '%s' is held by two rows of vertices, which clamp it half a cell behind the inner one: it bends "
-                 "about %.2g %% too far. use supports: [ { at: ..., rotation: fixed } ] on the inner row under static "
+                 "about %.2g %% too far, and vibrates about %.2g %% too slowly. use supports: [ { at: ..., rotation: "
+                 "fixed } ] on the inner row under static "
                  "and implicit, or finer cells there",
-                 name, 100 * flagged->limit);
+                 name, 100 * flagged->limit, 200.0 / 3 * flagged->limit);
     else
         snprintf(text, size,
                  "body '%s' is held along one row of vertices, and turns about it as on a hinge. to clamp it, use "
@@ -363,10 +369,7 @@ void pel_warnings_check_mode(pel_run_state *run)
     if (sim->modes == NULL || !sim->modes->is_solved || sim->modes->count == 0)
         return;
     int32_t number = (int32_t)((sim->state->step - 1) % sim->modes->count);
-    const double *values = sim->modes->values;
-    /* a held body that turns freely */
-    if (number == 0 && values[0] < RIGID_SHARE * values[sim->modes->count - 1] &&
-        run->scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
+    if (number == 0 && run->scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
         pel_warnings_check_rows(run, NULL);
     const pel_mode_wave wave =
         pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, number), sim->modes->values[number],
