@@ -8,16 +8,16 @@
 /* edges near the pole of a unit sphere are at most this long */
 static const double finest = 0.05;
 
-static bool divides(const void *user, int32_t level, double edge, const double center[3])
+static bool divides(const void *user, int32_t level, int32_t triangle, double edge, const double center[3])
 {
-    (void)level;
+    (void)level, (void)triangle;
     const double *pole = user;
     double d[3] = {center[0] - pole[0], center[1] - pole[1], center[2] - pole[2]};
     return edge > finest && edge > 0.5 * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
 static double pole[3]; /* a vertex of the sphere */
-static const pel_local_def usual = {divides, pole, 3, (size_t)1 << 30};
+static const pel_local_def usual = {.divides = divides, .user = pole, .depth = 3, .memory_limit = (size_t)1 << 30};
 
 static pel_mesh *create_sphere(void)
 {
@@ -94,6 +94,33 @@ static void test_memory_limit(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* flat: new vertices and their fields lie on the edges, and the area of the surface stays; three levels or none */
+static void test_flat(void **unused)
+{
+    (void)unused;
+    pel_mesh *mesh = create_sphere(), *fine;
+    pel_mesh_report *coarse_report, *report;
+    pel_error error;
+    pel_local_def def = usual;
+    def.is_flat = def.all_levels = true;
+    assert_int_equal(pel_mesh_subdivide_locally(mesh, &def, &fine, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_check(mesh, &coarse_report, NULL), PEL_OK);
+    assert_int_equal(pel_mesh_check(fine, &report, NULL), PEL_OK);
+    assert_true(report->closed && report->manifold && report->oriented);
+    assert_true(fine->triangle_count > mesh->triangle_count);
+    assert_near(report->area, coarse_report->area, 1e-14 * coarse_report->area);
+    const pel_field *field = pel_mesh_field(fine, "height");
+    for (int32_t v = 0; v < fine->vertex_count; v++)
+        assert_near(field->values[v], fine->positions[v][2], 1e-15);
+    pel_mesh_report_destroy(coarse_report);
+    pel_mesh_report_destroy(report);
+    pel_mesh_destroy(fine);
+    def.memory_limit = 1;
+    assert_int_equal(pel_mesh_subdivide_locally(mesh, &def, &fine, &error), PEL_BAD_ARGUMENT);
+    assert_non_null(strstr(error.remedy, "use 0 levels"));
+    pel_mesh_destroy(mesh);
+}
+
 static pel_status refine_case(const void *mesh, pel_error *error)
 {
     pel_mesh *fine;
@@ -116,6 +143,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_local),
         cmocka_unit_test(test_memory_limit),
+        cmocka_unit_test(test_flat),
         cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

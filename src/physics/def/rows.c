@@ -784,6 +784,9 @@ static const pel_def_row rows[] = {
             "body. anywhere: inside as well"},
     {"tear.max_tips", OF(SIM, pel_sim_def, tear.max_tips, CUTS), FIXED, INTEGER, COUNT_FROM(1), DEFAULT(64),
      .doc = "number of tips of a body that may grow in one step; of more, those that release most energy do"},
+    {"tear.level", INTEGER, BETWEEN(0, 6), .preset = "0",
+     .doc = "before anything else the meshes of bodies with a toughness become finer, each level halves the edges"},
+    {"tear.region", REGION, .doc = "where: the triangles at these vertices; default: the whole body"},
 
     {"contact", DEF_OF(SIM, pel_sim_def, contact, CONTACT, CONTACT), .forms = PEL_FORM_MAP | PEL_FORM_WORD,
      WORDS("none"),

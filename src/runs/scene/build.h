@@ -38,6 +38,10 @@ typedef struct pel_scene_owner {
     int32_t body, count; /* of all bodies */
     pel_mesh *mesh;
 } pel_scene_owner;
+/* Makes the mesh of a body that can tear finer by `tear.level`, before cuts and regions are read (build_cuts.c).
+   PEL_BAD_SCENE where the body cannot have more vertices; PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_refine_torn(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene_value *body,
+                                 pel_mesh **mesh);
 /* Cuts and seams (build_cuts.c): room for all of them; those of one body, which move vertices of its mesh onto their
    paths, before anything else reads it; then whether each has found its body. */
 pel_status pel_scene_take_cuts(pel_scene_reader *reader, const pel_scene_value *root, pel_sim_def *sim);

@@ -174,6 +174,8 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         *mesh_count = count + 1;
         status = pel_scene_fill_mesh(reader, value, &meshes[count]);
         if (status == PEL_OK)
+            status = pel_scene_refine_torn(reader, root, value, &meshes[count]);
+        if (status == PEL_OK)
             status = pel_scene_build_follow(reader, value, folder, count, meshes[count]);
         if (status != PEL_OK)
             break;

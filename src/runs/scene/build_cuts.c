@@ -1,9 +1,13 @@
-/* Cuts and seams of a scene: before anything reads the meshes of bodies, vertices move onto the paths. */
+/* Cuts and seams of a scene: before anything reads the meshes of bodies, those that tear become finer, and vertices
+   move onto the paths. */
 #include "scene/build.h"
 
 #include "base/memory.h"
 #include "keys/validate.h"
 #include "mesh/path.h"
+#include "scene/mesh.h"
+#include "scene/region.h"
+#include "subdivide/local.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +20,129 @@ static pel_status fail_value(pel_scene_reader *reader, const pel_scene_value *va
     pel_fail_remedy(reader->error, "%s", remedy);
     return PEL_BAD_SCENE;
 }
+
+/* ---- finer before they tear ---- */
+
+/* bytes of the levels of detail of a body */
+#define MEMORY ((size_t)1 << 30)
+
+typedef struct fine_region {
+    const uint8_t *has; /* (triangles of the mesh before) */
+    int32_t level;
+} fine_region;
+
+static bool divides(const void *user, int32_t level, int32_t triangle, double edge, const double center[3])
+{
+    (void)edge, (void)center;
+    const fine_region *region = user;
+    return level < region->level && region->has[triangle >> 2 * level];
+}
+
+/* a body may tear */
+static bool has_toughness(const pel_scene_value *body)
+{
+    return pel_scene_value_at(body, "membrane.toughness") != NULL ||
+           pel_scene_value_at(body, "springs.toughness") != NULL;
+}
+
+/* keys of a body that go with the number of its vertices */
+static pel_status check_finer(pel_scene_reader *reader, const pel_scene_value *body)
+{
+    static const char *const keys[][2] = {
+        {"refine", "leave one of both out"},
+        {"rest", "subdivide both meshes (pellicle subdivide), and leave tear.level out"},
+        {"volume", "leave one of both out: a body with a volume does not tear"},
+        {"follow", "leave one of both out"},
+        {"mass.per_vertex", "give mass.density or mass.total"},
+        {"volumetric.stiffness", "give volumetric.young"},
+    };
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        const pel_scene_value *value = pel_scene_value_at(body, keys[k][0]);
+        if (value == NULL)
+            continue;
+        pel_scene_fail(reader, &value->key_place, "'%s' and tear.level exclude each other: the mesh becomes finer",
+                       keys[k][0]);
+        pel_fail_remedy(reader->error, "%s", keys[k][1]);
+        return PEL_BAD_SCENE;
+    }
+    return PEL_OK;
+}
+
+/* the triangles at the vertices of tear.region; all without one */
+static pel_status mark_region(const pel_scene_part *source, const pel_scene_value *region, uint8_t *has)
+{
+    const pel_mesh *mesh = source->mesh;
+    pel_scene_region found = {0};
+    uint8_t *marks = NULL;
+    pel_status status = region != NULL ? pel_scene_region_find(source->reader, region, mesh, &found) : PEL_OK;
+    if (status != PEL_OK || found.vertices == NULL) {
+        memset(has, 1, (size_t)mesh->triangle_count);
+        return status;
+    }
+    marks = pel_allocate((size_t)mesh->vertex_count, 1);
+    if (marks == NULL)
+        return pel_fail_memory(source->reader->error);
+    for (int32_t i = 0; i < found.count; i++)
+        marks[found.vertices[i]] = 1;
+    for (int32_t t = 0; t < mesh->triangle_count; t++)
+        has[t] = marks[mesh->triangles[t][0]] | marks[mesh->triangles[t][1]] | marks[mesh->triangles[t][2]];
+    pel_free(marks);
+    return PEL_OK;
+}
+
+pel_status pel_scene_refine_torn(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene_value *body,
+                                 pel_mesh **mesh)
+{
+    const pel_scene_value *level = pel_scene_value_at(root, "tear.level");
+    const pel_scene_part source = {reader, body, *mesh};
+    if (!(level->number > 0) || reader->made != NULL || !has_toughness(body))
+        return PEL_OK;
+    pel_mesh *fine = NULL;
+    uint8_t *has = NULL;
+    pel_status status = check_finer(reader, body);
+    if (status == PEL_OK) {
+        has = pel_allocate((size_t)(*mesh)->triangle_count, 1);
+        status = has != NULL ? PEL_OK : pel_fail_memory(reader->error);
+    }
+    if (status == PEL_OK)
+        status = mark_region(&source, pel_scene_value_at(root, "tear.region"), has);
+    if (status == PEL_OK) {
+        const fine_region region = {has, (int32_t)level->number};
+        const pel_local_def def = {divides, &region, true, region.level, MEMORY, true};
+        status = pel_mesh_subdivide_locally(*mesh, &def, &fine, reader->error);
+        if (status == PEL_BAD_ARGUMENT) {
+            status = pel_scene_fail_at(reader, &level->place);
+            pel_fail_remedy(reader->error, "give a lower tear.level, or a coarser mesh");
+        }
+    }
+    if (status == PEL_OK) {
+        pel_log_line(reader->log, "body '%s' is made finer where it tears: %d triangles in place of %d",
+                     pel_scene_value_entry(body, "name")->text, (int)fine->triangle_count,
+                     (int)(*mesh)->triangle_count);
+        status = pel_scene_keep_welding(reader, *mesh, fine);
+        pel_mesh_destroy(*mesh);
+        *mesh = fine;
+    }
+    pel_free(has);
+    return status;
+}
+
+/* tear.level makes the mesh of some body finer */
+static pel_status check_level(pel_scene_reader *reader, const pel_scene_value *root)
+{
+    const pel_scene_value *level = pel_scene_value_at(root, "tear.level"),
+                          *region = pel_scene_value_at(root, "tear.region");
+    if (region != NULL && !(level->number > 0))
+        return fail_value(reader, region, "a region without tear.level", "add `level: 1` or more, or leave it out");
+    bool any = !(level->number > 0);
+    for (const pel_scene_value *body = pel_scene_value_entry(root, "bodies")->first; body != NULL; body = body->next)
+        any = any || has_toughness(body);
+    return any ? PEL_OK
+               : fail_value(reader, level, "no body has a toughness, so none tears",
+                            "give a body membrane.toughness or springs.toughness, or leave tear.level out");
+}
+
+/* ---- paths ---- */
 
 /* a path as vertices, in the arena of the reader */
 typedef struct vertex_path {
@@ -248,7 +375,7 @@ pel_status pel_scene_check_cuts(pel_scene_reader *reader, const pel_scene_value 
 {
     const pel_cut_def *cut = scene->sim.cuts;
     const pel_seam_def *seam = scene->sim.seams;
-    pel_status status = PEL_OK;
+    pel_status status = check_level(reader, root);
     for (const pel_scene_value *value = pel_scene_value_entry(root, "cuts")->first; status == PEL_OK && value != NULL;
          value = value->next, cut++)
         status = check_owner(reader, scene, value, "cut", cut->vertices != NULL, cut->body);

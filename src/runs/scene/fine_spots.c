@@ -51,8 +51,9 @@ typedef struct body_spots {
     int32_t count, room;
 } body_spots;
 
-static bool divides(const void *user, int32_t level, double edge, const double center[3])
+static bool divides(const void *user, int32_t level, int32_t triangle, double edge, const double center[3])
 {
+    (void)triangle;
     const body_spots *spots = user;
     for (int32_t s = 0; s < spots->count; s++) {
         const fine_spot *spot = &spots->spots[s];
@@ -256,7 +257,8 @@ static pel_status refine_body(pel_scene_reader *reader, const pel_scene *scene, 
     if (status == PEL_OK)
         find_spots(&spots, scene, b);
     if (status == PEL_OK && spots.count > 0) {
-        const pel_local_def def = {divides, &spots, levels_of(&spots), MEMORY};
+        const pel_local_def def = {
+            .divides = divides, .user = &spots, .depth = levels_of(&spots), .memory_limit = MEMORY};
         status = pel_mesh_subdivide_locally(*mesh, &def, &fine, reader->error);
     }
     if (status == PEL_OK && fine != NULL) {

@@ -33,7 +33,7 @@ static void mark(pel_front *front, const pel_local_def *def)
             if (l > 0 && front->shapes[pel_front_parent(front, l, front->node_begin[l] + t)] != PEL_FRONT_RED)
                 continue;
             double edge = measure(front->forest, l, t, center);
-            if (def->divides(def->user, l, edge, center))
+            if (def->divides(def->user, l, t, edge, center))
                 pel_front_mark(front, front->node_begin[l] + t, true);
         }
         pel_front_close(front);
@@ -50,8 +50,24 @@ static int32_t number_vertices(const pel_front *front, int32_t vertex_count, int
     return count;
 }
 
+/* values of all levels from those of the base, as the means of the ends of edges */
+static void fill_flat(const pel_lod_forest *forest, size_t component_count, double *values)
+{
+    for (int32_t l = 0; l < forest->depth; l++) {
+        const pel_topology *level = forest->levels[l];
+        for (int32_t e = 0; e < level->edge_count; e++) {
+            const int32_t h = level->half_edge_of_edge[e];
+            const double *a = values + (size_t)pel_half_edge_origin(level, h) * component_count,
+                         *b = values + (size_t)pel_half_edge_target(level, h) * component_count;
+            double *middle = values + (size_t)pel_lod_midpoint(level, h) * component_count;
+            for (size_t c = 0; c < component_count; c++)
+                middle[c] = 0.5 * (a[c] + b[c]);
+        }
+    }
+}
+
 static pel_status copy_field(const pel_front *front, const pel_field *field, int32_t base_count, const int32_t *numbers,
-                             pel_mesh *fine, pel_error *error)
+                             bool is_flat, pel_mesh *fine, pel_error *error)
 {
     const size_t n = (size_t)field->component_count,
                  all = (size_t)front->forest->levels[front->forest->depth]->vertex_count;
@@ -59,7 +75,11 @@ static pel_status copy_field(const pel_front *front, const pel_field *field, int
     if (values == NULL)
         return pel_fail_memory(error);
     memcpy(values, field->values, (size_t)base_count * n * sizeof *values);
-    pel_status status = pel_lod_forest_interpolate(front->forest, field->component_count, true, values, error);
+    pel_status status = PEL_OK;
+    if (is_flat)
+        fill_flat(front->forest, n, values);
+    else
+        status = pel_lod_forest_interpolate(front->forest, field->component_count, true, values, error);
     for (size_t v = 0; v < all; v++)
         if (numbers[v] >= 0)
             memmove(values + (size_t)numbers[v] * n, values + v * n, n * sizeof *values);
@@ -69,7 +89,8 @@ static pel_status copy_field(const pel_front *front, const pel_field *field, int
     return status;
 }
 
-static pel_status copy_surface(const pel_front *front, const pel_mesh *mesh, pel_mesh **fine, pel_error *error)
+static pel_status copy_surface(const pel_front *front, const pel_mesh *mesh, bool is_flat, pel_mesh **fine,
+                               pel_error *error)
 {
     const int32_t all = front->forest->levels[front->forest->depth]->vertex_count;
     int32_t *numbers = NULL;
@@ -90,7 +111,7 @@ static pel_status copy_surface(const pel_front *front, const pel_mesh *mesh, pel
         for (int i = 0; i < 3; i++)
             (*fine)->triangles[t][i] = numbers[triangles[t].vertices[i]];
     for (int32_t f = 0; status == PEL_OK && f < mesh->field_count; f++)
-        status = copy_field(front, &mesh->fields[f], mesh->vertex_count, numbers, *fine, error);
+        status = copy_field(front, &mesh->fields[f], mesh->vertex_count, numbers, is_flat, *fine, error);
     PEL_FREE_ALL(numbers, triangles);
     return status;
 }
@@ -101,7 +122,7 @@ static pel_status find_depth(const pel_mesh *mesh, const pel_local_def *def, int
     pel_topology *base;
     pel_status status = pel_topology_create(mesh, &base, error);
     *depth = def->depth;
-    while (status == PEL_OK && *depth > 0 && pel_lod_forest_bytes(base, *depth) > def->memory_limit)
+    while (status == PEL_OK && *depth > 0 && !def->all_levels && pel_lod_forest_bytes(base, *depth) > def->memory_limit)
         --*depth;
     if (status == PEL_OK)
         pel_topology_destroy(base);
@@ -116,12 +137,14 @@ pel_status pel_mesh_subdivide_locally(const pel_mesh *mesh, const pel_local_def 
     *fine = NULL;
     pel_status status = find_depth(mesh, def, &depth, error);
     if (status == PEL_OK)
-        status = pel_lod_forest_create(mesh, depth, 0, &forest, error);
+        status = pel_lod_forest_create(mesh, depth, def->all_levels ? def->memory_limit : 0, &forest, error);
+    if (status == PEL_OK && def->is_flat)
+        fill_flat(forest, 3, forest->rest_positions[0]);
     if (status == PEL_OK)
         status = pel_front_create(forest, &front, error);
     if (status == PEL_OK) {
         mark(front, def);
-        status = copy_surface(front, mesh, fine, error);
+        status = copy_surface(front, mesh, def->is_flat, fine, error);
     }
     if (status != PEL_OK) {
         pel_mesh_destroy(*fine);

@@ -6,11 +6,13 @@
 #include "pellicle/mesh.h"
 
 typedef struct pel_local_def {
-    /* whether to divide a triangle of a level, which has the longest edge and the centre */
-    bool (*divides)(const void *user, int32_t level, double edge, const double center[3]);
+    /* whether to divide a triangle of a level (forest.h), which has the longest edge and the centre */
+    bool (*divides)(const void *user, int32_t level, int32_t triangle, double edge, const double center[3]);
     const void *user;
-    int32_t depth;       /* levels above the mesh, up to 12 */
+    bool is_flat;  /* new vertices and their fields are the means of edges: the surface keeps its shape and area */
+    int32_t depth; /* levels above the mesh, up to 12 */
     size_t memory_limit; /* bytes of the levels; fewer are made where they would take more */
+    bool all_levels;     /* PEL_BAD_ARGUMENT where they would */
 } pel_local_def;
 
 /* Fields are interpolated in their range. Errors: as pel_lod_forest_create. On failure *fine is null. */

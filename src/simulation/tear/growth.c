@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
+#include "mesh/figures.h"
 #include "mesh/opening.h"
 #include "mesh/path.h"
 #include "tear/strength.h"
@@ -160,6 +161,19 @@ static void mark_list(uint8_t *marks, const int32_t *vertices, int32_t count)
         marks[vertices[i]] = 1;
 }
 
+/* a support across a flat body: its vertices may move within the plane that it keeps them in */
+static bool holds_plane(const pel_support_def *support, const pel_mesh *mesh)
+{
+    const double slack = 1e-12 * pel_mesh_diagonal(mesh);
+    for (int c = 0; c < 3; c++) {
+        double first = pel_vec3_dot(support->axes[c], mesh->positions[0]);
+        for (int32_t v = 1; support->fix[c] && v < mesh->vertex_count; v++)
+            if (fabs(pel_vec3_dot(support->axes[c], mesh->positions[v]) - first) > slack)
+                return false;
+    }
+    return !support->fix_rotation;
+}
+
 void pel_growth_mark_fixed(const pel_sim *sim, int32_t own, uint8_t *marks)
 {
     const pel_sim_def *def = &sim->def;
@@ -175,7 +189,8 @@ void pel_growth_mark_fixed(const pel_sim *sim, int32_t own, uint8_t *marks)
         if (def->loads[l].body == own && def->loads[l].vertex_count < count)
             mark_list(marks, def->loads[l].vertices, def->loads[l].vertex_count);
     for (int32_t i = 0; i < def->support_count; i++)
-        if (def->supports[i].body == own && def->supports[i].vertex_count < count)
+        if (def->supports[i].body == own && def->supports[i].vertex_count < count &&
+            !holds_plane(&def->supports[i], body->mesh))
             mark_list(marks, def->supports[i].vertices, def->supports[i].vertex_count);
     for (int32_t c = sim->cuts_done; c < def->cut_count; c++)
         if (def->cuts[c].body == own)
