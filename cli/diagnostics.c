@@ -5,6 +5,7 @@
 
 #include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -146,6 +147,9 @@ int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mes
     return CLI_DONE;
 }
 
+/* in share/pellicle/scenes */
+enum { MOST_SCENES = 64 };
+
 const char *cli_share_path(char *path, size_t size, const char *name)
 {
     static const char *const places[] = {"../share/pellicle", "../web", "../.."};
@@ -174,17 +178,20 @@ const char *cli_scene_path(char *path, size_t size, const char *name)
     return found != NULL ? found : name;
 }
 
-void cli_suggest_scene(pel_error *error, const char *name)
+static int by_letters(const void *a, const void *b)
 {
-    enum { SCENES = 64 };
-    static char names[SCENES][PEL_NAME_SIZE];
-    const char *pointers[SCENES];
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* those in share/pellicle/scenes, by letters; their number */
+static size_t list_scenes(const char **pointers, size_t room)
+{
+    static char names[MOST_SCENES][PEL_NAME_SIZE];
     char folder[4096];
     size_t count = 0;
-    bool is_name = strpbrk(name, "/.") == NULL && error->status == PEL_BAD_FILE;
-    const char *found = is_name ? cli_share_path(folder, sizeof folder, "scenes") : NULL;
+    const char *found = cli_share_path(folder, sizeof folder, "scenes");
     DIR *list = found != NULL ? opendir(found) : NULL;
-    for (struct dirent *entry; list != NULL && count < SCENES && (entry = readdir(list)) != NULL;) {
+    for (struct dirent *entry; list != NULL && count < room && (entry = readdir(list)) != NULL;) {
         const char *dot = strrchr(entry->d_name, '.');
         if (dot == NULL || strcmp(dot, ".yaml") != 0)
             continue;
@@ -194,7 +201,26 @@ void cli_suggest_scene(pel_error *error, const char *name)
     }
     if (list != NULL)
         closedir(list);
-    const char *nearest = pel_nearest_name(name, pointers, count);
+    qsort(pointers, count, sizeof *pointers, by_letters);
+    return count;
+}
+
+void cli_suggest_scene(pel_error *error, const char *name)
+{
+    const char *scenes[MOST_SCENES], *dot = strchr(name, '.');
+    char own[PEL_NAME_SIZE];
+    snprintf(own, sizeof own, "%.*s", dot != NULL ? (int)(dot - name) : (int)strlen(name), name);
+    bool is_name = strchr(name, '/') == NULL && (dot == NULL || strcmp(dot, ".yaml") == 0);
+    size_t count = is_name && error->status == PEL_BAD_FILE ? list_scenes(scenes, MOST_SCENES) : 0;
+    const char *nearest = pel_nearest_name(own, scenes, count);
     if (nearest != NULL)
         snprintf(error->remedy, sizeof error->remedy, "did you mean the installed scene '%s'?", nearest);
+    if (nearest != NULL || count == 0)
+        return;
+    const size_t room = sizeof error->remedy;
+    size_t i = 0, length = (size_t)snprintf(error->remedy, room, "give the path of a file, or an installed scene:");
+    for (; i < count && length + strlen(scenes[i]) + strlen(" ,...") + 1 < room; i++)
+        length += (size_t)snprintf(error->remedy + length, room - length, "%s %s", i > 0 ? "," : "", scenes[i]);
+    if (i < count)
+        snprintf(error->remedy + length, room - length, "...");
 }
