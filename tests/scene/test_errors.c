@@ -44,6 +44,12 @@ static const bad_scene bad_scenes[] = {
     {BALL "tools: [{shape: box, radius: 1}]\n", NULL,
      "a.yaml:5:22: error: unknown key of shape box: 'radius'. known are: name, shape, mesh, size, "},
 
+    /* everyday words */
+    {BALL "tools: [{shape: plane}]\n", NULL,
+     "a.yaml:5:17: error: unknown shape 'plane'. a floor is a box: { shape: box, size: [1, 1, 0.1], motion: "},
+    {BALL, "bodies.0.mesh.shape=plane",
+     "--set bodies.0.mesh.shape=plane: error: unknown shape 'plane'. did you mean 'grid'?"},
+
     /* a key that belongs elsewhere is told with its place, the near ones first */
     {BALL "    gas: {}\n", NULL, "a.yaml:5:5: error: unknown key 'gas'. it is a key of bodies[].pressure"},
     {BALL "    young: 5\n", NULL,

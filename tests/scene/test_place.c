@@ -70,6 +70,11 @@ static void test_highest(void **unused)
                 0.15);
     /* the middle of a level top */
     check_place(SHEET, "shape: sphere, radius: 0.1", "{above: highest}", 0, 0, 0.1);
+    /* a floor under the lowest point, and under the middle of a level bottom */
+    check_place(BALL, "shape: box, size: [1, 1, 0.06]", "{below: lowest}", 0, 0, -0.13);
+    check_place(BALL, "shape: box, size: [1, 1, 0.06]", "{below: lowest, by: 0.01}", 0, 0, -0.14);
+    check_place(SHEET, "shape: box, size: [1, 1, 0.06]", "{below: lowest}", 0, 0, -0.03);
+    check_place("up: y\n" BALL, "shape: sphere, radius: 0.03", "{below: lowest}", 0, -0.13, 0);
     /* relative to the diagonal of the box about the bodies */
     check_place(BALL, "shape: sphere, radius: 0.03", "{above: highest, by: relative 0.5}", 0, 0, 0.13 + 0.1 * sqrt(3));
     /* another axis */
@@ -208,7 +213,7 @@ static void test_mistakes(void **unused)
         {BALL, "{above: {ray: {origin: [0, 0, 1], direction: [0, 0, 1]}}}", "the ray meets no body"},
         {BALL, "{above: {ray: {origin: [0, 0, 1], direction: [0, 0, 0]}}}", "the direction has no length"},
         {BALL, "{above: highest, by: 5 mm}", "`by` '5 mm' is not a distance"},
-        {BALL, "{by: 5}", "tools.0.motion.0.position lacks 'above'"},
+        {BALL, "{by: 5}", "tools.0.motion.0.position lacks one of its main keys"},
         {BALL, "{above: {}}", "tools.0.motion.0.position.above lacks one of its main keys"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -152,14 +152,16 @@ static const pel_def_row last_rows[] = {
     {"<ray>.origin", VECTOR, .unit = "m", REQUIRED, .doc = "where it starts"},
     {"<ray>.direction", VECTOR, REQUIRED, .doc = "where it points, of any length but 0"},
     {"<place>", MAP, .doc = "a place of a tool that is given by the bodies at rest"},
-    {"<place>.above", WORD_OR_MAP("highest"), REQUIRED,
+    {"<place>.above", WORD_OR_MAP("highest"), ALTERNATIVE,
      .doc =
          "the point of the body that the tool faces. highest: the highest along `up`, the middle one of a level top"},
     {"<place>.above.vertex", INTEGER, COUNT_FROM(0), ALTERNATIVE, .doc = "the vertex of this number"},
     {"<place>.above.ray", MAP, ALTERNATIVE, .like = "<ray>", .doc = "where this ray first meets the body"},
+    {"<place>.below", .forms = PEL_FORM_WORD, WORDS("lowest"), ALTERNATIVE,
+     .doc = "the lowest point along `up`, the middle one of a level bottom: where a floor stands"},
     {"<place>.by", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", .preset = "0",
-     .doc = "distance between the tool and that point, along `up` for highest, else along the normal of the surface; "
-            "below "
+     .doc = "distance between the tool and that point, along `up` for highest and lowest, else along the normal of the "
+            "surface; below "
             "0 the tool is pressed in. A number of metres, or `relative` and a factor on the diagonal of the box about "
             "the bodies, such as relative 0.05"},
     {"<place>.body", TEXT, .doc = "name of the body; default: all bodies"},

@@ -165,6 +165,31 @@ static const pel_def_row *row_of_word(const pel_scene_table *table, const char *
     return NULL;
 }
 
+/* everyday words for others, where `beside` is known as well */
+static const char *everyday_remedy(const char *text, const char *const *known, size_t known_count)
+{
+    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 0.1], motion: [ { position: { "
+                                     "below: lowest } } ] }";
+    static const struct {
+        const char *text, *beside, *remedy;
+    } words[] = {
+        {"plane", "blade", floor_tool},
+        {"floor", "blade", floor_tool},
+        {"ground", "blade", floor_tool},
+        {"half-space", "blade", floor_tool},
+        {"wall", "blade", floor_tool},
+        {"table", "blade", floor_tool},
+        {"cube", "box", "a cube is a box"},
+        {"plane", "grid", "did you mean 'grid'?"},
+        {"square", "grid", "did you mean 'grid'?"},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        for (size_t k = 0; strcmp(text, words[i].text) == 0 && k < known_count; k++)
+            if (strcmp(known[k], words[i].beside) == 0)
+                return words[i].remedy;
+    return NULL;
+}
+
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count)
 {
@@ -173,8 +198,11 @@ pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *
     const char *longer = pel_longer_name(value->text, known, known_count);
     /* a geodesic-sphere is a sphere, but a paper-a is no paper */
     bool is_kind = longer != NULL && strcmp(longer + strlen(longer) - strlen(value->text), value->text) == 0;
+    const char *everyday = everyday_remedy(value->text, known, known_count);
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
-    if (row != NULL && !is_kind)
+    if (everyday != NULL)
+        pel_fail_remedy(reader->error, "%s", everyday);
+    else if (row != NULL && !is_kind)
         pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
     else if (longer != NULL)
         pel_fail_remedy(reader->error, "did you mean '%s'?", longer);

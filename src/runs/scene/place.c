@@ -124,21 +124,20 @@ pel_status pel_scene_cast(pel_scene_reader *reader, const pel_scene_value *value
     return PEL_OK;
 }
 
-/* the middle of a level top, at the height of its highest vertex */
-static void find_highest(const choice *bodies, int32_t up, double point[3])
+/* the middle of a level top, at the height of its highest vertex; with the sign -1 that of the bottom */
+static void find_highest(const choice *bodies, int32_t up, int sign, double point[3])
 {
-    double low[3], high[3], middle[3] = {0}, best = (double)HUGE_VAL, top;
+    double low[3], high[3], middle[3] = {0}, best = (double)HUGE_VAL;
     int32_t count = 0;
     find_box(bodies, low, high);
-    const double least = high[up] - TOP_SHARE * pel_vec3_distance(low, high);
-    top = high[up];
+    const double top = sign > 0 ? high[up] : low[up], depth = TOP_SHARE * pel_vec3_distance(low, high);
     for (int pass = 0; pass < 2; pass++) {
         if (pass == 1)
             pel_vec3_scale(middle, 1.0 / count, middle);
         for (int32_t b = 0; b < bodies->count; b++)
             for (int32_t v = 0; v < bodies->meshes[b]->vertex_count; v++) {
                 const double *p = bodies->meshes[b]->positions[v];
-                if (p[up] < least)
+                if (fabs(p[up] - top) > depth)
                     continue;
                 if (pass == 0) {
                     pel_vec3_add(middle, p, middle);
@@ -273,8 +272,10 @@ pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *posit
                                 int32_t up, const pel_tool_def *tool, const double rotation[3])
 {
     const pel_scene_value *above = pel_scene_value_entry(position, "above");
-    const pel_scene_value *vertex = pel_scene_value_entry(above, "vertex"), *ray = pel_scene_value_entry(above, "ray");
-    double point[3], out[3] = {up == 0, up == 1, up == 2}, inward[3], gap;
+    const pel_scene_value *vertex = above != NULL ? pel_scene_value_entry(above, "vertex") : NULL,
+                          *ray = above != NULL ? pel_scene_value_entry(above, "ray") : NULL;
+    const int sign = above != NULL ? 1 : -1;
+    double point[3], out[3] = {sign * (up == 0), sign * (up == 1), sign * (up == 2)}, inward[3], gap;
     choice bodies;
     pel_status status = choose_bodies(reader, pel_scene_value_entry(position, "body"), model, &bodies);
     if (status == PEL_OK)
@@ -284,7 +285,7 @@ pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *posit
     else if (status == PEL_OK && ray != NULL)
         status = pel_scene_cast(reader, ray, bodies.meshes, bodies.count, point, out);
     else if (status == PEL_OK)
-        find_highest(&bodies, up, point);
+        find_highest(&bodies, up, sign, point);
     if (status != PEL_OK)
         return status;
     /* the tool's side that faces the body, in its own frame */
