@@ -709,7 +709,7 @@ static const pel_def_row rows[] = {
      .doc = "force above which a vertex is let go for good; default: no limit"},
 
     {"joints", DEFS_OF(SIM, pel_sim_def, joints, joint_count, JOINT, TIES), LIST, .preset = "[]",
-     .doc = "joints of rigid bodies, to the world or to each other, with motors and limits; xpbd and pbd"},
+     .doc = "joints of rigid bodies, to the world or to each other, with motors and limits"},
     {"joints[]", MAP, .doc = "one joint"},
     {"joints[].name", OF(JOINT, pel_joint_def, name, NONE), FIXED, NAME, .preset = "joint#", .doc = "name in outputs"},
     {"joints[].body", JOINT(body), FIXED, TEXT, .doc = "rigid body that the joint holds; optional if there is one"},

@@ -541,9 +541,24 @@ void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *m
     fit(rigid, rigids, masses, positions, NULL);
 }
 
-void pel_rigid_fit_to(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const double *positions)
+/* Of the rotation the part about the axis of the hinge: fits of far positions need not be about it. */
+static void keep_hinge(pel_rigid *rigid)
+{
+    double *q = rigid->state.rotation, along = pel_vec3_dot(rigid->shape->axis, q),
+           size = sqrt(along * along + q[3] * q[3]);
+    if (!(size > 0))
+        return;
+    pel_vec3_scale(rigid->shape->axis, along / size, q);
+    q[3] /= size;
+    set_matrix(rigid);
+}
+
+void pel_rigid_fit_to(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const double *positions,
+                      bool is_held)
 {
     fit(rigid, rigids, masses, NULL, positions);
+    if (rigid->shape->has_axis && !is_held)
+        keep_hinge(rigid);
 }
 
 void pel_rigid_place_in(const pel_rigid *rigid, const pel_rigids *rigids, double *positions)

@@ -93,8 +93,9 @@ double pel_rigid_turned(const pel_rigid *rigid);
 void pel_rigid_place_between(const pel_rigid *rigid, const pel_rigids *rigids, int32_t v, double share, double x[3]);
 /* Takes the place of its vertices, as far as they are a rigid image of those at rest; masses (vertex_count). */
 void pel_rigid_fit(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const pel_record *positions);
-/* The same of positions (3 vertex_count) in double. */
-void pel_rigid_fit_to(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const double *positions);
+/* The same of positions (3 vertex_count) in double; a body on a hinge that nothing else holds turns about it alone. */
+void pel_rigid_fit_to(pel_rigid *rigid, const pel_rigids *rigids, const pel_real *masses, const double *positions,
+                      bool is_held);
 /* Its vertices, in positions (3 vertex_count), go where it is; those that are pinned stay. */
 void pel_rigid_place_in(const pel_rigid *rigid, const pel_rigids *rigids, double *positions);
 /* Takes momenta from a motion: of the center [m/s], and angular [rad/s]. */

@@ -16,6 +16,7 @@
 #include "attach/joint.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "math/extremes.h"
 #include "math/functions.h"
@@ -41,8 +42,12 @@ static void turn_vector(const pel_rigid *rigid, const double local[3], double tu
         pel_rotate(rigid->state.rotation, local, turned);
 }
 
-/* the point of one of its bodies */
-static void point_of(const pel_joint *joint, int side, double point[3])
+void pel_joint_turn(const pel_joint *joint, int side, const double local[3], double turned[3])
+{
+    turn_vector(joint->bodies[side], local, turned);
+}
+
+void pel_joint_point(const pel_joint *joint, int side, double point[3])
 {
     const pel_rigid *rigid = joint->bodies[side];
     turn_vector(rigid, joint->arms[side], point);
@@ -50,20 +55,20 @@ static void point_of(const pel_joint *joint, int side, double point[3])
         pel_vec3_add(rigid->state.pivot, point, point);
 }
 
-static bool is_driven(const pel_joint *joint)
+bool pel_joint_is_driven(const pel_joint *joint)
 {
     return joint->def.kind == PEL_JOINT_HINGE || joint->def.kind == PEL_JOINT_SLIDER;
 }
 
 /* the whole turns of a hinge are those nearest to the last position */
-static double position_of(const pel_joint *joint)
+double pel_joint_position(const pel_joint *joint)
 {
     const double full = 6.283185307179586476925;
     double axis[3], across[3], mine[3], points[2][3], side[3];
     turn_vector(joint->bodies[1], joint->axes[0], axis);
     if (joint->def.kind == PEL_JOINT_SLIDER) {
-        point_of(joint, 0, points[0]);
-        point_of(joint, 1, points[1]);
+        pel_joint_point(joint, 0, points[0]);
+        pel_joint_point(joint, 1, points[1]);
         pel_vec3_subtract(points[0], points[1], side);
         return pel_vec3_dot(side, axis);
     }
@@ -101,8 +106,8 @@ static void add_row(joint_rows *rows, const double force[3], const double torque
 static void add_point_rows(const pel_joint *joint, const double now[3][3], const double axes[3][3], joint_rows *rows)
 {
     double points[2][3], apart[3];
-    point_of(joint, 0, points[0]);
-    point_of(joint, 1, points[1]);
+    pel_joint_point(joint, 0, points[0]);
+    pel_joint_point(joint, 1, points[1]);
     pel_vec3_subtract(points[0], points[1], apart);
     for (int k = joint->def.kind == PEL_JOINT_SLIDER; k < 3; k++)
         add_row(rows, axes[k], NULL, pel_vec3_dot(apart, now[k]));
@@ -127,9 +132,9 @@ static void add_turn_rows(const pel_joint *joint, const double now[3][3], const 
 static void add_drive_row(const pel_joint *joint, const double axis[3], double substep, joint_rows *rows)
 {
     const pel_joint_def *def = &joint->def;
-    if (!is_driven(joint) || !(def->strength > 0 || isfinite(def->least) || isfinite(def->most)))
+    if (!pel_joint_is_driven(joint) || !(def->strength > 0 || isfinite(def->least) || isfinite(def->most)))
         return;
-    rows->position = position_of(joint);
+    rows->position = pel_joint_position(joint);
     rows->strength = def->strength * substep * substep;
     rows->has_drive = true;
     add_row(rows, def->kind == PEL_JOINT_SLIDER ? axis : NULL, def->kind == PEL_JOINT_HINGE ? axis : NULL,
@@ -270,7 +275,7 @@ void pel_joints_begin(pel_sim *sim)
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
         joint->present = joint->position;
-        joint->begun = joint->present = position_of(joint);
+        joint->begun = joint->present = pel_joint_position(joint);
         joint->target = joint->begun == joint->position ? joint->aim : joint->begun;
         joint->done = 0;
         memset(joint->sum, 0, sizeof joint->sum);
@@ -335,7 +340,7 @@ void pel_joints_tally(pel_sim *sim, double substep)
     double rate = 1 / (substep * substep);
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
-        joint->present = position_of(joint);
+        joint->present = pel_joint_position(joint);
         for (int k = 0; k < 6; k++)
             joint->sum[k] += rate * joint->pushed[k] / sim->solver.substeps;
         joint->sum[6] += rate * joint->drive / sim->solver.substeps;
@@ -358,7 +363,7 @@ void pel_joints_end(pel_sim *sim)
 {
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         pel_joint *joint = &sim->joints->items[i];
-        joint->present = position_of(joint);
+        joint->present = pel_joint_position(joint);
         joint->speed = (joint->present - joint->begun) / sim->step.dt;
         joint->position = joint->present;
         joint->aim = joint->target;
@@ -415,11 +420,6 @@ static pel_status check(const pel_sim *sim, const pel_joint_def *defs, int32_t n
     if (!is_rigid(sim, def->body) || (def->to_body != -1 && !is_rigid(sim, def->to_body)))
         return refuse(number, "give the body `rigid`, or hold its vertices by an attachment",
                       "joint '%s' holds a body that is not rigid", name, error);
-    if (!sim->stepper->has_substeps)
-        return refuse(number,
-                      "use the method xpbd, pbd or pbd-distance, or pin vertices: one is a ball joint, several "
-                      "on a line are a hinge",
-                      "joint '%s' needs another method", name, error);
     if (def->body == def->to_body)
         return refuse(number, "give another body, or none for the world", "joint '%s' leads from a body to itself",
                       name, error);
@@ -444,7 +444,7 @@ static pel_status check(const pel_sim *sim, const pel_joint_def *defs, int32_t n
 static void find_axes(pel_joint *joint)
 {
     double(*axes)[3] = joint->axes;
-    if (!is_driven(joint))
+    if (!pel_joint_is_driven(joint))
         pel_vec3_set(joint->def.axis, 0, 0, 1);
     pel_vec3_copy(joint->def.axis, axes[0]);
     pel_vec3_normalize(axes[0]);
@@ -471,7 +471,7 @@ static void make(const pel_sim *sim, const pel_joint_def *def, pel_joint *joint)
         pel_vec3_subtract(def->point, joint->bodies[side]->shape->pivot, joint->arms[side]);
         joint->size = pel_max(joint->size, sim->model->bodies[body].diameter);
     }
-    joint->position = joint->present = joint->aim = position_of(joint);
+    joint->position = joint->present = joint->aim = pel_joint_position(joint);
 }
 
 pel_status pel_joints_create(pel_sim *sim, const pel_sim_def *def, pel_error *error)
@@ -484,8 +484,8 @@ pel_status pel_joints_create(pel_sim *sim, const pel_sim_def *def, pel_error *er
     sim->joints = pel_allocate(1, sizeof *sim->joints);
     if (sim->joints == NULL)
         return pel_fail_memory(error);
-    sim->joints->items = pel_allocate((size_t)def->joint_count, sizeof *sim->joints->items);
-    if (sim->joints->items == NULL)
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->joints->items, def->joint_count),
+                          PEL_ROOM(sim->joints->rows, (size_t)def->joint_count * PEL_JOINT_ROWS)))
         return pel_fail_memory(error);
     sim->joints->count = def->joint_count;
     for (int32_t i = 0; i < def->joint_count; i++)
@@ -497,7 +497,7 @@ void pel_joints_destroy(pel_sim *sim)
 {
     if (sim->joints == NULL)
         return;
-    pel_free(sim->joints->items);
+    PEL_FREE_ALL(sim->joints->items, sim->joints->rows);
     pel_free(sim->joints);
     sim->joints = NULL;
 }

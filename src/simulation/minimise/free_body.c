@@ -4,6 +4,7 @@
    force; the vertex-normal form has a small one, which is not counted. */
 #include "minimise/free_body.h"
 
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/status.h"
 #include "boundary/hold.h"
@@ -28,7 +29,8 @@ static bool is_fastened(const pel_sim *sim, int32_t body)
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < own->slice_end * PEL_WIDTH; v++)
         if (sim->model->mesh_vertex[v] >= 0 && !(sim->model->inverse_mass[v] > 0))
             return true;
-    return own->has_volumetric || pel_holds_has_body(sim, body) || pel_ties_hold(sim, body);
+    return own->has_volumetric || pel_holds_has_body(sim, body) || pel_ties_hold(sim, body) ||
+           pel_joints_hold(sim, body);
 }
 
 static bool holds_itself(const pel_sim *sim, int32_t body)

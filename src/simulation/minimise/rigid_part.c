@@ -12,10 +12,12 @@
    t^ = w t' + I^-1 w (L' - L) / rate. */
 #include "minimise/rigid_part.h"
 
+#include "attach/joint.h"
 #include "base/assert.h"
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "math/extremes.h"
 #include "math/pose.h"
 #include "stage/rigids.h"
 
@@ -33,6 +35,13 @@ struct pel_rigid_part {
 };
 
 static const double no_way[3] = {0};
+
+/* of the sum of second moments, so that those of a sheet have an inverse; of the size, how well a point is told of */
+#define LEAST_SPREAD 1e-12
+#define ORIGIN_TOLERANCE 1e-6
+/* of the size of jointed bodies, rad: how far they may be apart; runs until then */
+#define APART 1e-9
+enum { MOST_RUNS = 10 };
 
 static bool is_held(const pel_sim *sim, const pel_rigid *rigid)
 {
@@ -108,13 +117,61 @@ static void own_unknowns(const pel_sim *sim, const pel_newton_rigid *item, bool 
     }
 }
 
+/* first and second moments of masses of vertices about `middle` */
+static double find_moments(const pel_sim *sim, const pel_rigid *body, const double middle[3], double first[3],
+                           double second[3][3])
+{
+    double sum = 0, x[3];
+    for (int32_t v = body->begin; v < body->end; v++) {
+        double mass = (double)sim->model->mass[v];
+        pel_vertex_position(sim->model->rest, v, x);
+        pel_vec3_subtract(x, middle, x);
+        pel_vec3_along(first, mass, x, first);
+        for (int a = 0; a < 3; a++)
+            pel_vec3_along(second[a], mass * x[a], x, second[a]);
+        sum += mass;
+    }
+    return sum;
+}
+
+/* of a free body with a joint its point, where the vertices tell of it: a sheet does of points in its plane */
+static void set_origin(const pel_sim *sim, pel_newton_rigid *item)
+{
+    const pel_rigid *body = item->body;
+    double first[3] = {0}, unused[3] = {0}, second[3][3] = {{0}}, inverse[3][3], arm[3], back[3];
+    pel_vec3_copy(body->shape->pivot, item->origin);
+    item->share = 0;
+    if (!body->shape->is_free || !pel_joints_find_point(sim, body, arm))
+        return;
+    pel_vec3_copy(arm, item->origin);
+    double mass = find_moments(sim, body, no_way, first, second);
+    pel_vec3_scale(first, 1 / mass, item->middle);
+    memset(second, 0, sizeof second);
+    find_moments(sim, body, item->middle, unused, second);
+    pel_vec3_subtract(item->origin, item->middle, arm);
+    double trace = second[0][0] + second[1][1] + second[2][2];
+    for (int a = 0; a < 3; a++)
+        second[a][a] += LEAST_SPREAD * trace;
+    pel_inertia_invert((const double(*)[3])second, inverse);
+    for (int a = 0; a < 3; a++)
+        item->tilt[a] = pel_vec3_dot(inverse[a], arm);
+    for (int a = 0; a < 3; a++)
+        back[a] = pel_vec3_dot(second[a], item->tilt) - LEAST_SPREAD * trace * item->tilt[a];
+    item->share = 1 / mass;
+    if (pel_vec3_distance(back, arm) > ORIGIN_TOLERANCE * item->length) {
+        item->share = 0;
+        pel_vec3_copy(body->shape->pivot, item->origin);
+    }
+}
+
 /* lengths, axes, and in steps in time the inertia that its vertices lack */
-static void set_item(bool is_dynamic, const pel_rigid_part *part, pel_newton_rigid *item)
+static void set_item(const pel_sim *sim, bool is_dynamic, const pel_rigid_part *part, pel_newton_rigid *item)
 {
     const pel_rigid_shape *shape = item->body->shape;
     const double trace = shape->inertia[0][0] + shape->inertia[1][1] + shape->inertia[2][2];
     item->length = sqrt(trace / (3 * shape->mass));
     set_axes(item);
+    set_origin(sim, item);
     for (int k = 0; k < 3 && is_dynamic; k++) {
         double axis[3] = {k == 0, k == 1, k == 2};
         pel_vec3_scale(part->second[k], part->rate * part->rate, item->lack[k]);
@@ -135,7 +192,7 @@ const pel_newton_rigids *pel_rigid_parts_gather(const pel_sim *sim, pel_rigid_pa
             continue;
         bool stays = is_free != NULL && is_free(sim, body_of(sim, item.body));
         bool moves = find_slots(sim, &item) && item.body->shape->has_joint && !stays;
-        set_item(parts->is_dynamic, &parts->items[i], &item);
+        set_item(sim, parts->is_dynamic, &parts->items[i], &item);
         own_unknowns(sim, &item, moves, fixed);
         if (moves)
             rigids->items[rigids->count++] = item;
@@ -143,11 +200,38 @@ const pel_newton_rigids *pel_rigid_parts_gather(const pel_sim *sim, pel_rigid_pa
     return rigids->count > 0 ? rigids : NULL;
 }
 
+/* 1/s2: a fall by the size of the bodies, at rest; the loads of that are the weights */
+static double rate_at_rest(const pel_sim *sim, const double *loads)
+{
+    double least = (double)HUGE_VAL, pull = pel_max(1, pel_vec3_length(sim->model->gravity));
+    for (int32_t i = 0; i < sim->rigids->count; i++) {
+        const pel_rigid *rigid = &sim->rigids->items[i];
+        double load[3] = {0};
+        for (int32_t v = rigid->begin; v < rigid->end; v++)
+            pel_vec3_add(load, loads + 3 * (size_t)v, load);
+        pull = pel_max(pull, pel_vec3_length(load) / rigid->shape->mass);
+        least = pel_min(least, sim->model->bodies[body_of(sim, rigid)].diameter);
+    }
+    return pull / least;
+}
+
+void pel_rigid_parts_join(pel_sim *sim, const double *loads, pel_rigid_parts *parts)
+{
+    double rate = parts->is_dynamic ? 1 / sim->step.dt : 0;
+    if (sim->rigids != NULL)
+        pel_joints_set_rows(sim, parts->is_dynamic ? rate * rate : rate_at_rest(sim, loads), &parts->rigids);
+}
+
+bool pel_rigid_parts_are_apart(pel_sim *sim, int runs)
+{
+    return pel_joints_renew_rows(sim) > APART && runs < MOST_RUNS;
+}
+
 void pel_rigid_parts_take(const pel_sim *sim, const pel_rigid_parts *parts)
 {
     for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
         pel_rigid *rigid = &sim->rigids->items[i];
-        pel_rigid_fit_to(rigid, sim->rigids, sim->model->mass, parts->unknowns);
+        pel_rigid_fit_to(rigid, sim->rigids, sim->model->mass, parts->unknowns, is_held(sim, rigid));
         /* of the two quaternions of a rotation the nearer one */
         const double *q = rigid->state.rotation, *before = rigid->before.rotation;
         double sign = pel_vec3_dot(q, before) + q[3] * before[3] < 0 ? -1 : 1;

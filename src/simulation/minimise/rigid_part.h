@@ -23,6 +23,10 @@ void pel_rigid_parts_destroy(pel_rigid_parts *parts);
    they move). Returns those that move, null for none. */
 const pel_newton_rigids *pel_rigid_parts_gather(const pel_sim *sim, pel_rigid_parts *parts,
                                                 bool (*is_free)(const pel_sim *sim, int32_t body), uint8_t *fixed);
+/* Rows of joints for the first run of a step, with its loads (3 vertex_count) [N]; whether joints are apart after as
+   many runs, so that one with their new loads has to follow. */
+void pel_rigid_parts_join(pel_sim *sim, const double *loads, pel_rigid_parts *parts);
+bool pel_rigid_parts_are_apart(pel_sim *sim, int runs);
 /* The motion that inertia would go on with, in a step in time u = rate (y - anchor), m rate (u - carried) = F; weights
    of the start of the step and of the one before, in the anchor and in what is carried. */
 void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, double rate, const double position[2],

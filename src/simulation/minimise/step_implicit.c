@@ -32,6 +32,7 @@
    1.042, 338 and 338; generalised alpha with spectral radius 0.8 0.98 and 1.01, 1.11 and 2.64; with 0.5 0.93 and 1.00,
    1.10 and 1.78; BDF2 0.50; two stages 0.96 and 1.00, 0.94 and 1.00. Means of strains in place of strains in the middle
    (Simo, Tarnow 1992) keep it at 1.000 in all of these, but need stresses of two states for each law. */
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
 #include "base/lane.h"
@@ -158,7 +159,7 @@ static void find_collisions(const pel_sim *sim)
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         const turn_measure turn = measure_turn(sim, b);
         bool jumps = turn.jump > JUMP_SHARE * turn.change && turn.jump > PUSH_SHARE * turn.push;
-        bool collides = turn.touches && (!knows || jumps || !is_balance);
+        bool collides = (turn.touches && (!knows || jumps || !is_balance)) || pel_joints_met(sim, b);
         newton->collided[pel_sim_newton_group(sim, b)] |= collides;
     }
     mark_touched(sim, 0);
@@ -489,6 +490,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_minimise_begin_at_state(sim);
     pel_rigids_begin(sim);
+    pel_joints_begin(sim);
     pel_wind_begin(sim);
     sim->viscous_loss = 0;
     const pel_implicit_scheme *s = choose_scheme(sim);
@@ -509,6 +511,7 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     bool is_spent = sim->part.can_halve && !sim->part.is_refused && !sim->minimise->result.converged;
     if (is_spent && pel_sim_all_inside(sim))
         status = pel_minimise_shorten(sim, error);
+    pel_joints_take_rows(sim);
     result->diverged |= !pel_sim_all_inside(sim);
     return status;
 }

@@ -1,4 +1,5 @@
 #include "minimise/step_newton.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
 #include "minimise/rounds.h"
@@ -235,7 +236,8 @@ bool pel_sim_newton_is_free(const pel_sim *sim, int32_t body)
     for (int32_t v = own->slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++)
         if (sim->model->mesh_vertex[v] >= 0 && is_held(sim, v))
             return false;
-    bool is_tied = pel_ties_hold(sim, body) && (sim->minimise == NULL || sim->minimise->newton->groups == NULL);
+    bool is_tied = (pel_ties_hold(sim, body) || pel_joints_hold(sim, body)) &&
+                   (sim->minimise == NULL || sim->minimise->newton->groups == NULL);
     return !own->has_volumetric && !pel_holds_has_body(sim, body) && !is_tied;
 }
 
@@ -593,16 +595,21 @@ static void join(const pel_sim *sim, const pel_minimise_contact *constraint)
     }
 }
 
+static void join_bodies(newton_group *groups, int32_t first, int32_t second, bool is_held)
+{
+    int32_t a = leader_of(groups, first), b = leader_of(groups, second);
+    groups[a].is_held |= groups[b].is_held || is_held;
+    groups[b].is_held = groups[a].is_held;
+    groups[a > b ? a : b].leader = a < b ? a : b;
+}
+
 static void join_tie(const pel_sim *sim, const pel_tie *tie)
 {
     newton_group *groups = sim->minimise->newton->groups;
     if (tie->phase != PEL_TIE_HOLDING)
         return;
-    int32_t a = leader_of(groups, body_of(sim, tie->vertices[0]));
-    int32_t b = tie->count > 1 ? leader_of(groups, body_of(sim, tie->vertices[1])) : a;
-    groups[a].is_held |= groups[b].is_held || tie->count == 1;
-    groups[b].is_held = groups[a].is_held;
-    groups[a > b ? a : b].leader = a < b ? a : b;
+    int32_t first = body_of(sim, tie->vertices[0]);
+    join_bodies(groups, first, tie->count > 1 ? body_of(sim, tie->vertices[1]) : first, tie->count == 1);
 }
 
 static void find_groups(const pel_sim *sim, bool is_constrained)
@@ -615,6 +622,11 @@ static void find_groups(const pel_sim *sim, bool is_constrained)
         join(sim, &minimise->constraints[c]);
     for (int32_t i = 0; sim->ties != NULL && i < sim->ties->count; i++)
         join_tie(sim, &sim->ties->items[i]);
+    for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
+        const pel_joint_def *def = &sim->joints->items[i].def;
+        join_bodies(minimise->newton->groups, def->body, def->to_body >= 0 ? def->to_body : def->body,
+                    def->to_body < 0);
+    }
 }
 
 /* Systems are solved approximately, which may leave a net force on a body: a translation of everything that moves
@@ -733,6 +745,18 @@ static void choose_way(const pel_sim *sim)
         newton->way = PEL_QUASI;
 }
 
+/* with other loads of joints; what is small already is nothing to rest at */
+static pel_status run_again(pel_sim *sim, pel_newton_problem *problem, pel_newton_result *result, pel_error *error)
+{
+    int32_t iterations = result->iterations;
+    double first_residual = result->first_residual;
+    problem->rest_share = 0;
+    pel_status status = pel_newton_run(sim->newton, problem, sim->minimise->newton->unknowns, result, error);
+    result->iterations += iterations;
+    result->first_residual = first_residual;
+    return status;
+}
+
 pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_descent_problem *problem,
                                    pel_descent_result *result, pel_error *error)
 {
@@ -747,6 +771,8 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
     bool is_first = !newton->goes_on;
     int64_t work = pel_newton_work(sim->newton);
     pel_sim_newton_gather(sim, context->span, !is_dynamic && !context->is_constrained);
+    if (is_first)
+        pel_rigid_parts_join(sim, newton->loads, &newton->rigid);
     choose_way(sim);
     pel_newton_problem own = problem_of(context, problem, &terms);
     pel_newton_result run;
@@ -762,6 +788,8 @@ pel_status pel_sim_newton_minimise(pel_minimise_context *context, const pel_desc
                  : pel_newton_run(sim->newton, &own, newton->unknowns, &run, error);
     if (own.is_prepared)
         pel_sim_prepared_take(sim, &own);
+    for (int runs = 1; status == PEL_OK && sim->joints != NULL && pel_rigid_parts_are_apart(sim, runs); runs++)
+        status = run_again(sim, &own, &run, error);
     if (status == PEL_OK && is_dynamic && newton->lead == NULL)
         balance_groups(sim, context->is_constrained);
     pel_rigid_parts_take(sim, &newton->rigid);

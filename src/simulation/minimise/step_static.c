@@ -1,4 +1,5 @@
 /* The method `static`: each step is the state of rest under the loads at its end, found by Newton's method. */
+#include "attach/joint.h"
 #include "base/status.h"
 #include "boundary/hold.h"
 #include "boundary/loads.h"
@@ -99,10 +100,13 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (sim->path != NULL)
         return pel_sim_path_step(sim, result, error);
     pel_rigids_begin(sim);
+    pel_joints_begin(sim);
     pel_sim_newton_begin(sim);
     pel_status status = pel_minimise_step(sim, result, error);
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
         recenter_free_bodies(sim);
+        pel_joints_take_rows(sim);
+    }
     return status;
 }
 

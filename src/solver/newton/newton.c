@@ -753,7 +753,7 @@ static void go_down(newton_run *run)
     pel_newton_assemble(run);
     if (run->status != PEL_OK)
         return;
-    double most = MOST_SHIFT * pel_newton_stiffness_scale(newton);
+    double most = MOST_SHIFT * pel_max(pel_newton_stiffness_scale(newton), pel_newton_rigids_scale(run));
     run->shift = FIRST_SHIFT / MOST_SHIFT * most;
     while (run->status == PEL_OK && !pel_newton_has_converged(run) && run->result->iterations < run->limit &&
            !pel_newton_is_late(run) && !pel_newton_is_spent(run))

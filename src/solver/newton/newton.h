@@ -58,6 +58,19 @@ typedef struct pel_newton_terms {
 /* What terms add to a matrix; null = nothing. */
 void pel_newton_add_terms(const pel_newton_terms *terms, bool has_kinks, pel_matrix *matrix);
 
+/* A row of a joint between rigid bodies, that its error is 0. A load goes with the error, load + stiffness error within
+   bounds, and the energy is the integral of that (augmented Lagrangian): what calls takes it over into `load`. */
+typedef struct pel_newton_row {
+    const pel_rigid *bodies[2]; /* null = none */
+    double points[2][3];        /* m, where it acts on both */
+    double force[3];            /* of the error, by the way of the first point less that of the second */
+    double torque[3];           /* by the turn of the first body less that of the second, beside the levers */
+    double directors[2][3];     /* unit, each turns with its body: the error has their product; 0 = none */
+    double error;               /* m or rad */
+    double stiffness, load, least, most;
+    double present; /* N or N m, of the last evaluation */
+} pel_newton_row;
+
 /* A rigid body among the unknowns (rigid.c). All vectors have its vertices; in linear systems two of these stand for
    all: the unknowns of one are the way of the pivot, those of the other the rotation vector times a length. */
 typedef struct pel_newton_rigid {
@@ -65,11 +78,15 @@ typedef struct pel_newton_rigid {
     int32_t at, turn;  /* the two vertices */
     double axes[3][3]; /* rows, orthonormal: of the components of the rotation vector */
     double length;     /* m */
+    /* Its way is that of a point at rest, the pivot or that of a joint, so that the body turns about it. Ways of
+       vertices with the shares mass (share + tilt . (X - middle)) are that of the point; share 0 = of the pivot. */
+    double origin[3], middle[3], tilt[3], share;
     /* inertia that its vertices, whose springs to points it has, lack or have too much: the energy is half the trace of
        (R - target) lack (R - target)^T */
     double lack[3][3], target[3][3]; /* N m; a rotation */
     /* at the last evaluation */
-    double torque[3];    /* N m, of that energy */
+    double torque[3];    /* N m, of that energy and rows */
+    double force[3];     /* N, of rows */
     double moment[3][3]; /* N m, sum of arms times gradient: of the second derivative of a turn */
 } pel_newton_rigid;
 
@@ -78,7 +95,11 @@ typedef struct pel_newton_rigids {
     pel_newton_rigid *items; /* (count) those that move */
     const pel_rigids *bodies;
     const pel_real *masses; /* (vertex_count) kg */
-    double (*arms)[3];      /* (vertex_count) m, of vertices from the pivot, at the last evaluation */
+    double (*arms)[3];      /* (vertex_count) m, of vertices from the origin, at the last evaluation */
+    int32_t row_count;
+    pel_newton_row *rows;              /* (row_count) of joints */
+    void (*place_rows)(void *context); /* sets points, directions and errors of the rows where the bodies are */
+    void *rows_context;
 } pel_newton_rigids;
 
 /* in `fixed` of a problem: unknowns that rigid bodies own, which have no target */

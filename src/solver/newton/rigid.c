@@ -152,15 +152,46 @@ void pel_newton_frames_turn_forces_back(const pel_newton_frames *frames, double 
 
 /* ---- energy and forces ---- */
 
+/* the pivot goes where the origin has gone, about which the body turns */
+static void follow_origin(const pel_newton_rigids *rigids, const pel_newton_rigid *rigid, const double *unknowns)
+{
+    pel_rigid *body = rigid->body;
+    double arm[3], way[3], origin[3] = {0};
+    for (int32_t v = body->begin; v < body->end; v++) {
+        pel_vertex_position(rigids->bodies->rest, v, arm);
+        pel_vec3_subtract(arm, rigid->middle, arm);
+        double share = (double)rigids->masses[v] * (rigid->share + pel_vec3_dot(rigid->tilt, arm));
+        pel_vec3_along(origin, share, unknowns + 3 * (size_t)v, origin);
+    }
+    pel_vec3_subtract(body->shape->pivot, rigid->origin, arm);
+    for (int k = 0; k < 3; k++)
+        way[k] = pel_vec3_dot(body->matrix[k], arm);
+    pel_vec3_add(origin, way, body->state.pivot);
+}
+
+/* where the origin is */
+static void find_origin(const pel_newton_rigid *rigid, double origin[3])
+{
+    const pel_rigid *body = rigid->body;
+    double arm[3];
+    pel_vec3_subtract(rigid->origin, body->shape->pivot, arm);
+    for (int k = 0; k < 3; k++)
+        origin[k] = body->state.pivot[k] + pel_vec3_dot(body->matrix[k], arm);
+}
+
 void pel_newton_rigids_follow(newton_run *run)
 {
+    double origin[3];
     const pel_newton_rigids *rigids = run->problem->frames.rigids;
     for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
         pel_rigid *body = rigids->items[i].body;
-        pel_rigid_fit_to(body, rigids->bodies, rigids->masses, run->unknowns);
+        pel_rigid_fit_to(body, rigids->bodies, rigids->masses, run->unknowns, false);
+        if (rigids->items[i].share > 0)
+            follow_origin(rigids, &rigids->items[i], run->unknowns);
         pel_rigid_place_in(body, rigids->bodies, run->unknowns);
+        find_origin(&rigids->items[i], origin);
         for (int32_t v = body->begin; v < body->end; v++)
-            pel_vec3_subtract(run->unknowns + 3 * (size_t)v, body->state.pivot, rigids->arms[v]);
+            pel_vec3_subtract(run->unknowns + 3 * (size_t)v, origin, rigids->arms[v]);
     }
 }
 
@@ -186,6 +217,73 @@ static double find_torque(pel_newton_rigid *rigid)
     return energy;
 }
 
+/* ---- rows ---- */
+
+static pel_newton_rigid *item_of(const pel_newton_rigids *rigids, const pel_rigid *body)
+{
+    for (int32_t i = 0; body != NULL && i < rigids->count; i++)
+        if (rigids->items[i].body == body)
+            return &rigids->items[i];
+    return NULL;
+}
+
+/* of the error, by the rotation vector about the origin */
+static void row_turn(const pel_newton_rigid *rigid, const pel_newton_row *row, int side, double turn[3])
+{
+    double origin[3], arm[3], lever[3];
+    find_origin(rigid, origin);
+    pel_vec3_subtract(row->points[side], origin, arm);
+    pel_vec3_cross(arm, row->force, lever);
+    pel_vec3_cross(row->directors[0], row->directors[1], turn);
+    pel_vec3_add(turn, row->torque, turn);
+    pel_vec3_add(turn, lever, turn);
+    pel_vec3_scale(turn, side == 0 ? 1 : -1, turn);
+}
+
+static void push(pel_newton_rigid *rigid, const pel_newton_row *row, int side)
+{
+    double origin[3], arm[3], turn[3], along = side == 0 ? row->present : -row->present;
+    find_origin(rigid, origin);
+    pel_vec3_subtract(row->points[side], origin, arm);
+    row_turn(rigid, row, side, turn);
+    pel_vec3_along(rigid->force, along, row->force, rigid->force);
+    pel_vec3_along(rigid->torque, row->present, turn, rigid->torque);
+    for (int a = 0; a < 3; a++) {
+        pel_vec3_along(rigid->moment[a], along * arm[a], row->force, rigid->moment[a]);
+        pel_vec3_along(rigid->moment[a], row->present * row->directors[side][a], row->directors[1 - side],
+                       rigid->moment[a]);
+    }
+}
+
+static double measure_rows(const pel_newton_rigids *rigids)
+{
+    double energy = 0;
+    if (rigids->row_count > 0)
+        rigids->place_rows(rigids->rows_context);
+    for (int32_t i = 0; i < rigids->row_count; i++) {
+        pel_newton_row *row = &rigids->rows[i];
+        double load = row->load + row->stiffness * row->error;
+        row->present = load < row->least ? row->least : load > row->most ? row->most : load;
+        energy += row->present * (load - 0.5 * row->present) / row->stiffness;
+        for (int side = 0; side < 2; side++) {
+            pel_newton_rigid *rigid = item_of(rigids, row->bodies[side]);
+            if (rigid != NULL)
+                push(rigid, row, side);
+        }
+    }
+    return energy;
+}
+
+/* of the error, by the six unknowns */
+static void row_six(const pel_newton_rigid *rigid, const pel_newton_row *row, int side, double six[2][3])
+{
+    double turn[3];
+    row_turn(rigid, row, side, turn);
+    pel_vec3_scale(row->force, side == 0 ? 1 : -1, six[0]);
+    for (int k = 0; k < 3; k++)
+        six[1][k] = pel_vec3_dot(rigid->axes[k], turn) / rigid->length;
+}
+
 double pel_newton_rigids_measure(newton_run *run)
 {
     const pel_newton_rigids *rigids = run->problem->frames.rigids;
@@ -193,13 +291,14 @@ double pel_newton_rigids_measure(newton_run *run)
     for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
         pel_newton_rigid *rigid = &rigids->items[i];
         memset(rigid->moment, 0, sizeof rigid->moment);
+        pel_vec3_set(rigid->force, 0, 0, 0);
         for (int32_t v = rigid->body->begin; v < rigid->body->end; v++)
             for (int a = 0; a < 3; a++)
                 pel_vec3_along(rigid->moment[a], rigids->arms[v][a], run->newton->gradient + 3 * (size_t)v,
                                rigid->moment[a]);
         energy += find_torque(rigid);
     }
-    return energy;
+    return rigids != NULL ? energy + measure_rows(rigids) : energy;
 }
 
 void pel_newton_rigids_add_torques(newton_run *run)
@@ -208,6 +307,8 @@ void pel_newton_rigids_add_torques(newton_run *run)
     for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
         const pel_newton_rigid *rigid = &rigids->items[i];
         double *turn = run->newton->gradient + 3 * (size_t)rigid->turn;
+        double *way = run->newton->gradient + 3 * (size_t)rigid->at;
+        pel_vec3_add(way, rigid->force, way);
         for (int k = 0; k < 3; k++)
             turn[k] += pel_vec3_dot(rigid->axes[k], rigid->torque) / rigid->length;
     }
@@ -297,6 +398,28 @@ static void add_own(const newton_run *run, const pel_newton_rigid *rigid)
         }
 }
 
+/* stiffness times the squares of rows that follow their errors */
+static void add_row(const pel_newton_rigids *rigids, const pel_newton_row *row, pel_matrix *matrix)
+{
+    const pel_newton_rigid *items[2] = {item_of(rigids, row->bodies[0]), item_of(rigids, row->bodies[1])};
+    double six[2][2][3], load = row->load + row->stiffness * row->error;
+    if (load != row->present)
+        return;
+    for (int side = 0; side < 2; side++)
+        if (items[side] != NULL)
+            row_six(items[side], row, side, six[side]);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            const pel_newton_rigid *left = items[i / 2], *right = items[j / 2];
+            if (left == NULL || right == NULL)
+                continue;
+            double *block = block_of(matrix, i % 2 ? left->turn : left->at, j % 2 ? right->turn : right->at);
+            for (int a = 0; a < 3; a++)
+                for (int b = 0; b < 3; b++)
+                    block[a + 3 * b] += row->stiffness * six[i / 2][i % 2][a] * six[j / 2][j % 2][b];
+        }
+}
+
 void pel_newton_rigids_reduce(newton_run *run)
 {
     const pel_newton_rigids *rigids = run->problem->frames.rigids;
@@ -328,6 +451,19 @@ void pel_newton_rigids_reduce(newton_run *run)
     }
     for (int32_t i = 0; i < rigids->count; i++)
         add_own(run, &rigids->items[i]);
+    for (int32_t i = 0; i < rigids->row_count; i++)
+        add_row(rigids, &rigids->rows[i], newton->matrix);
+}
+
+double pel_newton_rigids_scale(const newton_run *run)
+{
+    const pel_newton_rigids *rigids = run->problem->frames.rigids;
+    double scale = 0;
+    for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
+        double own = run->result->residual / (rigids->items[i].body->shape->mass * rigids->items[i].length);
+        scale = own > scale ? own : scale;
+    }
+    return scale;
 }
 
 /* ---- pattern ---- */
@@ -353,13 +489,31 @@ static bool add_pairs(pel_newton *newton, int32_t *count, int nodes, const int32
     return has_room;
 }
 
+/* of both bodies of each joint; rows of one follow each other */
+static bool add_joints(pel_newton *newton, int32_t *count, const pel_newton_rigids *rigids)
+{
+    bool has_room = true;
+    for (int32_t i = 0; i < rigids->row_count; i++) {
+        const pel_rigid *const *bodies = rigids->rows[i].bodies, *const *last =
+                                                                     i > 0 ? rigids->rows[i - 1].bodies : NULL;
+        const pel_newton_rigid *a = item_of(rigids, bodies[0]), *b = item_of(rigids, bodies[1]);
+        bool is_known = last != NULL && last[0] == bodies[0] && last[1] == bodies[1];
+        if (a != NULL && b != NULL && !is_known)
+            has_room &= add_pairs(newton, count, 4, (const int32_t[MOST_NODES]){a->at, a->turn, b->at, b->turn});
+    }
+    return has_room;
+}
+
 int32_t pel_newton_rigids_couple(newton_run *run, int32_t at, int32_t count, const int32_t (*couplings)[4])
 {
     const pel_newton_rigids *rigids = run->problem->frames.rigids;
     pel_newton *newton = run->newton;
     bool has_room = true;
-    for (int32_t i = 0; at == 0 && i < rigids->count; i++)
+    bool is_first = at == 0;
+    for (int32_t i = 0; is_first && i < rigids->count; i++)
         has_room &= add_pairs(newton, &at, 2, (const int32_t[MOST_NODES]){rigids->items[i].at, rigids->items[i].turn});
+    if (is_first)
+        has_room &= add_joints(newton, &at, rigids);
     for (int32_t c = 0; c < count; c++) {
         int32_t node[MOST_NODES];
         int nodes = 0;

@@ -198,13 +198,16 @@ void pel_newton_space_destroy(pel_newton_space *space);
 /* ---- rigid.c ---- */
 /* Rigid bodies go where the unknowns have them, and the unknowns to their places. */
 void pel_newton_rigids_follow(newton_run *run);
-/* Sums at the gradient of the last evaluation, along x, y, z; returns J, the energy of the inertia that vertices lack.
- */
+/* Sums at the gradient of the last evaluation, along x, y, z; returns J, the energy of the inertia that vertices lack
+   and of joints. */
 double pel_newton_rigids_measure(newton_run *run);
-/* adds its torques to the gradient after it was turned to the bodies */
+/* adds its torques and those of joints, with their forces, to the gradient after it was turned to the bodies */
 void pel_newton_rigids_add_torques(newton_run *run);
 /* The matrix from the blocks of vertices to those of bodies. */
 void pel_newton_rigids_reduce(newton_run *run);
+/* 1/s2: the forces that are left, over the masses and sizes of rigid bodies; 0 without any. Where nothing else is stiff
+   it is the scale of the matrix. */
+double pel_newton_rigids_scale(const newton_run *run);
 /* Couplings (count) of vertices, with those of the bodies that own some: to newton->owned, from `at`. Returns how many
    there are then; -1 without memory. */
 int32_t pel_newton_rigids_couple(newton_run *run, int32_t at, int32_t count, const int32_t (*couplings)[4]);
