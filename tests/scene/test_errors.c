@@ -46,7 +46,7 @@ static const bad_scene bad_scenes[] = {
 
     /* everyday words */
     {BALL "tools: [{shape: plane}]\n", NULL,
-     "a.yaml:5:17: error: unknown shape 'plane'. a floor is a box: { shape: box, size: [1, 1, 0.1], motion: "},
+     "a.yaml:5:17: error: unknown shape 'plane'. a floor is a box: { shape: box, size: [1, 1, 1], motion: "},
     {BALL, "bodies.0.mesh.shape=plane",
      "--set bodies.0.mesh.shape=plane: error: unknown shape 'plane'. did you mean 'grid'?"},
 

@@ -66,8 +66,13 @@ static void test_highest(void **unused)
                 "{above: highest}, rotation: {axis: [1, 0, 0], angle: 90}", 0, 0, 0.11);
     check_place(BALL, "shape: box, size: [0.1, 0.2, 0.06]", "{above: highest}, rotation: {axis: [1, 0, 0], angle: 90}",
                 0, 0, 0.2);
+    /* with contact, by its thickness: a ten thousandth of the diagonal, or what is given */
+    const double thickness = 1e-4 * 0.2 * sqrt(3);
     check_place(BALL "contact: {}\n", "mesh: {shape: cylinder, radius: 0.05, height: 0.1}", "{above: highest}", 0, 0,
-                0.15);
+                0.15 + 1.001 * thickness);
+    check_place(BALL "contact: {thickness: 0.002}\n", "shape: sphere, radius: 0.03, thickness: 0.004",
+                "{above: highest, by: 0.001}", 0, 0, 0.13 + 1.001 * 0.003);
+    check_place(BALL "contact: {}\n", "shape: sphere, radius: 0.03", "{above: highest, by: -0.02}", 0, 0, 0.11);
     /* the middle of a level top */
     check_place(SHEET, "shape: sphere, radius: 0.1", "{above: highest}", 0, 0, 0.1);
     /* a floor under the lowest point, and under the middle of a level bottom */
@@ -99,9 +104,9 @@ static void test_vertices_and_rays(void **unused)
     /* of two bodies the nearer one, or the one that is named */
     static const char two[] = "version: 1\nduration: 1\nbodies:\n  - {name: low, mesh: {shape: grid}}\n"
                               "  - {name: high, mesh: {shape: grid, translate: [0, 0, 1]}}\n";
-    check_place(two, "shape: sphere, radius: 0.1", "{above: {ray: {origin: [0, 0, 3], direction: [0, 0, -1]}}}", 0, 0,
-                1.1);
-    check_place(two, "shape: sphere, radius: 0.1", "{above: highest, body: low}", 0, 0, 0.1);
+    check_place(two, "shape: sphere, radius: 0.1",
+                "{above: {ray: {origin: [0, 0, 3], direction: [0, 0, -1]}}, by: 0.1}", 0, 0, 1.2);
+    check_place(two, "shape: sphere, radius: 0.1", "{above: highest, body: low, by: 0.1}", 0, 0, 0.2);
 }
 
 static void test_sizes(void **unused)

@@ -183,7 +183,7 @@ static const pel_def_row rows[] = {
     {"bodies[].contact", MAP, .doc = "contact parameters of this body; default: those of `contact`"},
     {"bodies[].contact.friction", BODY(friction, SURFACE), NUMBER, AT_LEAST(0), AUTO(-1),
      .doc = "Coulomb's coefficient of the body"},
-    {"bodies[].contact.thickness", BODY(contact_thickness, SURFACE), NUMBER, .unit = "m", POSITIVE, AUTO(-1),
+    {"bodies[].contact.thickness", BODY(contact_thickness, SURFACE), NUMBER, .unit = "m", POSITIVE, AUTO(-1), IMPLYING,
      .doc = "contact thickness of the body; two surfaces keep a distance of half the thickness of each"},
     {"bodies[].contact.restitution", BODY(restitution, SURFACE), NUMBER, BETWEEN(0, 1), AUTO(-1),
      .doc = "coefficient of restitution of the body"},
@@ -624,7 +624,7 @@ static const pel_def_row rows[] = {
     {"tools[].body", TOOL(body), .initial = -1, TEXT, .doc = "the only body that the tool acts on; default: all"},
     {"tools[].friction", TOOL(friction), NUMBER, AT_LEAST(0), AUTO(-1), WHEN(is_instrument),
      .doc = "Coulomb's coefficient of the tool; default: that of `contact`"},
-    {"tools[].thickness", TOOL(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(-1), WHEN(is_instrument),
+    {"tools[].thickness", TOOL(thickness), NUMBER, .unit = "m", POSITIVE, AUTO(-1), WHEN(is_instrument), IMPLYING,
      .doc = "contact thickness of the tool; a body and the tool keep a distance of half the thickness of each; "
             "default: that of `contact`"},
     {"tools[].restitution", TOOL(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_instrument),
@@ -800,7 +800,7 @@ static const pel_def_row rows[] = {
      STRUCTURE("bodies that touch or intersect by now would be pushed apart at once"),
      .doc = "contact between different bodies"},
     {"contact.thickness", CONTACT(thickness), .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE,
-     .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled),
+     .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled), IMPLYING,
      .doc =
          "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
          "thickness of each. A number of metres; `shell`, so that each body has the thickness of its membrane (without "

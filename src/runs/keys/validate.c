@@ -168,7 +168,7 @@ static const pel_def_row *row_of_word(const pel_scene_table *table, const char *
 /* everyday words for others, where `beside` is known as well */
 static const char *everyday_remedy(const char *text, const char *const *known, size_t known_count)
 {
-    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 0.1], motion: [ { position: { "
+    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 1], motion: [ { position: { "
                                      "below: lowest } } ] }";
     static const struct {
         const char *text, *beside, *remedy;

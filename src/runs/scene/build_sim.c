@@ -68,7 +68,7 @@ static pel_status read_motion(pel_scene_reader *reader, const pel_scene_value *l
         pel_status status =
             pel_scene_rotation_vector(reader, pel_scene_value_entry(value, "rotation"), key->rotation_vector);
         if (status == PEL_OK && position->kind == PEL_SCENE_MAP)
-            status = pel_scene_place_tool(reader, position, &scene->model, scene->up, tool, key->rotation_vector);
+            status = pel_scene_place_tool(reader, position, scene, tool, key->rotation_vector);
         if (status != PEL_OK)
             return status;
         pel_scene_value_numbers(position, key->position);
@@ -357,6 +357,8 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
     if (status == PEL_OK)
         status = read_loads(reader, pel_scene_value_entry(root, "loads"), scene);
     if (status == PEL_OK)
+        status = read_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
+    if (status == PEL_OK)
         status = read_tools(reader, root, &store, scene);
     if (status == PEL_OK)
         status = pel_scene_build_supports(reader, bodies, scene);
@@ -364,8 +366,6 @@ pel_status pel_scene_build_sim(pel_scene_reader *reader, const pel_scene_value *
         status = pel_scene_build_ties(reader, root, scene);
     if (status == PEL_OK)
         status = pel_scene_build_joints(reader, root, scene);
-    if (status == PEL_OK)
-        status = read_contact(reader, pel_scene_value_entry(root, "contact"), &scene->sim.contact);
     if (status == PEL_OK)
         status = read_session(reader, pel_scene_value_entry(root, "session"), scene);
     return status == PEL_OK ? read_output(reader, pel_scene_value_entry(root, "output"), scene) : status;

@@ -17,6 +17,9 @@ enum { MOST_NAMES = 64 };
 /* vertices within this share of the diagonal below the highest one are the top */
 static const double TOP_SHARE = 1e-3;
 
+/* times the contact thickness, with rounding: nearer surfaces are pushed apart at the start */
+static const double CLEARANCE = 1.001;
+
 /* the bodies that a place is about */
 typedef struct choice {
     const pel_mesh *meshes[MOST_NAMES];
@@ -268,9 +271,26 @@ pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, 
     return status;
 }
 
-pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *position, const pel_model_def *model,
-                                int32_t up, const pel_tool_def *tool, const double rotation[3])
+/* m, at which contact leaves a tool and the bodies alone */
+static double clearance_of(const pel_scene *scene, const pel_tool_def *tool)
 {
+    const pel_contact_def *contact = &scene->sim.contact;
+    const double common =
+        contact->thickness > 0 ? contact->thickness : contact->relative_thickness * diagonal_of(&scene->model);
+    double thickest = common;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        const pel_body_def *body = &scene->model.bodies[b];
+        const double shell = contact->shell_thickness ? body->shell.membrane.thickness.value : 0;
+        thickest = pel_max(thickest, pel_max(body->contact_thickness, shell));
+    }
+    return CLEARANCE * 0.5 * (thickest + (tool->thickness > 0 ? tool->thickness : common));
+}
+
+pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *position, const pel_scene *scene,
+                                const pel_tool_def *tool, const double rotation[3])
+{
+    const pel_model_def *model = &scene->model;
+    const int32_t up = scene->up;
     const pel_scene_value *above = pel_scene_value_entry(position, "above");
     const pel_scene_value *vertex = above != NULL ? pel_scene_value_entry(above, "vertex") : NULL,
                           *ray = above != NULL ? pel_scene_value_entry(above, "ray") : NULL;
@@ -288,6 +308,8 @@ pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *posit
         find_highest(&bodies, up, sign, point);
     if (status != PEL_OK)
         return status;
+    if (scene->sim.contact.enabled && gap >= 0)
+        gap = pel_max(gap, clearance_of(scene, tool));
     /* the tool's side that faces the body, in its own frame */
     static const double upright[4] = {0, 0, 0, 1};
     double turn[4];

@@ -4,7 +4,7 @@
 
 #include "keys/value.h"
 
-#include "pellicle/model.h"
+#include "pellicle/scene.h"
 #include "pellicle/tool.h"
 
 /* The vertex that a checked number names, by the numbers of the file; PEL_BAD_SCENE at its place if there is none. */
@@ -20,8 +20,9 @@ pel_status pel_scene_cast(pel_scene_reader *reader, const pel_scene_value *ray, 
 pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, const pel_model_def *model);
 
 /* Replaces a place above a body by the center (3) of the tool, whose numbers have been read and which is turned by
-   `rotation`, a vector along the axis with the angle as its length. `up`: 0 x, 1 y, 2 z. */
-pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *position, const pel_model_def *model,
-                                int32_t up, const pel_tool_def *tool, const double rotation[3]);
+   `rotation`, a vector along the axis with the angle as its length. With contact, which holds surfaces apart, it does
+   not quite touch. */
+pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *position, const pel_scene *scene,
+                                const pel_tool_def *tool, const double rotation[3]);
 
 #endif
