@@ -49,6 +49,13 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:17: error: unknown shape 'plane'. a floor is a box: { shape: box, size: [1, 1, 1], motion: "},
     {BALL, "bodies.0.mesh.shape=plane",
      "--set bodies.0.mesh.shape=plane: error: unknown shape 'plane'. did you mean 'grid'?"},
+    {BALL "    membrane: {young: 1e5, nu: 0.3, thickness: 0.001}\n", NULL,
+     "a.yaml:5:28: error: unknown key 'nu'. did you mean 'poisson'?"},
+    {BALL "collision: true\n", NULL, "a.yaml:5:1: error: unknown key 'collision'. did you mean 'contact'?"},
+    {BALL "timestep: 0.01\n", NULL,
+     "a.yaml:5:1: error: unknown key 'timestep'. did you mean 'dt'? it is a key of solver"},
+    {BALL "    membrane: {young: 100,000, thickness: 0.001}\n", NULL,
+     "a.yaml:5:27: error: unknown key '000'. numbers have a point and no commas: 0.5, 100000"},
 
     /* a key that belongs elsewhere is told with its place, the near ones first */
     {BALL "    gas: {}\n", NULL, "a.yaml:5:5: error: unknown key 'gas'. it is a key of bodies[].pressure"},

@@ -2,6 +2,7 @@
 
 #include "base/number.h"
 #include "base/text.h"
+#include "keys/everyday.h"
 #include "keys/yaml.h"
 
 #include <math.h>
@@ -165,31 +166,6 @@ static const pel_def_row *row_of_word(const pel_scene_table *table, const char *
     return NULL;
 }
 
-/* everyday words for others, where `beside` is known as well */
-static const char *everyday_remedy(const char *text, const char *const *known, size_t known_count)
-{
-    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 1], motion: [ { position: { "
-                                     "below: lowest } } ] }";
-    static const struct {
-        const char *text, *beside, *remedy;
-    } words[] = {
-        {"plane", "blade", floor_tool},
-        {"floor", "blade", floor_tool},
-        {"ground", "blade", floor_tool},
-        {"half-space", "blade", floor_tool},
-        {"wall", "blade", floor_tool},
-        {"table", "blade", floor_tool},
-        {"cube", "box", "a cube is a box"},
-        {"plane", "grid", "did you mean 'grid'?"},
-        {"square", "grid", "did you mean 'grid'?"},
-    };
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        for (size_t k = 0; strcmp(text, words[i].text) == 0 && k < known_count; k++)
-            if (strcmp(known[k], words[i].beside) == 0)
-                return words[i].remedy;
-    return NULL;
-}
-
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count)
 {
@@ -198,7 +174,7 @@ pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *
     const char *longer = pel_longer_name(value->text, known, known_count);
     /* a geodesic-sphere is a sphere, but a paper-a is no paper */
     bool is_kind = longer != NULL && strcmp(longer + strlen(longer) - strlen(value->text), value->text) == 0;
-    const char *everyday = everyday_remedy(value->text, known, known_count);
+    const char *everyday = pel_everyday_word(value->text, known, known_count);
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
     if (everyday != NULL)
         pel_fail_remedy(reader->error, "%s", everyday);
@@ -273,12 +249,27 @@ static const char *find_places(const pel_scene_reader *reader, const char *prefi
     return places;
 }
 
+static bool is_among(const char *name, const char *const *known, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++)
+        any |= strcmp(name, known[i]) == 0;
+    return any;
+}
+
 pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *place, const char *prefix,
                               const char *key, const char *const *known, size_t known_count)
 {
     char places[120];
+    const char *everyday = pel_everyday_key(key);
     pel_scene_fail_name(reader, place, "key", key, known, known_count);
-    if (find_places(reader, prefix, key, places, sizeof places)[0] != '\0')
+    if (strspn(key, "0123456789") == strlen(key))
+        pel_fail_remedy(reader->error, "numbers have a point and no commas: 0.5, 100000");
+    else if (everyday != NULL && is_among(everyday, known, known_count))
+        pel_fail_remedy(reader->error, "did you mean '%s'?", everyday);
+    else if (everyday != NULL && find_places(reader, prefix, everyday, places, sizeof places)[0] != '\0')
+        pel_fail_remedy(reader->error, "did you mean '%s'? it is a key of %s", everyday, places);
+    else if (find_places(reader, prefix, key, places, sizeof places)[0] != '\0')
         pel_fail_remedy(reader->error, "it is a key of %s", places);
     return PEL_BAD_SCENE;
 }

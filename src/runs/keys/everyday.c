@@ -1,0 +1,61 @@
+#include "keys/everyday.h"
+
+#include <string.h>
+#include <strings.h>
+
+const char *pel_everyday_word(const char *text, const char *const *known, size_t count)
+{
+    static const char floor_tool[] = "a floor is a box: { shape: box, size: [1, 1, 1], motion: [ { position: { below: "
+                                     "lowest } } ] }";
+    static const struct {
+        const char *text, *beside, *remedy;
+    } words[] = {
+        {"plane", "blade", floor_tool},
+        {"floor", "blade", floor_tool},
+        {"ground", "blade", floor_tool},
+        {"half-space", "blade", floor_tool},
+        {"wall", "blade", floor_tool},
+        {"table", "blade", floor_tool},
+        {"cube", "box", "did you mean 'box'?"},
+        {"plane", "grid", "did you mean 'grid'?"},
+        {"square", "grid", "did you mean 'grid'?"},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        for (size_t k = 0; strcmp(text, words[i].text) == 0 && k < count; k++)
+            if (strcmp(known[k], words[i].beside) == 0)
+                return words[i].remedy;
+    return NULL;
+}
+
+const char *pel_everyday_key(const char *name)
+{
+    static const char *const keys[][2] = {
+        {"e", "young"},
+        {"youngs_modulus", "young"},
+        {"stiffness_modulus", "young"},
+        {"nu", "poisson"},
+        {"poissons_ratio", "poisson"},
+        {"rho", "density"},
+        {"collision", "contact"},
+        {"collisions", "contact"},
+        {"self_collision", "self"},
+        {"forces", "loads"},
+        {"fixed", "pinned"},
+        {"pins", "pinned"},
+        {"constraints", "pinned"},
+        {"anchors", "pinned"},
+        {"time_step", "dt"},
+        {"timestep", "dt"},
+        {"steps", "duration"},
+        {"end_time", "duration"},
+        {"objects", "bodies"},
+        {"obstacles", "tools"},
+        {"colliders", "tools"},
+        {"inflate", "pressure"},
+        {"mu", "friction"},
+    };
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        if (strcasecmp(name, keys[i][0]) == 0)
+            return keys[i][1];
+    return NULL;
+}
