@@ -9,7 +9,9 @@ set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pellicle)
 install(TARGETS ${CORE_LIBRARIES} EXPORT pellicleTargets)
 install(EXPORT pellicleTargets NAMESPACE pellicle:: DESTINATION ${PACKAGE_DIR})
 install(DIRECTORY include/pellicle DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        COMPONENT program OPTIONAL)
+install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program OPTIONAL PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/pellicle COMPONENT program OPTIONAL FILES_MATCHING PATTERN *.yaml)
 
 # the pages of `pellicle report` and `pellicle live`; made by `make web` and `make wasm`, which this does not wait for

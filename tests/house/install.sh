@@ -24,6 +24,14 @@ mv "$place/first" "$place/prefix"
     fail "installed files name folders of this machine"
 [ -f "$place/prefix/include/pellicle/pellicle.h" ] || fail "no headers"
 
+# what the installed README links to is installed
+doc=$(dirname "$(find "$place/prefix/share/doc" -name README.md -not -path '*/examples/*')")
+grep -oE '\]\([^)#:]+' "$doc/README.md" | sed 's/^](//' | sort -u >"$place/links"
+[ "$(wc -l <"$place/links")" -gt 20 ] || fail "the links of README.md were not understood"
+while read -r link; do
+    [ -e "$doc/$link" ] || fail "the installed README.md links to $link, which is not installed"
+done <"$place/links"
+
 # name, source folder, options
 outside() {
     quietly cmake -G Ninja -S "$2" -B "$place/$1" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$place/prefix" "${@:3}"
