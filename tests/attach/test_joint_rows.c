@@ -194,6 +194,10 @@ static void test_hanging(void **state)
         double turns = kind == PEL_JOINT_BALL ? pel_vec3_length(torque) : pel_vec3_dot(torque, axis);
         assert_near(turns / (plate.mass * GRAVITY * 0.1), 0, 1e-6);
         assert_true(arm[2] < 0);
+        /* the turn about the vertical through a ball joint is neutral */
+        pel_solver_reading solver;
+        pel_sim_get_solver(scene.sim, &solver);
+        assert_true(solver.converged && !solver.unstable);
         pel_vec3_scale(weight, -1, weight);
         assert_true(pel_vec3_distance(end.force, weight) < 1e-6 * weight[2]);
         pel_vec3_subtract(center, joint.point, moved);

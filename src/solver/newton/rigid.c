@@ -22,6 +22,8 @@
 enum { MOST_NODES = 8 };
 /* of their sum, on the diagonal of second moments of pins on a line */
 #define SPREAD 1e-9
+/* of the weight over the size */
+#define NEUTRAL 1e-6
 
 /* ---- vectors ---- */
 
@@ -372,12 +374,22 @@ static void move_block(const newton_run *run, int32_t i, int32_t j, const double
         }
 }
 
+/* N/m, of statics: where nothing turns a body (about the vertical through a ball joint) the matrix stays positive;
+   small next to how its weight turns it back */
+static double neutral_stiffness(const newton_run *run, const pel_newton_rigid *rigid)
+{
+    double sum = 0;
+    for (int32_t v = rigid->body->begin; run->problem->force != NULL && v < rigid->body->end; v++)
+        sum += pel_vec3_length(run->problem->force + 3 * (size_t)v);
+    return run->problem->is_dynamic ? 0 : NEUTRAL * sum / rigid->length;
+}
+
 /* second derivatives of the inertia that vertices lack, and in statics of turns under the forces at hand */
 static void add_own(const newton_run *run, const pel_newton_rigid *rigid)
 {
     const double(*r)[3] = (const double(*)[3])rigid->body->matrix;
     bool turns = !run->problem->is_dynamic && run->kind == PEL_TANGENT_EXACT;
-    double sum[3][3] = {{0}}, lack[3][3], trace = 0, force = turns ? 1 : 0;
+    double sum[3][3] = {{0}}, lack[3][3], trace = 0, force = turns ? 1 : 0, neutral = neutral_stiffness(run, rigid);
     double *block = block_of(run->newton->matrix, rigid->turn, rigid->turn);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
@@ -396,6 +408,8 @@ static void add_own(const newton_run *run, const pel_newton_rigid *rigid)
                 turned[k] = pel_vec3_dot(sum[k], rigid->axes[b]);
             block[a + 3 * b] += pel_vec3_dot(rigid->axes[a], turned) / (rigid->length * rigid->length);
         }
+    for (int a = 0; a < 3; a++)
+        block[4 * a] += neutral;
 }
 
 /* stiffness times the squares of rows that follow their errors */
