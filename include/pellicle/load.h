@@ -10,7 +10,9 @@ extern "C" {
 
 /* Meaning of a load's force. */
 typedef enum pel_load_kind {
-    PEL_LOAD_TOTAL,      /* N, distributed evenly over the vertices of the load */
+    PEL_LOAD_TOTAL, /* N, spread evenly over the tetrahedra, triangles, boundary edges or other edges whose vertices
+                       it has all: the first of these with all of its vertices, else over the triangles or
+                       tetrahedra around them; equal parts for vertices that no edge joins */
     PEL_LOAD_PER_VERTEX, /* N on each vertex */
     PEL_LOAD_PER_LENGTH, /* N/m at rest, on boundary edges with both ends among them; half of each edge to each end */
     PEL_LOAD_MOMENT /* N m per metre of these edges: the component of `force` along each rest edge turns the surface

@@ -26,7 +26,8 @@ typedef struct pel_adjoint {
     /* results, nullable */
     double *forces;                  /* (vertices x 3) for a force on each vertex, 1/N; 0 where held */
     double *rest_positions;          /* (vertices x 3) for rest positions, 1/m, of membranes and mid-edge bending; with
-                                        constant masses and vertex forces; held vertices move along */
+                                        constant masses and vertex forces, also of loads in total (which follow areas:
+                                        a simulation that is made anew shares them anew); held vertices move along */
     double *loads;                   /* (load_count of the def) for a factor, 1 at present, on each load */
     double *gravity;                 /* (3) for gravity, s2/m */
     pel_adjoint_material *materials; /* (body_count) */

@@ -190,8 +190,8 @@ static stage make_card(pel_method method, double dt, bool has_shell, bool has_to
     shape.nx = shape.ny = 4;
     assert_int_equal(pel_shape_create(&shape, &s.mesh, NULL), PEL_OK);
     pel_body_def body = ball_body(s.mesh);
-    body.mass_kind = PEL_MASS_PER_VERTEX;
-    body.mass = 0.5 / 25;
+    body.mass_kind = PEL_MASS_TOTAL;
+    body.mass = 0.5;
     body.spring_damping.value = body.volumetric_stiffness.value = body.volumetric_damping.value = 0;
     if (has_shell) {
         body.spring_stiffness.value = 0;

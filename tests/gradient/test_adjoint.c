@@ -94,8 +94,10 @@ static solved solve(const trial *t)
         fail_msg("%s", error.what);
     static const int32_t seventh[1] = {7};
     pel_load_def loads[2] = {pel_load_def_default(), pel_load_def_default()};
-    loads[0].force[0] = t->load;
-    loads[0].force[2] = 2 * t->load;
+    /* derivatives by rest positions leave the forces of the vertices as they are: parts of a total follow areas */
+    loads[0].kind = PEL_LOAD_PER_VERTEX;
+    loads[0].force[0] = t->load / s.mesh->vertex_count;
+    loads[0].force[2] = 2 * t->load / s.mesh->vertex_count;
     loads[1].vertices = seventh;
     loads[1].vertex_count = 1;
     memcpy(loads[1].force, t->force, sizeof loads[1].force);

@@ -201,13 +201,13 @@ static void test_coarse_load(void **unused)
     assert_null(warning_of(DISC, automatic, 1, "coarse-load", &summary));
     assert_true(fabs(summary.max_displacement - exact) < 0.03 * exact);
     assert_false(warns(DISC, along, 1, "coarse-load"));
-    /* a drum carries it by tension: with 40 rings 15.24 mm, 1 % less */
+    /* a drum carries it by tension: with 40 rings 15.38 mm, 2 % less */
     const char *drum[] = {"bodies.0.mesh={ shape: disk, radius: 0.1, rings: 16 }",
                           "bodies.0.membrane={ young: 1.0e6, poisson: 0.5, thickness: 0.0005 }",
                           "bodies.0.supports=[ { at: boundary } ]",
                           "loads.0={ force: [0, 0, -0.5], at: { sphere: { center: [0, 0, 0], radius: 0.03 } } }"};
     assert_null(warning_of(DISC, drum, 4, "coarse-load", &summary));
-    assert_near(summary.max_displacement, 0.01524, 0.0003);
+    assert_near(summary.max_displacement, 0.01538, 0.0005);
     /* a point load at the end of a clamped strip bends the whole strip */
     assert_false(warns(STRIP(CLAMP, STATIC "loads: [ { force: [0, 0, -0.1], at: { nearest: [0.25, 0, 0] } } ]\n"),
                        no_change, 0, "coarse-load"));

@@ -91,46 +91,6 @@ static void test_tools(void **unused)
     end(&r);
 }
 
-/* mean and least area of the triangles with a corner within a distance of the origin */
-static void areas_of(const pel_scene *scene, double reach, double areas[2])
-{
-    const pel_mesh *mesh = scene->model.bodies[0].mesh;
-    double sum = 0, count = 0, least = (double)HUGE_VAL;
-    for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const double *a = mesh->positions[mesh->triangles[t][0]], *b = mesh->positions[mesh->triangles[t][1]];
-        const double *c = mesh->positions[mesh->triangles[t][2]];
-        double area = 0.5 * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
-        if (hypot(a[0], a[1]) > reach)
-            continue;
-        sum += area;
-        count++;
-        least = fmin(least, area);
-    }
-    areas[0] = sum / count;
-    areas[1] = least;
-}
-
-#define UNEVEN(more)                                                                                                   \
-    "version: 1\nbodies:\n  - mesh: { shape: grid, nx: 20, ny: 8 }\n" SHELL more                                       \
-    "    pinned: boundary\nloads: [ { force: [0, 0, 1.0e-6], at: { sphere: { center: [0, 0, 0], radius: 0.12 } } } "   \
-    "]\n" STATIC
-
-/* The triangles of a region of a load are on one level, so that its vertices have equal shares of it, though some have
-   longer edges than others. */
-static void test_region(void **unused)
-{
-    (void)unused;
-    run r;
-    double base[2], fine[2];
-    check_begin(&r, UNEVEN(""));
-    areas_of(r.scene, 0.08, base);
-    end(&r);
-    check_begin(&r, UNEVEN(AUTO));
-    areas_of(r.scene, 0.08, fine);
-    assert_true(fabs(base[0] / fine[0] - 4) < 0.01 && fabs(fine[1] / fine[0] - 1) < 0.01);
-    end(&r);
-}
-
 /* numbers of a file that was welded are still those of the file */
 static void test_welded(void **unused)
 {
@@ -200,9 +160,8 @@ static void test_out_of_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_point_load),    cmocka_unit_test(test_tools),   cmocka_unit_test(test_region),
-        cmocka_unit_test(test_welded),        cmocka_unit_test(test_studies), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_point_load), cmocka_unit_test(test_tools),    cmocka_unit_test(test_welded),
+        cmocka_unit_test(test_studies),    cmocka_unit_test(test_refusals), cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

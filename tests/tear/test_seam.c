@@ -192,7 +192,22 @@ static void test_strip(void **unused)
 
 /* ---- time ---- */
 
-/* the same bits as a cut at that time, and as a simulation that goes on from a snapshot or comes back to one */
+/* to the bit; a step at rest is solved again with the seam open, which a cut after it is not */
+static void check_same_motion(const strip *a, const strip *b, pel_method method)
+{
+    int32_t count = 3 * pel_sim_vertex_count(a->sim, 0);
+    double *places = calloc(2 * (size_t)count, sizeof *places), *others = places + count;
+    pel_sim_get_positions(a->sim, 0, places);
+    pel_sim_get_positions(b->sim, 0, others);
+    assert_int_equal(pel_sim_vertex_count(b->sim, 0), count / 3);
+    for (int32_t i = 0; i < count; i++)
+        assert_near(places[i], others[i], method == PEL_METHOD_STATIC ? IN_FLOAT(1e-10, 1e-6) : 0);
+    assert_true(method == PEL_METHOD_STATIC || pel_sim_hash(a->sim) == pel_sim_hash(b->sim));
+    free(places);
+}
+
+/* the same motion as with a cut at that time, and the same bits as a simulation that goes on from a snapshot or comes
+ * back to one */
 static void test_time(void **unused)
 {
     (void)unused;
@@ -216,7 +231,7 @@ static void test_time(void **unused)
         run_steps(by_hand.sim, 3);
         assert_int_equal(pel_cut(by_hand.sim, 0, path, count - 1, NULL), PEL_OK);
         run_steps(by_hand.sim, 1);
-        assert_true(pel_sim_hash(by_hand.sim) == pel_sim_hash(s.sim));
+        check_same_motion(&by_hand, &s, methods[m]);
         uint64_t hash = pel_sim_hash(s.sim);
         size_t late_size = pel_sim_save_size(s.sim);
         void *late = malloc(late_size);

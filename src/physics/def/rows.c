@@ -538,10 +538,11 @@ static const pel_def_row rows[] = {
      .doc = "the force; `per` defines how it is distributed"},
     {"loads[].at", LOAD_LIST(vertices, vertex_count), REGION, .preset = "all", .doc = "loaded vertices"},
     {"loads[].per", LOAD(kind), FIXED, WORD("total", "vertex", "length", "moment"), .preset = "total",
-     .doc = "total: each vertex has an equal part of the force, whatever its area (a force per area is a pressure or "
-            "gravity); vertex: it acts on each vertex; length: force per metre of the boundary edges with both ends "
-            "in the region [N/m]; moment: moment per metre of these edges [N m/m], whose component along an edge "
-            "turns the surface about it (bending model midedge)"},
+     .doc = "total: the force, spread evenly over the tetrahedra, triangles or edges whose vertices are all in the "
+            "region, the first of these with all of its vertices (else over the triangles around them; vertices that "
+            "no edge joins have equal parts); vertex: it acts on each vertex; length: force per metre of the boundary "
+            "edges with both ends in the region [N/m]; moment: moment per metre of these edges [N m/m], whose "
+            "component along an edge turns the surface about it (bending model midedge)"},
     {"loads[].follower", LOAD(follower), FIXED, BOOLEAN, .needs = "per", .needs_word = "length", .preset = "false",
      .doc = "true: the force rotates with the edge and its triangle"},
     {"loads[].from", LOAD(from), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", DIRECT, IMPLYING,

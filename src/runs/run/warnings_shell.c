@@ -466,7 +466,7 @@ static load_spot find_spot(const pel_sim *sim, const pel_load *load)
 {
     load_spot spot = {.vertex = heaviest_of(load)};
     const pel_shell *shell = sim->model->bodies[load->body].shell;
-    double x[3][3], normal[3], sum = 0, weights = 0, at[3];
+    double x[3][3], normal[3], center[3] = {0, 0, 0}, sum = 0, weights = 0, at[3];
     int32_t count = 0;
     pel_vertex_position(sim->model->rest, spot.vertex, at);
     for (int32_t t = 0; t < shell->triangle_count; t++) {
@@ -484,9 +484,13 @@ static load_spot find_spot(const pel_sim *sim, const pel_load *load)
     pel_vec3_normalize(spot.normal);
     for (int32_t i = 0; i < load->vertex_count; i++) {
         pel_vertex_position(sim->model->rest, load->vertices[i], x[0]);
-        double distance = pel_vec3_distance(x[0], at);
-        sum += load->weights[i] * distance * distance;
+        pel_vec3_along(center, load->weights[i], x[0], center);
         weights += load->weights[i];
+    }
+    pel_vec3_scale(center, weights > 0 ? 1 / weights : 0, center);
+    for (int32_t i = 0; i < load->vertex_count; i++) {
+        pel_vertex_position(sim->model->rest, load->vertices[i], x[0]);
+        sum += load->weights[i] * pel_vec3_distance(x[0], center) * pel_vec3_distance(x[0], center);
     }
     /* of a disc the mean square is half that of its radius */
     spot.radius = weights > 0 ? sqrt(2 * sum / weights) : 0;

@@ -40,7 +40,6 @@ enum { MOST_LEVELS = 6, POSES_BETWEEN = 8 };
 typedef struct fine_spot {
     double point[3], radius; /* of the region of a load */
     double finest, length;   /* edges there; the bending length */
-    int32_t levels;          /* of all triangles of the region */
 } fine_spot;
 
 typedef struct body_spots {
@@ -55,13 +54,11 @@ static bool divides(const void *user, int32_t level, int32_t triangle, double ed
 {
     (void)triangle;
     const body_spots *spots = user;
+    (void)level;
     for (int32_t s = 0; s < spots->count; s++) {
         const fine_spot *spot = &spots->spots[s];
         double distance = pel_vec3_distance(center, spot->point) - spot->radius;
-        /* all of a region alike: its vertices have equal shares of the load */
-        bool is_region = spot->radius > 0 && distance <= edge;
-        bool is_coarse = distance < REACH * spot->length && edge > pel_max(spot->finest, GRADE * distance);
-        if (is_region ? level < spot->levels : is_coarse)
+        if (distance < REACH * spot->length && edge > pel_max(spot->finest, GRADE * distance))
             return true;
     }
     return false;
@@ -91,7 +88,6 @@ static bool add_spot(body_spots *spots, const double point[3], double radius)
     spot.length = pel_min(sqrt(curvature_radius * spots->thickness), PLATE * pel_mesh_diagonal(spots->body->mesh));
     spot.finest = FINEST * spot.length;
     spot.finest = pel_max(spot.finest, sqrt(spot.finest * radius));
-    spot.levels = (int32_t)ceil(pel_max(pel_log2(edge / spot.finest), 0));
     pel_vec3_copy(point, spot.point);
     for (int32_t s = 0; s < spots->count; s++)
         if (pel_vec3_distance(spots->spots[s].point, point) < spots->spots[s].finest &&

@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "boundary/fluid.h"
 #include "boundary/follower.h"
+#include "boundary/share.h"
 #include "boundary/wind.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
@@ -189,7 +190,7 @@ void pel_loads_rebuild(pel_sim *sim, int32_t body)
     }
 }
 
-static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, double share, pel_error *error)
+static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *def, pel_error *error)
 {
     const pel_body_levels *detail = sim->model->bodies[def->body].detail;
     int32_t mesh_count = sim->model->bodies[def->body].mesh->vertex_count;
@@ -199,33 +200,11 @@ static pel_status spread_load(pel_sim *sim, pel_load *load, const pel_load_def *
                           PEL_ROOM(load->weight_of_place, place_count(sim, def->body))))
         return pel_fail_memory(error);
     for (int32_t i = 0; i < count; i++)
-        load->base_weights[def->vertices != NULL ? def->vertices[i] : i] +=
-            share * (def->weights != NULL ? def->weights[i] : 1);
+        load->base_weights[def->vertices != NULL ? def->vertices[i] : i] += load->weights[i];
     memcpy(load->densities, load->base_weights, (size_t)mesh_count * sizeof *load->densities);
     pel_levels_spread(detail, 1, load->densities);
     pel_loads_rebuild(sim, def->body);
     return PEL_OK;
-}
-
-/* Copies of a vertex that the load has share what it has on the vertex. `shares` (count) receives the part of each;
-   returns the number of vertices before cuts, 0 when out of memory. */
-static int32_t divide_by_copies(const pel_model *given, const pel_load_def *def, int32_t count, double *shares)
-{
-    const pel_body *body = &given->bodies[def->body];
-    const int32_t *origins = given->def.bodies[def->body].origins;
-    double *sums = pel_allocate((size_t)body->mesh->vertex_count, sizeof *sums);
-    int32_t origin_count = 0;
-    for (int32_t i = 0; sums != NULL && i < count; i++) {
-        int32_t v = def->vertices != NULL ? def->vertices[i] : i;
-        origin_count += sums[origins[v]] == 0;
-        sums[origins[v]] += body->shares[v];
-    }
-    for (int32_t i = 0; sums != NULL && i < count; i++) {
-        int32_t v = def->vertices != NULL ? def->vertices[i] : i;
-        shares[i] *= body->shares[v] / sums[origins[v]];
-    }
-    pel_free(sums);
-    return origin_count;
 }
 
 static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t index, pel_error *error)
@@ -242,28 +221,24 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
     load->kind = def->kind;
     load->from = def->from;
     load->until = def->until;
-    size_t room = body->detail != NULL ? place_count(sim, def->body) : (size_t)count;
+    size_t room = (size_t)count + (body->detail != NULL ? place_count(sim, def->body) : 0);
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(load->vertices, room), PEL_ROOM(load->weights, room),
                           PEL_ROOM(load->keys, def->key_count)))
         return pel_fail_memory(error);
     if (def->key_count > 0)
         memcpy(load->keys, def->keys, (size_t)def->key_count * sizeof *load->keys);
     load->key_count = def->key_count;
-    if (body->detail != NULL)
-        return spread_load(sim, load, def, def->kind == PEL_LOAD_TOTAL ? 1.0 / count : 1.0, error);
     load->vertex_count = count;
     for (int32_t i = 0; i < count; i++) {
         load->vertices[i] = body->model_index[def->vertices != NULL ? def->vertices[i] : i];
         load->weights[i] = def->weights != NULL ? def->weights[i] : 1;
     }
-    int32_t origin_count = count;
-    if (body->shares != NULL && def->kind <= PEL_LOAD_PER_VERTEX)
-        origin_count = divide_by_copies(sim->given, def, count, load->weights);
-    if (origin_count == 0)
-        return pel_fail_memory(error);
-    double share = def->kind == PEL_LOAD_TOTAL ? 1.0 / origin_count : 1.0;
-    for (int32_t i = 0; i < count; i++)
-        load->weights[i] *= share;
+    if (def->kind <= PEL_LOAD_PER_VERTEX)
+        status = pel_load_share(sim->given, def, load->weights, error);
+    if (status != PEL_OK)
+        return status;
+    if (body->detail != NULL)
+        return spread_load(sim, load, def, error);
     return def->kind == PEL_LOAD_PER_LENGTH ? weigh_by_length(body, def, index, load, error) : PEL_OK;
 }
 
