@@ -48,8 +48,8 @@ typedef struct pel_sim_ledger {
     double elastic, kinetic;             /* at present; kinetic is 0 for methods without velocities */
     double elastic_start, kinetic_start; /* before the first step */
     double dissipated_drag;              /* by drag of the solver and damping of vertices */
-    double dissipated_fracture; /* taken by tears: toughness x thickness x length; released by cuts: the bending across
-                                   them */
+    double dissipated_fracture; /* taken by tears: toughness x thickness x length; by seams: half their force times
+                                   their opening; released by cuts: the bending across them */
     double dissipated_remesh;   /* of tears: the bending across them, and what vertices that move over the surface lose;
                                    below 0 if they gain */
     double dissipated_plastic;  /* by folds that yield: their moments times plastic angles */

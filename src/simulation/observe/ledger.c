@@ -447,6 +447,13 @@ void pel_ledger_book_tear(pel_sim *sim, double energy)
     sim->ledger->sums.dissipated_fracture += energy;
 }
 
+double pel_ledger_remainder(pel_sim *sim)
+{
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(sim, &ledger);
+    return ledger.energy_error - ledger.dissipated_solver;
+}
+
 void pel_sim_get_ledger(pel_sim *sim, pel_sim_ledger *ledger)
 {
     if (sim == NULL || ledger == NULL)

@@ -47,6 +47,8 @@ void pel_ledger_book_cut(pel_sim *sim, double energy_before);
 /* After a tear has grown: books the energy that its edges and moving vertices changed, and what the material takes. */
 void pel_ledger_book_remesh(pel_sim *sim, double energy_before);
 void pel_ledger_book_tear(pel_sim *sim, double energy);
+/* J, what no booking explains so far: energy_error - dissipated_solver. */
+double pel_ledger_remainder(pel_sim *sim);
 
 /* Reads tools and keyed parameters again after a snapshot was loaded. */
 void pel_ledger_follow(pel_sim *sim);

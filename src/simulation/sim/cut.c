@@ -260,10 +260,9 @@ pel_status pel_cuts_make(pel_sim *sim, pel_error *error)
 
 /* ---- seams ---- */
 
-pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error)
+pel_status pel_seams_open(pel_sim *sim, pel_seam_ends *ends, pel_error *error)
 {
     pel_status status = PEL_OK;
-    *has_opened = false;
     /* a body that opens makes the seams anew */
     for (int32_t i = 0; status == PEL_OK && sim->tear != NULL && i < sim->tear->seam_count; i++) {
         pel_seams *seams = &sim->tear->seams[i];
@@ -273,11 +272,15 @@ pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error)
         if (pel_seams_look(seams) == 0)
             continue;
         cut c = {.sim = sim, .body = seams->body, .topology = seams->survey.topology, .marks = seams->marks};
+        const int32_t first = c.topology->vertex_count;
         sim->cut_is_held = false;
         status = pel_opening_find(c.topology, c.marks, &opening, error);
         if (status == PEL_OK)
             status = apply(sim, &c, &opening, sim->cuts_done, NULL, error);
-        *has_opened |= status == PEL_OK;
+        if (status == PEL_OK && sim->shells != NULL)
+            pel_shell_forces_follow(sim->shells, sim->state->position);
+        if (status == PEL_OK)
+            status = pel_seam_ends_add(ends, &sim->tear->seams[i], first, opening.parents, error);
         /* once more before the next step */
         if (status == PEL_BAD_ARGUMENT && sim->cut_is_held)
             status = PEL_OK;

@@ -12,8 +12,10 @@ pel_status pel_cut_check_path(const pel_sim *sim, int32_t body, const int32_t *v
                               pel_error *error);
 /* Makes those whose time has come; errors of pel_cut, with the number of the cut. */
 pel_status pel_cuts_make(pel_sim *sim, pel_error *error);
-/* Opens the edges of seams whose time has come or that carry more than their strength. PEL_OUT_OF_MEMORY. */
-pel_status pel_seams_open(pel_sim *sim, bool *has_opened, pel_error *error);
+/* Opens the edges of seams whose time has come or that carry more than their strength, and lists their ends; free
+   ends->list. PEL_OUT_OF_MEMORY. */
+struct pel_seam_ends;
+pel_status pel_seams_open(pel_sim *sim, struct pel_seam_ends *ends, pel_error *error);
 /* Takes the volumetric springs from vertices that they pull harder than the adhesion. PEL_OUT_OF_MEMORY. */
 pel_status pel_adhesions_release(pel_sim *sim, bool *has_released, pel_error *error);
 /* Opens one edge at each tip that releases as much energy as the material takes. PEL_OUT_OF_MEMORY. */

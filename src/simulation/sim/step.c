@@ -5,11 +5,14 @@
 #include "attach/joint.h"
 #include "attach/tie.h"
 #include "base/assert.h"
+#include "base/memory.h"
 #include "base/pool.h"
 #include "base/status.h"
 #include "blade/hold.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "method/bending_weight.h"
+#include "observe/ledger.h"
 #include "pellicle/tear.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
@@ -18,6 +21,7 @@
 #include "stage/shells.h"
 #include "tear/forceps.h"
 #include "tear/score.h"
+#include "tear/seam.h"
 #include "tool/grip.h"
 #include "tool/reading.h"
 #include "tool/support.h"
@@ -284,25 +288,38 @@ static pel_status step_to_rest(pel_sim *sim, pel_error *error)
     return status;
 }
 
+/* After the step in which seams opened: books what their ends have released, as far as the step has lost it. Where it
+   became motion, it stays in the balance. */
+static void book_seams(pel_sim *sim, const pel_seam_ends *ends, double remainder)
+{
+    double lost = remainder - pel_ledger_remainder(sim), released = pel_seam_ends_work(ends, sim);
+    pel_ledger_book_tear(sim, pel_max(pel_min(released, lost), 0));
+}
+
 /* a balance in which a tip still releases enough, or a seam carries too much, is none: the same step again, from there
  */
 static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 {
-    bool has_grown = true, has_opened = false, has_released = false, has_cut = false;
+    bool has_grown = true, has_released = false, has_cut = false;
     pel_status status = PEL_OK;
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_STATIC_ADVANCES; advance++) {
-        status = pel_seams_open(sim, &has_opened, error);
+        pel_seam_ends ends = {0};
+        status = pel_seams_open(sim, &ends, error);
+        double remainder = ends.count > 0 ? pel_ledger_remainder(sim) : 0;
         if (status == PEL_OK)
             status = pel_adhesions_release(sim, &has_released, error);
         if (status == PEL_OK)
             status = pel_tears_grow(sim, &has_grown, error);
         if (status == PEL_OK)
             status = pel_blades_cut(sim, &has_cut, error);
-        has_grown |= has_opened || has_released || has_cut;
-        if (status != PEL_OK || !has_grown)
-            return status;
-        sim->state->step--;
-        status = step_to_rest(sim, error);
+        has_grown |= ends.count > 0 || has_released || has_cut;
+        if (status == PEL_OK && has_grown) {
+            sim->state->step--;
+            status = step_to_rest(sim, error);
+        }
+        if (status == PEL_OK && ends.count > 0)
+            book_seams(sim, &ends, remainder);
+        pel_free(ends.list);
     }
     return status;
 }
@@ -310,10 +327,12 @@ static pel_status grow_to_rest(pel_sim *sim, pel_error *error)
 pel_status pel_sim_step(pel_sim *sim, pel_error *error)
 {
     PEL_REFUSE_NULL(sim, error);
-    bool has_grown = !sim->stepper->is_static, has_opened, has_released;
+    bool has_grown = !sim->stepper->is_static, has_cut, has_released;
+    pel_seam_ends ends = {0};
     pel_status status = pel_cuts_make(sim, error);
     if (status == PEL_OK)
-        status = pel_seams_open(sim, &has_opened, error);
+        status = pel_seams_open(sim, &ends, error);
+    double remainder = ends.count > 0 ? pel_ledger_remainder(sim) : 0;
     if (status == PEL_OK && !sim->stepper->is_static)
         status = pel_adhesions_release(sim, &has_released, error);
     for (int advance = 0; status == PEL_OK && has_grown && advance < MOST_ADVANCES; advance++)
@@ -322,11 +341,14 @@ pel_status pel_sim_step(pel_sim *sim, pel_error *error)
         pel_forceps_lead(sim);
         status = step_to_rest(sim, error);
     }
+    if (status == PEL_OK && ends.count > 0)
+        book_seams(sim, &ends, remainder);
+    pel_free(ends.list);
     if (status == PEL_OK && sim->stepper->is_static)
         status = grow_to_rest(sim, error);
     if (status == PEL_BAD_ARGUMENT && sim->stepper->minimises)
         name_burst(sim, error);
     if (status == PEL_OK && !sim->stepper->is_static)
-        status = pel_blades_cut(sim, &has_opened, error);
+        status = pel_blades_cut(sim, &has_cut, error);
     return status == PEL_OK ? pel_score_add(sim, error) : status;
 }

@@ -5,7 +5,10 @@
        P N h = -2 g_a / L          since g_a = A h P grad q_a and grad q_a = -N L / 2 A
 
    with the length L at rest, for membranes of all laws, fibres and springs alike. Across an edge acts the mean of what
-   its two triangles carry. Its part along the edge and out of the surface is shear; pressure does not count. */
+   its two triangles carry. Its part along the edge and out of the surface is shear; pressure does not count.
+
+   The energy of the separation is the integral of crack closure (Irwin 1957; at vertices Rybicki and Kanninen 1977):
+   what the sides carried at the moment times half of what they part by until they are in balance again. */
 #include "tear/seam.h"
 
 #include "base/memory.h"
@@ -269,4 +272,73 @@ int32_t pel_seams_look(pel_seams *seams)
         seams->marks[e] = seams->marks[e] == 2;
     }
     return count;
+}
+
+/* ---- the energy of the separation ---- */
+
+/* places: of vertices in the list, + 1; sums (count of the list) are 0 */
+static void subtract_means(pel_seam_ends *ends, size_t begin, const int32_t *places, double (*sums)[4])
+{
+    for (size_t i = begin; i < ends->count; i++) {
+        double *sum = sums[places[ends->list[i].parent] - 1];
+        pel_vec3_add(sum, ends->list[i].gradient, sum);
+        sum[3]++;
+    }
+    for (size_t i = begin; i < ends->count; i++) {
+        const double *sum = sums[places[ends->list[i].parent] - 1];
+        pel_vec3_along(ends->list[i].gradient, -1 / sum[3], sum, ends->list[i].gradient);
+    }
+}
+
+pel_status pel_seam_ends_add(pel_seam_ends *ends, pel_seams *seams, int32_t first, const int32_t *parents,
+                             pel_error *error)
+{
+    const pel_survey *s = &seams->survey;
+    const pel_mesh *mesh = s->sim->model->bodies[s->body].mesh;
+    const size_t begin = ends->count, most = 2 * (size_t)(mesh->vertex_count - first);
+    int32_t *places = NULL;
+    double(*sums)[4] = NULL;
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(places, mesh->vertex_count), PEL_ROOM(sums, begin + most)) ||
+        !pel_reserve((void **)&ends->list, &ends->room, begin + most, sizeof *ends->list)) {
+        PEL_FREE_ALL(places, sums);
+        return pel_fail_memory(error);
+    }
+    for (int32_t v = first; v < mesh->vertex_count; v++) {
+        const int32_t both[2] = {parents[v], v};
+        for (int i = 0; i < 2; i++)
+            if (places[both[i]] == 0) {
+                ends->list[ends->count] = (pel_seam_end){.body = s->body, .vertex = both[i], .parent = parents[v]};
+                places[both[i]] = (int32_t)++ends->count;
+            }
+    }
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const int32_t *v = mesh->triangles[t];
+        double gradient[3][3] = {{0}};
+        if (places[v[0]] == 0 && places[v[1]] == 0 && places[v[2]] == 0)
+            continue;
+        pel_survey_triangle(s, t, gradient);
+        for (int i = 0; i < 3; i++)
+            if (places[v[i]] > 0) {
+                double *sum = ends->list[places[v[i]] - 1].gradient;
+                pel_vec3_add(sum, gradient[i], sum);
+            }
+    }
+    subtract_means(ends, begin, places, sums);
+    PEL_FREE_ALL(places, sums);
+    return PEL_OK;
+}
+
+double pel_seam_ends_work(const pel_seam_ends *ends, const pel_sim *sim)
+{
+    double work = 0;
+    for (size_t i = 0; i < ends->count; i++) {
+        const pel_seam_end *end = &ends->list[i];
+        const int32_t *index = sim->model->bodies[end->body].model_index;
+        double x[3], parent[3];
+        pel_vertex_position(sim->state->position, index[end->vertex], x);
+        pel_vertex_position(sim->state->position, index[end->parent], parent);
+        pel_vec3_subtract(x, parent, x);
+        work -= 0.5 * pel_vec3_dot(end->gradient, x);
+    }
+    return work;
 }

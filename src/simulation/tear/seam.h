@@ -30,4 +30,20 @@ double pel_seams_load(const pel_seams *seams, int32_t edge);
 /* Marks the edges that open in the present state; returns their number. */
 int32_t pel_seams_look(pel_seams *seams);
 
+/* A vertex whose edges have opened, and what the triangles around it pull it with at this moment. */
+typedef struct pel_seam_end {
+    int32_t body, vertex, parent; /* the vertex of which it is a copy, itself if it is none */
+    double gradient[3];           /* N, of the energy of its triangles, less the mean over all copies of its parent */
+} pel_seam_end;
+typedef struct pel_seam_ends {
+    pel_seam_end *list; /* (count) */
+    size_t count, room;
+} pel_seam_ends;
+
+/* Adds those of a body that has just opened; its vertices from `first` on are copies of parents. PEL_OUT_OF_MEMORY. */
+pel_status pel_seam_ends_add(pel_seam_ends *ends, pel_seams *seams, int32_t first, const int32_t *parents,
+                             pel_error *error);
+/* J, that they have released on the way to where they are now (seam.c). */
+double pel_seam_ends_work(const pel_seam_ends *ends, const pel_sim *sim);
+
 #endif
