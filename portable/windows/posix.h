@@ -76,6 +76,8 @@ int pel_windows_unsupported(void);
 #define lstat stat
 #define fchmod(descriptor, mode) ((void)(descriptor), (void)(mode), 0)
 #define fsync _commit
+/* of whole volumes only administrators may */
+#define sync() ((void)0)
 #define posix_fallocate(descriptor, offset, size) _chsize_s(descriptor, (offset) + (size))
 #define mkdtemp(path) ((void)(path), (char *)NULL)
 /* a stream of opendir knows its folder */
