@@ -253,11 +253,14 @@ static double find_cells(held_row *row)
     return depth < HUGE_VAL ? depth : 0;
 }
 
+/* of analyses once: a resumed one has counted it, and finds here what it is about */
 static void warn_of_row(pel_run_state *run, const held_row *row, double error)
 {
-    if (run->totals.warnings.of[PEL_WARN_HINGE_ROW].count == 0)
-        run->flagged[PEL_WARN_HINGE_ROW] = (pel_flagged_body){row->body, row->length, error};
-    pel_warn(&run->totals.warnings, PEL_WARN_HINGE_ROW, 0, row->length);
+    pel_flagged_body *flagged = &run->flagged[PEL_WARN_HINGE_ROW];
+    if (!(flagged->value > 0))
+        *flagged = (pel_flagged_body){row->body, row->length, error};
+    if (run->sim->modes == NULL || run->totals.warnings.of[PEL_WARN_HINGE_ROW].count == 0)
+        pel_warn(&run->totals.warnings, PEL_WARN_HINGE_ROW, 0, row->length);
 }
 
 static void tell_row(pel_run_state *run, held_row *row, double depth)
@@ -369,16 +372,19 @@ void pel_warnings_check_mode(pel_run_state *run)
     if (sim->modes == NULL || !sim->modes->is_solved || sim->modes->count == 0)
         return;
     int32_t number = (int32_t)((sim->state->step - 1) % sim->modes->count);
-    if (number == 0 && run->scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
+    if (run->scene->sim.solver.analysis == PEL_ANALYSIS_MODAL)
         pel_warnings_check_rows(run, NULL);
-    const pel_mode_wave wave =
-        pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, number), sim->modes->values[number],
-                         run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING);
-    if (!(wave.edges < wave.least))
-        return;
-    if (run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0)
-        run->flagged[PEL_WARN_COARSE_MODE] = (pel_flagged_body){number, wave.edges, wave.least};
-    pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count, -wave.edges);
+    pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_MODE];
+    const bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
+    pel_mode_wave wave = {0};
+    /* with those before a resume, for the first one */
+    for (int32_t i = flagged->limit > 0 ? number : 0; i <= number; i++) {
+        wave = pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, i), sim->modes->values[i], buckles);
+        if (wave.edges < wave.least && !(flagged->limit > 0))
+            *flagged = (pel_flagged_body){i, wave.edges, wave.least};
+    }
+    if (wave.edges < wave.least)
+        pel_warn(&run->totals.warnings, PEL_WARN_COARSE_MODE, run->totals.frame_count, -wave.edges);
 }
 
 /* held somewhere, so that what moves in it vibrates */
