@@ -2,8 +2,8 @@
    written over, in scenes with as many defaults as possible. */
 #include "check.h"
 
+#include "choice/plan.h"
 #include "def/fingerprint.h"
-#include "run/plan.h"
 #include "scene/patch.h"
 
 static const char ball[] = "mesh: {shape: geodesic-sphere, frequency: 2}";

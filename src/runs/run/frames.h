@@ -5,13 +5,13 @@
 #define PEL_RUN_FRAMES_H
 
 #include "base/worker.h"
+#include "choice/plan.h"
 #include "results/folder.h"
 #include "results/series.h"
 #include "results/surface.h"
 #include "results/tally.h"
 #include "results/tool_surface.h"
 #include "run/kept.h"
-#include "run/plan.h"
 #include "run/swing.h"
 
 /* numbers that are kept of each tool */

@@ -1,4 +1,4 @@
-#include "run/plan.h"
+#include "choice/plan.h"
 
 #include "math/extremes.h"
 

@@ -1,6 +1,6 @@
 #include "check.h"
 
-#include "run/plan.h"
+#include "choice/plan.h"
 
 static pel_scene make_scene(double dt, double duration, double every, int32_t every_frame)
 {
