@@ -53,6 +53,9 @@ const char *pel_everyday_key(const char *name)
         {"colliders", "tools"},
         {"inflate", "pressure"},
         {"mu", "friction"},
+        {"type", "kind"},
+        {"pivot", "point"},
+        {"anchor", "point"},
     };
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (strcasecmp(name, keys[i][0]) == 0)

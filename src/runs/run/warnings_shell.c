@@ -278,7 +278,7 @@ static void tell_row(pel_run_state *run, held_row *row, double depth)
     bool bends = moment > 0 && moment * across < MOST_SAG * 3 * stiffness * row->length;
     if (run->sim->modes != NULL)
         bends = depth > 0 || run->sim->modes->values[0] <
-                                 SLACK * BEAM * pel_sqrt(stiffness * row->length / (mass * across * across * across));
+                                 SLACK * BEAM * sqrt(stiffness * row->length / (mass * across * across * across));
     if (bends)
         warn_of_row(run, row, error);
 }
