@@ -46,7 +46,7 @@ static double braking_of(const pel_scene *scene, const pel_body_def *body)
     const pel_quantity *drag = &body->spring_damping;
     bool is_rate = body->spring_thickness > 0 && drag->field == NULL && drag->key_count == 0;
     if (has(&body->volumetric_damping) || (has(drag) && !is_rate))
-        return INFINITY;
+        return (double)HUGE_VAL;
     return scene->sim.solver.drag + drag->value;
 }
 
