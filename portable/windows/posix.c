@@ -117,3 +117,25 @@ int pel_windows_unsupported(void)
     errno = ENOSYS;
     return -1;
 }
+
+ssize_t pel_windows_getline(char **line, size_t *size, FILE *file)
+{
+    size_t length = 0;
+    for (int c = getc(file); c != EOF; c = getc(file)) {
+        if (length + 2 > *size) {
+            size_t room = 2 * *size + 120;
+            char *more = pel_windows_realloc(*line, room);
+            if (more == NULL)
+                return -1;
+            *line = more;
+            *size = room;
+        }
+        (*line)[length++] = (char)c;
+        if (c == '\n')
+            break;
+    }
+    if (length == 0)
+        return -1;
+    (*line)[length] = '\0';
+    return (ssize_t)length;
+}

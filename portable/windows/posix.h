@@ -61,6 +61,7 @@ int pel_windows_unlink(const char *pattern, const char *name);
 char *pel_windows_realpath(const char *path, char *resolved);
 int pel_windows_flock(int descriptor, int operation);
 long pel_windows_sysconf(int name);
+ssize_t pel_windows_getline(char **line, size_t *size, FILE *file);
 int pel_windows_sigaction(int number, const struct sigaction *action, struct sigaction *old);
 int pel_windows_unsupported(void);
 
@@ -76,6 +77,7 @@ int pel_windows_unsupported(void);
 #define lstat stat
 #define fchmod(descriptor, mode) ((void)(descriptor), (void)(mode), 0)
 #define fsync _commit
+#define getline pel_windows_getline
 /* of whole volumes only administrators may */
 #define sync() ((void)0)
 #define posix_fallocate(descriptor, offset, size) _chsize_s(descriptor, (offset) + (size))
