@@ -199,6 +199,26 @@ static void test_copies(void **unused)
 }
 
 /* the end of a bar: its triangles; the whole of it: its tetrahedra; a point inside: all */
+/* of all vertices of a solid: a quarter of each tetrahedron */
+static void check_quarters(const pel_mesh *mesh, const double *shares)
+{
+    double *parts = calloc((size_t)mesh->vertex_count, sizeof *parts), sum = 0;
+    for (int32_t t = 0; t < mesh->tetrahedron_count; t++) {
+        const int32_t *v = mesh->tetrahedra[t];
+        double sides[3][3], normal[3];
+        for (int k = 0; k < 3; k++)
+            pel_vec3_subtract(mesh->positions[v[k + 1]], mesh->positions[v[0]], sides[k]);
+        pel_vec3_cross(sides[0], sides[1], normal);
+        const double volume = fabs(pel_vec3_dot(normal, sides[2]));
+        sum += volume;
+        for (int k = 0; k < 4; k++)
+            parts[v[k]] += 0.25 * volume;
+    }
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        assert_near(shares[v], parts[v] / sum, 1e-12);
+    free(parts);
+}
+
 static void test_solid(void **unused)
 {
     (void)unused;
@@ -215,6 +235,8 @@ static void test_solid(void **unused)
         assert_near(center[0], 0.5, 1e-9);
         assert_near(center[1], 0.5, 1e-9);
         assert_near(center[2], r == 0 ? 2 : 1, 1e-9);
+        if (count == mesh->vertex_count)
+            check_quarters(mesh, shares);
         free(shares);
     }
     region[0] = nearest_vertex(mesh, 0.5, 0.5, 1);
