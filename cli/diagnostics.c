@@ -147,9 +147,6 @@ int cli_write_mesh(const char *path, pel_mesh_format format, const pel_mesh *mes
     return CLI_DONE;
 }
 
-/* in share/pellicle/scenes */
-enum { MOST_SCENES = 64 };
-
 const char *cli_share_path(char *path, size_t size, const char *name)
 {
     static const char *const places[] = {"../share/pellicle", "../web", "../.."};
@@ -177,6 +174,8 @@ const char *cli_scene_path(char *path, size_t size, const char *name)
     const char *found = cli_share_path(path, size, file);
     return found != NULL ? found : name;
 }
+
+enum { MOST_SCENES = 64 };
 
 static int by_letters(const void *a, const void *b)
 {

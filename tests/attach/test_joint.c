@@ -1,38 +1,12 @@
 /* Joints of rigid bodies against closed forms: pendulums, slides, motors, limits, momenta. */
-#include "../rigid/rigid_scene.h"
 #include "attach/joint.h"
 #include "contact/set.h"
 #include "failing_malloc.h"
+#include "joint_scene.h"
 
 #include <math.h>
 
-#define GRAVITY 9.81
 static const double pi = 3.14159265358979323846;
-
-static pel_joint_def joint_of(const char *name, pel_joint_kind kind, double x, double y, double z)
-{
-    pel_joint_def def = pel_joint_def_default();
-    def.name = name;
-    def.kind = kind;
-    pel_vec3_set(def.point, x, y, z);
-    pel_vec3_set(def.axis, 0, 1, 0);
-    return def;
-}
-
-static void begin(rigid_scene *scene, pel_joint_def *joints, int32_t count)
-{
-    rigid_scene_begin(scene);
-    scene->def.contact.enabled = false;
-    scene->def.joints = joints;
-    scene->def.joint_count = count;
-}
-
-static pel_joint_reading read_joint(const rigid_scene *scene, int32_t joint)
-{
-    pel_joint_reading reading;
-    assert_true(pel_sim_get_joint(scene->sim, joint, &reading));
-    return reading;
-}
 
 static double energy_of(const rigid_scene *scene)
 {
@@ -51,7 +25,7 @@ static void test_pendulum(void **state)
     static const double center[3] = {0.05, 0, 0}, d = 0.15;
     pel_joint_def joint = joint_of("hinge", PEL_JOINT_HINGE, -0.1, 0, 0);
     rigid_scene scene;
-    begin(&scene, &joint, 1);
+    begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
     scene.gravity = -GRAVITY;
     rigid_scene_add(&scene, make_box(0.4, 0.1, 0.02, center), 1000);
     rigid_scene_make(&scene);
@@ -89,7 +63,7 @@ static void test_pairs(void **state)
         rigid_scene scene;
         double before[2][3], after[2][3];
         joint.to_body = 1;
-        begin(&scene, &joint, 1);
+        begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
         for (int b = 0; b < 2; b++) {
             pel_body_def *body = rigid_scene_add(&scene, make_box(0.2, 0.1, 0.05, centers[b]), 500 + 1000 * b);
             pel_vec3_set(body->velocity, 0.3 * b, 0.1, -0.2 * b);
@@ -129,7 +103,7 @@ static void test_chain(void **state)
     static const char *const names[LINKS] = {"a", "b", "c", "d"};
     pel_joint_def joints[LINKS];
     rigid_scene scene;
-    begin(&scene, joints, LINKS);
+    begin_joints(&scene, PEL_METHOD_XPBD, joints, LINKS);
     scene.gravity = -GRAVITY;
     scene.def.solver.drag = 3;
     for (int i = 0; i < LINKS; i++) {
@@ -154,15 +128,10 @@ static void test_chain(void **state)
 static void test_slider(void **state)
 {
     (void)state;
-    static const double center[3] = {0.3, 0, 0}, angle = 0.5;
-    pel_joint_def joint = joint_of("rail", PEL_JOINT_SLIDER, 0, 0, 0);
+    const double angle = 0.5;
+    pel_joint_def joint;
     rigid_scene scene;
-    pel_vec3_set(joint.axis, -2 * cos(angle), 0, -2 * sin(angle));
-    joint.most = 0.6;
-    begin(&scene, &joint, 1);
-    scene.gravity = -GRAVITY;
-    rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
-    rigid_scene_make(&scene);
+    begin_slider(&scene, PEL_METHOD_XPBD, &joint, angle);
     rigid_scene_run(&scene, 0.4);
     double along = GRAVITY * sin(angle);
     double h = 0.0025;
@@ -174,7 +143,7 @@ static void test_slider(void **state)
     assert_near(end.position, 0.6, 1e-6);
     assert_near(end.load, -along, 1e-3 * along);
     assert_near(end.force[2], GRAVITY, 1e-3 * GRAVITY);
-    assert_near(box.center[0], center[0] - 0.6 * cos(angle), 1e-6);
+    assert_near(box.center[0], 0.3 - 0.6 * cos(angle), 1e-6);
     assert_near(box.rotation[3], 1, 1e-12);
     rigid_scene_end(&scene);
 }
@@ -189,7 +158,7 @@ static void test_motor(void **state)
     rigid_scene scene;
     joint.speed = speed;
     joint.strength = torque;
-    begin(&scene, &joint, 1);
+    begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
     rigid_scene_add(&scene, make_box(0.4, 0.1, 0.02, center), 1000);
     rigid_scene_make(&scene);
     rigid_scene_run(&scene, 1);
@@ -221,7 +190,7 @@ static void test_limit(void **state)
     for (int k = 0; k < 2; k++) {
         joint.strength = k == 0 ? 0 : 4;
         joint.speed = k == 0 ? 0 : -1;
-        begin(&scene, &joint, 1);
+        begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
         scene.gravity = -GRAVITY;
         rigid_scene_add(&scene, make_box(0.4, 0.1, 0.02, center), 1000);
         rigid_scene_make(&scene);
@@ -256,7 +225,7 @@ static void test_sleep(void **state)
         joint.to_body = 1;
         joint.strength = k == 0 ? 0 : 1;
         joint.speed = speeds[k];
-        begin(&scene, &joint, 1);
+        begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
         scene.def.contact.enabled = true;
         scene.def.contact.friction = 0.3;
         scene.gravity = -GRAVITY;
@@ -299,7 +268,7 @@ static void test_stop(void **state)
     joint.strength = 2;
     joint.speed = 10;
     joint.most = 0.3;
-    begin(&scene, &joint, 1);
+    begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
     rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
     rigid_scene_make(&scene);
     for (int i = 0; i < 200; i++) {
@@ -325,7 +294,7 @@ static void test_snapshot(void **state)
     joint.strength = 1;
     joint.speed = 20;
     for (int i = 0; i < 2; i++) {
-        begin(&scenes[i], &joint, 1);
+        begin_joints(&scenes[i], PEL_METHOD_XPBD, &joint, 1);
         rigid_scene_add(&scenes[i], make_box(0.4, 0.1, 0.02, center), 1000);
         rigid_scene_make(&scenes[i]);
     }
@@ -360,7 +329,7 @@ static void test_refusals(void **state)
     static const double center[3] = {0};
     pel_joint_def joints[2] = {joint_of("a", PEL_JOINT_HINGE, 0, 0, 0), joint_of("a", PEL_JOINT_BALL, 0, 0, 0)};
     rigid_scene scene;
-    begin(&scene, joints, 2);
+    begin_joints(&scene, PEL_METHOD_XPBD, joints, 2);
     rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
     rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000)->rigid.on = false;
     expect(&scene, "two joints are called 'a'");
@@ -403,7 +372,7 @@ static void test_memory(void **state)
     static const double center[3] = {0};
     pel_joint_def joint = joint_of("a", PEL_JOINT_HINGE, 0, 0, 0);
     rigid_scene scene;
-    begin(&scene, &joint, 1);
+    begin_joints(&scene, PEL_METHOD_XPBD, &joint, 1);
     rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
     rigid_scene_make(&scene);
     pel_sim_destroy(scene.sim);

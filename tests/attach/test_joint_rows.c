@@ -1,41 +1,19 @@
 /* Joints of rigid bodies under implicit and static: pendulums, slides, motors, limits, momenta, states of rest. */
-#include "../rigid/rigid_scene.h"
 #include "attach/joint.h"
 #include "failing_malloc.h"
+#include "joint_scene.h"
 #include "math/pose.h"
 
 #include <math.h>
 
-#define GRAVITY 9.81
 /* of the forces in a step in time, by the tolerance of its solver */
 #define SOLVED 2e-5
 static const double pi = 3.14159265358979323846;
 
-static pel_joint_def joint_of(const char *name, pel_joint_kind kind, double x, double y, double z)
-{
-    pel_joint_def def = pel_joint_def_default();
-    def.name = name;
-    def.kind = kind;
-    pel_vec3_set(def.point, x, y, z);
-    pel_vec3_set(def.axis, 0, 1, 0);
-    return def;
-}
-
 static void begin(rigid_scene *scene, pel_method method, pel_joint_def *joints, int32_t count)
 {
-    rigid_scene_begin(scene);
-    scene->def.solver.method = method;
-    scene->def.contact.enabled = false;
-    scene->def.joints = joints;
-    scene->def.joint_count = count;
+    begin_joints(scene, method, joints, count);
     scene->gravity = -GRAVITY;
-}
-
-static pel_joint_reading read_joint(const rigid_scene *scene, int32_t joint)
-{
-    pel_joint_reading reading;
-    assert_true(pel_sim_get_joint(scene->sim, joint, &reading));
-    return reading;
 }
 
 /* m: how far the points of both bodies of a joint are apart */
@@ -119,14 +97,10 @@ static void test_pairs(void **state)
 static void test_slider(void **state)
 {
     (void)state;
-    static const double center[3] = {0.3, 0, 0}, angle = 0.5;
-    pel_joint_def joint = joint_of("rail", PEL_JOINT_SLIDER, 0, 0, 0);
+    const double angle = 0.5;
+    pel_joint_def joint;
     rigid_scene scene;
-    pel_vec3_set(joint.axis, -2 * cos(angle), 0, -2 * sin(angle));
-    joint.most = 0.6;
-    begin(&scene, PEL_METHOD_IMPLICIT, &joint, 1);
-    rigid_scene_add(&scene, make_box(0.1, 0.1, 0.1, center), 1000);
-    rigid_scene_make(&scene);
+    begin_slider(&scene, PEL_METHOD_IMPLICIT, &joint, angle);
     rigid_scene_run(&scene, 0.4);
     double along = GRAVITY * sin(angle);
     assert_near(read_joint(&scene, 0).position / (0.5 * along * 0.4 * 0.4), 1, 0.01);

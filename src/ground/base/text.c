@@ -57,6 +57,14 @@ const char *pel_longer_name(const char *name, const char *const *names, size_t c
     return NULL;
 }
 
+bool pel_is_among(const char *name, const char *const *names, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++)
+        any |= strcmp(name, names[i]) == 0;
+    return any;
+}
+
 const char *pel_nearest_name(const char *name, const char *const *names, size_t count)
 {
     if (name == NULL || names == NULL)

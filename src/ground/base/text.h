@@ -8,6 +8,8 @@
    string alignment); upper and lower case, '-' and '_' count as equal. Names beyond 63 letters are cut there. */
 size_t pel_edit_distance(const char *a, const char *b);
 
+bool pel_is_among(const char *name, const char *const *names, size_t count);
+
 /* The first of the names that has this one as a part between hyphens: geodesic-sphere for sphere; null if there is
  * none. */
 const char *pel_longer_name(const char *name, const char *const *names, size_t count);

@@ -52,7 +52,7 @@ static double braking_of(const pel_scene *scene, const pel_body_def *body)
 
 bool pel_scene_is_undamped(const pel_scene *scene)
 {
-    double most = scene->sim.solver.drag;
+    double most = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++)
         most = pel_max(most, braking_of(scene, &scene->model.bodies[b]));
     return !(most * scene->duration > MOST_BRAKING);

@@ -19,7 +19,7 @@ typedef struct pel_motions {
     pel_fastest_motion chosen;
 } pel_motions;
 
-/* neither drag nor damping of vertices: what nothing touches goes on moving */
+/* What nothing touches goes on moving to the end of the run: no damping of vertices, and hardly any drag. */
 bool pel_scene_is_undamped(const pel_scene *scene);
 /* The lowest vibration of a body, see pel_scene_frequency. */
 typedef struct pel_vibration {
@@ -36,9 +36,9 @@ pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shor
 pel_method pel_scene_static_method(void);
 
 /* Sets dt of the method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
-   of the default would not resolve: neither tools that stay, drag nor damping, and a shorter vibration or load. Only in
-   scenes that give no dt and count no steps. Before that, dt of methods with velocities and a material is at most the
-   time between frames. PEL_OUT_OF_MEMORY. */
+   of the default would not resolve: no tools that stay, no damping, hardly any drag, and a shorter vibration or load.
+   Only in scenes that give no dt and count no steps. Before that, dt of methods with velocities and a material is at
+   most the time between frames. PEL_OUT_OF_MEMORY. */
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
 #endif

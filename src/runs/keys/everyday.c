@@ -1,5 +1,7 @@
 #include "keys/everyday.h"
 
+#include "base/text.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -21,40 +23,20 @@ const char *pel_everyday_word(const char *text, const char *const *known, size_t
         {"square", "grid", "did you mean 'grid'?"},
     };
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        for (size_t k = 0; strcmp(text, words[i].text) == 0 && k < count; k++)
-            if (strcmp(known[k], words[i].beside) == 0)
-                return words[i].remedy;
+        if (strcmp(text, words[i].text) == 0 && pel_is_among(words[i].beside, known, count))
+            return words[i].remedy;
     return NULL;
 }
 
 const char *pel_everyday_key(const char *name)
 {
     static const char *const keys[][2] = {
-        {"e", "young"},
-        {"youngs_modulus", "young"},
-        {"stiffness_modulus", "young"},
-        {"nu", "poisson"},
-        {"poissons_ratio", "poisson"},
-        {"rho", "density"},
-        {"collision", "contact"},
-        {"collisions", "contact"},
-        {"self_collision", "self"},
-        {"forces", "loads"},
-        {"fixed", "pinned"},
-        {"pins", "pinned"},
-        {"constraints", "pinned"},
-        {"anchors", "pinned"},
-        {"time_step", "dt"},
-        {"timestep", "dt"},
-        {"steps", "duration"},
-        {"end_time", "duration"},
-        {"objects", "bodies"},
-        {"obstacles", "tools"},
-        {"colliders", "tools"},
-        {"inflate", "pressure"},
-        {"mu", "friction"},
-        {"type", "kind"},
-        {"pivot", "point"},
+        {"e", "young"},           {"youngs_modulus", "young"}, {"nu", "poisson"},         {"poissons_ratio", "poisson"},
+        {"rho", "density"},       {"collision", "contact"},    {"collisions", "contact"}, {"self_collision", "self"},
+        {"forces", "loads"},      {"fixed", "pinned"},         {"pins", "pinned"},        {"constraints", "pinned"},
+        {"anchors", "pinned"},    {"time_step", "dt"},         {"timestep", "dt"},        {"steps", "duration"},
+        {"end_time", "duration"}, {"objects", "bodies"},       {"obstacles", "tools"},    {"colliders", "tools"},
+        {"inflate", "pressure"},  {"mu", "friction"},          {"type", "kind"},          {"pivot", "point"},
         {"anchor", "point"},
     };
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)

@@ -161,10 +161,9 @@ static const pel_def_row last_rows[] = {
      .doc = "the lowest point along `up`, the middle one of a level bottom: where a floor stands"},
     {"<place>.by", .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", .preset = "0",
      .doc = "distance between the tool and that point, along `up` for highest and lowest, else along the normal of the "
-            "surface; below "
-            "0 the tool is pressed in; with contact at least the contact thickness. A number of metres, or `relative` "
-            "and a factor on the diagonal of the box about "
-            "the bodies, such as relative 0.05"},
+            "surface; at least the contact thickness where there is contact; below 0 the tool is pressed in. A number "
+            "of metres, or "
+            "`relative` and a factor on the diagonal of the box about the bodies, such as relative 0.05"},
     {"<place>.body", TEXT, .doc = "name of the body; default: all bodies"},
 };
 

@@ -249,14 +249,6 @@ static const char *find_places(const pel_scene_reader *reader, const char *prefi
     return places;
 }
 
-static bool is_among(const char *name, const char *const *known, size_t count)
-{
-    bool any = false;
-    for (size_t i = 0; i < count; i++)
-        any |= strcmp(name, known[i]) == 0;
-    return any;
-}
-
 pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *place, const char *prefix,
                               const char *key, const char *const *known, size_t known_count)
 {
@@ -265,7 +257,7 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
     pel_scene_fail_name(reader, place, "key", key, known, known_count);
     if (strspn(key, "0123456789") == strlen(key))
         pel_fail_remedy(reader->error, "numbers have a point and no commas: 0.5, 100000");
-    else if (everyday != NULL && is_among(everyday, known, known_count))
+    else if (everyday != NULL && pel_is_among(everyday, known, known_count))
         pel_fail_remedy(reader->error, "did you mean '%s'?", everyday);
     else if (everyday != NULL && find_places(reader, prefix, everyday, places, sizeof places)[0] != '\0')
         pel_fail_remedy(reader->error, "did you mean '%s'? it is a key of %s", everyday, places);

@@ -377,8 +377,9 @@ void pel_warnings_check_mode(pel_run_state *run)
     pel_flagged_body *flagged = &run->flagged[PEL_WARN_COARSE_MODE];
     const bool buckles = run->scene->sim.solver.analysis == PEL_ANALYSIS_BUCKLING;
     pel_mode_wave wave = {0};
-    /* with those before a resume, for the first one */
-    for (int32_t i = flagged->limit > 0 ? number : 0; i <= number; i++) {
+    /* after a resume with those before, for the first one */
+    const bool is_told = flagged->limit > 0 || run->totals.warnings.of[PEL_WARN_COARSE_MODE].count == 0;
+    for (int32_t i = is_told ? number : 0; i <= number; i++) {
         wave = pel_mode_wave_of(sim, pel_modes_vector(sim->modes->modes, i), sim->modes->values[i], buckles);
         if (wave.edges < wave.least && !(flagged->limit > 0))
             *flagged = (pel_flagged_body){i, wave.edges, wave.least};

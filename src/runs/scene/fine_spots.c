@@ -52,9 +52,8 @@ typedef struct body_spots {
 
 static bool divides(const void *user, int32_t level, int32_t triangle, double edge, const double center[3])
 {
-    (void)triangle;
+    (void)level, (void)triangle;
     const body_spots *spots = user;
-    (void)level;
     for (int32_t s = 0; s < spots->count; s++) {
         const fine_spot *spot = &spots->spots[s];
         double distance = pel_vec3_distance(center, spot->point) - spot->radius;

@@ -127,8 +127,8 @@ pel_status pel_scene_cast(pel_scene_reader *reader, const pel_scene_value *value
     return PEL_OK;
 }
 
-/* the middle of a level top, at the height of its highest vertex; with the sign -1 that of the bottom */
-static void find_highest(const choice *bodies, int32_t up, int sign, double point[3])
+/* the middle of a level top, at the height of its highest vertex; with the sign -1 of the bottom, at its lowest */
+static void find_end(const choice *bodies, int32_t up, int sign, double point[3])
 {
     double low[3], high[3], middle[3] = {0}, best = (double)HUGE_VAL;
     int32_t count = 0;
@@ -305,7 +305,7 @@ pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *posit
     else if (status == PEL_OK && ray != NULL)
         status = pel_scene_cast(reader, ray, bodies.meshes, bodies.count, point, out);
     else if (status == PEL_OK)
-        find_highest(&bodies, up, sign, point);
+        find_end(&bodies, up, sign, point);
     if (status != PEL_OK)
         return status;
     if (scene->sim.contact.enabled && gap >= 0)

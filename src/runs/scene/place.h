@@ -19,9 +19,9 @@ pel_status pel_scene_cast(pel_scene_reader *reader, const pel_scene_value *ray, 
 /* Replaces `auto` in the dimensions of a tool by numbers. */
 pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, const pel_model_def *model);
 
-/* Replaces a place above a body by the center (3) of the tool, whose numbers have been read and which is turned by
-   `rotation`, a vector along the axis with the angle as its length. With contact, which holds surfaces apart, it does
-   not quite touch. */
+/* Replaces a place above or below a body by the center (3) of the tool, whose numbers have been read and which is
+   turned by `rotation`, a vector along the axis with the angle as its length. With contact it stands off by at least
+   the thickness that contact keeps, unless it is to be pressed in. */
 pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *position, const pel_scene *scene,
                                 const pel_tool_def *tool, const double rotation[3]);
 

@@ -229,10 +229,10 @@ static pel_newton_rigid *item_of(const pel_newton_rigids *rigids, const pel_rigi
     return NULL;
 }
 
-/* of the error, by the rotation vector about the origin */
-static void row_turn(const pel_newton_rigid *rigid, const pel_newton_row *row, int side, double turn[3])
+/* of the error, by the rotation vector about the origin, and the arm from there */
+static void row_turn(const pel_newton_rigid *rigid, const pel_newton_row *row, int side, double arm[3], double turn[3])
 {
-    double origin[3], arm[3], lever[3];
+    double origin[3], lever[3];
     find_origin(rigid, origin);
     pel_vec3_subtract(row->points[side], origin, arm);
     pel_vec3_cross(arm, row->force, lever);
@@ -244,10 +244,8 @@ static void row_turn(const pel_newton_rigid *rigid, const pel_newton_row *row, i
 
 static void push(pel_newton_rigid *rigid, const pel_newton_row *row, int side)
 {
-    double origin[3], arm[3], turn[3], along = side == 0 ? row->present : -row->present;
-    find_origin(rigid, origin);
-    pel_vec3_subtract(row->points[side], origin, arm);
-    row_turn(rigid, row, side, turn);
+    double arm[3], turn[3], along = side == 0 ? row->present : -row->present;
+    row_turn(rigid, row, side, arm, turn);
     pel_vec3_along(rigid->force, along, row->force, rigid->force);
     pel_vec3_along(rigid->torque, row->present, turn, rigid->torque);
     for (int a = 0; a < 3; a++) {
@@ -279,8 +277,8 @@ static double measure_rows(const pel_newton_rigids *rigids)
 /* of the error, by the six unknowns */
 static void row_six(const pel_newton_rigid *rigid, const pel_newton_row *row, int side, double six[2][3])
 {
-    double turn[3];
-    row_turn(rigid, row, side, turn);
+    double arm[3], turn[3];
+    row_turn(rigid, row, side, arm, turn);
     pel_vec3_scale(row->force, side == 0 ? 1 : -1, six[0]);
     for (int k = 0; k < 3; k++)
         six[1][k] = pel_vec3_dot(rigid->axes[k], turn) / rigid->length;
