@@ -56,6 +56,33 @@ static void test_moves_apart(void **unused)
     assert_true(contact.multiplier == 0 && list.substep == 0.2);
 }
 
+/* multiplier and drag are all that has pushed, also where the normal turns within a step; friction keeps its own */
+static void test_turned(void **unused)
+{
+    (void)unused;
+    const pel_real before[3] = {0, 0, 1};
+    pel_record start[4], x[4];
+    place(start, 0.2);
+    place(x, -0.05);
+    pel_contact contact = vertex_on_face(0);
+    pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 0.1};
+    pel_contacts_project(&list, x, start);
+    contact.normal[0] = (pel_real)0.6;
+    contact.normal[2] = (pel_real)0.8;
+    pel_contact rubbed = contact;
+    rubbed.friction = (pel_real)0.3;
+    pel_contact_keep_push(&rubbed, before);
+    assert_true(rubbed.drag[0] == 0 && rubbed.drag[2] == 0);
+    pel_contact_keep_push(&contact, before);
+    x[0][0] -= (pel_real)0.3;
+    pel_contacts_project(&list, x, start);
+    assert_true((double)contact.multiplier > 0.15 / FREE);
+    const double from[3] = {-0.3, 0, -0.05};
+    for (int k = 0; k < 3; k++)
+        assert_near(2 * (double)(contact.multiplier * contact.normal[k] + contact.drag[k]), (double)x[0][k] - from[k],
+                    1e-6);
+}
+
 /* A layer of compliance c takes the load f = depth / c in a substep h: the gap -0.15 opens by FREE f h^2. */
 static void test_layer(void **unused)
 {
@@ -197,9 +224,9 @@ static void test_nothing_moves(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_layer),         cmocka_unit_test(test_left_load),
-        cmocka_unit_test(test_kept_load),   cmocka_unit_test(test_active),        cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_drift),       cmocka_unit_test(test_nothing_moves),
+        cmocka_unit_test(test_moves_apart), cmocka_unit_test(test_turned),    cmocka_unit_test(test_layer),
+        cmocka_unit_test(test_left_load),   cmocka_unit_test(test_kept_load), cmocka_unit_test(test_active),
+        cmocka_unit_test(test_friction),    cmocka_unit_test(test_drift),     cmocka_unit_test(test_nothing_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

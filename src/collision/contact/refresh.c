@@ -490,8 +490,11 @@ static void refresh_pair(const refresh_job *job, int32_t c)
         refresh_edges(job, x, contact, key, weights, normal);
     else
         refresh_vertex_face(job, x, contact, key, weights, normal);
+    const pel_real before[3] = {contact->normal[0], contact->normal[1], contact->normal[2]};
     for (int k = 0; k < 3; k++)
         contact->normal[k] = (pel_real)normal[k];
+    if (!set->def.has_layers)
+        pel_contact_keep_push(contact, before);
     key->gap = gap_of(x, weights, normal);
     keep_calm(job, c, set_obstacle_share(set, key, weights, normal, contact), x, weights);
     set->acts[c] = !(key->room > 0 || key->is_off);

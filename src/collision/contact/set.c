@@ -619,6 +619,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
     if (known) {
         const pel_contact *old = &set->list.contacts[m->old];
         keep_old(old, &set->keys[m->old], &contact, &key);
+        if (!set->def.has_layers)
+            pel_contact_keep_push(&contact, old->normal);
         if (key.is_impact && set->def.has_layers)
             key.slack = slack_of_conflict(set, &key, fresh);
         /* a layer that carries a load is as hard as it was */

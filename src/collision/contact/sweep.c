@@ -156,6 +156,12 @@ void pel_contacts_begin(pel_contact_list *list, double substep)
     }
 }
 
+void pel_contact_keep_push(pel_contact *contact, const pel_real before[3])
+{
+    for (int k = 0; k < 3 && contact->friction == 0; k++)
+        contact->drag[k] += contact->multiplier * (before[k] - contact->normal[k]);
+}
+
 /* share of a load that acts first, of which the whole moves the gap by a way [m] */
 static pel_real leave(double way, double most)
 {

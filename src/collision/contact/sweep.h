@@ -8,6 +8,9 @@
 
 /* At the start of a step or substep of this length [s]: no contact carries a load. */
 void pel_contacts_begin(pel_contact_list *list, double substep);
+/* After the normal of a contact has turned within a step: the drag of one without friction takes up the part of its
+   push along the normal before that is not along the new one, so that multiplier and drag are all that has pushed. */
+void pel_contact_keep_push(pel_contact *contact, const pel_real before[3]);
 /* The loads in the multipliers act, before the first sweep, but for a part of at most half that moves the gap by at
    most `most` [m]: positions (vertex_count) position and inverse mass, what has inverse mass 0 stays. */
 void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most);
