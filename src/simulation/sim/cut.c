@@ -154,6 +154,9 @@ static pel_status find_moves(const cut *c, const pel_growth *growth, pel_surface
             h = pel_half_edge_turn(c->topology, h);
             h = h == first ? -1 : h;
         }
+        move->own = growth->left_behind;
+        for (int i = 0; i < 3; i++)
+            move->weights[i] *= 1 - move->own;
     }
     return PEL_OK;
 }
@@ -312,10 +315,15 @@ static pel_status open_growth(pel_sim *sim, int32_t survey, pel_growth *growth, 
     *is_open = status == PEL_OK && opening.edge_count > 0;
     if (*is_open)
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
-    /* shorter edges may need shorter steps than the given ones, and in a fold vertices that move may run into the
-       surface: they then move less, and at last the edge opens as it is */
+    /* Shorter edges may need shorter steps than the given ones: vertices then move less in the rest shape, at last not
+       at all. In a fold they may run into the surface: the tear goes where it shall, but they follow less in space, and
+       balance is found from there. */
     for (int left = SHORTER_WAYS; left >= 0 && is_refused(sim, status); left--) {
-        pel_growth_shorten(sim->tear, survey, growth, left > 0 ? 0.5 : 0);
+        double share = left > 0 ? 0.5 : 0;
+        if (sim->cut_is_held)
+            growth->left_behind = 1 - share * (1 - growth->left_behind);
+        else
+            pel_growth_shorten(sim->tear, survey, growth, share);
         sim->cut_is_held = false;
         status = apply(sim, &c, &opening, sim->cuts_done, growth, error);
     }

@@ -506,12 +506,12 @@ static pel_status find_places(carrier *c, const pel_surfaces *surfaces, pel_erro
     return PEL_OK;
 }
 
-/* a mean of records at the places of a move's corners, for the vertex and the copies that the cut makes of it */
+/* a mean of records at the places of a move, for the vertex and the copies that the cut makes of it */
 static void blend(const pel_surfaces *surfaces, int32_t body, const pel_vertex_move *move, const carrier *c,
                   const pel_record *from, pel_record *to)
 {
     const pel_body *old = &c->from->given->bodies[body], *new = &c->to->given->bodies[body];
-    pel_record sum = {0};
+    pel_record sum = (pel_real)move->own * from[old->model_index[move->vertex]];
     for (int i = 0; i < 3; i++)
         sum += (pel_real)move->weights[i] * from[old->model_index[move->corners[i]]];
     for (int32_t v = move->vertex; v < new->mesh->vertex_count;) {

@@ -14,10 +14,11 @@ pel_transfer_part pel_tear_transfer;
 /* Whether the part at this place is of the present surface; goes past it if so. */
 bool pel_topology_is_present(pel_cursor *at, const pel_sim *sim);
 
-/* A vertex that has moved over the surface: where it was, as a mean of the corners of a triangle. */
+/* A vertex that has moved over the surface: where it was, as a mean of the corners of a triangle and of its own place.
+ */
 typedef struct pel_vertex_move {
     int32_t vertex, corners[3]; /* of the mesh before */
-    double weights[3];
+    double weights[3], own;
 } pel_vertex_move;
 
 /* Surfaces of bodies for a change. */

@@ -29,6 +29,7 @@ typedef struct pel_growth {
     uint8_t *marks;     /* (edges of the topology) of them */
     pel_mesh *mesh;     /* with the vertices that have moved in the rest shape */
     uint8_t *is_moved;  /* (vertices) */
+    double left_behind; /* share of their ways that these do not follow in space; 0 where nothing is in the way */
     double energy;      /* J, that the edges take */
 } pel_growth;
 
