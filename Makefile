@@ -88,7 +88,7 @@ compilers: need-demo need-dev ## compile with GCC and Clang at -O0 to -O3, also 
 endurance: program ## live use, a study that is killed, and many steps: memory, bits and books in build/endurance.html (LIVE, STUDY: seconds; STEPS)
 	@tools/endurance $(PROGRAM) build/endurance.html --live $(or $(LIVE),60) --study $(or $(STUDY),60) --steps $(or $(STEPS),20000)
 
-reproduction: program ## run all experiments of both papers and write docs/reproduction.md (7 minutes of processor time)
+reproduction: program ## run all experiments of both papers and write docs/reproduction.md (10 minutes of processor time)
 	@tools/reproduction $(PROGRAM) results/reproduce docs/reproduction.md papers/lab/numbers.inc
 
 mutants-of-the-papers: need-demo need-dev ## break formulas of both papers on purpose and check that `pellicle reproduce` notices (15 minutes of processor time)

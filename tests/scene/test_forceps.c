@@ -58,7 +58,7 @@ static void test_lead(void **unused)
     double rest[3] = {0};
     int ahead_count = 0;
     check_begin(&r, DISK(LEAD));
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 45; i++) {
         go(r.sim, 250);
         pel_tool_reading reading;
         pel_sim_get_tool(r.sim, 0, &reading);
@@ -73,24 +73,37 @@ static void test_lead(void **unused)
     end(&r);
 }
 
+/* m, the way of a tool in a step */
+static double stride(pel_sim *sim)
+{
+    pel_tool_reading before, after;
+    pel_sim_get_tool(sim, 0, &before);
+    go(sim, 1);
+    pel_sim_get_tool(sim, 0, &after);
+    return pel_vec3_distance(before.position, after.position);
+}
+
 /* the flap in contact with itself and the sheet, by steps with momentum: the tear stays on the circle and goes on as
-   fast */
+   fast, but for the steps in which the flap does not follow */
 static void test_contact(void **unused)
 {
     (void)unused;
     run r;
     double rest[3] = {0};
     int64_t count;
+    int slow_count = 0;
     check_begin(&r, DISK_OF(PATH, "lead: {radius: 0.0025, speed: 0.005, regrasp: 0.003}", "0.0004",
                             "contact: {self: true, thickness: 13e-6}\n"
                             "solver: {method: quasi-static, momentum: 0.95, dt: 0.001}\n"));
     for (int i = 0; i < 12; i++) {
-        go(r.sim, 200);
+        for (int k = 0; k < 200; k++)
+            slow_count += stride(r.sim) < 0.5 * 0.005 * 0.001;
         assert_int_equal(pel_sim_intersections(r.sim, &count, NULL), PEL_OK);
         assert_int_equal(count, 0);
         assert_true(find_tip(r.sim, rest));
         assert_near(pel_vec3_length(rest), 0.0025, 0.0001);
     }
+    assert_true(slow_count > 10 && slow_count < 600);
     assert_true(atan2(rest[1], rest[0]) > 1.4 || rest[1] < 0);
     end(&r);
 }
@@ -100,14 +113,10 @@ static void test_speed(void **unused)
 {
     (void)unused;
     run r;
-    pel_tool_reading before, after;
     check_begin(&r, DISK(LEAD));
     go(r.sim, 500);
     r.sim->tools->items[0].blocked = true;
-    pel_sim_get_tool(r.sim, 0, &before);
-    go(r.sim, 1);
-    pel_sim_get_tool(r.sim, 0, &after);
-    assert_near(pel_vec3_distance(before.position, after.position), 0.004 * 0.0005, 1e-9);
+    assert_near(stride(r.sim), 0.004 * 0.0005, 1e-9);
     end(&r);
 }
 

@@ -5,6 +5,7 @@
    stretches, and its base holds it too. So as soon as the tip is loaded the tool turns about the tip, from where it is,
    by the angle that the force lacks, and pulls on slowly until the force points right: turning it after the tip has
    grown would be too late. It stays near the mirror image, because the force does not follow a pull far aside.
+   Methods that approach rest over many steps let it pull on only as fast as the force on the tip follows.
 
    The tool aims at a point ahead of itself on the line from the tip along p, and goes there by its speed, so no step of
    it is longer than another. Far from the tip it lets go, and takes the inner lip behind the tip, but not so near to
@@ -39,9 +40,10 @@
 #define TURN 2.0
 /* rad, of that turn, and from the mirror image */
 #define MOST_TURN 0.5
-#define MOST_ASIDE 0.35
+#define MOST_ASIDE 0.6
 /* rad, that the force lacks where the tool pulls on by the least share of its way */
 #define WRONG 0.2
+/* of its way, and of its speed while the flap does not follow */
 #define LEAST_SHARE 0.1
 
 typedef struct forceps {
@@ -56,8 +58,14 @@ typedef struct forceps {
     double along[3], out[3]; /* unit: along the circle, and away from the axis */
     double radius;           /* m, of the tip from the axis at rest */
     double load;             /* release of the tip over its resistance */
+    double change;           /* of that load in a step */
     double course, force;    /* rad from `along` outward: where the tip shall go, and its force */
 } forceps;
+
+static bool is_by_hand(const pel_tool_def *def)
+{
+    return def->lead_speed == 0;
+}
 
 static void place_of(const pel_survey *s, int32_t v, double x[3])
 {
@@ -114,6 +122,7 @@ static void find_tip(forceps *f)
     pel_survey_read(f->survey, f->tip, ahead, &tip);
     pel_vec3_copy(ahead, f->ahead);
     f->load = tip.release / pel_tear_resistance(f->sim, f->survey->body, f->tip);
+    f->change = is_by_hand(f->def) || !(f->load > 0) ? 0 : f->load * pel_survey_change(f->survey, &tip);
     pel_vec3_copy(f->survey->sim->model->bodies[f->survey->body].mesh->positions[f->tip], f->rest);
     pel_vec3_subtract(f->rest, f->def->lead_center, f->out);
     flatten(f, f->out);
@@ -177,11 +186,6 @@ static int32_t find_grip(const forceps *f)
         h = is_from_inner ? s->topology->corner_of_vertex[v] : pel_survey_last(s, v);
     }
     return -1;
-}
-
-static bool is_by_hand(const pel_tool_def *def)
-{
-    return def->lead_speed == 0;
 }
 
 static bool holds(const pel_tool *tool, int32_t v)
@@ -269,6 +273,13 @@ static double held_radius(const forceps *f)
     return f->tool->held_count > 0 ? sum / f->tool->held_count : HUGE_VAL;
 }
 
+/* m, in a step: slower while the force on the tip does not follow */
+static double longest_way(const forceps *f)
+{
+    double pace = pel_max(LEAST_SHARE, PEL_TIP_RELAXED / pel_max(f->change, PEL_TIP_RELAXED));
+    return pace * f->def->lead_speed * f->sim->solver.dt;
+}
+
 static void lead(forceps *f)
 {
     pel_tool *tool = f->tool;
@@ -288,8 +299,7 @@ static void lead(forceps *f)
     find_aim(f, aim);
     pel_vec3_subtract(aim, tool->pose.position, way);
     distance = pel_vec3_normalize(way);
-    pel_vec3_along(tool->pose.position, pel_min(distance, f->def->lead_speed * f->sim->solver.dt), way,
-                   tool->driven_pose.position);
+    pel_vec3_along(tool->pose.position, pel_min(distance, longest_way(f)), way, tool->driven_pose.position);
 }
 
 void pel_forceps_lead(pel_sim *sim)

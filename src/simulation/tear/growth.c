@@ -21,8 +21,6 @@
 #define LEAST_RATIO 0.5
 /* sides that overlap by more than this share of their distance are closed */
 #define LEAST_OPENING (-0.05)
-/* change of the force on a tip in a step, over the force, below which its state counts as relaxed */
-#define RELAXED 0.02
 
 static const pel_body_def *def_of(const pel_sim *sim, int32_t body)
 {
@@ -90,7 +88,7 @@ static void read_drop(const pel_survey *s, const pel_tip *tip)
    then larger or smaller than it will be, and has another direction */
 static bool is_relaxed(pel_survey *s, const pel_tip *tip)
 {
-    return !s->sim->stepper->relaxes || pel_survey_change(s, tip) < RELAXED;
+    return pel_survey_change(s, tip) < PEL_TIP_RELAXED;
 }
 
 /* tips that grow, the readiest first; of too many the others wait */

@@ -348,6 +348,8 @@ double pel_survey_change(pel_survey *s, const pel_tip *tip)
     pel_record *present = state->position;
     pel_tip before;
     double change[3];
+    if (!s->sim->stepper->relaxes)
+        return 0;
     state->position = state->position_before;
     pel_shell_forces_follow(s->sim->shells, state->position);
     read_tip(s, tip->vertex, tip->ahead, &before);

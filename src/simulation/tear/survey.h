@@ -50,7 +50,9 @@ bool pel_survey_is_held(const pel_survey *survey, int32_t vertex);
 bool pel_vertex_is_held(const pel_sim *sim, int32_t body, int32_t vertex);
 /* The tip in the present state (pel_shell_forces_follow has been called for it). */
 void pel_survey_read(pel_survey *survey, int32_t vertex, const double ahead[3], pel_tip *tip);
-/* How much its force differs from that one step before, over the present one. Of the present triangles. */
+/* change of the force on a tip in a step, over the force, below which its state counts as relaxed */
+#define PEL_TIP_RELAXED 0.02
+/* That change, of the present triangles; 0 under methods that do not approach rest over many steps. */
 double pel_survey_change(pel_survey *survey, const pel_tip *tip);
 /* Vertices up to some ring around one, with their rings in `rings`, until pel_survey_leave; returns their number. */
 int32_t pel_survey_walk(pel_survey *survey, int32_t vertex, int32_t ring_count);
