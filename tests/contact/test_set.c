@@ -365,6 +365,43 @@ static void test_round_obstacles(void **unused)
     }
 }
 
+/* A vertex above the only triangles that it can meet goes down through them, or past their border: the end is free only
+   if it is not right behind them, however deep. */
+static bool ends_free_at(double x, double z)
+{
+    random_state random = {5};
+    static arrays a;
+    a = (arrays){0};
+    add_sheet(&a, 4, 0, 0, &random);
+    add_sheet(&a, 2, 0, 0, &random);
+    for (int32_t v = 0; v < 4; v++) {
+        pel_record *next = &a.next[16 + v], *rest = &a.rest[16 + v];
+        const double low[3] = {0.9 + 0.01 * (double)(*rest)[0], 0.4 + 0.01 * (double)(*rest)[1], 0.05};
+        for (int k = 0; k < 3; k++)
+            (*rest)[k] = (pel_real)low[k];
+        *next = *rest;
+        (*next)[0] += (pel_real)(x - 0.9);
+        (*next)[2] = (pel_real)z;
+    }
+    pel_contact_set *set = create(&a);
+    pel_contact_set_place(set, a.rest, a.next);
+    assert_int_equal(pel_contact_look(set, NULL), PEL_OK);
+    assert_true(set->conflict_count > 0);
+    bool is_free = false;
+    for (size_t c = 0; c < set->conflict_count; c++)
+        is_free |= set->conflicts[c].ends_free;
+    pel_contact_set_destroy(set);
+    return is_free;
+}
+
+static void test_free_ends(void **unused)
+{
+    (void)unused;
+    assert_false(ends_free_at(0.9, -0.003));
+    assert_false(ends_free_at(0.9, -0.5));
+    assert_true(ends_free_at(1.05, -0.08));
+}
+
 /* ---- the guard ---- */
 
 /* Sheets thrown through each other, and through a sphere or box: the guard leaves a way on which nothing meets. */
@@ -805,11 +842,12 @@ int main(void)
         cmocka_unit_test(test_momentum),       cmocka_unit_test(test_guard),
         cmocka_unit_test(test_guard_of_held),  cmocka_unit_test(test_guard_of_two),
         cmocka_unit_test(test_guard_momentum), cmocka_unit_test(test_round_obstacles),
-        cmocka_unit_test(test_tangles),        cmocka_unit_test(test_guard_of_train),
-        cmocka_unit_test(test_far_flight),     cmocka_unit_test(test_limit),
-        cmocka_unit_test(test_search_is_kept), cmocka_unit_test(test_far_through),
-        cmocka_unit_test(test_seconds),        cmocka_unit_test(test_strangers),
-        cmocka_unit_test(test_serves),         cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_free_ends),      cmocka_unit_test(test_tangles),
+        cmocka_unit_test(test_guard_of_train), cmocka_unit_test(test_far_flight),
+        cmocka_unit_test(test_limit),          cmocka_unit_test(test_search_is_kept),
+        cmocka_unit_test(test_far_through),    cmocka_unit_test(test_seconds),
+        cmocka_unit_test(test_strangers),      cmocka_unit_test(test_serves),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

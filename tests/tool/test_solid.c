@@ -31,6 +31,33 @@ static void test_layer_begins_softly(void **unused)
     }
 }
 
+/* A soft sheet falls on a box, by many layers in a step of any length: with contact its layer stops it. As soft as its
+   material it would let the vertices through, and the guard would step them back. */
+static void test_layer_stops_a_fall(void **unused)
+{
+    (void)unused;
+    for (int fine = 0; fine < 2; fine++) {
+        contact_scene scene;
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene.def.solver.dt = fine ? 5e-4 : 1e-2;
+        scene.def.solver.substeps = fine ? 1 : 8;
+        scene_body(&scene, make_sheet(4, 0));
+        scene.bodies[0].spring_stiffness.value *= 1e-3;
+        pel_vec3_set(scene.bodies[0].velocity, 0, 0, -2);
+        pel_vec3_set(scene_tool(&scene, PEL_TOOL_BOX)->half_extents, 5, 5, 0.5);
+        scene_move(&scene, 0, 0.5, 0.5, -0.53, -0.53, 1);
+        pel_sim *sim = scene_create(&scene);
+        assert_true(2 * sim->step.dt / scene.def.solver.substeps > 3 * sim->layers[0].thickness);
+        run_free(sim, fine ? 60 : 4);
+        pel_contact_statistics statistics = statistics_of(sim);
+        assert_int_equal(statistics.fall_backs, 0);
+        assert_int_equal(statistics.steps_divided, 0);
+        for (int32_t v = 0; v < scene.meshes[0]->vertex_count; v++)
+            assert_near(height_of(sim, v), -0.03 + sim->layers[0].thickness, 0.6 * sim->layers[0].thickness);
+        scene_end(&scene, sim);
+    }
+}
+
 /* mean force of a ball that glides over a ball filled with tissue [N], and the largest change in a step */
 static double glide(double dt, bool has_contact, double *jump)
 {
@@ -117,6 +144,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_layer_begins_softly),
+        cmocka_unit_test(test_layer_stops_a_fall),
         cmocka_unit_test(test_glides),
         cmocka_unit_test(test_glides_with_contact),
     };

@@ -190,15 +190,15 @@ static void test_forged_lists(void **unused)
         check_forged(sim, &good, horizon, &margins[i], 8);
     const int32_t last = INT32_MAX;
     check_forged(sim, &good, first, &last, 4);
-    /* the last pair of a tool: tool, triangle, vertex, -, slack, load, earlier, drag */
-    size_t pair = good.size - 16 - 6 * 8;
+    /* the last pair of a tool: tool, triangle, vertex, -, slack, load, earlier, approach, drag */
+    size_t pair = good.size - 16 - 7 * 8;
     const int32_t tools[] = {-1, 2, INT32_MAX};
     for (int i = 0; i < 3; i++)
         check_forged(sim, &good, pair, &tools[i], 4);
     for (int i = 0; i < 3; i++)
         check_forged(sim, &good, pair + 4, &last, 4);
     const double nan = (double)NAN;
-    for (size_t i = 0; i < 6; i++)
+    for (size_t i = 0; i < 7; i++)
         check_forged(sim, &good, pair + 16 + 8 * i, &nan, 8);
     /* any word */
     const uint32_t words[3] = {UINT32_MAX, INT32_MAX, 0x01010101};

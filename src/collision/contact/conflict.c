@@ -5,7 +5,10 @@
 
    Rigid bodies roll around each other and do not go straight: a marble that turns by an angle a comes nearer by its
    radius times a^2 / 8 on the chord, which is far more than the thickness. So a pair whose end is free is tested again
-   along the path of its bodies, in parts on which they turn by TURN at most. */
+   along the path of its bodies, in parts on which they turn by TURN at most. Such a pair is not what other pairs of the
+   same triangles were tested for, which is their straight way: one may pass on the path and the other on the chord,
+   while an edge ends in a triangle. But two triangles that intersect at the end, and did not at the start, have a pair
+   that meets on the chord. So no triangles of the features of a pair that is let pass may intersect at the end. */
 #include "contact/set.h"
 
 #include "base/memory.h"
@@ -28,13 +31,19 @@ typedef struct check {
     const pel_collision_result *found;
 } check;
 
-static double distance_at(const double (*x)[3], const pel_collision *hit)
+/* m; weights of the closest points: of the triangle, or of both edges */
+static double closest_at(const double (*x)[3], const pel_collision *hit, double weights[4])
 {
     const int32_t *v = hit->vertices;
-    double weights[4];
     double square = hit->edge_edge ? pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights)
                                    : pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights);
     return sqrt(square);
+}
+
+static double distance_at(const double (*x)[3], const pel_collision *hit)
+{
+    double weights[4];
+    return closest_at(x, hit, weights);
 }
 
 double pel_contact_start_distance(const pel_contact_set *set, const pel_collision *hit)
@@ -158,6 +167,43 @@ static bool turns_free(const pel_contact_set *set, const pel_collision *hit, dou
     return count > 1;
 }
 
+static bool triangles_cross(const pel_contact_set *set, int32_t a, int32_t b)
+{
+    double x[2][3][3];
+    for (int i = 0; i < 3; i++) {
+        pel_vec3_copy(set->end[set->triangles[a][i]], x[0][i]);
+        pel_vec3_copy(set->end[set->triangles[b][i]], x[1][i]);
+    }
+    return pel_triangles_intersect((const double(*)[3])x[0], (const double(*)[3])x[1]);
+}
+
+/* whether triangles at the two edges cross */
+static bool edges_cross(const pel_contact_set *set, int32_t e, int32_t f)
+{
+    const int32_t *next = pel_collider_tree(set->collider)->next_in_edge;
+    int32_t g = e, h = f;
+    do
+        do
+            if (triangles_cross(set, g / 3, h / 3))
+                return true;
+        while ((h = next[h]) != f);
+    while ((g = next[g]) != e);
+    return false;
+}
+
+/* whether triangles of the features of a pair intersect at the end */
+static bool ends_crossed(const pel_contact_set *set, const pel_collision *hit)
+{
+    if (hit->edge_edge)
+        return edges_cross(set, hit->first, hit->second);
+    for (int32_t t = 0; t < set->triangle_count; t++) {
+        const int32_t *v = set->triangles[t];
+        if ((v[0] == hit->first || v[1] == hit->first || v[2] == hit->first) && triangles_cross(set, t, hit->second))
+            return true;
+    }
+    return false;
+}
+
 /* impact of what the guard minds */
 static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision *hit)
 {
@@ -178,7 +224,7 @@ static pel_timed_hit find_impact(const pel_contact_set *set, const pel_collision
     int32_t number;
     bool is_hit = pel_ccd_solve_batch(&batch, &number, &found.hit, &statistics) > 0;
     bool may_turn = is_hit && set->def.rigids != NULL && distance_at((const double(*)[3])set->end, hit) > separation;
-    if (is_hit && !(may_turn && turns_free(set, hit, separation)))
+    if (is_hit && !(may_turn && turns_free(set, hit, separation) && !ends_crossed(set, hit)))
         impact = found;
     impact.is_solved = statistics.cubics > 0;
     return impact;
@@ -201,10 +247,31 @@ pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *co
     return PEL_OK;
 }
 
+/* six times the signed volume of the four points */
+static double volume_at(const double (*x)[3], const pel_collision *hit)
+{
+    const int32_t *v = hit->vertices;
+    double a[3], b[3], c[3], normal[3];
+    pel_vec3_subtract(x[v[hit->edge_edge ? 1 : 2]], x[v[hit->edge_edge ? 0 : 1]], a);
+    pel_vec3_subtract(x[v[3]], x[v[hit->edge_edge ? 2 : 1]], b);
+    pel_vec3_subtract(x[v[0]], x[v[hit->edge_edge ? 2 : 1]], c);
+    pel_vec3_cross(a, b, normal);
+    return pel_vec3_dot(normal, c);
+}
+
+/* Whether the end is beyond the reach of the guard, on the side of the start or past the border of the other feature:
+   what is right behind the other feature has gone through it. */
+static bool ends_free(const pel_contact_set *set, const pel_collision *hit)
+{
+    const double(*start)[3] = (const double(*)[3])set->start, (*end)[3] = (const double(*)[3])set->end;
+    double weights[4] = {1, 1, 1, 1}, distance = closest_at(end, hit, weights);
+    bool is_inside = pel_min(pel_min(weights[0], weights[1]), pel_min(weights[2], weights[3])) > 0;
+    return distance > guarded_of(set, hit) && !(is_inside && volume_at(start, hit) * volume_at(end, hit) < 0);
+}
+
 static pel_status add_hit(pel_contact_set *set, const pel_collision *hit, double time, pel_error *error)
 {
-    bool ends_free = distance_at((const double(*)[3])set->end, hit) > guarded_of(set, hit);
-    pel_conflict conflict = {.obstacle = -1, .time = time, .ends_free = ends_free};
+    pel_conflict conflict = {.obstacle = -1, .time = time, .ends_free = ends_free(set, hit)};
     for (int i = 0; i < 4; i++) {
         int32_t obstacle = pel_contact_obstacle_of(set, hit->vertices[i]);
         conflict.vertices[i] = obstacle < 0 ? hit->vertices[i] : -1;

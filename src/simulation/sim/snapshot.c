@@ -40,7 +40,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 22 };
+enum { SNAPSHOT_VERSION = 23 };
 
 typedef struct header {
     char magic[8];

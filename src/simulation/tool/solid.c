@@ -85,14 +85,15 @@ static double mass_at(const pel_sim *sim, int32_t v)
     return rigid != NULL ? rigid->shape->mass : (double)sim->model->mass[v];
 }
 
-/* m/N, of the layer between a tool and a vertex or the corners of a triangle, by their mean mass */
-static double compliance_of(const pel_sim *sim, const pel_contact *contact, int count)
+/* m/N, of the layer between a tool and a vertex or the corners of a triangle that come with a speed [m/s], by their
+   mean mass */
+static double compliance_of(const pel_sim *sim, const pel_contact *contact, double speed, int count)
 {
     int32_t body = sim->model->body_of_slice[contact->vertices[0] / PEL_WIDTH];
     double mass = 0;
     for (int i = 0; i < count; i++)
         mass += mass_at(sim, contact->vertices[i]);
-    return pel_contact_layer_compliance(&sim->layers[body], mass / count, 0, sim->step.dt);
+    return pel_contact_layer_compliance(&sim->layers[body], mass / count, speed, sim->step.dt);
 }
 
 static bool make_room(pel_sim_solids *solids, size_t count)
@@ -120,7 +121,7 @@ static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t
     for (int i = 0; i < 4; i++)
         contact->vertices[i] = triangle < 0 ? vertex : sim->model->triangles[triangle][i < 3 ? i : 0];
     contact->weights[0] = triangle < 0;
-    contact->compliance = (pel_real)compliance_of(sim, contact, triangle < 0 ? 1 : 3);
+    contact->compliance = (pel_real)compliance_of(sim, contact, 0, triangle < 0 ? 1 : 3);
     *(triangle < 0 ? &solids->pair_of_vertex[vertex] : &solids->pair_of_triangle[triangle]) = (int32_t)count;
     solids->list.count++;
     return PEL_OK;
@@ -179,6 +180,7 @@ static void take_kept(pel_sim *sim, int32_t tool, int32_t begin)
         solids->pairs[at].slack = old->slack;
         solids->pairs[at].load = old->load;
         solids->pairs[at].earlier = old->earlier;
+        solids->pairs[at].approach = old->approach;
         pel_vec3_copy(old->drag, solids->pairs[at].drag);
     }
 }
@@ -395,7 +397,7 @@ static double moved_by_load(const pel_sim *sim, const pel_contact *contact)
    the tangent where the kept load takes the point. Returns the gap from that at which the tangent carries no load. */
 static double begin_softly(const pel_sim *sim, double gap, double span, int count, pel_contact *contact)
 {
-    double end = gap + moved_by_load(sim, contact), compliance = compliance_of(sim, contact, count);
+    double end = gap + moved_by_load(sim, contact), compliance = compliance_of(sim, contact, 0, count);
     bool is_soft = fabs(end) < span;
     contact->compliance = (pel_real)(is_soft ? 2 * span / (span - end) * compliance : compliance);
     if (is_soft)
@@ -412,6 +414,26 @@ static double soft_span(const pel_sim *sim, const pel_solid_pair *pair)
     if (sim->contacts == NULL)
         return pair->triangle < 0 ? SOFT_SHARE * thickness : 0;
     return is_tissue ? TISSUE_SHARE * sim->contacts->mean_edge : 0;
+}
+
+/* With contact a layer stops what comes to it within half of its thickness, as between surfaces: beyond it the guard
+   would step the point back, in a step however short. A layer that begins softly is for what glides. */
+static void find_approach(const pel_sim *sim, const pel_record *start, pel_solid_pair *pair, pel_contact *contact)
+{
+    double way = 0;
+    if (sim->contacts == NULL || soft_span(sim, pair) > 0)
+        return;
+    for (int k = 0; k < 3; k++) {
+        double moved = -(double)contact->drift[k];
+        for (int i = 0; i < 4; i++) {
+            int32_t v = contact->vertices[i];
+            moved += (double)contact->weights[i] * (double)(sim->state->position_next[v][k] - start[v][k]);
+        }
+        way -= moved * (double)contact->normal[k];
+    }
+    if (!(contact->multiplier > 0))
+        pair->approach = pel_max(way, 0) / sim->tools->solids->list.substep;
+    contact->compliance = (pel_real)compliance_of(sim, contact, pair->approach, pair->triangle < 0 ? 1 : 3);
 }
 
 /* returns how far the vertex may go before the next look, 0 = not at all [m] */
@@ -438,6 +460,7 @@ static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_so
     double thickness = thickness_of(sim, pair), span = soft_span(sim, pair);
     double room = distance - span;
     set_plane(tool, x, normal, -begin_softly(sim, distance + pair->slack, span, 1, contact), contact);
+    find_approach(sim, start, pair, contact);
     bool is_far = !(contact->multiplier > 0) && room > PEL_CONTACT_NEAR_SHARE * thickness;
     pair->is_near = !is_far;
     return is_far ? ROOM_SHARE * room : KEEP_SHARE * thickness;
@@ -522,6 +545,7 @@ static double refresh_triangle(const pel_sim *sim, const pel_record *start, pel_
     else
         depth -= pair->slack;
     set_plane(tool, point, normal, depth, contact);
+    find_approach(sim, start, pair, contact);
     return keep;
 }
 
@@ -686,7 +710,7 @@ void pel_solids_release(pel_sim *sim)
 /* what a snapshot has of a pair */
 typedef struct pair_numbers {
     int32_t tool, triangle, vertex, unused;
-    double slack, load, earlier, drag[3];
+    double slack, load, earlier, approach, drag[3];
 } pair_numbers;
 
 static void save_pair(pel_cursor *at, const pel_solid_pair *pair)
@@ -696,7 +720,8 @@ static void save_pair(pel_cursor *at, const pel_solid_pair *pair)
                             .vertex = pair->vertex,
                             .slack = pair->slack,
                             .load = pair->load,
-                            .earlier = pair->earlier};
+                            .earlier = pair->earlier,
+                            .approach = pair->approach};
     pel_vec3_copy(pair->drag, numbers.drag);
     pel_transfer(at, &numbers, sizeof numbers);
 }
@@ -710,7 +735,8 @@ static void load_pair(pel_cursor *at, pel_solid_pair *pair)
                              .vertex = numbers.vertex,
                              .slack = numbers.slack,
                              .load = numbers.load,
-                             .earlier = numbers.earlier};
+                             .earlier = numbers.earlier,
+                             .approach = numbers.approach};
     pel_vec3_copy(numbers.drag, pair->drag);
 }
 
@@ -749,8 +775,9 @@ static bool is_whole(const pel_sim *sim, const pel_solid_pair *pair)
     const pel_model *model = sim->model;
     if (pair->tool < 0 || pair->tool >= sim->tools->count || !presses(&sim->tools->items[pair->tool]))
         return false;
-    if (!(pair->load >= 0 && pair->earlier >= 0 && pair->slack >= 0) ||
-        !isfinite(pair->load + pair->earlier + pair->slack + pair->drag[0] + pair->drag[1] + pair->drag[2]))
+    if (!(pair->load >= 0 && pair->earlier >= 0 && pair->slack >= 0 && pair->approach >= 0) ||
+        !isfinite(pair->load + pair->earlier + pair->slack + pair->approach + pair->drag[0] + pair->drag[1] +
+                  pair->drag[2]))
         return false;
     if (pair->triangle < 0)
         return pair->triangle == -1 && pair->vertex >= 0 && pair->vertex < model->vertex_count;

@@ -17,6 +17,7 @@ typedef struct pel_solid_pair {
     bool is_known;                  /* its slack is */
     bool is_near;                   /* it may touch in this substep */
     double slack;                   /* m, by which it may be in the tool: it was so at the start */
+    double approach;                /* m/s, with which it came, that the layer stops */
     double load, earlier, drag[3];  /* N, along the normal and across it; warm start of the next substep */
     double mean_load, mean_drag[3]; /* N, over the substeps of this step */
     double owed, owed_drag[3];      /* N, parts of them that are no forces of the step yet */
