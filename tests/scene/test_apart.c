@@ -1,4 +1,5 @@
-/* Surfaces that start nearer than their thickness, under methods whose contact is corrected after the step. */
+/* Surfaces that start nearer than their thickness, under methods whose contact is corrected after the step; bodies that
+   start inside of another one. */
 #include "scene_run.h"
 
 #define THICKNESS 1e-3
@@ -48,8 +49,37 @@ static void test_apart(void **unused)
     end(&r);
 }
 
+#define FLESH                                                                                                          \
+    "version: 1\nduration: 1\nbodies:\n  - {name: flesh, mesh: {shape: geodesic-sphere, frequency: 4, radius: 0.05}, "
+#define BONE                                                                                                           \
+    "  - {name: bone, mesh: {shape: box, size_x: 0.02, size_y: 0.02, size_z: 0.02, nx: 2, ny: 2, nz: 2}, rigid: {}}\n"
+#define SOLID "volume: {young: 1e4, edge: 0.015}}\n"
+
+/* tetrahedra have contact at their surface only: what starts inside of them would fall through, unless it is tied */
+static void test_buried(void **unused)
+{
+    (void)unused;
+    static const refusal bad[] = {
+        {FLESH SOLID BONE, "body 'bone' starts inside body 'flesh', whose tetrahedra do not feel it"},
+        {FLESH SOLID BONE "contact: {self: true}\n", "body 'bone' starts inside body 'flesh'"},
+    };
+    static const char *const good[] = {
+        FLESH SOLID BONE "contact: none\n",
+        FLESH SOLID BONE "contact: {start: tangled}\n",
+        FLESH SOLID BONE
+        "attachments: [{body: flesh, at: {sphere: {center: [0, 0, 0], radius: 0.02}}, to: {body: bone}}]\n",
+        FLESH "membrane: {young: 1e5, thickness: 1e-3}}\n" BONE,
+    };
+    check_refusals(bad, sizeof bad / sizeof *bad);
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        run r;
+        check_begin(&r, good[i]);
+        end(&r);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_apart)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_apart), cmocka_unit_test(test_buried)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,6 +22,8 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:6:25: error: vertex 0 of a body with `volume`, whose surface has other vertices. select by place"},
     {BALL "    volume: {young: 1000}\n    mass: {thickness: 0.001}\n", NULL,
      "a.yaml:6:12: error: the body has a `volume`: its mass is the density times its volume. omit mass.thickness"},
+    {BALL "    volume: {young: 1000}\n    pressure: {inside: 5}\n", NULL,
+     "a.yaml:6:16: error: the body has a `volume`: what is inside of its surface is solid. use pressure.outside"},
     {BALL "    volume: {young: {field: stiff}}\n", NULL,
      "a.yaml:5:29: error: field 'stiff' of a body with `volume`: filling does not carry fields over. select by place"},
     {BALL "    volume: {young: 1000}\n    pinned: {group: top}\n", NULL,

@@ -118,6 +118,55 @@ static void test_obstacle(void **unused)
     end(&r);
 }
 
+/* what lies on an obstacle is its load, once, under all methods */
+static void test_obstacle_carries(void **unused)
+{
+    (void)unused;
+    static const char *const methods[] = {"xpbd", "implicit"};
+    for (int m = 0; m < 2; m++) {
+        char line[1200], more[400];
+        follow("whole_*.obj', start: 9", more);
+        snprintf(
+            line, sizeof line,
+            "%s  - name: sheet\n    mesh: { shape: grid, nx: 4, ny: 4, size_x: 1, size_y: 1, translate: [0.1, 0, "
+            "0.0021] }\n    membrane: { young: 1e5, thickness: 0.002 }\ngravity: [0, 0, -10]\ncontact: { thickness: "
+            "0.002 }\n",
+            more);
+        scene("whole_0.obj", line);
+        char *method = strstr(text, "xpbd"), rest[100];
+        snprintf(rest, sizeof rest, "%s%s", methods[m], method + strlen("xpbd"));
+        snprintf(method, sizeof text - (size_t)(method - text), "%s", rest);
+        run r;
+        pel_tool_reading reading;
+        check_begin(&r, text);
+        for (int s = 0; s < 100; s++)
+            assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+        pel_sim_get_tool(r.sim, 0, &reading);
+        assert_near(reading.force[2], -20, 0.1);
+        end(&r);
+    }
+}
+
+/* an obstacle has neither springs nor a mass of its own: what it feels is what touches it */
+static void test_obstacle_alone(void **unused)
+{
+    (void)unused;
+    char more[400];
+    follow("whole_*.obj', fps: 10", more);
+    run r;
+    check_begin(&r, scene("whole_0.obj, scale: 0.5", more));
+    for (int s = 0; s < 25; s++) {
+        pel_tool_reading reading;
+        assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+        pel_sim_get_tool(r.sim, 0, &reading);
+        assert_near(reading.force[2], 0, 0.02);
+    }
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(r.sim, &ledger);
+    assert_true(ledger.kinetic < 1e-3 && fabs(ledger.work_tools) < 1e-2);
+    end(&r);
+}
+
 /* springs draw the whole sheet along: under its weight it hangs by m g / k below its place */
 static void test_springs(void **unused)
 {
@@ -170,6 +219,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_moves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_obstacle, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_obstacle_carries, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_obstacle_alone, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_springs, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refusals, set_up, tear_down),
     };

@@ -294,7 +294,7 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
             "refine the body that it touches (refine: auto for shells, near_tools for tissue), or use a finer mesh");
     else if (body->volume.on)
         snprintf(text, size, "use bodies.%s.volume.edge=%.2g", body->name,
-                 pel_pow(0.5, levels) * mean_edge(body->mesh));
+                 mean_edge(body->mesh) * (contacts > 0 ? sqrt(contacts / (1.25 * PEL_LEAST_CONTACTS)) : 0.5));
     else if (bends && body->refine.levels == 0)
         snprintf(text, size, "use bodies.%s.refine=auto, or a finer mesh", body->name);
     else if (body->refine.levels > 0)

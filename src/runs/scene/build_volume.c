@@ -13,6 +13,19 @@ static pel_status check_mass(pel_scene_reader *reader, const pel_scene_value *bo
     return PEL_BAD_SCENE;
 }
 
+/* a cavity would be drawn together by it, against what is meant */
+static pel_status check_pressure(pel_scene_reader *reader, const pel_scene_value *body)
+{
+    const pel_scene_value *inside = pel_scene_value_at(body, "pressure.inside");
+    if (inside == NULL || inside->is_implied)
+        return PEL_OK;
+    pel_scene_fail(reader, &inside->key_place, "the body has a `volume`: what is inside of its surface is solid");
+    pel_fail_remedy(reader->error,
+                    "use pressure.outside, which presses on the surface; for a pressure in a cavity with "
+                    "a `region` at the wall of the cavity");
+    return PEL_BAD_SCENE;
+}
+
 pel_status pel_scene_fill_mesh(pel_scene_reader *reader, const pel_scene_value *body, pel_mesh **mesh)
 {
     const pel_scene_value *volume = pel_scene_value_entry(body, "volume");
@@ -22,9 +35,12 @@ pel_status pel_scene_fill_mesh(pel_scene_reader *reader, const pel_scene_value *
         pel_fail_remedy(reader->error, "give the body `volume: { young: ... }`, or a file of its surface");
         return PEL_BAD_SCENE;
     }
+    pel_status status = volume != NULL ? check_pressure(reader, body) : PEL_OK;
+    if (status != PEL_OK)
+        return status;
     if (volume == NULL || volume->kind != PEL_SCENE_MAP || (*mesh)->tetrahedron_count > 0)
         return PEL_OK;
-    pel_status status = check_mass(reader, body);
+    status = check_mass(reader, body);
     if (status != PEL_OK)
         return status;
     const pel_scene_value *edge = pel_scene_value_entry(volume, "edge");

@@ -349,6 +349,26 @@ static pel_status imply_paper_a(pel_scene_reader *reader, pel_scene_value *body)
     return status;
 }
 
+/* What only follows an animation is an obstacle. With springs and a mass the force on it would be that of its own
+   springs, damping and inertia, which no tool has. */
+static pel_status imply_obstacle(pel_scene_reader *reader, pel_scene_value *body)
+{
+    static const char *const made[] = {"membrane", "volume", "springs", "volumetric",
+                                       "pressure", "preset", "mass",    NULL};
+    static const char *const partly[] = {"at", "from", "until", "stiffness", "strength", NULL};
+    pel_scene_value *follow = find_map(body, "follow");
+    bool is_obstacle = follow != NULL;
+    for (const char *const *key = made; *key != NULL; key++)
+        is_obstacle = is_obstacle && find(body, *key) == NULL;
+    for (const char *const *key = partly; *key != NULL; key++)
+        is_obstacle = is_obstacle && find(follow, *key) == NULL;
+    if (!is_obstacle)
+        return PEL_OK;
+    pel_scene_value *mass = add(reader, body, "mass", PEL_SCENE_MAP);
+    pel_status status = mass != NULL ? set_text(reader, mass, "density", "1.0e-3") : PEL_OUT_OF_MEMORY;
+    return status == PEL_OK ? imply_no_springs(reader, body) : status;
+}
+
 /* the filling is as stiff as the skin */
 static pel_status imply_tissue(pel_scene_reader *reader, pel_scene_value *body)
 {
@@ -439,7 +459,9 @@ static pel_status imply_body(pel_scene_reader *reader, pel_scene_value *body, bo
         pel_status fit = check_rigid(reader, body);
         return fit == PEL_OK ? imply_no_springs(reader, body) : fit;
     }
-    pel_status status = imply_viscosity(reader, body);
+    pel_status status = imply_obstacle(reader, body);
+    if (status == PEL_OK)
+        status = imply_viscosity(reader, body);
     if (status == PEL_OK && membrane != NULL)
         status = imply_membrane(reader, body, membrane);
     pel_scene_value *volume = find_map(body, "volume");

@@ -38,6 +38,7 @@
 #include "tool/support.h"
 #include "touch/restitution.h"
 #include "touch/sleep.h"
+#include "touch/tangle.h"
 
 enum { SIM_COOKIE = 0x73696d21 };
 
@@ -311,6 +312,8 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
                               error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
+    if (status == PEL_OK && !sim->goes_on)
+        status = pel_contacts_refuse_buried(sim, def, error);
     if (status == PEL_OK)
         status = pel_ties_create(sim, def, error);
     if (status == PEL_OK)

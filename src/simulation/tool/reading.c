@@ -85,9 +85,11 @@ void pel_tool_mean_point(const pel_sim *sim, const pel_tool *tool, int32_t v, do
     }
 }
 
-/* contact forces on held vertices act on their tool; the explicit step needs their mass again */
+/* Contact forces on held vertices act on their tool; the explicit step needs their mass again. Where contacts are
+   constraints of a minimisation, they are among its forces on held vertices. */
 static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
 {
+    const bool is_counted = sim->stepper->minimises && sim->contact_in_loop;
     for (int32_t i = 0; i < tool->held_count; i++) {
         int32_t v = tool->held[i];
         double force[3], point[3];
@@ -95,7 +97,8 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
         pel_contact_force_at(&sim->contact_forces.vertex_next, v, force);
         pel_vec3_add(force, sim->tools->grip_forces[v], force);
         pel_tool_mean_point(sim, tool, v, point);
-        pel_tool_add_grip(sim, tool, v, point, force);
+        if (!is_counted)
+            pel_tool_add_grip(sim, tool, v, point, force);
         if (!pel_sim_is_projected(sim))
             sim->state->position_next[v][3] = sim->model->inverse_mass[v];
     }

@@ -197,6 +197,18 @@ static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thi
                                .friction = friction >= 0 ? friction : sim->touch->def.friction};
 }
 
+/* an animation moves all vertices of the body, for good: its layer is never the weaker one */
+static bool is_obstacle(const pel_sim *sim, int32_t body)
+{
+    bool is = false;
+    for (int32_t t = 0; t < sim->tools->count; t++) {
+        const pel_tool *tool = &sim->tools->items[t];
+        is |= tool->sequence != NULL && tool->body == body && !(tool->grasp_from > 0) && isinf(tool->strength) &&
+              isinf(tool->grasp_until) && tool->support_count == sim->given->bodies[body].mesh->vertex_count;
+    }
+    return is;
+}
+
 /* thickness of bodies, at most the length of their edges, and of tools */
 static pel_status set_groups(pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
 {
@@ -210,7 +222,7 @@ static pel_status set_groups(pel_sim *sim, pel_contact_set_def *def, pel_contact
         groups[i] = group_of(sim, i, def->thickness);
         if (i < def->body_count) {
             pel_layer_set_thickness(sim, i, groups[i].thickness);
-            groups[i].hardness = sim->layers[i].hardness;
+            groups[i].hardness = is_obstacle(sim, i) ? (double)HUGE_VAL : sim->layers[i].hardness;
         }
         edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
         if (i < def->body_count && groups[i].thickness > edges.length)

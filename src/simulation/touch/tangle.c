@@ -83,6 +83,41 @@ pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error)
     return status;
 }
 
+static bool are_tied(const pel_sim_def *def, int32_t a, int32_t b)
+{
+    for (int32_t i = 0; i < def->tie_count; i++) {
+        const pel_tie_def *tie = &def->ties[i];
+        bool is_pair = tie->target == PEL_TIE_BODY || tie->target == PEL_TIE_VERTICES;
+        if (is_pair && ((tie->body == a && tie->to_body == b) || (tie->body == b && tie->to_body == a)))
+            return true;
+    }
+    return false;
+}
+
+pel_status pel_contacts_refuse_buried(const pel_sim *sim, const pel_sim_def *def, pel_error *error)
+{
+    const pel_model *model = sim->model;
+    const pel_contact_set *set = sim->contacts;
+    for (int32_t b = 0; set != NULL && !sim->touch->def.allow_tangled && b < model->body_count; b++)
+        for (int32_t solid = 0; solid < model->body_count; solid++) {
+            double point[3];
+            bool may_meet = set->may_meet[b * (set->def.body_count + set->def.obstacle_count) + solid];
+            if (solid == b || model->bodies[solid].shell == NULL || !may_meet || pel_surface_count(model, b) == 0 ||
+                model->bodies[solid].shell->tetrahedron_count == 0 || are_tied(def, b, solid))
+                continue;
+            pel_vertex_position(sim->state->position, model->triangles[pel_surface_triangle(model, b, 0)][0], point);
+            if (pel_tool_starts_within(sim, point, solid))
+                return pel_refuse(error, PEL_BAD_ARGUMENT,
+                                  "tie vertices inside of the latter to the former with `attachments`, give the latter "
+                                  "a stiffer region instead (volume: { young: { base, regions } }), or a mesh with a "
+                                  "cavity",
+                                  "body '%s' starts inside body '%s', whose tetrahedra do not feel it: it would move "
+                                  "through them",
+                                  model->bodies[b].name, model->bodies[solid].name);
+        }
+    return PEL_OK;
+}
+
 /* those of the surface before the cut need no search where they are known */
 static pel_status count_before(pel_sim *sim, int64_t *count, pel_error *error)
 {

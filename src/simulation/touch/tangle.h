@@ -7,6 +7,10 @@
 /* Refuses intersections found at the start, and tools inside of bodies. PEL_BAD_ARGUMENT. */
 pel_status pel_contacts_refuse_tangles(const pel_sim *sim, pel_error *error);
 
+/* Refuses a body that starts inside of another one's tetrahedra, which have contact at their surface only, unless a tie
+   joins both. PEL_BAD_ARGUMENT. */
+pel_status pel_contacts_refuse_buried(const pel_sim *sim, const pel_sim_def *def, pel_error *error);
+
 /* After a cut: refuses intersections that the simulation before it did not have, whose cut is held back then.
    PEL_BAD_ARGUMENT, and errors of pel_tangles_find. */
 pel_status pel_contacts_check_lips(pel_sim *before, pel_sim *sim, pel_error *error);
