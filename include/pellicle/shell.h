@@ -38,6 +38,11 @@ typedef struct pel_membrane_def {
     pel_quantity strength;  /* Pa, true stress at which a tear starts (pel_tear_def): the mean of the largest principal
                                stress over a disc of 1.32 young toughness / (pi strength^2) around a vertex; 0 (default)
                                = at no stress; needs a toughness; no keys */
+    pel_quantity rest_scale;  /* > 0: lengths of the shape without stress over those of the mesh, a body that grows or
+                                 shrinks; its mass, thickness and moduli stay; 0 (default) = 1; no keys, but: */
+    const pel_key *rest_keys; /* (rest_key_count) over time the share r of it, from 0, the shape of the mesh, to 1: the
+                                 scale is 1 + r (rest_scale - 1); none = 1 */
+    int32_t rest_key_count;
 } pel_membrane_def;
 
 typedef enum pel_bending_model {

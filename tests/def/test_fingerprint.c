@@ -41,7 +41,7 @@ static void fill_body(all_defs *all, pel_body_def *body)
         &body->thickness,          &body->spring_stiffness, &body->spring_damping,      &body->volumetric_stiffness,
         &body->volumetric_damping, &shell->membrane.young,  &shell->membrane.thickness, &shell->bending.stiffness,
         &shell->pressure.outside,  &shell->pressure.target, &shell->membrane.toughness, &body->spring_toughness,
-        &shell->membrane.strength, &body->spring_strength,  &body->volume.young};
+        &shell->membrane.strength, &body->spring_strength,  &body->volume.young,        &shell->membrane.rest_scale};
     *body = pel_body_def_default();
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         fill_quantity(all, quantities[i]);
@@ -50,6 +50,8 @@ static void fill_body(all_defs *all, pel_body_def *body)
     body->pinned_count = body->refine.region_count = body->origin_count = 3;
     shell->anisotropies = all->anisotropies;
     shell->anisotropy_count = 2;
+    shell->membrane.rest_keys = all->keys;
+    shell->membrane.rest_key_count = 2;
     shell->pressure.weights = shell->membrane.coordinate = all->field;
 }
 

@@ -149,21 +149,22 @@ static void fill_edge(const plan *p, const pel_batch *batch, int32_t i)
         *pel_batch_number(batch, i, 1) = (pel_real)(1 / edge_stiffness(p, slot, lane));
 }
 
-static void fill_triangle(const plan *p, const pel_batch *batch, int32_t i)
+/* flows: of the state; null = the shape at rest */
+static void fill_triangle(const pel_shell *shell, const pel_flow *flows, const pel_batch *batch, int32_t i)
 {
     PEL_ASSERT_INDEX(i, batch->block_count * PEL_BLOCK);
-    const pel_rest_triangle rest = pel_shell_rest(p->body->shell, batch->sources[i]);
+    const pel_rest_triangle rest = pel_shell_rest_now(shell, batch->sources[i], flows);
     for (int j = 0; j < 3; j++)
         *pel_batch_number(batch, i, j) = (pel_real)rest.inverse[j];
     if (batch->kind == PEL_CONSTRAINT_LIMIT)
         return;
-    pel_shell_sheet sheet = pel_shell_sheet_of(p->body->shell, batch->sources[i]);
+    pel_shell_sheet sheet = pel_shell_sheet_of(shell, batch->sources[i]);
     double stiffness = rest.area * sheet.young * sheet.thickness;
-    int traits = pel_membrane_law_traits(p->body->shell->law.kind);
+    int traits = pel_membrane_law_traits(shell->law.kind);
     if ((traits & PEL_LAW_CONSTANT_TANGENT) == 0)
         stiffness *= batch->law.modulus;
     *pel_batch_number(batch, i, 3) = (pel_real)(pel_law_has_compliance(traits) ? 1 / stiffness : stiffness);
-    const pel_membrane_law law = pel_shell_law(p->body->shell, batch->sources[i]);
+    const pel_membrane_law law = pel_shell_law_now(shell, batch->sources[i], flows);
     for (int j = PEL_TRIANGLE_NUMBERS; j < batch->number_count; j++)
         *pel_batch_number(batch, i, j) = (pel_real)law.numbers[j - PEL_TRIANGLE_NUMBERS];
 }
@@ -299,7 +300,7 @@ static void fill_number(const plan *p, const pel_batch *batch, int32_t i)
     else if (batch->kind == PEL_CONSTRAINT_PRESSURE)
         fill_pressed(p, batch, i);
     else
-        fill_triangle(p, batch, i);
+        fill_triangle(p->body->shell, NULL, batch, i);
 }
 
 /* areas around the vertices */
@@ -443,10 +444,16 @@ static pel_status add_solid(plan *p, pel_error *error)
     return add_batch(p, batch, error);
 }
 
+bool pel_batch_is_plastic(const pel_batch *batch, const pel_shell *shell)
+{
+    return shell != NULL &&
+           (batch->kind == PEL_CONSTRAINT_FOLD || (pel_batch_is_membrane(batch) && pel_shell_flows(shell)) ||
+            (batch->kind == PEL_CONSTRAINT_LIMIT && shell->growths != NULL));
+}
+
 static bool changes(const plan *p, const pel_batch *batch)
 {
-    return batch->kind == PEL_CONSTRAINT_FOLD || batch->kind == PEL_CONSTRAINT_CAVE ||
-           (pel_batch_is_membrane(batch) && p->body->shell->yields) ||
+    return pel_batch_is_plastic(batch, p->body->shell) || batch->kind == PEL_CONSTRAINT_CAVE ||
            (batch->region >= 0 && p->body->shell->regions[batch->region].def.direction == PEL_FIBRE_PRINCIPAL);
 }
 
@@ -763,14 +770,7 @@ void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *po
     }
 }
 
-/* ---- what yields ---- */
-
-static void fill_flow(const pel_batch *batch, const pel_flow *flow, int32_t i)
-{
-    for (int j = 0; j < 3; j++)
-        *pel_batch_number(batch, i, j) = (pel_real)flow->inverse[j];
-    *pel_batch_number(batch, i, PEL_TRIANGLE_NUMBERS) = (pel_real)flow->slip;
-}
+/* ---- what yields or grows ---- */
 
 void pel_batch_slip(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
                     const pel_plastic *plastic)
@@ -780,7 +780,7 @@ void pel_batch_slip(const pel_batches *batches, int32_t body, const pel_batch *b
     const pel_shell *shell = batches->model->bodies[body].shell;
     for (int32_t i = block * PEL_BLOCK; i < (block + 1) * PEL_BLOCK; i++) {
         if (batch->kind != PEL_CONSTRAINT_FOLD) {
-            fill_flow(batch, &plastic->flows[shell->first_flow + batch->sources[i]], i);
+            fill_triangle(shell, plastic->flows, batch, i);
             continue;
         }
         pel_shell_hinge hinge = pel_shell_hinge_of(shell, batch->sources[i]);

@@ -46,7 +46,10 @@ void pel_batches_rebuild(pel_batches *batches, int32_t body);
    positions. */
 void pel_batches_follow(pel_batches *batches, int32_t body, const pel_record *positions);
 
-/* Sets what a state changes of a block that yields: rest and yield angles of hinges, shapes and slip of triangles. */
+/* Whether its numbers follow what yields or grows in a state. The shell may be null. */
+bool pel_batch_is_plastic(const pel_batch *batch, const pel_shell *shell);
+/* Sets what a state changes of a block that yields or grows: rest and yield angles of hinges, shapes and slip of
+ * triangles. */
 void pel_batch_slip(const pel_batches *batches, int32_t body, const pel_batch *batch, int32_t block,
                     const pel_plastic *plastic);
 

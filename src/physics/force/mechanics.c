@@ -279,16 +279,18 @@ static void to_plane(const double u[6], const double space[6], double plane[3])
     plane[2] = u[0] * column[1][0] + u[2] * column[1][1] + u[4] * column[1][2];
 }
 
-static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_record *rest, const pel_record *position,
-                            pel_triangle_mechanics *out)
+static void finish_triangle(const pel_shell_body *own, int32_t t, const pel_flow *flows, const pel_record *rest,
+                            const pel_record *position, pel_triangle_mechanics *out)
 {
     const int32_t *corners = own->shell->corners[t];
-    const pel_rest_triangle shape = pel_shell_rest(own->shell, t);
+    /* strains of what yields are those from the mesh, of what grows those from its shape without stress */
+    const pel_rest_triangle mesh = pel_shell_rest(own->shell, t);
+    const pel_rest_triangle shape = own->shell->growths != NULL ? pel_shell_rest_now(own->shell, t, flows) : mesh;
     double thickness = pel_shell_sheet_of(own->shell, t).thickness;
     double x[3][3], at_rest[3][3], axes[6], f[6], inverse[6], plane[3];
     pel_load_points(position, corners, 3, x);
     pel_load_points(rest, corners, 3, at_rest);
-    pel_deformation_gradient(&shape, (const double(*)[3])at_rest, axes);
+    pel_deformation_gradient(&mesh, (const double(*)[3])at_rest, axes);
     pel_deformation_gradient(&shape, (const double(*)[3])x, f);
     double c11 = 0, c22 = 0, c12 = 0;
     for (int i = 0; i < 3; i++) {
@@ -327,5 +329,5 @@ void pel_mechanics_finish(const pel_shell_forces *forces, int32_t body, const pe
 {
     const pel_shell_body *own = forces != NULL ? pel_shell_body_of(forces, body) : NULL;
     for (int32_t t = 0; own != NULL && t < own->shell->triangle_count; t++)
-        finish_triangle(own, t, forces->model->rest, position, &triangles[t]);
+        finish_triangle(own, t, forces->plastic.flows, forces->model->rest, position, &triangles[t]);
 }

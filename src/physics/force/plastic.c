@@ -1,5 +1,5 @@
-/* What slips of a sheet that yields: folds and flows. Blocks are looked at in lanes; hinges beyond their yield angle
-   slip one by one, triangles beyond their yield stress together. */
+/* What slips of a sheet that yields, and what grows: folds and flows. Blocks are looked at in lanes; hinges beyond
+   their yield angle slip one by one, triangles beyond their yield stress together. */
 #include "base/assert.h"
 #include "force/shell_body.h"
 #include "math/functions.h"
@@ -121,8 +121,7 @@ void pel_shell_forces_set_plastic(pel_shell_forces *forces, const pel_plastic *p
         const pel_shell *shell = forces->bodies[b].shell;
         for (int32_t i = 0; i < forces->batches->bodies[b].batch_count; i++) {
             const pel_batch *batch = &forces->batches->bodies[b].batches[i];
-            const bool slips = batch->kind == PEL_CONSTRAINT_FOLD || (pel_batch_is_membrane(batch) && shell->yields);
-            for (int32_t block = 0; slips && block < batch->block_count; block++)
+            for (int32_t block = 0; pel_batch_is_plastic(batch, shell) && block < batch->block_count; block++)
                 pel_batch_slip(forces->batches, b, batch, block, plastic);
         }
     }

@@ -68,20 +68,24 @@ static void load_step(const pel_tangent_loop *loop, const int32_t *const nodes[L
     }
 }
 
-/* shape without stress and slip in a state */
+/* shape without stress and slip in the step in progress */
 static void load_flow(const pel_tangent_loop *loop, const pel_tangent_shell *own, const int32_t t[LANES],
                       pel_sheet *sheet)
 {
-    const pel_flow *flows = loop->input->state != NULL ? loop->input->state->plastic.flows : NULL;
-    const double *shape[LANES], *slip[LANES];
-    for (int l = 0; flows != NULL && l < LANES; l++) {
+    const pel_flow *flows = loop->input->state != NULL ? loop->input->state->plastic_next.flows : NULL;
+    const double *shape[LANES], *slip[LANES], *growth[LANES];
+    if (flows == NULL)
+        return;
+    for (int l = 0; l < LANES; l++) {
         const pel_flow *flow = &flows[own->shell->first_flow + t[l]];
         shape[l] = flow->inverse;
         slip[l] = &flow->slip;
+        growth[l] = &flow->growth;
     }
-    for (int k = 0; flows != NULL && k < 3; k++)
+    for (int k = 0; k < 3; k++)
         sheet->inverse[k] = pel_tangent_gather(shape, k);
-    if (flows != NULL)
+    sheet->area = sheet->area * pel_tangent_gather(growth, 0);
+    if (own->shell->yields)
         sheet->numbers[0] = pel_tangent_gather(slip, 0);
 }
 
@@ -103,7 +107,7 @@ static void load_sheet(const pel_tangent_loop *loop, const pel_tangent_shell *ow
     sheet->kind = own->shell->law.kind;
     for (int k = 0; k < PEL_LAW_NUMBERS; k++)
         sheet->numbers[k] = pel_lane_splat(own->shell->law.numbers[k]);
-    if (own->shell->yields)
+    if (pel_shell_flows(own->shell))
         load_flow(loop, own, t, sheet);
     if (!pel_law_is_oriented(pel_membrane_law_traits(sheet->kind)))
         return;

@@ -136,6 +136,41 @@ static pel_status check_flow(const pel_body_def *def, int32_t body, pel_error *e
     return PEL_OK;
 }
 
+/* whether its shape without stress is not that of the mesh */
+static bool grows(const pel_membrane_def *membrane)
+{
+    const pel_quantity *scale = &membrane->rest_scale;
+    return membrane->on && (scale->field != NULL || (scale->value > 0 && scale->value != 1));
+}
+
+static pel_status check_growth(const pel_body_def *def, int32_t body, pel_error *error)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    const pel_quantity course = {.keys = membrane->rest_keys, .key_count = membrane->rest_key_count};
+    pel_status status =
+        pel_quantity_check(&membrane->rest_scale, def->mesh->vertex_count, body, "rest_scale", false, error);
+    if (status == PEL_OK)
+        status = pel_quantity_check(&course, def->mesh->vertex_count, body, "rest_keys", true, error);
+    for (int32_t v = 0; status == PEL_OK && membrane->rest_scale.field != NULL && v < def->mesh->vertex_count; v++)
+        if (!(membrane->rest_scale.field[v] > 0))
+            status = pel_body_refuse(error, body, "rest_scale", membrane->rest_scale.field[v], "give numbers above 0");
+    for (int32_t k = 0; status == PEL_OK && k < course.key_count; k++)
+        if (course.keys[k].value > 1)
+            status = pel_body_refuse(error, body, "rest_keys", course.keys[k].value, "give shares from 0 to 1");
+    if (status != PEL_OK || !grows(membrane))
+        return status;
+    if (def->refine.levels > 0 || def->origins != NULL || membrane->toughness.value > 0 ||
+        membrane->toughness.field != NULL)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "leave out `rest_scale`, or `refine`, cuts and `toughness`",
+                                  "a body that grows keeps its triangles: it neither refines nor is cut");
+    if (pel_law_yields(pel_membrane_law_traits(membrane->kind)) || def->shell.anisotropy_count > 0)
+        return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                                  "leave out `rest_scale`, or take another material and no `anisotropy`",
+                                  "fibres and elastoplastic membranes have a shape without stress of their own");
+    return PEL_OK;
+}
+
 static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_error *error)
 {
     const pel_membrane_def *membrane = &def->shell.membrane;
@@ -151,6 +186,8 @@ static pel_status check_membrane(const pel_body_def *def, int32_t body, pel_erro
         status = pel_quantity_check(&membrane->thickness, def->mesh->vertex_count, body, "thickness", false, error);
     if (status == PEL_OK)
         status = check_flow(def, body, error);
+    if (status == PEL_OK)
+        status = check_growth(def, body, error);
     if (status == PEL_OK)
         status = pel_toughness_check(&membrane->toughness, def, body, error);
     if (status == PEL_OK)
@@ -403,6 +440,19 @@ static pel_membrane_material unit_material(const pel_membrane_material *material
     return unit;
 }
 
+static pel_status create_growth(const pel_membrane_def *membrane, pel_shell *shell, pel_error *error)
+{
+    const pel_quantity course = {.keys = membrane->rest_keys, .key_count = membrane->rest_key_count};
+    if (!grows(membrane))
+        return PEL_OK;
+    shell->growths = pel_allocate((size_t)shell->triangle_count, sizeof *shell->growths);
+    if (shell->growths == NULL)
+        return pel_fail_memory(error);
+    for (int32_t t = 0; t < shell->triangle_count; t++)
+        shell->growths[t] = corner_mean(&membrane->rest_scale, shell->mesh->triangles[t]) - 1;
+    return pel_curve_copy(&course, &shell->growth_course, error);
+}
+
 static pel_status create_triangles(const pel_body_def *def, const pel_model *model, const pel_body *body,
                                    pel_shell *shell, pel_error *error)
 {
@@ -433,7 +483,7 @@ static pel_status create_triangles(const pel_body_def *def, const pel_model *mod
     pel_status status = check_areas(body, shell, error);
     if (status == PEL_OK && has_warp(&def->shell))
         status = create_axes(membrane, shell, error);
-    return status;
+    return status == PEL_OK ? create_growth(membrane, shell, error) : status;
 }
 
 /* D of a triangle by its material; 0 without a membrane */
@@ -782,9 +832,9 @@ void pel_shell_destroy(pel_shell *shell)
     for (int32_t i = 0; i < shell->region_count; i++) {
         PEL_FREE_ALL(shell->regions[i].triangles, shell->regions[i].weights, shell->regions[i].course.keys);
     }
-    PEL_FREE_ALL(shell->sheets, shell->axes, shell->coordinate, shell->hinge_sides, shell->hinge_stiffnesses,
-                 shell->rest_angles, shell->yield_angles, shell->regions, shell->parts, shell->outside.keys,
-                 shell->target.keys, shell->pressure_weights);
+    PEL_FREE_ALL(shell->sheets, shell->axes, shell->growths, shell->growth_course.keys, shell->coordinate,
+                 shell->hinge_sides, shell->hinge_stiffnesses, shell->rest_angles, shell->yield_angles, shell->regions,
+                 shell->parts, shell->outside.keys, shell->target.keys, shell->pressure_weights);
     pel_filled_destroy(shell);
     pel_free(shell);
 }
@@ -839,7 +889,7 @@ int32_t pel_model_flow_count(const pel_model *model)
 {
     int32_t count = 0;
     for (int32_t b = 0; b < model->body_count; b++)
-        if (model->bodies[b].shell != NULL && model->bodies[b].shell->yields)
+        if (model->bodies[b].shell != NULL && pel_shell_flows(model->bodies[b].shell))
             count += model->bodies[b].shell->triangle_count;
     return count;
 }
@@ -847,9 +897,29 @@ int32_t pel_model_flow_count(const pel_model *model)
 pel_rest_triangle pel_shell_rest_now(const pel_shell *shell, int32_t t, const pel_flow *flows)
 {
     pel_rest_triangle rest = pel_shell_rest(shell, t);
-    if (shell->yields && flows != NULL)
-        memcpy(rest.inverse, flows[shell->first_flow + t].inverse, sizeof rest.inverse);
+    if (!pel_shell_flows(shell) || flows == NULL)
+        return rest;
+    const pel_flow *flow = &flows[shell->first_flow + t];
+    memcpy(rest.inverse, flow->inverse, sizeof rest.inverse);
+    rest.area *= flow->growth;
     return rest;
+}
+
+double pel_shell_growth(const pel_shell *shell, double time)
+{
+    return pel_curve_value(shell->growth_course.keys, shell->growth_course.key_count, time);
+}
+
+void pel_shell_grow(const pel_shell *shell, double share, pel_flow *flows)
+{
+    for (int32_t t = 0; shell->growths != NULL && t < shell->triangle_count; t++) {
+        const double scale = 1 + share * shell->growths[t];
+        const pel_rest_triangle rest = pel_shell_rest(shell, t);
+        pel_flow *flow = &flows[shell->first_flow + t];
+        for (int i = 0; i < 3; i++)
+            flow->inverse[i] = rest.inverse[i] / scale;
+        flow->growth = scale * scale;
+    }
 }
 
 pel_shell_fibre pel_shell_fibre_of(const pel_shell *shell, const pel_shell_region *region, int32_t i)

@@ -85,6 +85,8 @@ struct pel_shell {
     double hardening;          /* of folds */
     int32_t first_fold;        /* of the state */
     bool yields;               /* its triangles do */
+    double *growths;           /* (triangle_count) rest_scale - 1; null = they do not grow */
+    pel_curve growth_course;   /* over time of its share; no keys = 1 */
     int32_t first_flow;        /* of the state */
 
     int32_t region_count;
@@ -156,6 +158,13 @@ static inline pel_membrane_law pel_shell_law_now(const pel_shell *shell, int32_t
     return law;
 }
 pel_rest_triangle pel_shell_rest_now(const pel_shell *shell, int32_t t, const pel_flow *flows);
+static inline bool pel_shell_flows(const pel_shell *shell)
+{
+    return shell->yields || shell->growths != NULL;
+}
+/* The share of its growth at a time, and flows of the state with a share. */
+double pel_shell_growth(const pel_shell *shell, double time);
+void pel_shell_grow(const pel_shell *shell, double share, pel_flow *flows);
 /* bending of triangle t over its stiffness along the first axis */
 static inline pel_plate pel_shell_plate(const pel_shell *shell, int32_t t)
 {
@@ -182,7 +191,7 @@ static inline double pel_shell_hinge_stiffness(const pel_shell *shell, int32_t i
 pel_shell_hinge pel_shell_hinge_of(const pel_shell *shell, int32_t i);
 double pel_shell_rest_angle(const pel_shell *shell, int32_t i);
 /* Folds in a state of the model: one for each hinge of bodies whose bending yields; flows: one for each triangle of
-   those whose membrane does. */
+   those whose membrane yields or grows. */
 int32_t pel_model_fold_count(const pel_model *model);
 int32_t pel_model_flow_count(const pel_model *model);
 /* The yield angle of hinge i at present, and its share beyond; folds are those of the state. */

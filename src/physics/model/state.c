@@ -29,16 +29,20 @@ static bool make_rigids(const pel_model *model, pel_state *state)
     return true;
 }
 
-/* shapes without stress are those at rest */
+/* shapes without stress are those at rest, or what has grown until the start */
 static void start_flows(const pel_model *model, pel_state *state)
 {
     for (int32_t b = 0; state->plastic.flows != NULL && b < model->body_count; b++) {
         const pel_shell *shell = model->bodies[b].shell;
-        for (int32_t t = 0; shell != NULL && shell->yields && t < shell->triangle_count; t++) {
-            pel_flow *flow = &state->plastic.flows[shell->first_flow + t];
-            memcpy(flow->inverse, pel_shell_rest(shell, t).inverse, sizeof flow->inverse);
-            state->plastic_next.flows[shell->first_flow + t] = *flow;
+        if (shell == NULL || !pel_shell_flows(shell))
+            continue;
+        pel_flow *flows = state->plastic.flows + shell->first_flow;
+        for (int32_t t = 0; t < shell->triangle_count; t++) {
+            memcpy(flows[t].inverse, pel_shell_rest(shell, t).inverse, sizeof flows[t].inverse);
+            flows[t].growth = 1;
         }
+        pel_shell_grow(shell, pel_shell_growth(shell, 0), state->plastic.flows);
+        memcpy(state->plastic_next.flows + shell->first_flow, flows, (size_t)shell->triangle_count * sizeof *flows);
     }
 }
 

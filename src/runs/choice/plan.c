@@ -25,7 +25,9 @@ static double quantity_end(const pel_quantity *quantity)
 
 static double shell_end(const pel_shell_def *shell)
 {
+    const pel_quantity growth = {.keys = shell->membrane.rest_keys, .key_count = shell->membrane.rest_key_count};
     double time = pel_max(quantity_end(&shell->pressure.outside), quantity_end(&shell->pressure.target));
+    time = pel_max(time, quantity_end(&growth));
     for (int32_t i = 0; i < shell->anisotropy_count; i++)
         time = pel_max(time, pel_max(quantity_end(&shell->anisotropies[i].rest_length),
                                      quantity_end(&shell->anisotropies[i].activation)));

@@ -58,8 +58,8 @@ pel_status pel_adjoint_check(const pel_sim *sim, const pel_adjoint *def, pel_err
                           "derivatives exist only for the methods static and implicit");
     if (sim->state->plastic.folds != NULL || sim->state->plastic.flows != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT,
-                          "take derivatives by differences of whole runs, or leave `yield` out",
-                          "what yields has no derivatives");
+                          "take derivatives by differences of whole runs, or leave `yield` and `rest_scale` out",
+                          "what yields or grows has no derivatives");
     if (sim->rigids != NULL)
         return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs",
                           "rigid bodies have no derivatives");

@@ -23,9 +23,10 @@ static pel_status check_method(const pel_sim *sim, pel_error *error)
                        : sim->active != NULL                            ? "refinement"
                        : sim->cuts_done < sim->def.cut_count            ? "cuts"
                        : sim->tear != NULL                              ? "a toughness or seams"
-                       : sim->state->plastic.folds != NULL || sim->state->plastic.flows != NULL ? "sheets that yield"
-                       : sim->solver.budget > 0                                                 ? "a budget of time"
-                                                                                                : NULL;
+                       : sim->state->plastic.folds != NULL || sim->state->plastic.flows != NULL
+                           ? "sheets that yield or grow"
+                       : sim->solver.budget > 0 ? "a budget of time"
+                                                : NULL;
     if (what == NULL)
         return PEL_OK;
     return pel_refuse(error, PEL_BAD_ARGUMENT, "take derivatives by differences of whole runs",

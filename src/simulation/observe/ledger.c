@@ -314,7 +314,7 @@ static bool has_keyed_fibres(const pel_sim *sim)
 
 static void add_material(pel_sim *sim, double time, double next)
 {
-    double work = 0;
+    double work = sim->growth_work;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         work += stiffening_work(sim, b);
     if (has_keyed_fibres(sim)) {

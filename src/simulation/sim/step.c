@@ -166,6 +166,7 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
     const pel_stepper *stepper = sim->stepper;
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_plastic_begin(sim);
+    pel_plastic_grow(sim, next);
     pel_ties_begin(sim);
     pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
@@ -205,7 +206,7 @@ static void accept_part(pel_sim *sim, double next)
     pel_joints_end(sim);
     pel_supports_read(sim, next);
     mark_contacts(sim);
-    pel_plastic_follow(sim, sim->state->position_next);
+    pel_plastic_end(sim, next);
     pel_ledger_step(sim, next);
     pel_plastic_accept(sim);
     accept(sim->state);
