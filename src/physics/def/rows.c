@@ -405,13 +405,10 @@ static const pel_def_row rows[] = {
      WHEN(has_membrane), STRUCTURE("snapshots of bodies that tear hold more"),
      .doc = "true stress at which a tear starts where `tear.start` allows it: the mean of the largest principal stress "
             "over a disc of 1.32 `young` `toughness` / (pi `strength`^2) around a vertex; default: at no stress"},
-    {"bodies[].membrane.rest_scale", MEMBRANE(rest_scale), FIELD, POSITIVE, AUTO(0), WHEN(has_membrane),
-     STRUCTURE("snapshots of bodies that grow hold more"),
-     .doc = "lengths of the shape without stress over those of the mesh: above 1 the body grows, below it shrinks; its "
-            "mass, thickness and moduli stay; default: 1"},
-    {"bodies[].membrane.rest_keys", BODY_LIST(shell.membrane.rest_keys, shell.membrane.rest_key_count, MEMBRANE), LIST,
-     COUNT_FROM(1), .needs = "rest_scale", WHEN(has_membrane), STRUCTURE("snapshots of bodies that grow hold more"),
-     .doc = "share of `rest_scale` over time, linear between the keys, from 0, the shape of the mesh, to 1"},
+    {"bodies[].membrane.rest_scale", MEMBRANE(rest_scale), FIXED, FIELD, POSITIVE, AUTO(0), WHEN(has_membrane),
+     .doc = "lengths of the shape without stress over those of the mesh; above 1 the body grows; default: 1"},
+    {"bodies[].membrane.rest_keys", BODY_LIST(shell.membrane.rest_keys, shell.membrane.rest_key_count, MEMBRANE), FIXED,
+     LIST, COUNT_FROM(1), .needs = "rest_scale", WHEN(has_membrane), .doc = "share of it over time, 0 to 1"},
     {"bodies[].membrane.rest_keys[]", .forms = PEL_FORM_KEY, .doc = "time [s] and share"},
     {"bodies[].bending", MAP,
      .doc = "resistance to bending (paper B, eq. 3); default: a body with a membrane has the flexural rigidity of its "

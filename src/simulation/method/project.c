@@ -11,6 +11,7 @@
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
+#include "stage/growth.h"
 #include "stage/plastic.h"
 #include "stage/rigids.h"
 #include "stage/viscous.h"
@@ -202,6 +203,7 @@ static void run_substep(pel_sim *sim, int32_t number)
     }
     pel_tools_place(sim, (double)(number + 1) / count);
     projector->is_asleep = sim->asleep;
+    pel_growth_follow(sim, (double)(number + 1) / count);
     const pel_record *positions = number == 0 ? state->position : state->position_next;
     find_forces(sim, span, positions);
     pel_rigids_kick(sim, positions, h, projector->air);

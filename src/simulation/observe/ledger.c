@@ -371,6 +371,12 @@ static void follow_supply(pel_sim_ledger *sums)
     sums->supplied = pel_max(sums->supplied, supplied);
 }
 
+/* what grows and is free to follow gives back at once what growth brings: its net work is no measure */
+static void follow_growth(pel_sim *sim)
+{
+    sim->ledger->sums.supplied += pel_max(0, sim->growth_size - fabs(sim->growth_work));
+}
+
 void pel_ledger_step(pel_sim *sim, double next)
 {
     double time = pel_sim_time(sim);
@@ -383,6 +389,7 @@ void pel_ledger_step(pel_sim *sim, double next)
     add_material(sim, time, next);
     add_tools(sim);
     follow_supply(&sim->ledger->sums);
+    follow_growth(sim);
 }
 
 static double kinetic_energy(const pel_sim *sim, const pel_sim_measures *measures)

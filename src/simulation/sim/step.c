@@ -16,6 +16,7 @@
 #include "pellicle/tear.h"
 #include "sim/cut.h"
 #include "stage/accessors.h"
+#include "stage/growth.h"
 #include "stage/plastic.h"
 #include "stage/rigids.h"
 #include "stage/shells.h"
@@ -166,7 +167,7 @@ static pel_status solve(pel_sim *sim, double next, pel_step_result *result, pel_
     const pel_stepper *stepper = sim->stepper;
     pel_sim_update_factors(sim, stepper->is_at_end ? next : pel_sim_time(sim));
     pel_plastic_begin(sim);
-    pel_plastic_grow(sim, next);
+    pel_growth_begin(sim);
     pel_ties_begin(sim);
     pel_status status = stepper->step(sim, result, error);
     /* some methods do not bound the motion: the search of tools needs the new edges */
@@ -206,7 +207,8 @@ static void accept_part(pel_sim *sim, double next)
     pel_joints_end(sim);
     pel_supports_read(sim, next);
     mark_contacts(sim);
-    pel_plastic_end(sim, next);
+    pel_growth_end(sim);
+    pel_plastic_follow(sim, sim->state->position_next);
     pel_ledger_step(sim, next);
     pel_plastic_accept(sim);
     accept(sim->state);

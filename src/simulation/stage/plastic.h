@@ -7,12 +7,8 @@
 
 /* Before a part: that of the state. Also after a snapshot. */
 void pel_plastic_begin(pel_sim *sim);
-/* Before a part that ends at this time: what grows has its new shape, and does sim->growth_work. */
-void pel_plastic_grow(pel_sim *sim, double next);
 /* Lets it slip at some positions, and adds the work to sim->plastic_loss. */
 void pel_plastic_follow(pel_sim *sim, const pel_record *position);
-/* The same at the end of a part, at this time, and the rest of the work of growth. */
-void pel_plastic_end(pel_sim *sim, double next);
 /* It becomes the state's. */
 void pel_plastic_accept(pel_sim *sim);
 

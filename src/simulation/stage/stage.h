@@ -145,6 +145,7 @@ struct pel_sim {
     double tie_work;         /* J, of ties and motors on the bodies in the last part of a step */
     double plastic_loss;     /* J, that what yields has dissipated in the part of the step in progress */
     double growth_work;      /* J, that growth does in the part of the step in progress */
+    double growth_size;      /* J, that it would do on a body that does not follow */
     double viscous_loss;     /* J, that damping of the material takes out in the step in progress */
     pel_viscous *viscous;    /* (viscous.h) of methods that do not find this themselves; null = none */
 

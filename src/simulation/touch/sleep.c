@@ -170,6 +170,9 @@ static uint64_t hash_law(const pel_sim *sim, int32_t body, uint64_t hash)
         hash = pel_hash_block(hash, &own->batches[i].law.rest_length, sizeof own->batches[i].law.rest_length);
         hash = pel_hash_word(hash, own->batches[i].is_on);
     }
+    const pel_shell *shell = sim->model->bodies[body].shell;
+    const double growth = shell != NULL ? pel_shell_growth(shell, pel_sim_next_time(sim)) : 0;
+    hash = pel_hash_block(hash, &growth, sizeof growth);
     return pel_hash_block(hash, &sim->state->bending[body].weight, sizeof sim->state->bending[body].weight);
 }
 
