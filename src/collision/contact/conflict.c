@@ -247,26 +247,27 @@ pel_status pel_contact_add_conflict(pel_contact_set *set, const pel_conflict *co
     return PEL_OK;
 }
 
-/* six times the signed volume of the four points */
-static double volume_at(const double (*x)[3], const pel_collision *hit)
+/* six times the signed volume of a vertex and a triangle */
+static double volume_at(const double (*x)[3], const int32_t v[4])
 {
-    const int32_t *v = hit->vertices;
     double a[3], b[3], c[3], normal[3];
-    pel_vec3_subtract(x[v[hit->edge_edge ? 1 : 2]], x[v[hit->edge_edge ? 0 : 1]], a);
-    pel_vec3_subtract(x[v[3]], x[v[hit->edge_edge ? 2 : 1]], b);
-    pel_vec3_subtract(x[v[0]], x[v[hit->edge_edge ? 2 : 1]], c);
+    pel_vec3_subtract(x[v[2]], x[v[1]], a);
+    pel_vec3_subtract(x[v[3]], x[v[1]], b);
+    pel_vec3_subtract(x[v[0]], x[v[1]], c);
     pel_vec3_cross(a, b, normal);
     return pel_vec3_dot(normal, c);
 }
 
-/* Whether the end is beyond the reach of the guard, on the side of the start or past the border of the other feature:
-   what is right behind the other feature has gone through it. */
+/* Whether the end is beyond the reach of the guard. A vertex right behind the triangle has gone through it. Edges that
+   lie otherwise than before may have turned around each other's ends: counted as well, a stiff sheet thrown at the
+   corner of a cube gained energy. */
 static bool ends_free(const pel_contact_set *set, const pel_collision *hit)
 {
     const double(*start)[3] = (const double(*)[3])set->start, (*end)[3] = (const double(*)[3])set->end;
-    double weights[4] = {1, 1, 1, 1}, distance = closest_at(end, hit, weights);
-    bool is_inside = pel_min(pel_min(weights[0], weights[1]), pel_min(weights[2], weights[3])) > 0;
-    return distance > guarded_of(set, hit) && !(is_inside && volume_at(start, hit) * volume_at(end, hit) < 0);
+    double weights[4], distance = closest_at(end, hit, weights);
+    bool is_inside = !hit->edge_edge && pel_min(weights[0], pel_min(weights[1], weights[2])) > 0;
+    bool is_behind = is_inside && volume_at(start, hit->vertices) * volume_at(end, hit->vertices) < 0;
+    return distance > guarded_of(set, hit) && !is_behind;
 }
 
 static pel_status add_hit(pel_contact_set *set, const pel_collision *hit, double time, pel_error *error)
