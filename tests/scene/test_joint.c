@@ -66,12 +66,38 @@ static void test_refusals(void **unused)
     check_refusals(cases, sizeof cases / sizeof *cases);
 }
 
+#define RAIL "  - { name: rail, body: a, kind: slider, point: [0, 0, 0], axis: [1, 0, -1]"
+#define STATIC "gravity: [0, 0, -9.81]\nsolver: { method: static }\n"
+
+/* a weight on a slanted slider has an equilibrium at a limit below it alone */
+static void test_free_slider(void **unused)
+{
+    (void)unused;
+    static const refusal bad[] = {
+        {ONE RAIL " }\n" STATIC,
+         "joint 'rail' leaves body 'a' free to slide along (0.707, 0, -0.707), where 6.94 N act"},
+        {ONE RAIL ", least: -0.1 }\n" STATIC, "free to slide"},
+    };
+    check_refusals(bad, sizeof bad / sizeof *bad);
+    run r;
+    check_begin(&r, ONE RAIL ", most: 0.05 }\n" STATIC);
+    assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+    pel_joint_reading reading;
+    pel_sim_get_joint(r.sim, 0, &reading);
+    assert_near(reading.position, 0.05, 1e-6);
+    assert_near(reading.load, -9.81 / sqrt(2), 1e-4);
+    end(&r);
+    check_begin(&r, ONE "  - { body: a, kind: slider, point: [0, 0, 0], axis: [1, 0, 0] }\n" STATIC);
+    end(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_units),
         cmocka_unit_test(test_one),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_free_slider),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -50,6 +50,41 @@ static bool is_held(const pel_sim *sim, int32_t body)
     return held;
 }
 
+/* the only joint of a body that nothing else holds, if it is a slider to the world without motor; null = others */
+static const pel_joint *find_slider(const pel_sim *sim, int32_t body)
+{
+    const pel_joint *slider = NULL;
+    int32_t count = 0;
+    for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
+        const pel_joint *joint = &sim->joints->items[i];
+        if (joint->def.body != body && joint->def.to_body != body)
+            continue;
+        count++;
+        if (joint->def.kind == PEL_JOINT_SLIDER && joint->def.to_body < 0 && !(joint->def.strength > 0))
+            slider = joint;
+    }
+    bool touches = sim->tools->count > 0 || (sim->contacts != NULL && sim->model->body_count > 1);
+    return count > 1 || touches || pel_holds_has_body(sim, body) || pel_ties_hold(sim, body) ? NULL : slider;
+}
+
+/* a net force along a slider, up to no limit */
+static pel_status check_slider(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
+{
+    const pel_joint *slider = find_slider(sim, body);
+    if (slider == NULL)
+        return PEL_OK;
+    const double *axis = slider->axes[0], along = pel_vec3_dot(net, axis);
+    if (!(fabs(along) > LOAD_RATIO * pel_vec3_length(net)) || !isinf(along > 0 ? slider->def.most : slider->def.least))
+        return PEL_OK;
+    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", body,
+                              "give the joint `least` and `most` or a motor, hold the body by an attachment with a "
+                              "`stiffness`, or use the method implicit",
+                              "joint '%s' leaves body '%s' free to slide along (%.3g, %.3g, %.3g), where %.3g N act at "
+                              "time %.4g s: it has no equilibrium",
+                              slider->name, sim->model->bodies[body].name, axis[0], axis[1], axis[2], fabs(along),
+                              time);
+}
+
 static pel_status refuse_free(const pel_sim *sim, int32_t body, const double net[3], double time, pel_error *error)
 {
     return pel_refuse_element(
@@ -88,6 +123,9 @@ pel_status pel_minimise_check_held(const pel_sim *sim, const pel_record *force, 
         bool follows = !pel_shell_has_potential(body);
         if (pel_vec3_length(net) > (follows ? FOLLOWER_RATIO : LOAD_RATIO) * sum && !is_held(sim, b))
             return refuse_free(sim, b, net, time, error);
+        pel_status status = check_slider(sim, b, net, time, error);
+        if (status != PEL_OK)
+            return status;
     }
     return PEL_OK;
 }
