@@ -36,6 +36,22 @@ static void test_fast_blade(void **unused)
     assert_null(fast(KNIFE(""), NULL, &summary));
 }
 
+/* the ledger of a blade whose sharpness is low for its sheet, and the method that it names does not warn */
+static void test_low_sharpness(void **unused)
+{
+    (void)unused;
+    const char *changes[] = {"solver={ method: implicit, dt: 0.001 }", "bodies.0.mesh.nx=30", "bodies.0.mesh.ny=18",
+                             "duration=0.06"};
+    pel_run_summary summary;
+    run_scene(KNIFE(", sharpness: 300"), changes, 4, NULL, 1, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
+    assert_non_null(warning);
+    assert_non_null(strstr(warning->text, "the force of the blade is too low: use method static"));
+    changes[0] = "solver={ method: static, dt: 0.001 }";
+    run_scene(KNIFE(", sharpness: 300"), changes, 4, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
 /* A stiff sheet thrown at the corner of a cube, at four places. The straight way of a step cuts the corner although the
    substeps went around it: corrections that moved the sheet off that way made .13 to 1.5 of its energy. */
 static void test_sheet_over_corner(void **unused)
@@ -126,7 +142,8 @@ static void test_held_back(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_sheet_over_corner),
-                                       cmocka_unit_test(test_found_too_near), cmocka_unit_test(test_held_back)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_low_sharpness),
+                                       cmocka_unit_test(test_sheet_over_corner), cmocka_unit_test(test_found_too_near),
+                                       cmocka_unit_test(test_held_back)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }
