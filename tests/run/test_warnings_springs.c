@@ -61,6 +61,24 @@ static void test_skew(void **unused)
     assert_null(strstr(find_warning(&summary, "spring-net")->text, "shear"));
 }
 
+/* a net that hangs by two corners is strained otherwise everywhere: .86 of the way of a membrane */
+static void test_uneven(void **unused)
+{
+    (void)unused;
+    const char *const hung[] = {"bodies.0.mesh={ shape: grid, nx: 10, ny: 10, size_x: 0.2, size_y: 0.2, rotate: { "
+                                "axis: [1, 0, 0], angle: 90 } }",
+                                "bodies.0.supports=null", "bodies.0.pinned={ vertices: [110, 120] }",
+                                "gravity=[0, 0, -9.81]", "bodies.0.mesh.diagonals=equilateral"};
+    pel_run_summary summary;
+    run_scene(STRIP, hung, 4, NULL, 100, &summary);
+    double part = 0;
+    const char *text = find_warning(&summary, "spring-net")->text;
+    assert_int_equal(sscanf(text, "the springs of body 'net' store %lf times the energy of a sheet", &part), 1);
+    assert_in_range(100 * part, 50, 75);
+    run_scene(STRIP, hung, 5, NULL, 100, &summary);
+    assert_null(find_warning(&summary, "spring-net"));
+}
+
 static void test_shear(void **unused)
 {
     (void)unused;
@@ -77,6 +95,6 @@ static void test_shear(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_tension), cmocka_unit_test(test_skew),
-                                       cmocka_unit_test(test_shear)};
+                                       cmocka_unit_test(test_shear), cmocka_unit_test(test_uneven)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

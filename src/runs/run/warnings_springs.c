@@ -2,12 +2,15 @@
    that modulus and a Poisson's ratio of 1/3 only on equilateral triangles. On others its stiffness depends on the
    direction: on a union-jack grid of squares 1.2 E along the cells and 1.6 E along cells twice as long as wide, on a
    grid with one diagonal 1.0 E along cells and diagonals, and 0.33 E across the diagonals. Where a flat body is
-   stretched or sheared much alike all over, its mean stress over its mean strain tells which it is. */
+   stretched or sheared much alike all over, its mean stress over its mean strain tells which it is. Elsewhere its
+   energy does, over that of springs in all directions: these are a sheet, whose triangle of area A with stretches l by
+   direction has E h A 3 / 2 times the mean of (l - 1)^2. */
 #include "run/warnings_springs.h"
 
 #include "base/memory.h"
 #include "linear/eigen.h"
 #include "math/extremes.h"
+#include "math/functions.h"
 #include "math/vec3.h"
 #include "model/quantity.h"
 #include "pellicle/sim_surface.h"
@@ -30,10 +33,16 @@
 #define MOST_SKEW 0.2
 /* shear modulus of the sheet, over Young's modulus */
 #define SHEAR_SHARE 0.375
+#define HALF_TURN 3.14159265358979323846
+/* in place of the shear: a net whose energy is known, and not its stiffness */
+#define BY_ENERGY (-1)
+/* over which stretches are averaged */
+enum { DIRECTIONS = 12 };
 
 /* sums over the triangles, by rows of a symmetric matrix: stress over modulus and thickness, Green strain */
 typedef struct net_sums {
     double area, stress[4], strain[4], square;
+    double net, sheet; /* energy over modulus and thickness, twice: of the springs, and in all directions */
 } net_sums;
 
 bool pel_warnings_find_plane(const pel_mesh *mesh, double axes[2][3])
@@ -54,12 +63,37 @@ bool pel_warnings_find_plane(const pel_mesh *mesh, double axes[2][3])
     return is_flat;
 }
 
+/* of a triangle: by the stretch of each side, and of directions between them */
+static void add_energies(const pel_mesh *mesh, const int32_t *v, const double (*now)[3], net_sums *sums)
+{
+    const double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
+    double rest[3][3], present[3][3], along[3], across[3];
+    for (int k = 0; k < 3; k++) {
+        pel_vec3_subtract(mesh->positions[v[(k + 1) % 3]], mesh->positions[v[k]], rest[k]);
+        pel_vec3_subtract(now[v[(k + 1) % 3]], now[v[k]], present[k]);
+        double excess = pel_vec3_length(present[k]) / pel_vec3_length(rest[k]) - 1;
+        sums->net += area * excess * excess;
+    }
+    /* images of the unit vectors along the first side and across it */
+    const double length = pel_vec3_length(rest[0]), part = pel_vec3_dot(rest[0], rest[1]) / length;
+    pel_vec3_scale(present[0], 1 / length, along);
+    for (int c = 0; c < 3; c++)
+        across[c] = (present[1][c] - part * along[c]) * length / (2 * area);
+    for (int i = 0; i < DIRECTIONS; i++) {
+        double image[3], angle = HALF_TURN * i / DIRECTIONS;
+        pel_vec3_scale(along, pel_cos(angle), image);
+        pel_vec3_along(image, pel_sin(angle), across, image);
+        double excess = pel_vec3_length(image) - 1;
+        sums->sheet += 3 * area * excess * excess / DIRECTIONS;
+    }
+    sums->area += area;
+}
+
 static void add_triangle(const pel_mesh *mesh, const int32_t *v, const double (*now)[3], const double axes[2][3],
                          net_sums *sums)
 {
     double rest[3][2], present[3][3], inverse[4], f[3][2], own[4];
     double area = pel_vec3_triangle_area(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
-    sums->area += area;
     for (int k = 0; k < 3; k++) {
         double edge[3];
         pel_vec3_subtract(mesh->positions[v[(k + 1) % 3]], mesh->positions[v[k]], edge);
@@ -144,23 +178,38 @@ static bool is_net(const pel_run_state *run, int32_t b)
            pel_sim_vertex_count(run->sim, b) == body->mesh->vertex_count;
 }
 
+/* of a flat net that is strained alike all over as factor_of has it, of others by the energy; 0 = not known */
+static double net_factor(const pel_mesh *mesh, const double (*now)[3], double *skew)
+{
+    net_sums sums = {0};
+    double axes[2][3], factor = 0;
+    const bool is_flat = pel_warnings_find_plane(mesh, axes);
+    *skew = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        add_energies(mesh, mesh->triangles[t], now, &sums);
+        if (is_flat)
+            add_triangle(mesh, mesh->triangles[t], now, (const double(*)[3])axes, &sums);
+    }
+    if (is_flat)
+        factor = factor_of(&sums, skew);
+    if (factor > 0 || !(sums.sheet > LEAST_STRAIN * LEAST_STRAIN * sums.area))
+        return factor;
+    *skew = BY_ENERGY;
+    return sums.net / sums.sheet;
+}
+
 void pel_warnings_check_springs(pel_run_state *run, int64_t frame)
 {
     for (int32_t b = 0; b < run->scene->model.body_count; b++) {
         const pel_mesh *mesh = run->scene->model.bodies[b].mesh;
-        double axes[2][3];
-        if (!is_net(run, b) || !pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)) ||
-            !pel_warnings_find_plane(mesh, axes))
+        if (!is_net(run, b) || !pel_stepper_knows_material(pel_stepper_of(run->scene->sim.solver.method)))
             continue;
-        net_sums sums = {0};
-        double *now = pel_allocate(3 * (size_t)mesh->vertex_count, sizeof *now);
+        double *now = pel_allocate(3 * (size_t)mesh->vertex_count, sizeof *now), skew;
         if (now == NULL)
             return;
         pel_sim_get_positions(run->sim, b, now);
-        for (int32_t t = 0; t < mesh->triangle_count; t++)
-            add_triangle(mesh, mesh->triangles[t], (const double(*)[3])now, (const double(*)[3])axes, &sums);
+        double factor = net_factor(mesh, (const double(*)[3])now, &skew);
         pel_free(now);
-        double skew, factor = factor_of(&sums, &skew);
         if (!(factor > 0 && (fabs(factor - 1) > MOST_ERROR || skew > MOST_SKEW)))
             continue;
         if (run->totals.warnings.of[PEL_WARN_SPRING_NET].count == 0)
@@ -173,13 +222,15 @@ void pel_tell_springs(const pel_warning_text *at)
 {
     const pel_flagged_body *flagged = &at->run->flagged[PEL_WARN_SPRING_NET];
     const pel_body_def *body = &at->run->scene->model.bodies[flagged->body];
-    char skew[80] = "";
+    char factor[120], skew[80] = "";
+    if (flagged->limit < 0)
+        snprintf(factor, sizeof factor, "store %.2g times the energy of a sheet in the same shape", flagged->value);
+    else
+        snprintf(factor, sizeof factor, "are %.2g times as stiff as their Young's modulus", flagged->value);
     if (flagged->limit > MOST_SKEW)
         snprintf(skew, sizeof skew, ", and shear by %.2g times their stretch, as no sheet does", flagged->limit);
-    snprintf(
-        at->text, at->size,
-        "the springs of body '%s' are %.2g times as stiff as their Young's modulus%s: in the direction in which it "
-        "is pulled, a net depends on the pattern of its mesh. use equilateral triangles, or in place of springs "
-        "membrane: { young: %.4g, poisson: 0.33, thickness: %.4g }",
-        body->name, flagged->value, skew, pel_quantity_mean(&body->spring_stiffness, 1), body->spring_thickness);
+    snprintf(at->text, at->size,
+             "the springs of body '%s' %s%s: where it is strained, a net depends on the pattern of its mesh. use "
+             "equilateral triangles, or in place of springs membrane: { young: %.4g, poisson: 0.33, thickness: %.4g }",
+             body->name, factor, skew, pel_quantity_mean(&body->spring_stiffness, 1), body->spring_thickness);
 }
