@@ -58,7 +58,8 @@ static void test_start_too_close(void **unused)
     }
 }
 
-/* way along x of a sheet on a floor of slope 1/2 after a time, and the force on the floor over the weight */
+/* way along x of a sheet on a floor of slope 1/2 after a time, and the mean force on the floor over the mass in the
+   last steps: on a round floor few points carry, and change from substep to substep */
 static double slide_with(pel_tool_shape shape, pel_method method, const double friction[3], double time,
                          double force[3])
 {
@@ -79,17 +80,21 @@ static double slide_with(pel_tool_shape shape, pel_method method, const double f
     assert_int_equal(pel_mesh_transform(scene.meshes[0], &transform, NULL), PEL_OK);
     scene.def.contact.thickness = 1.5e-4;
     pel_sim *sim = scene_create(&scene);
+    enum { MEAN = 20 };
     double x[3 * 16], way = 0;
-    run_free(sim, (int)(time / 5e-3 + 0.5));
+    run_free(sim, (int)(time / 5e-3 + 0.5) - MEAN);
+    pel_vec3_set(force, 0, 0, 0);
+    for (int n = 0; n < MEAN; n++) {
+        pel_tool_reading reading;
+        run_free(sim, 1);
+        pel_sim_get_tool(sim, 0, &reading);
+        pel_vec3_along(force, 1 / (MEAN * 16 * 0.01), reading.force, force);
+    }
     pel_sim_get_positions(sim, 0, x);
     for (int v = 0; v < 16; v++) {
         way += (x[3 * v] - scene.meshes[0]->positions[v][0]) / 16;
         assert_true(fabs(x[3 * v + 2]) < 2e-3);
     }
-    pel_tool_reading reading;
-    pel_sim_get_tool(sim, 0, &reading);
-    for (int k = 0; k < 3; k++)
-        force[k] = reading.force[k] / (16 * 0.01);
     scene_end(&scene, sim);
     return way;
 }
@@ -133,7 +138,6 @@ static void test_friction_on_slope(void **unused)
         /* round floors are so large that float does not resolve the thickness on them */
         if (sizeof(pel_real) == 4 && methods[i % 2] == PEL_METHOD_XPBD && i / 2 >= 1 && i / 2 <= 2)
             continue;
-        /* on a capsule few points carry, and change from substep to substep */
         assert_true(fabs(slide(shapes[i / 2], methods[i % 2], 0.6, time, force)) < 2e-4);
         assert_near(force[0], 4, 0.04 * rounding);
         assert_near(force[2], -8, 0.08 * rounding);

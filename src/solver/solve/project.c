@@ -46,6 +46,8 @@ static pel_status build(pel_projector *projector, pel_error *error)
     }
     if (made && solver->method == PEL_METHOD_XPBD && solver->iterations > 1)
         made = make_multipliers(projector->batches) == PEL_OK;
+    if (made && solver->method == PEL_METHOD_XPBD)
+        made = pel_spin_create(model, &projector->spin) == PEL_OK;
     return made ? PEL_OK : pel_fail_memory(error);
 }
 
@@ -75,6 +77,7 @@ void pel_projector_destroy(pel_projector *projector)
         return;
     PEL_FREE_ALL(projector->base, projector->restraints, projector->older_position, projector->older_velocity,
                  projector->reaction, projector->is_fixed, projector->touches);
+    pel_spin_destroy(projector->spin);
     pel_free(projector);
 }
 
@@ -120,11 +123,13 @@ static void sweep_bundle(void *context, int32_t chunk)
 
 void pel_project_sweep(const pel_projector *projector, pel_record *positions)
 {
+    pel_spin_begin(projector->spin, projector->base, positions, projector->pool);
     for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
         const int32_t *begin = &projector->batches->phase_begin[phase];
         sweep_job job = {projector, positions, begin[0]};
         pel_pool_run(projector->pool, begin[1] - begin[0], sweep_bundle, &job);
     }
+    pel_spin_end(projector->spin, projector->base, positions, projector->pool);
 }
 
 static void forget_multipliers(const pel_projector *projector)

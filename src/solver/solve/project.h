@@ -18,7 +18,7 @@
    of the solver in second order; in first order it is the factor exp(-drag h) on velocities.
 
    Sweeps go body by body over springs, triangles, hinges and fibres, then over the contacts; batch/batches.h has the
-   order. */
+   order. Those of xpbd keep the angular momentum of free bodies (spin.h). */
 #ifndef PEL_SOLVE_PROJECT_H
 #define PEL_SOLVE_PROJECT_H
 
@@ -29,6 +29,7 @@
 #include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/solver.h"
+#include "solve/spin.h"
 
 /* Drag and volumetric spring of a vertex in a substep, as shares of its mass: tau d w and tau^2 k' w. */
 typedef struct pel_restraint {
@@ -46,6 +47,7 @@ typedef struct pel_projector {
     double substep, tau, span;                   /* s; of the present substep: tau, and ways over velocities */
     double whole_dt, whole_substep;              /* s, of a step that is not in parts */
     pel_record *base;                            /* (vertex_count) y of the substep */
+    pel_spin *spin;                              /* of xpbd */
     pel_restraint *restraints;                   /* (vertex_count) where is_held */
     double held_tau;                             /* s, of the restraints; 0 = none are known */
     pel_record *older_position, *older_velocity; /* (vertex_count) second order: x' and v' of the next substep */
