@@ -123,13 +123,13 @@ static void sweep_bundle(void *context, int32_t chunk)
 
 void pel_project_sweep(const pel_projector *projector, pel_record *positions)
 {
-    pel_spin_begin(projector->spin, projector->base, positions, projector->pool);
+    pel_spin_begin(projector->spin, projector->has_past ? NULL : projector->base, positions, projector->pool);
     for (int phase = 0; phase < PEL_PHASE_COUNT; phase++) {
         const int32_t *begin = &projector->batches->phase_begin[phase];
         sweep_job job = {projector, positions, begin[0]};
         pel_pool_run(projector->pool, begin[1] - begin[0], sweep_bundle, &job);
     }
-    pel_spin_end(projector->spin, projector->base, positions, projector->pool);
+    pel_spin_end(projector->spin, positions, projector->pool);
 }
 
 static void forget_multipliers(const pel_projector *projector)
@@ -382,7 +382,8 @@ static void set_time(pel_projector *projector, const pel_state *state, pel_subst
 {
     const double h = projector->substep;
     const bool is_start = pel_project_is_start(projector, state, place);
-    double tau = pel_project_has_past(projector, state, place) ? 2 * h / 3 : is_start ? start_share * h : h;
+    projector->has_past = pel_project_has_past(projector, state, place);
+    double tau = projector->has_past ? 2 * h / 3 : is_start ? start_share * h : h;
     double ratio = pel_min(projector->substep / projector->whole_substep, 1);
     const pel_project_time time = {.tau = tau,
                                    .share = ratio * ratio,

@@ -37,8 +37,9 @@ struct pel_spin {
     const pel_model *model;
     int32_t piece_count;
     piece *pieces;
-    turn *turns; /* (body_count) */
-    const pel_record *base;
+    turn *turns;            /* (body_count) */
+    pel_record *copy;       /* (vertex_count) positions before the sweep */
+    const pel_record *base; /* or these */
     pel_record *positions;
 };
 
@@ -63,7 +64,8 @@ pel_status pel_spin_create(const pel_model *model, pel_spin **spin)
         return PEL_OK;
     pel_spin *made = *spin = pel_allocate(1, sizeof *made);
     if (made == NULL ||
-        !PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->pieces, count), PEL_ROOM(made->turns, model->body_count)))
+        !PEL_ALLOCATE_ALL(PEL_ROOM_ALIGNED(made->pieces, count), PEL_ROOM(made->turns, model->body_count),
+                          PEL_ROOM_ALIGNED(made->copy, model->vertex_count)))
         return PEL_OUT_OF_MEMORY;
     made->model = model;
     for (int32_t b = 0; b < model->body_count; b++)
@@ -80,7 +82,7 @@ void pel_spin_destroy(pel_spin *spin)
 {
     if (spin == NULL)
         return;
-    PEL_FREE_ALL(spin->pieces, spin->turns);
+    PEL_FREE_ALL(spin->pieces, spin->turns, spin->copy);
     pel_free(spin);
 }
 
@@ -110,13 +112,19 @@ static void measure_before(void *context, int32_t i)
 {
     const pel_spin *spin = context;
     piece *p = &((pel_spin *)context)->pieces[i];
+    const bool is_copied = spin->base == spin->copy;
     int32_t held = 0;
     p->before = (record4){0};
     for (int32_t v = p->begin; v < p->end; v++) {
-        const record4 x = load(spin->positions, v), y = load(spin->base, v);
+        const record4 x = load(spin->positions, v);
         held += !(x[3] > 0);
         held -= spin->model->mesh_vertex[v] < 0;
-        p->before += mass_of(x) * (y * turned(x) - turned(y) * x);
+        if (is_copied) {
+            spin->copy[v] = spin->positions[v];
+        } else {
+            const record4 y = load(spin->base, v);
+            p->before += mass_of(x) * (y * turned(x) - turned(y) * x);
+        }
     }
     p->is_free = held == 0;
 }
@@ -156,7 +164,7 @@ void pel_spin_begin(pel_spin *spin, const pel_record *base, const pel_record *po
 {
     if (spin == NULL)
         return;
-    spin->base = base;
+    spin->base = base != NULL ? base : spin->copy;
     spin->positions = (pel_record *)(uintptr_t)positions;
     pel_pool_run(pool, spin->piece_count, measure_before, spin);
     for (int32_t b = 0; b < spin->model->body_count; b++)
@@ -184,11 +192,10 @@ static void find_turn(const sums *s, record4 before, turn *t)
         t->angle[a] = pel_vec3_dot(inverse[a], missing);
 }
 
-void pel_spin_end(pel_spin *spin, const pel_record *base, pel_record *positions, pel_pool *pool)
+void pel_spin_end(pel_spin *spin, pel_record *positions, pel_pool *pool)
 {
     if (spin == NULL)
         return;
-    spin->base = base;
     spin->positions = positions;
     pel_pool_run(pool, spin->piece_count, measure_after, spin);
     for (int32_t i = 0; i < spin->piece_count;) {
