@@ -5,8 +5,6 @@
 #include "math/vec3.h"
 #include "rigid/inertia.h"
 
-#include <string.h>
-
 /* vertices of one piece of a loop */
 enum { PIECE = 2048 };
 /* determinant over the cube of the trace of the inertia below which a body is a line */
@@ -154,9 +152,9 @@ static void turn_piece(void *context, int32_t i)
     const turn *t = &spin->turns[p->body];
     const record4 angle = {t->angle[0], t->angle[1], t->angle[2]}, center = {t->center[0], t->center[1], t->center[2]};
     for (int32_t v = p->begin; v < p->end && t->is_on; v++) {
-        record4 x = load(spin->positions, v), way = cross(angle, x - center);
-        way[3] = 0;
-        spin->positions[v] = __builtin_convertvector(x + way, pel_record);
+        const record4 x = load(spin->positions, v), way = cross(angle, x - center);
+        if (x[3] > 0)
+            spin->positions[v] = pel_record_with(__builtin_convertvector(x + way, pel_record), spin->positions[v][3]);
     }
 }
 
