@@ -132,6 +132,40 @@ static void test_held(void **unused)
     }
 }
 
+/* A heavy sheet lags behind its growth and swings, without energy of its own. */
+static void test_swings(void **unused)
+{
+    (void)unused;
+    static const double steps[] = {0.01, 0.002};
+    for (int i = 0; i < 2; i++) {
+        sheet s;
+        pel_body_def body = make_body(&s, false, 1.2);
+        pel_sim_ledger ledger;
+        body.mass = 200;
+        s.model = make_model(&body);
+        const pel_sim_def def = lone_sim(s.model, PEL_METHOD_IMPLICIT, steps[i]);
+        s.sim = make_sim(&def);
+        run_to(s.sim, 1.5);
+        pel_sim_get_ledger(s.sim, &ledger);
+        assert_true(ledger.kinetic + ledger.elastic > 0.1 * ledger.work_material);
+        assert_true(ledger.energy_error < 0.03 * ledger.work_material);
+        end_sheet(&s);
+    }
+}
+
+/* A strain limit follows the shape without stress. */
+static void test_strain_limit(void **unused)
+{
+    (void)unused;
+    sheet s;
+    pel_body_def body = make_body(&s, false, 1.3);
+    body.shell.membrane.strain_limit = 0.02;
+    make_sheet(&s, &body, PEL_METHOD_XPBD, 0.01);
+    run_to(s.sim, 2);
+    assert_near(distance(&s, 0, CELLS), 1.3, IN_FLOAT(5e-3, 1e-2));
+    end_sheet(&s);
+}
+
 /* twice as long along its border as inside, a sheet ripples out of its plane */
 static void test_field(void **unused)
 {
@@ -209,7 +243,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_takes_its_size), cmocka_unit_test(test_held),     cmocka_unit_test(test_field),
-        cmocka_unit_test(test_snapshots),      cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_snapshots),      cmocka_unit_test(test_refusals), cmocka_unit_test(test_swings),
+        cmocka_unit_test(test_strain_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -187,6 +187,28 @@ static void test_tools_wake(void **unused)
 
 /* ---- what moves ---- */
 
+/* growth that begins while a body sleeps */
+static void test_growth_wakes(void **unused)
+{
+    (void)unused;
+    static const pel_key keys[] = {{3.2, 0}, {4, 1}};
+    contact_scene scene;
+    resting(&scene, true, 0.3, 0);
+    pel_membrane_def *membrane = &scene.bodies[0].shell.membrane;
+    *membrane = pel_body_def_sheet("sheet", scene.meshes[0], 1e5, 1e-3, 1000).shell.membrane;
+    membrane->rest_scale.value = 0.8;
+    membrane->rest_keys = keys;
+    membrane->rest_key_count = 2;
+    pel_sim *sim = scene_create(&scene);
+    while (pel_sim_time(sim) < 3.1)
+        run_free(sim, 1);
+    assert_int_equal(sim->contacts->asleep_count, 2);
+    while (pel_sim_time(sim) < 3.4)
+        run_free(sim, 1);
+    assert_int_equal(sim->contacts->asleep_count, 0);
+    scene_end(&scene, sim);
+}
+
 /* a slope just above the angle of friction: the sheets slide as if nothing could sleep; just below it they sleep */
 static void test_slope(void **unused)
 {
@@ -267,7 +289,7 @@ int main(void)
         cmocka_unit_test(test_forces_wake), cmocka_unit_test(test_tools_wake),
         cmocka_unit_test(test_slope),       cmocka_unit_test(test_slow_motion),
         cmocka_unit_test(test_bits),        cmocka_unit_test(test_pinned_and_refined),
-        cmocka_unit_test(test_fixed_body),
+        cmocka_unit_test(test_fixed_body),  cmocka_unit_test(test_growth_wakes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -371,7 +371,7 @@ static void follow_supply(pel_sim_ledger *sums)
     sums->supplied = pel_max(sums->supplied, supplied);
 }
 
-/* what grows and is free to follow gives back at once what growth brings: its net work is no measure */
+/* a body that follows its growth freely takes no net work, so that this would measure no error */
 static void follow_growth(pel_sim *sim)
 {
     sim->ledger->sums.supplied += pel_max(0, sim->growth_size - fabs(sim->growth_work));

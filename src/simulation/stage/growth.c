@@ -5,11 +5,10 @@
 
 #include <math.h>
 
-/* of the part of a step, for the derivative of the energy over it */
+/* step of the central difference of the energy, as a share of the part */
 #define SHARE_STEP 0.01
 
-/* false if nothing grows in this part */
-static bool grow(pel_sim *sim, double share)
+bool pel_growth_follow(pel_sim *sim, double share)
 {
     const double now = pel_sim_time(sim), next = pel_sim_next_time(sim);
     bool grows = false;
@@ -30,11 +29,11 @@ static bool grow(pel_sim *sim, double share)
 
 static double energy_at(pel_sim *sim, const pel_record *position, double share)
 {
-    grow(sim, share);
+    pel_growth_follow(sim, share);
     return pel_shell_forces_add(sim->shells, position, pel_instant(0), PEL_SHELL_MEMBRANE, sim->pool, NULL).membrane;
 }
 
-/* over the share of the part, at positions that stay */
+/* derivative of the energy by the share of the part, at fixed positions */
 static double energy_rate(pel_sim *sim, const pel_record *position, double share)
 {
     return (energy_at(sim, position, share + SHARE_STEP) - energy_at(sim, position, share - SHARE_STEP)) /
@@ -45,22 +44,19 @@ void pel_growth_begin(pel_sim *sim)
 {
     const pel_record *position = sim->state->position;
     sim->growth_work = sim->growth_size = 0;
-    if (!grow(sim, 0))
+    if (!pel_growth_follow(sim, 0))
         return;
     sim->growth_size = fabs(energy_at(sim, position, 1) - energy_at(sim, position, 0));
     sim->growth_work = 0.5 * energy_rate(sim, position, 0);
-    grow(sim, sim->stepper->is_at_end ? 1 : 0);
-}
-
-void pel_growth_follow(pel_sim *sim, double share)
-{
-    grow(sim, share);
+    /* minimisations in time go by the midpoint rule: the shape at the end, from the start on, would bring energy */
+    const double end = sim->stepper->has_velocity ? 0.5 : 1;
+    pel_growth_follow(sim, sim->stepper->is_at_end ? end : 0);
 }
 
 void pel_growth_end(pel_sim *sim)
 {
-    if (!grow(sim, 1))
+    if (!pel_growth_follow(sim, 1))
         return;
     sim->growth_work += 0.5 * energy_rate(sim, sim->state->position_next, 1);
-    grow(sim, 1);
+    pel_growth_follow(sim, 1);
 }

@@ -1,16 +1,16 @@
-/* What grows (pel_membrane_def, rest_keys): its shape without stress at each time, in the flows of state->plastic_next
-   (plastic.h), and the work of growth, sim->growth_work and growth_size. */
+/* Growth of membranes (pel_membrane_def, rest_keys): keeps their shape without stress in the flows of
+   state->plastic_next (plastic.h), and books the work in sim->growth_work and growth_size. */
 #ifndef PEL_STAGE_GROWTH_H
 #define PEL_STAGE_GROWTH_H
 
 #include "stage/stage.h"
 
-/* At the start of a part of a step, after pel_plastic_begin: the shape at its end for methods whose forces are those of
-   the end, else that at its start. */
+/* Call at the start of a part of a step, after pel_plastic_begin. Sets the shape for the whole part: that at the end of
+   the part for equilibria, in its middle for implicit steps in time, at its start for the other methods. */
 void pel_growth_begin(pel_sim *sim);
-/* The shape at a share of the part: 1 at its end. */
-void pel_growth_follow(pel_sim *sim, double share);
-/* At the end, with the new positions in the state, before pel_plastic_follow. */
+/* Sets the shape at a share of the part (1: its end). Returns false if nothing grows in this part. */
+bool pel_growth_follow(pel_sim *sim, double share);
+/* Call at the end, with the new positions in state->position_next and before pel_plastic_follow. */
 void pel_growth_end(pel_sim *sim);
 
 #endif
