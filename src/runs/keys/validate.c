@@ -244,8 +244,7 @@ static const char *find_places(const pel_scene_reader *reader, const char *prefi
         if (places[0] == '\0')
             add_places(reader, key, prefix, top, false, places, size);
     }
-    if (places[0] == '\0')
-        add_places(reader, key, "\n", 1, true, places, size);
+    add_places(reader, key, "\n", 1, true, places, size);
     return places;
 }
 
