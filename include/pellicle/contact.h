@@ -27,8 +27,8 @@ typedef struct pel_contact_def {
                                   0 = shell_thickness, else relative_thickness */
     bool shell_thickness;      /* a body has the mean thickness of its membrane, without one an open surface that of its
                                   mass; others and tools have relative_thickness */
-    double relative_thickness; /* times the diagonal of the bounding box of all bodies, at most half the shortest edge,
-                                  see pel_sim_contact_thickness */
+    double relative_thickness; /* times the diagonal of all bodies, at most half the shortest edge; 0 = 1e-4, but
+                                  open surfaces have the limited thickness of their membrane (docs/collision.md) */
     double friction; /* Coulomb's coefficient, default of bodies and tools; a pair has the geometric mean of both (the
                         mixing rule of Box2D: a frictionless partner makes the pair frictionless) */
     double restitution; /* 0 .. 1, default of bodies and tools; a pair has the larger one. The rigid motions of a pair

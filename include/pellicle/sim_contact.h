@@ -68,7 +68,7 @@ PEL_API void pel_sim_get_contact_statistics(const pel_sim *sim, pel_contact_stat
 /* m, default thickness of bodies and tools; 0 without contact */
 PEL_API double pel_sim_contact_thickness(const pel_sim *sim);
 
-/* The contact thickness of a body [m]: its own, that of its membrane (pel_contact_def.shell_thickness) or the above; 0
+/* The contact thickness of a body [m]: its own, that of its membrane (pel_contact_def) or the above; 0
    without contact, or without such a body. */
 PEL_API double pel_sim_body_contact_thickness(const pel_sim *sim, int32_t body);
 

@@ -100,7 +100,7 @@ static void test_defaults(void **unused)
     assert_true(isinf(load.until) && load.from == 0);
     assert_true(tool.body == -1 && tool.press && !tool.grasp && isinf(tool.grasp_until));
     assert_true(sim.solver.dt == 0.01 && sim.solver.symplectic && sim.solver.second_order == PEL_AUTO);
-    assert_true(sim.contact.self && !sim.contact.enabled && sim.contact.relative_thickness == 1e-4);
+    assert_true(sim.contact.self && !sim.contact.enabled && sim.contact.relative_thickness == 0);
 }
 
 static const pel_def_row *row_of_path(const char *path)

@@ -265,7 +265,7 @@ static const char *change_springs(setup *s, int change)
     case 16:
         return contact->thickness *= 0.875, "contact";
     case 17:
-        return contact->relative_thickness *= 2, "contact";
+        return contact->relative_thickness = 2e-4, "contact";
     case 18:
         return contact->friction = 0.25, "contact";
     case 19:

@@ -318,8 +318,8 @@ static void test_bad_input(void **unused)
     contact->thickness = (double)NAN;
     assert_refused(&scene, "thickness");
     contact->thickness = 0;
-    contact->relative_thickness = 0;
-    assert_refused(&scene, "no thickness");
+    contact->relative_thickness = -1;
+    assert_refused(&scene, "relative thickness is -1");
     *contact = good;
     contact->friction = -1;
     assert_refused(&scene, "friction");

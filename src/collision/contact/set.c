@@ -43,9 +43,10 @@ enum { VELOCITY_SWEEPS = 4 };
 
 /* ---- creation ---- */
 
-static void set_distances(pel_contact_set *set)
+void pel_contact_set_measure_groups(pel_contact_set *set)
 {
     set->least = HUGE_VAL;
+    set->largest = 0;
     for (int32_t i = 0; i < set->def.body_count + set->def.obstacle_count; i++) {
         set->least = pel_min(set->least, set->groups[i].thickness);
         set->largest = pel_max(set->largest, set->groups[i].thickness);
@@ -75,7 +76,7 @@ static pel_status copy_def(pel_contact_set *set, const pel_contact_set_def *def,
     memcpy(set->groups, def->groups, group_count * sizeof *set->groups);
     for (size_t i = 0; i < obstacle_count; i++)
         set->obstacles[i] = def->obstacles[i];
-    set_distances(set);
+    pel_contact_set_measure_groups(set);
     const pel_travel_def travel = {def->vertex_count, def->body_count, def->body_of_slice, def->mass};
     return pel_travel_create(&travel, &set->travel, error);
 }

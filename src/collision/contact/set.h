@@ -318,6 +318,8 @@ double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair
 bool pel_contact_may_meet(const void *set, pel_collision *pair);
 
 /* ---- distance.c ---- */
+/* After a change of the thickness of groups: the distances of the set, which has no contacts yet. */
+void pel_contact_set_measure_groups(pel_contact_set *set);
 /* m, distance that two groups keep: half the thickness of either */
 double pel_contact_thickness(const pel_contact_set *set, int32_t a, int32_t b);
 /* the share of all distances that a pair of these points keeps: below 1 for kin, the lips of a cut */

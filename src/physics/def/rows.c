@@ -806,12 +806,12 @@ static const pel_def_row rows[] = {
      STRUCTURE("bodies that touch or intersect by now would be pushed apart at once"),
      .doc = "contact between different bodies"},
     {"contact.thickness", CONTACT(thickness), .forms = PEL_FORM_NUMBER | PEL_FORM_TEXT, .unit = "m", POSITIVE,
-     .preset = "relative 1e-4", AUTO(0), WHEN(is_enabled), IMPLYING,
+     .preset = "auto", AUTO(0), WHEN(is_enabled), IMPLYING,
      .doc =
-         "contact thickness of bodies and tools without their own; two surfaces keep a distance of half the "
-         "thickness of each. A number of metres; `shell`, so that each body has the thickness of its membrane (without "
-         "one an open surface that of its mass, others and tools relative 1e-4); or `relative` and a factor on the "
-         "diagonal of the bounding box of all bodies (at most half the shortest edge)"},
+         "contact thickness of bodies and tools without their own; two surfaces keep half the thickness of each. "
+         "`auto`: an open surface that deforms has that of its membrane, as far as its mesh and its start leave room, "
+         "others relative 1e-4. Metres; `shell`: bodies have that of their membrane (without one an open surface that "
+         "of its mass), others relative 1e-4; `relative` and a factor on the diagonal of all bodies' bounding box"},
     {"contact.friction", CONTACT(friction), NUMBER, AT_LEAST(0), .preset = "0", WHEN(is_enabled),
      .doc = "Coulomb's coefficient of bodies and tools without their own; a pair has the geometric mean of both"},
     {"contact.restitution", CONTACT(restitution), NUMBER, BETWEEN(0, 1), AUTO(-1), WHEN(is_enabled),
@@ -986,7 +986,7 @@ static const pel_def_row rows[] = {
     {NULL, TOOL(strength)},
     {NULL, CONTACT(enabled)},
     {NULL, CONTACT(shell_thickness)},
-    {NULL, CONTACT(relative_thickness), .initial = 1e-4},
+    {NULL, CONTACT(relative_thickness)},
 };
 
 int32_t pel_def_row_count(void)

@@ -659,9 +659,9 @@ static void tell_start(const pel_run_state *run)
     double common = pel_sim_contact_thickness(run->sim);
     for (int32_t b = 0; b < model->body_count && b < MOST_NAMED; b++) {
         const pel_membrane_def *membrane = &model->bodies[b].shell.membrane;
-        char contact[48] = "";
+        char contact[PEL_NAME_SIZE + 128] = "";
         if (common > 0)
-            snprintf(contact, sizeof contact, "contact thickness %.3g m", pel_sim_body_contact_thickness(run->sim, b));
+            pel_contacts_describe_thickness(run->sim, b, contact, sizeof contact);
         if (membrane->on || common > 0)
             pel_log_line(run->def->log, "body '%s': %s%s%s", model->bodies[b].name,
                          membrane->on ? pel_membrane_kind_name(membrane->kind) : "",

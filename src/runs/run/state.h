@@ -7,7 +7,7 @@
 #include "pellicle/session.h"
 #include "run/frames.h"
 #include "run/kept.h"
-#include "touch/tangle.h"
+#include "touch/thickness.h"
 
 #include <math.h>
 

@@ -255,21 +255,21 @@ static pel_status read_output(pel_scene_reader *reader, const pel_scene_value *v
     return PEL_OK;
 }
 
-/* "shell", or "relative 1e-4" */
+/* "auto", "shell", or "relative 1e-4" */
 static pel_status read_thickness(pel_scene_reader *reader, const pel_scene_value *value, pel_contact_def *contact)
 {
     static const char word[] = "relative ";
     const char *text = value->text, *end = text + strlen(text), *number = text + strlen(word);
     double *relative = &contact->relative_thickness;
     contact->shell_thickness = strcmp(text, "shell") == 0;
-    bool fine = contact->shell_thickness ||
+    bool fine = contact->shell_thickness || strcmp(text, "auto") == 0 ||
                 (strncmp(text, word, strlen(word)) == 0 && pel_number_parse(number, end, relative) == end &&
                  *relative > 0 && isfinite(*relative));
     if (fine)
         return PEL_OK;
     pel_scene_fail(reader, &value->place, "`thickness` '%.80s' is not a thickness", text);
     pel_fail_remedy(reader->error,
-                    "give a number of metres, `shell`, or `relative` and a number, such as relative 1e-4");
+                    "give a number of metres, `auto`, `shell`, or `relative` and a number, such as relative 1e-4");
     return PEL_BAD_SCENE;
 }
 

@@ -8,6 +8,8 @@
 #include "math/pose.h"
 #include "math/vec3.h"
 #include "mesh/figures.h"
+#include "pellicle/topology.h"
+#include "touch/thickness.h"
 
 #include <math.h>
 #include <string.h>
@@ -271,18 +273,37 @@ pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, 
     return status;
 }
 
+static bool is_closed(const pel_mesh *mesh)
+{
+    pel_topology *topology;
+    if (pel_topology_create(mesh, &topology, NULL) != PEL_OK)
+        return true;
+    const bool closed = topology->boundary_edge_count == 0;
+    pel_topology_destroy(topology);
+    return closed;
+}
+
+/* m, of its own or of its sheet; 0 = that of all */
+static double thickness_of(const pel_contact_def *contact, const pel_body_def *body)
+{
+    if (body->contact_thickness > 0 || contact->thickness > 0)
+        return body->contact_thickness;
+    if (contact->shell_thickness)
+        return body->shell.membrane.thickness.value;
+    const bool is_sheet = contact->enabled && !(contact->relative_thickness > 0) && !is_closed(body->mesh);
+    const double most = pel_mesh_thickness_limit(body->mesh, body->refine.levels).most;
+    return is_sheet ? pel_min(pel_membrane_thickness(body), most) : 0;
+}
+
 /* m, at which contact leaves a tool and the bodies alone */
 static double clearance_of(const pel_scene *scene, const pel_tool_def *tool)
 {
     const pel_contact_def *contact = &scene->sim.contact;
-    const double common =
-        contact->thickness > 0 ? contact->thickness : contact->relative_thickness * diagonal_of(&scene->model);
+    const double relative = pel_contact_relative_thickness(contact) * diagonal_of(&scene->model);
+    const double common = contact->thickness > 0 ? contact->thickness : relative;
     double thickest = common;
-    for (int32_t b = 0; b < scene->model.body_count; b++) {
-        const pel_body_def *body = &scene->model.bodies[b];
-        const double shell = contact->shell_thickness ? body->shell.membrane.thickness.value : 0;
-        thickest = pel_max(thickest, pel_max(body->contact_thickness, shell));
-    }
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        thickest = pel_max(thickest, thickness_of(contact, &scene->model.bodies[b]));
     return CLEARANCE * 0.5 * (thickest + (tool->thickness > 0 ? tool->thickness : common));
 }
 

@@ -36,6 +36,7 @@
 #include "tool/create.h"
 #include "tool/solid.h"
 #include "tool/support.h"
+#include "touch/lips.h"
 #include "touch/restitution.h"
 #include "touch/sleep.h"
 #include "touch/tangle.h"
@@ -305,11 +306,9 @@ static pel_status build_contact(pel_sim *sim, const pel_sim_def *def, pel_error 
     if (status == PEL_OK && def->record_contacts && sim->contact_forces.is_kept)
         status = pel_contact_records_create(&sim->contact_forces, error);
     if (status == PEL_OK)
-        status =
-            pel_layers_create(sim,
-                              def->contact.relative_thickness > 0 ? def->contact.relative_thickness
-                                                                  : pel_sim_def_default().contact.relative_thickness,
-                              error);
+        status = pel_layers_create(sim, error);
+    if (status == PEL_OK && def->contact.enabled)
+        status = pel_lips_find_origins(sim, error);
     if (status == PEL_OK)
         status = pel_contacts_create(sim, &def->contact, error);
     if (status == PEL_OK && !sim->goes_on)

@@ -35,12 +35,13 @@
 #include "tool/tools.h"
 #include "touch/contact.h"
 #include "touch/sleep.h"
+#include "touch/thickness.h"
 #include "touch/transfer.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { SNAPSHOT_VERSION = 23 };
+enum { SNAPSHOT_VERSION = 24 };
 
 typedef struct header {
     char magic[8];
@@ -89,12 +90,22 @@ static void transfer_sim(pel_cursor *at, const pel_sim *sim)
     static pel_transfer_part *const before[] = {pel_transfer_motion, pel_transfer_history, pel_substeps_transfer,
                                                 pel_parts_transfer,  pel_transfer_marks,   pel_transfer_factors,
                                                 pel_transfer_plastic};
-    static pel_transfer_part *const after[] = {
-        pel_supports_transfer,       pel_touch_transfer_forces, pel_touch_transfer_pairs,
-        pel_transfer_held,           pel_forces_transfer,       pel_touch_transfer_statistics,
-        pel_touch_transfer_collider, pel_sleep_transfer,        pel_minimise_transfer,
-        pel_sim_path_transfer,       pel_sim_modes_transfer,    pel_ledger_transfer,
-        pel_tear_transfer,           pel_ties_transfer,         pel_joints_transfer};
+    static pel_transfer_part *const after[] = {pel_contacts_transfer_limits,
+                                               pel_supports_transfer,
+                                               pel_touch_transfer_forces,
+                                               pel_touch_transfer_pairs,
+                                               pel_transfer_held,
+                                               pel_forces_transfer,
+                                               pel_touch_transfer_statistics,
+                                               pel_touch_transfer_collider,
+                                               pel_sleep_transfer,
+                                               pel_minimise_transfer,
+                                               pel_sim_path_transfer,
+                                               pel_sim_modes_transfer,
+                                               pel_ledger_transfer,
+                                               pel_tear_transfer,
+                                               pel_ties_transfer,
+                                               pel_joints_transfer};
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         before[i](at, sim, 0);
     for (int32_t b = 0; b < sim->model->body_count; b++)
@@ -569,6 +580,14 @@ static void carry_parts(carrier *c)
     pel_plastic_begin(c->to);
 }
 
+/* Those of the start stay; before the first step a change is of the start. */
+static pel_status carry_limits(carrier *c, bool stay, pel_error *error)
+{
+    if (stay)
+        carry(c, pel_contacts_transfer_limits, 0, 0);
+    return stay || c->to->contacts == NULL ? PEL_OK : pel_contacts_limit_by_start(c->to, error);
+}
+
 pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfaces *surfaces, pel_error *error)
 {
     carrier c = {.from = from, .to = to};
@@ -576,6 +595,8 @@ pel_status pel_snapshot_carry(const pel_sim *from, pel_sim *to, const pel_surfac
     pel_status status = find_places(&c, surfaces, error);
     if (status == PEL_OK)
         status = carry_surfaces(&c, error);
+    if (status == PEL_OK)
+        status = carry_limits(&c, has_run || surfaces != NULL, error);
     if (status == PEL_OK) {
         carry(&c, pel_transfer_motion, 0, 0);
         /* its presence depends on tools and contact */

@@ -87,7 +87,7 @@ double pel_body_strength(const pel_sim *sim, int32_t body)
     return pel_max(membrane_tension(own), spring_tension(def)) * sqrt(area) + filling * depth;
 }
 
-pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error *error)
+pel_status pel_layers_create(pel_sim *sim, pel_error *error)
 {
     const pel_model *model = sim->given;
     sim->layers = pel_allocate((size_t)model->body_count, sizeof *sim->layers);
@@ -96,7 +96,7 @@ pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error 
     for (int32_t b = 0; b < model->body_count; b++) {
         double sheet = sheet_thickness(&model->def.bodies[b], &model->bodies[b]);
         pel_layer_set_thickness(sim, b,
-                                sheet > 0 ? SHEET_SHARE * sheet : relative_thickness * model->bodies[b].diameter);
+                                sheet > 0 ? SHEET_SHARE * sheet : PEL_LAYER_RELATIVE * model->bodies[b].diameter);
     }
     return PEL_OK;
 }

@@ -4,9 +4,12 @@
 
 #include "stage/stage.h"
 
+/* of the diagonal of all bodies: thickness of layers of which no sheet is known */
+#define PEL_LAYER_RELATIVE 1e-4
+
 /* Layers of the bodies by their materials; without contact, of a share of their sheets, or where
-   none is known relative_thickness (above 0) times their diameter. PEL_OUT_OF_MEMORY. */
-pel_status pel_layers_create(pel_sim *sim, double relative_thickness, pel_error *error);
+   none is known of their diameter. PEL_OUT_OF_MEMORY. */
+pel_status pel_layers_create(pel_sim *sim, pel_error *error);
 /* One of them takes the thickness that contact has [m]. */
 void pel_layer_set_thickness(pel_sim *sim, int32_t body, double thickness);
 

@@ -22,9 +22,9 @@
 #include "tool/solid.h"
 #include "tool/tools.h"
 #include "touch/doubt.h"
-#include "touch/lips.h"
 #include "touch/sleep.h"
 #include "touch/tangle.h"
+#include "touch/thickness.h"
 
 #include <string.h>
 
@@ -50,9 +50,6 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
         if (!(numbers[i] >= 0 && isfinite(numbers[i])))
             return pel_refuse(error, PEL_BAD_ARGUMENT, "give a number of at least 0", "contact %s is %g", names[i],
                               numbers[i]);
-    if (!(def->thickness > 0) && !(def->relative_thickness > 0))
-        return pel_refuse(error, PEL_BAD_ARGUMENT, "give a thickness above 0, such as 1e-4 of the size of the bodies",
-                          "contact has no thickness");
     if (PEL_IS_NO_CHOICE(def->method, PEL_CCD_BRIDSON + 1))
         return pel_fail(error, PEL_BAD_ARGUMENT, "contact method %d is unknown", (int)def->method);
     if (PEL_IS_NO_CHOICE(def->response, PEL_CONTACT_AFTER + 1))
@@ -63,173 +60,6 @@ static pel_status check_numbers(const pel_contact_def *def, pel_error *error)
         if (counts[i] < 0 || counts[i] > most[i])
             return pel_fail(error, PEL_BAD_ARGUMENT, "contact %s is %lld", count_names[i], (long long)counts[i]);
     return PEL_OK;
-}
-
-static double diagonal(const pel_model *model)
-{
-    double low[3], high[3], x[3];
-    pel_bounds_clear(low, high);
-    for (int32_t v = 0; v < model->vertex_count; v++)
-        if (model->mesh_vertex[v] >= 0) {
-            pel_vertex_position(model->rest, v, x);
-            pel_bounds_add(low, high, x);
-        }
-    return pel_vec3_distance(low, high);
-}
-
-typedef struct edge_place {
-    double length; /* m */
-    int32_t body, vertex;
-} edge_place;
-
-/* shortest edge of a body at rest, on the finest level where it refines, and where it begins */
-static edge_place shortest_edge(const pel_model *model, int32_t body)
-{
-    PEL_ASSERT_INDEX(body, model->body_count);
-    const pel_mesh *mesh = model->bodies[body].mesh;
-    double levels = model->bodies[body].detail != NULL ? ldexp(1, model->bodies[body].detail->def.levels) : 1;
-    edge_place shortest = {HUGE_VAL, body, 0};
-    for (int32_t h = 0; h < 3 * mesh->triangle_count; h++) {
-        int32_t v = mesh->triangles[h / 3][h % 3];
-        double length =
-            pel_vec3_distance(mesh->positions[v], mesh->positions[mesh->triangles[h / 3][(h + 1) % 3]]) / levels;
-        if (length < shortest.length)
-            shortest = (edge_place){length, body, v};
-    }
-    return shortest;
-}
-
-static pel_status refuse_thickness(const pel_sim *sim, double thickness, bool is_shell, const edge_place *edge,
-                                   pel_error *error)
-{
-    pel_fail(error, PEL_BAD_ARGUMENT, "contact thickness %g%s is more than the shortest edge, %g, of body '%s'",
-             thickness, is_shell ? " of the shell" : "", edge->length, sim->given->bodies[edge->body].name);
-    pel_fail_element(error, "vertex", edge->vertex);
-    pel_fail_remedy(error, "use %s %.3g, or a mesh without such short edges",
-                    is_shell ? "a coarser mesh, a thickness in metres of at most" : "at most", 0.5 * edge->length);
-    return PEL_BAD_ARGUMENT;
-}
-
-/* of g dt^2: a thinner layer is lost in one substep of a fall, the guard stops what it cannot hold, and the step is
-   divided; at most so much of the least side of the box around a rigid body, and of its shortest edge */
-#define FALL_SHARE 0.0625
-#define SIDE_SHARE 3e-3
-#define EDGE_SHARE 0.25
-
-/* m, of the layer of a rigid body that has none of its own; 0 = it is given, or not rigid */
-static double rigid_thickness(const pel_sim *sim, int32_t body)
-{
-    const pel_mesh *mesh = sim->given->bodies[body].mesh;
-    double low[3], high[3], least = HUGE_VAL;
-    if (sim->model->bodies[body].rigid == NULL || sim->touch->def.thickness > 0)
-        return 0;
-    pel_bounds_clear(low, high);
-    for (int32_t v = 0; v < mesh->vertex_count; v++)
-        pel_bounds_add(low, high, mesh->positions[v]);
-    for (int k = 0; k < 3; k++)
-        least = pel_min(least, high[k] - low[k]);
-    double fall = FALL_SHARE * pel_vec3_length(sim->model->gravity) * sim->solver.dt * sim->solver.dt;
-    return pel_min(fall, pel_min(SIDE_SHARE * least, EDGE_SHARE * shortest_edge(sim->given, body).length));
-}
-
-/* m, the least one where all bodies are rigid, else 0 */
-static double all_rigid_thickness(const pel_sim *sim)
-{
-    double least = HUGE_VAL;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        least = pel_min(least, rigid_thickness(sim, b));
-    return least;
-}
-
-/* the thickness of all groups without their own: a given one is accepted or refused, the relative one is reduced for
-   short edges */
-static pel_status choose_thickness(const pel_sim *sim, const edge_place *shortest, double *thickness, pel_error *error)
-{
-    const pel_contact_def *def = &sim->touch->def;
-    *thickness = def->thickness;
-    if (!(*thickness > 0))
-        *thickness = pel_max(pel_min(def->relative_thickness * diagonal(sim->given), 0.5 * shortest->length),
-                             all_rigid_thickness(sim));
-    if (*thickness > 0)
-        return PEL_OK;
-    return pel_refuse_element(error, PEL_BAD_ARGUMENT, "vertex", shortest->vertex,
-                              "repair the mesh, or give contact a thickness in metres",
-                              "body '%s' has an edge without length", sim->given->bodies[shortest->body].name);
-}
-
-static double mean_of(const pel_quantity *quantity, int32_t count)
-{
-    double sum = 0;
-    for (int32_t v = 0; quantity->field != NULL && v < count; v++)
-        sum += quantity->field[v] / count;
-    return quantity->field != NULL ? sum : quantity->value;
-}
-
-/* thickness of the sheet that a body is, 0 for filled ones */
-static double sheet_thickness(const pel_sim *sim, int32_t body)
-{
-    PEL_ASSERT_INDEX(body, sim->given->body_count);
-    const pel_body_def *def = &sim->given->def.bodies[body];
-    int32_t count = sim->given->bodies[body].mesh->vertex_count;
-    if (def->shell.membrane.on)
-        return mean_of(&def->shell.membrane.thickness, count);
-    bool is_sheet = !sim->given->bodies[body].closed && def->mass_kind == PEL_MASS_DENSITY;
-    return is_sheet ? mean_of(&def->thickness, count) : 0;
-}
-
-/* whether a body has the thickness of its sheet */
-static bool is_shell(const pel_sim *sim, int32_t body)
-{
-    const pel_contact_def *def = &sim->touch->def;
-    return def->shell_thickness && !(def->thickness > 0) && !(sim->given->bodies[body].contact_thickness > 0);
-}
-
-static pel_contact_group group_of(const pel_sim *sim, int32_t number, double thickness)
-{
-    int32_t tool = number - sim->model->body_count;
-    double own = tool < 0 ? sim->given->bodies[number].contact_thickness : sim->tools->items[tool].thickness;
-    double friction = tool < 0 ? sim->model->bodies[number].friction : sim->tools->items[tool].friction;
-    if (tool < 0 && is_shell(sim, number))
-        own = sheet_thickness(sim, number);
-    if (tool < 0 && !(own > 0))
-        own = pel_max(thickness, rigid_thickness(sim, number));
-    return (pel_contact_group){.thickness = own > 0 ? own : thickness,
-                               .friction = friction >= 0 ? friction : sim->touch->def.friction};
-}
-
-/* an animation moves all vertices of the body, for good: its layer is never the weaker one */
-static bool is_obstacle(const pel_sim *sim, int32_t body)
-{
-    bool is = false;
-    for (int32_t t = 0; t < sim->tools->count; t++) {
-        const pel_tool *tool = &sim->tools->items[t];
-        is |= tool->sequence != NULL && tool->body == body && !(tool->grasp_from > 0) && isinf(tool->strength) &&
-              isinf(tool->grasp_until) && tool->support_count == sim->given->bodies[body].mesh->vertex_count;
-    }
-    return is;
-}
-
-/* thickness of bodies, at most the length of their edges, and of tools */
-static pel_status set_groups(pel_sim *sim, pel_contact_set_def *def, pel_contact_group *groups, pel_error *error)
-{
-    edge_place shortest = {.length = HUGE_VAL};
-    for (int32_t b = 0; b < sim->model->body_count; b++) {
-        edge_place edges = shortest_edge(sim->given, b);
-        shortest = edges.length < shortest.length ? edges : shortest;
-    }
-    pel_status status = choose_thickness(sim, &shortest, &def->thickness, error);
-    for (int32_t i = 0; status == PEL_OK && i < def->body_count + def->obstacle_count; i++) {
-        groups[i] = group_of(sim, i, def->thickness);
-        if (i < def->body_count) {
-            pel_layer_set_thickness(sim, i, groups[i].thickness);
-            groups[i].hardness = is_obstacle(sim, i) ? (double)HUGE_VAL : sim->layers[i].hardness;
-        }
-        edge_place edges = i < def->body_count ? shortest_edge(sim->given, i) : shortest;
-        if (i < def->body_count && groups[i].thickness > edges.length)
-            return refuse_thickness(sim, groups[i].thickness, is_shell(sim, i), &edges, error);
-    }
-    def->shortest_edge = shortest.length;
-    return status;
 }
 
 static void set_obstacles(const pel_sim *sim, pel_obstacle *obstacles)
@@ -267,7 +97,8 @@ static pel_status create_set(pel_sim *sim, pel_obstacle *obstacles, pel_contact_
         .pool = sim->pool,
         .rigids = sim->rigids,
     };
-    pel_status status = set_groups(sim, &given, groups, error);
+    pel_contacts_limit_by_mesh(sim);
+    pel_status status = pel_contacts_set_groups(sim, &given, groups, error);
     set_obstacles(sim, obstacles);
     return status == PEL_OK ? pel_contact_set_create(&given, &sim->contacts, error) : status;
 }
@@ -277,23 +108,14 @@ static pel_status create_from_tools(pel_sim *sim, pel_error *error)
     size_t tool_count = (size_t)sim->tools->count, body_count = (size_t)sim->model->body_count;
     pel_obstacle *obstacles = pel_allocate(tool_count, sizeof *obstacles);
     pel_contact_group *groups = pel_allocate(body_count + tool_count, sizeof *groups);
-    sim->touch->revisions = pel_allocate(body_count, sizeof *sim->touch->revisions);
-    pel_status status = obstacles != NULL && groups != NULL && sim->touch->revisions != NULL
-                            ? create_set(sim, obstacles, groups, error)
-                            : pel_fail_memory(error);
+    pel_status status =
+        PEL_ALLOCATE_ALL(PEL_ROOM(sim->touch->revisions, body_count), PEL_ROOM(sim->touch->limits, body_count)) &&
+                obstacles != NULL && groups != NULL
+            ? create_set(sim, obstacles, groups, error)
+            : pel_fail_memory(error);
     pel_free(obstacles);
     pel_free(groups);
     return status;
-}
-
-/* the pressing range of tools is their largest distance from a body */
-static void grow_tools(pel_sim *sim)
-{
-    for (int32_t i = 0; i < sim->tools->count; i++)
-        for (int32_t b = 0; b < sim->model->body_count; b++) {
-            double thickness = pel_contact_thickness(sim->contacts, b, sim->model->body_count + i);
-            sim->tools->items[i].press_margin = pel_max(sim->tools->items[i].press_margin, thickness);
-        }
 }
 
 static pel_status refuse_mesh_tools(const pel_sim *sim, pel_error *error)
@@ -320,19 +142,17 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
         sim->touch->def.sweeps = SWEEP_PRESET;
     sim->self_contact = def->self && !def->allow_tangled;
     sim->contact_in_loop &= def->response == PEL_CONTACT_IN_LOOP;
-    status = pel_lips_find_origins(sim, error);
-    if (status == PEL_OK)
-        status = create_from_tools(sim, error);
+    status = create_from_tools(sim, error);
     if (status != PEL_OK)
         return status;
     pel_contacts_place(sim);
     status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK && !sim->goes_on)
+        status = pel_contacts_limit_by_start(sim, error);
+    if (status == PEL_OK && !sim->goes_on)
         status = pel_tangles_find(sim->contacts, error);
     if (status == PEL_OK && !sim->goes_on)
         status = pel_contacts_refuse_tangles(sim, error);
-    if (status == PEL_OK)
-        grow_tools(sim);
     return status;
 }
 
@@ -341,7 +161,7 @@ void pel_contacts_destroy(pel_sim *sim)
     pel_contact_set_destroy(sim->contacts);
     sim->contacts = NULL;
     pel_sleep_destroy(sim);
-    PEL_FREE_ALL(sim->touch->revisions, sim->touch->origins, sim->touch->before_event);
+    PEL_FREE_ALL(sim->touch->revisions, sim->touch->limits, sim->touch->origins, sim->touch->before_event);
 }
 
 /* ---- inputs of the set ---- */
@@ -685,9 +505,17 @@ static bool solves_layers(const pel_sim *sim)
 }
 
 /* relative to the mean edge: longer motions in a part do not locate an impact; shorter ones around a corner are of what
-   is pressed against it, which parts do not help */
+   is pressed against it, which parts do not help, and so are those shorter than both layers are thick */
 #define FAR_SHARE 0.25
 #define AROUND_SHARE 0.02
+
+/* m, motion from which a conflict counts */
+static double least_way(const pel_contact_set *contacts, const pel_conflict *conflict)
+{
+    double far = FAR_SHARE * contacts->mean_edge, around = AROUND_SHARE * contacts->mean_edge;
+    double layers = 2 * contacts->largest;
+    return conflict->ends_free ? pel_min(far, pel_max(around, layers)) : far;
+}
 
 /* conflicts of fast motion, and of straight paths that cut a corner although their ends are free */
 static int32_t count_far_conflicts(const pel_contact_set *contacts)
@@ -695,8 +523,7 @@ static int32_t count_far_conflicts(const pel_contact_set *contacts)
     int32_t count = 0;
     for (size_t c = 0; c < contacts->conflict_count; c++) {
         const pel_conflict *conflict = &contacts->conflicts[c];
-        double share = conflict->ends_free ? AROUND_SHARE : FAR_SHARE;
-        count += pel_contact_conflict_way(contacts, conflict) > share * contacts->mean_edge;
+        count += pel_contact_conflict_way(contacts, conflict) > least_way(contacts, conflict);
     }
     return count;
 }

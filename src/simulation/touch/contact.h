@@ -4,6 +4,7 @@
 
 #include "contact/set.h"
 #include "stage/stage.h"
+#include "touch/thickness.h"
 
 /* A pair of groups that collides (restitution.c). */
 typedef struct pel_collision_state {
@@ -21,9 +22,10 @@ typedef struct pel_sleep pel_sleep; /* (sleep.c) */
 /* State of contact in addition to the set. */
 struct pel_touch {
     pel_contact_def def;
-    int64_t *revisions; /* (body_count) of the surface in the set */
-    int32_t *origins;   /* (vertex_count) of each vertex the one that it was before cuts; null = nothing is cut */
-    bool is_loaded;     /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
+    int64_t *revisions;          /* (body_count) of the surface in the set */
+    pel_thickness_limit *limits; /* (body_count) */
+    int32_t *origins; /* (vertex_count) of each vertex the one that it was before cuts; null = nothing is cut */
+    bool is_loaded;   /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
     bool has_stepped_back; /* vertices, in this part: the guard */
     bool is_carried;       /* pairs and revisions are of another simulation, the surface of the set is not yet */
     double found_at;       /* share of the step at which the pairs were found; 1 = nothing is to be found in it */
@@ -36,7 +38,7 @@ struct pel_touch {
     pel_collision_state *collisions; /* (pairs of contact_forces) null = no restitution */
 };
 
-/* Null contacts when they are not enabled. Errors as for pel_sim_create. */
+/* Null contacts when they are not enabled; after pel_lips_find_origins. Errors as for pel_sim_create. */
 pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_error *error);
 void pel_contacts_destroy(pel_sim *sim);
 /* Points at both ends of the step: present and next positions, poses before the step and present ones. */
