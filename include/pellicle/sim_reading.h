@@ -58,9 +58,9 @@ PEL_API bool pel_sim_get_joint(const pel_sim *sim, int32_t joint, pel_joint_read
 PEL_API const char *pel_sim_support_name(const pel_sim *sim, int32_t support);
 PEL_API void pel_sim_get_support_part(const pel_sim *sim, int32_t support, pel_support_reading *reading);
 
-/* xpbd: excess stretch of springs and shells relative to their material (0.1 = 10 %), because one sweep per substep
-   does not converge. It is proportional to the square of the substep (docs/shells.md: derivation and measurements) and
-   estimated at the start, every 8 to 32 steps and after refinement. 0 for other methods. */
+/* xpbd: excess stretch of springs and shells relative to their material (0.1 = 10 %), at most, because one sweep per
+   substep does not converge. Small ones go with the fourth power of the substep (docs/shells.md: how, and
+   measurements). Estimated at the start, every 8 to 32 steps and after refinement. 0 for other methods. */
 PEL_API double pel_sim_softness(const pel_sim *sim);
 
 /* Convergence of the last step of PEL_METHOD_DESCENT, STATIC or IMPLICIT, and the substeps of position-based methods;

@@ -76,7 +76,7 @@ typedef struct pel_solver_def {
     bool symplectic;    /* explicit: v first, then x with the new v; false: forward Euler as in the paper */
     int32_t iterations; /* pbd, xpbd, descent: iterations per step or substep; 0 = 5, 1 and 500. descent with tools or
                            contact: per round, with up to 12 rounds per step; 0 = 50 */
-    int32_t substeps; /* pbd, xpbd: substeps of a step. 0 = 1 for pbd; for xpbd the number that keeps stretch within 5 %
+    int32_t substeps; /* pbd, xpbd: substeps of a step. 0 = 1 for pbd; for xpbd the number that keeps stretch within 1 %
                          of the material's, updated during the run (pel_sim_softness) */
     int32_t max_substeps;    /* xpbd: maximum of automatic substeps; 0 = 200 */
     pel_choice second_order; /* xpbd: second order in time (BDF2), except for touching vertices. PEL_AUTO: without

@@ -4,6 +4,7 @@
 #include "pellicle/sim_ledger.h"
 #include "shell_fixture.h"
 #include "solve/project.h"
+#include "solve/softness.h"
 #include "stage/stage.h"
 
 #ifdef PEL_SINGLE
@@ -65,7 +66,7 @@ typedef double measure_function(pel_sim *sim, const pel_mesh *mesh);
 
 /* how much more xpbd gives way than descent, under the loads of a def; what it says itself goes to *told */
 static double true_softness(const pel_mesh *mesh, const pel_model *model, const pel_load_def *load,
-                            measure_function *measure, pel_choice second_order, int32_t iterations, double *told)
+                            measure_function *measure, const pel_solver_def *choice, double *told)
 {
     pel_sim_def def = sim_of(model, PEL_METHOD_DESCENT, 0.1);
     def.loads = load;
@@ -78,8 +79,9 @@ static double true_softness(const pel_mesh *mesh, const pel_model *model, const 
     pel_sim_destroy(sim);
     def.solver.method = PEL_METHOD_XPBD;
     def.solver.max_substeps = 2000;
-    def.solver.iterations = iterations;
-    def.solver.second_order = second_order;
+    def.solver.iterations = choice->iterations;
+    def.solver.substeps = choice->substeps;
+    def.solver.second_order = choice->second_order;
     sim = make_sim(&def);
     run_steps(sim, 30);
     double softness = measure(sim, mesh) / exact - 1;
@@ -88,12 +90,16 @@ static double true_softness(const pel_mesh *mesh, const pel_model *model, const 
     return softness;
 }
 
+/* what a single sweep leaves, also of forces on few vertices; measured: 0.002, of the coarsest ball 0.012 too stiff */
+#define LEFT_BY_ONE 0.013
+
 static void assert_estimate(const char *what, int32_t iterations, double softness, double told)
 {
     print_message("%s: softer by %.4f, told %.4f\n", what, softness, told);
-    assert_true(told <= 0.05 && told > 0.035);
-    /* at most twice the substeps that it takes; several sweeps do more than they are trusted with */
-    assert_true(softness < told && (softness > 0.25 * told || iterations > 1));
+    if (iterations == 1)
+        assert_true(told <= 0.0045 && told > 0.003 && fabs(softness) < LEFT_BY_ONE);
+    else /* several do more than they are trusted with */
+        assert_true(told <= 0.05 && told > 0.035 && softness < told);
 }
 
 /* a ball under pressure, of every material, with bending and without, coarse and fine, with one sweep and three */
@@ -114,15 +120,39 @@ static void test_balls(void **unused)
         body.shell.pressure.outside.value = -5;
         pel_model *model = make_model(&body);
         double told;
-        int32_t iterations = i == 2 ? 3 : 1;
+        const pel_solver_def choice = {.iterations = i == 2 ? 3 : 1, .second_order = i % 3 == 0 ? PEL_NO : PEL_AUTO};
         char what[60];
         snprintf(what, sizeof what, "ball %d", i);
-        pel_choice order = i % 3 == 0 ? PEL_NO : PEL_AUTO;
-        double softness = true_softness(mesh, model, NULL, mean_growth, order, iterations, &told);
-        assert_estimate(what, iterations, softness, told);
+        double softness = true_softness(mesh, model, NULL, mean_growth, &choice, &told);
+        assert_estimate(what, choice.iterations, softness, told);
         pel_model_destroy(model);
         pel_mesh_destroy(mesh);
     }
+}
+
+/* With fewer substeps than it takes a ball is no softer than is told, and never so stiff that it grows in steps: of
+   every material, with damping as well. */
+static void test_few_substeps(void **unused)
+{
+    (void)unused;
+    skip_if_slow();
+    if (!IS_DOUBLE)
+        skip();
+    pel_mesh *mesh = make_sphere(6);
+    for (int i = 0; i < 15; i++) {
+        pel_body_def body = shell_body(mesh, (pel_membrane_kind)(i % 5));
+        body.shell.membrane.poisson = 0.45;
+        body.shell.membrane.retardation = i >= 10 ? 2e-3 : 0;
+        body.shell.pressure.kind = PEL_PRESSURE_GIVEN;
+        body.shell.pressure.outside.value = -5;
+        pel_model *model = make_model(&body);
+        const pel_solver_def choice = {.iterations = 1, .substeps = i < 5 ? 2 : 10, .second_order = PEL_AUTO};
+        double told, softness = true_softness(mesh, model, NULL, mean_growth, &choice, &told);
+        print_message("ball %d, %d substeps: softer by %.4f, told %.4f\n", i, (int)choice.substeps, softness, told);
+        assert_true(softness > -LEFT_BY_ONE && softness < told);
+        pel_model_destroy(model);
+    }
+    pel_mesh_destroy(mesh);
 }
 
 /* A strip that is held at one end and pulled at the other: along it, alike or of two materials side by side or one
@@ -154,10 +184,10 @@ static void test_strips(void **unused)
         load.force[0] = i == 1 ? 50 : 5;
         load.vertices = pulled;
         load.vertex_count = pulled_count;
-        double told, softness = true_softness(mesh, model, &load, stretch, PEL_AUTO, 1, &told);
+        const pel_solver_def choice = {.iterations = 1, .second_order = PEL_AUTO};
+        double told, softness = true_softness(mesh, model, &load, stretch, &choice, &told);
         print_message("strip %d: softer by %.4f, told %.4f\n", i, softness, told);
-        assert_true(softness > 0 && softness < 0.05 && told <= 0.05);
-        assert_true(i == 2 || softness > 0.2 * told); /* the stiff part is all that is pulled, but in the last one */
+        assert_true(fabs(softness) < LEFT_BY_ONE && told <= 0.0045);
         pel_model_destroy(model);
     }
     free(young);
@@ -193,7 +223,8 @@ static void test_choice(void **unused)
     assert_true(limited.substeps == 5 && limited.needed_substeps == plain.substeps && limited.softness > 0.1);
     def.solver.substeps = 7;
     assert_true(read_defaults(&def).substeps == 7);
-    assert_near(read_defaults(&def).softness / limited.softness, 25.0 / 49, 1e-9);
+    assert_near(pel_softness_share(read_defaults(&def).softness, 1) / pel_softness_share(limited.softness, 1),
+                25.0 / 49, 1e-9);
     def.solver.substeps = -1;
     pel_sim *sim;
     assert_int_equal(pel_sim_create(&def, &sim, NULL), PEL_BAD_ARGUMENT);
@@ -472,15 +503,11 @@ static void test_allocation(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_balls),
-        cmocka_unit_test(test_strips),
-        cmocka_unit_test(test_choice),
-        cmocka_unit_test(test_damped),
-        cmocka_unit_test(test_gas_is_stable),
-        cmocka_unit_test(test_keyed_springs),
-        cmocka_unit_test(test_large_deformation),
-        cmocka_unit_test(test_looks),
-        cmocka_unit_test(test_second_order),
+        cmocka_unit_test(test_balls),         cmocka_unit_test(test_few_substeps),
+        cmocka_unit_test(test_strips),        cmocka_unit_test(test_choice),
+        cmocka_unit_test(test_damped),        cmocka_unit_test(test_gas_is_stable),
+        cmocka_unit_test(test_keyed_springs), cmocka_unit_test(test_large_deformation),
+        cmocka_unit_test(test_looks),         cmocka_unit_test(test_second_order),
         cmocka_unit_test(test_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

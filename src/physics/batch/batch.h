@@ -92,6 +92,7 @@ typedef struct pel_batch_law {
     pel_real optimum, width; /* muscles: of their force-length curve */
     pel_real square_time;    /* s2, of the substep, times the factor of a keyed stiffness */
     pel_real inverse_square; /* its inverse */
+    pel_real correction;     /* of compliant kinds: what a single sweep takes off the softness at most, as a share */
     pel_real viscosity;      /* of compliant kinds: retardation over the length of a substep; 0 = elastic */
     pel_real force_rate;     /* 1/s2: from displacements times masses to forces */
 } pel_batch_law;

@@ -878,7 +878,7 @@ static const pel_def_row rows[] = {
             "(50 in a round), 200 for static, 20 for implicit (40 with constraints)"},
     {"solver.substeps", SOLVER(substeps), INTEGER_OR("auto"), COUNT_FROM(1), .preset = "auto", AUTO(0),
      WHEN(has_substeps),
-     .doc = "pbd, xpbd: number of parts of a step. auto: 1 for pbd; for xpbd as many as keep the stretch within 5 % of "
+     .doc = "pbd, xpbd: number of parts of a step. auto: 1 for pbd; for xpbd as many as keep the stretch within 1 % of "
             "the material's, updated during the run"},
     {"solver.max_substeps", SOLVER(max_substeps), INTEGER, COUNT_FROM(1), .preset = "200", AUTO(0), WHEN(is_xpbd),
      .doc = "xpbd: maximum number of automatic substeps. A scene without `method` uses implicit if it needs more. "

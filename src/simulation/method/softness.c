@@ -10,7 +10,9 @@
 
 #include <math.h>
 
-/* stretch beyond the material's that automatic substeps allow; the estimate is of the first order in it */
+/* stretch beyond the material's that automatic substeps allow: of one sweep, and of several, which are trusted less
+   than they do */
+#define MOST_SOFTNESS_ONE 0.0042
 #define MOST_SOFTNESS 0.048
 /* largest (substep)^2 stiffness / mass of a pressure that changes with the volume; the limit of stability is 4 */
 #define PRESSURE_SQUARE 1.0
@@ -84,7 +86,8 @@ static double tau_share(const pel_sim *sim)
 static double longest_substep(const pel_sim *sim)
 {
     const pel_softness *found = &sim->substeps->now.found;
-    double share = pel_softness_share(MOST_SOFTNESS, sim->solver.iterations);
+    const int32_t sweeps = sim->solver.iterations;
+    double share = pel_softness_share(sweeps == 1 ? MOST_SOFTNESS_ONE : MOST_SOFTNESS, sweeps);
     double half = 0.5 * tau_share(sim) * retardation_of(sim), square = found->rate > 0 ? 2 * share / found->rate : 0;
     double elastic = found->rate > 0 ? sqrt(square) : HUGE_VAL;
     double tau = half > 0 && found->rate > 0 ? square / (half + sqrt(half * half + square)) : elastic;

@@ -1,6 +1,7 @@
 /* The numbers of batches that change with time and state. */
 #include "base/assert.h"
 #include "solve/project.h"
+#include "solve/softness.h"
 
 static void begin_region(pel_batch *batch, const pel_shell *shell, const pel_solver_def *solver, const pel_state *state,
                          double time)
@@ -68,6 +69,7 @@ void pel_project_body_set_time(const pel_body *body, pel_body_batches *own, cons
         law->square_time = (pel_real)(tau * tau * factor);
         law->inverse_square = (pel_real)(1 / (tau * tau * factor));
         law->force_rate = (pel_real)(1 / (tau * tau));
+        law->correction = (pel_real)(time->iterations == 1 ? PEL_MOST_CORRECTION : 0);
         law->viscosity = (pel_real)(retardation_of(body, &own->batches[i]) / time->substep);
         own->batches[i].before = time->before;
         law->share = (pel_real)share_of(&own->batches[i], time);

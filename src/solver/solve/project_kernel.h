@@ -43,6 +43,7 @@
 #include "measure/tetra_lanes.h"
 #include "measure/volume.h"
 #include "solve/project.h"
+#include "solve/project_compliance.h"
 
 /* ---- access ---- */
 
@@ -82,23 +83,6 @@ PEL_INLINE void add_multiplier(const pel_batch *batch, int32_t block, int count,
                        old + change);
 }
 
-/* ---- damping of the material ----
-   The constraint of a strain s is s + g (s - s_0), with s_0 at the start of the substep and g the retardation over the
-   length of the substep: so the multiplier holds the viscous stress too. Its gradient is 1 + g times that of s. */
-
-PEL_INLINE bool is_viscous(const pel_batch *batch)
-{
-    return batch->law.viscosity > 0;
-}
-
-/* a constraint with one strain, which has changed in the substep */
-PEL_INLINE void damp(const pel_batch *batch, pel_lane change, pel_lane *strain, pel_lane *mobility)
-{
-    const pel_lane share = pel_lane_splat(batch->law.viscosity);
-    *strain = *strain + share * change;
-    *mobility = *mobility + share * *mobility;
-}
-
 PEL_INLINE pel_symmetric3 scaled(const pel_symmetric3 *m, pel_lane scale)
 {
     return (pel_symmetric3){scale * m->a11, scale * m->a12, scale * m->a13,
@@ -125,7 +109,7 @@ PEL_INLINE void project_edge(const pel_batch *batch, int32_t block, int32_t lane
     if (compliant) {
         pel_lane softness = number_of(batch, block, count, 1, lane) * pel_lane_splat(batch->law.inverse_square);
         pel_lane multiplier = multiplier_of(batch, block, 1, 0, lane);
-        change = (stretch + softness * multiplier) / (mobility + softness);
+        change = (stretch + softness * multiplier) / (mobility + corrected(batch, mobility, softness));
         add_multiplier(batch, block, 1, 0, lane, multiplier, -change);
         change = pel_lane_quotient(change, l.length);
     } else {
@@ -302,6 +286,11 @@ PEL_INLINE void solve_quadratic(const pel_batch *batch, int32_t block, int32_t l
     change[0] = -(strain.a + softness * old[0] - across * old[1]);
     change[1] = -(strain.b + softness * old[1] - across * old[0]);
     change[2] = -(strain.c + shear * old[2]);
+    /* trace of D g, times 1 / (area young dt^2) */
+    const double nu = (double)batch->law.poisson;
+    const pel_lane most = PEL_CONSTANT(1 / (1 - nu * nu)) * (g.a11 + g.a22 + PEL_CONSTANT(2 * nu) * g.a12) +
+                          PEL_CONSTANT(0.5 / (1 + nu)) * g.a33;
+    g = scaled(&g, share_left(batch, softness, most));
     g.a11 = g.a11 + softness;
     g.a22 = g.a22 + softness;
     g.a12 = g.a12 - across;
@@ -354,7 +343,8 @@ PEL_INLINE void project_strain_aligned(const pel_batch *batch, int32_t block, in
 }
 
 /* dl = -L (1 + L^T G L)^-1 L^-1 right with B = L L^T; the result replaces right */
-PEL_INLINE void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, pel_lane right[3])
+PEL_INLINE void solve_newton(const pel_batch *batch, const pel_symmetric3 *b, const pel_symmetric3 *g,
+                             pel_lane right[3])
 {
     const pel_lane one = pel_lane_splat(1);
     /* a collapsed triangle may have a tangent of rank one, or none */
@@ -367,12 +357,10 @@ PEL_INLINE void solve_newton(const pel_symmetric3 *b, const pel_symmetric3 *g, p
     pel_lane x1 = g->a11 * l11 + g->a12 * l21 + g->a13 * l31, x2 = g->a12 * l11 + g->a22 * l21 + g->a23 * l31;
     pel_lane x3 = g->a13 * l11 + g->a23 * l21 + g->a33 * l31;
     pel_lane y2 = g->a22 * l22 + g->a23 * l32, y3 = g->a23 * l22 + g->a33 * l32, z3 = g->a33 * l33;
-    pel_symmetric3 m = {one + l11 * x1 + l21 * x2 + l31 * x3,
-                        l22 * x2 + l32 * x3,
-                        l33 * x3,
-                        one + l22 * y2 + l32 * y3,
-                        l33 * y3,
-                        one + l33 * z3};
+    pel_symmetric3 m = {
+        l11 * x1 + l21 * x2 + l31 * x3, l22 * x2 + l32 * x3, l33 * x3, l22 * y2 + l32 * y3, l33 * y3, l33 * z3};
+    m = scaled(&m, share_left(batch, one, m.a11 + m.a22 + m.a33));
+    m = (pel_symmetric3){one + m.a11, m.a12, m.a13, one + m.a22, m.a23, one + m.a33};
     pel_lane y[3];
     y[0] = right[0] * r1;
     y[1] = (right[1] - l21 * y[0]) * r2;
@@ -443,7 +431,7 @@ PEL_INLINE void project_strain_newton(const pel_batch *batch, int32_t block, int
         multiply_add(&b, strain, change);
         b = scaled(&b, pel_lane_splat(1 + batch->law.viscosity));
     }
-    solve_newton(&b, &g, change);
+    solve_newton(batch, &b, &g, change);
     move_strained(batch, block, lane, &t, old, change, PEL_CONSTANT(HUGE_VAL), ways);
 }
 
@@ -511,10 +499,17 @@ PEL_INLINE void project_strain_compliant(const pel_batch *batch, int32_t block, 
     const pel_lane right[3] = {-change[0], -change[1], -change[2]};
     for (int i = 0; i < 3; i++)
         change[i] = right[i];
+    /* trace of D g for D = (C^-1 x C^-1 + q C^-1 (x) C^-1) / scale, q = part / (1 - 2 part): (3/2 + q) sum w p.C^-1 p
+     */
+    const pel_lane two = pel_lane_splat(2), rest = pel_lane_splat(1) - two * r.compliance.part;
+    const pel_lane whole = rest * r.compliance.scale * (m.a * m.b - m.c * m.c);
+    const pel_lane most = pel_lane_splat(1 + batch->law.viscosity) * (rest + PEL_CONSTANT(0.5)) *
+                          (t.pp * m.b + t.qq * m.a - two * t.pq * m.c);
+    g = scaled(&g, share_left(batch, softness * whole, most));
     g = (pel_symmetric3){g.a11 + d.a11, g.a12 + d.a12, g.a13 + d.a13, g.a22 + d.a22, g.a23 + d.a23, g.a33 + d.a33};
     solve_symmetric(&g, change);
-    /* dl G dl is dl (right - a D^-1 dl), and D is positive definite */
-    pel_lane bound = right[0] * change[0] + right[1] * change[1] + right[2] * change[2];
+    /* at least half of dl G dl is dl (right - a D^-1 dl), and D is positive definite */
+    pel_lane bound = two * (right[0] * change[0] + right[1] * change[1] + right[2] * change[2]);
     move_strained(batch, block, lane, &t, old, change, bound, ways);
 }
 
@@ -555,7 +550,7 @@ PEL_INLINE void project_isometric(const pel_batch *batch, int32_t block, int32_t
     pel_lane3 change;
     if (compliant) {
         pel_lane softness = number * pel_lane_splat(batch->law.inverse_square);
-        pel_lane factor = pel_lane_splat(1) / (mobility + softness);
+        pel_lane factor = pel_lane_splat(1) / (mobility + corrected(batch, mobility, softness));
         pel_lane3 old = {multiplier_of(batch, block, 3, 0, lane), multiplier_of(batch, block, 3, 1, lane),
                          multiplier_of(batch, block, 3, 2, lane)};
         change = pel_lane3_combine(-factor, u, -(factor * softness), old);
@@ -599,7 +594,8 @@ PEL_INLINE void project_angle(const pel_batch *batch, int32_t block, int32_t lan
     }
     if (compliant) {
         pel_lane softness = number_of(batch, block, count, 2, lane) * pel_lane_splat(batch->law.inverse_square);
-        pel_lane old = multiplier_of(batch, block, 1, 0, lane), inverse = one / (mobility + softness);
+        pel_lane old = multiplier_of(batch, block, 1, 0, lane);
+        pel_lane inverse = one / (mobility + corrected(batch, mobility, softness));
         change = inverse * (difference + softness * old);
         add_multiplier(batch, block, 1, 0, lane, old, -change);
     } else {
@@ -657,7 +653,7 @@ PEL_INLINE void project_fibre(const pel_batch *batch, int32_t block, int32_t lan
     if (compliant) {
         pel_lane softness = f.number * pel_lane_splat(batch->law.inverse_square);
         pel_lane old = multiplier_of(batch, block, 1, 0, lane);
-        change = -((r.strain + softness * old) / (mobility + softness));
+        change = -((r.strain + softness * old) / (mobility + corrected(batch, mobility, softness)));
         add_multiplier(batch, block, 1, 0, lane, old, change);
     } else {
         change = pel_lane_splat(batch->law.share) * pel_lane_quotient(-(half * f.number * r.strain), mobility);
@@ -683,7 +679,8 @@ PEL_INLINE void project_muscle(const pel_batch *batch, int32_t block, int32_t la
     const pel_lane force = pel_lane_splat(batch->law.rest_length) * r.force,
                    old = multiplier_of(batch, block, 1, 0, lane);
     const pel_lane slope = pel_lane_splat(batch->law.rest_length) * pel_lane_max(r.slope, pel_lane_splat(0));
-    const pel_lane change = -((force + softness * old) / (slope * f.mobility + softness));
+    const pel_lane change =
+        -((force + softness * old) / (slope * f.mobility + corrected(batch, slope * f.mobility, softness)));
     add_multiplier(batch, block, 1, 0, lane, old, change);
     const pel_lane3 way = pel_lane3_scale(f.fibre.image, pel_lane_quotient(change, length));
     const pel_particle *p = f.point;

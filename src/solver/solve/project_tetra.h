@@ -44,8 +44,10 @@ PEL_INLINE void project_tetra(const pel_batch *batch, int32_t block, int32_t lan
     const pel_lane old_shape = multiplier_of(batch, block, 2, 0, lane),
                    old_size = multiplier_of(batch, block, 2, 1, lane);
     const pel_lane right_a = strain + softness * old_shape, right_b = p.size + size_softness * old_size;
-    aa = aa + softness;
-    bb = bb + size_softness;
+    const pel_lane left = share_left(batch, softness, aa + PEL_CONSTANT(stiffness) * bb);
+    aa = left * aa + softness;
+    ab = left * ab;
+    bb = left * bb + size_softness;
     const pel_lane inverse = pel_lane_splat(-1) / pel_lane_max(aa * bb - ab * ab, softness * size_softness);
     const pel_lane change_a = inverse * (bb * right_a - ab * right_b);
     const pel_lane change_b = inverse * (aa * right_b - ab * right_a);

@@ -570,12 +570,16 @@ void pel_softness_look(const pel_model *model, const pel_state *state, double ti
 
 double pel_softness_after(double share, int32_t iterations)
 {
+    if (iterations == 1)
+        return share * (share / (share + PEL_MOST_CORRECTION));
     double left = pel_pow(share / (1 + share), iterations);
     return left / (1 - left);
 }
 
 double pel_softness_share(double softness, int32_t iterations)
 {
+    if (iterations == 1)
+        return 0.5 * (softness + sqrt(softness * (softness + 4 * PEL_MOST_CORRECTION)));
     double left = pel_pow(softness / (1 + softness), 1.0 / iterations);
     return left / (1 - left);
 }

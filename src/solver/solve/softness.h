@@ -16,13 +16,22 @@
    lie below it, in every kind of element. So a stiff or fine region counts, also a refined one of few vertices; the few
    smallest triangles of a scan do not. tau is the substep in first order, two thirds of it in second order.
 
+   A single sweep takes this back: with a - D / 2 in place of a (project_kernel.h) the mean of a - D / 2 - L^T over the
+   elements is that of a. What is left is of the second order in s, and the second sum: too stiff by as much as
+   forces on few light vertices move these in half a substep. As a - D / 2 must not vanish, at most half of a is taken
+   off, and s - 1/2 is left of a large s. s^2 / (s + 1/2) bounds both; measured: 0.0002 to 0.007 of s = 0.19, 0.03 to
+   0.15 of s = 0.5, s - 0.5 to s - 1 above.
+
    More sweeps solve for the same l with the iteration matrix s / (1 + s): the softness after n sweeps is
-   1 / (1 - (s / (1 + s))^n) - 1, which is s at n = 1 and about s / n where s is large. Measured: docs/shells.md. */
+   1 / (1 - (s / (1 + s))^n) - 1, about s / n where s is large; nothing is taken off there. Measured: docs/shells.md. */
 #ifndef PEL_SOLVE_SOFTNESS_H
 #define PEL_SOLVE_SOFTNESS_H
 
 #include "base/pool.h"
 #include "model/state.h"
+
+/* the share of a that a single sweep takes off at most */
+#define PEL_MOST_CORRECTION 0.5
 
 /* numbers of one model at one state [1/s2] */
 typedef struct pel_softness {
@@ -58,7 +67,7 @@ int64_t pel_softness_size(const pel_model *model);
 void pel_softness_look(const pel_model *model, const pel_state *state, double time, pel_pool *pool, int64_t end,
                        const pel_softness_scratch *scratch, pel_softness_progress *progress);
 
-/* Softness of `iterations` sweeps in a substep whose tau^2 rate / 2 is `share`. */
+/* Softness that is left after `iterations` sweeps in a substep whose tau^2 rate / 2 is `share`. */
 double pel_softness_after(double share, int32_t iterations);
 /* The share at which it is `softness`; the inverse of pel_softness_after. */
 double pel_softness_share(double softness, int32_t iterations);
