@@ -194,6 +194,50 @@ static void test_one_step(void **state)
     assert_near(hang(2), depth, 1e-3 * depth);
 }
 
+/* A ball of .1 kg without friction, `gap` above a sheet: under static it falls and rolls to where it rests. Where that
+   is, and the load over its weight. */
+static double fall_to_rest(double gap, double *load)
+{
+    int32_t rim[64];
+    rigid_scene scene;
+    pel_shape_def def = pel_shape_def_default(PEL_SHAPE_GEODESIC_SPHERE);
+    pel_mesh *ball;
+    double forces[128][3], sum = 0;
+    def.frequency = 3;
+    def.radius = 0.03;
+    assert_int_equal(pel_shape_create(&def, &ball, NULL), PEL_OK);
+    for (int32_t v = 0; v < ball->vertex_count; v++) {
+        ball->positions[v][0] += 0.004;
+        ball->positions[v][2] += 0.03 + gap;
+    }
+    begin(&scene, PEL_METHOD_STATIC, 1);
+    scene.gravity = -GRAVITY;
+    add_sheet(&scene, 10, 0.2, rim);
+    rigid_scene_add(&scene, ball, 900);
+    rigid_scene_make(&scene);
+    rigid_scene_run(&scene, 1);
+    pel_solver_reading reading;
+    pel_sim_get_solver(scene.sim, &reading);
+    assert_true(reading.converged);
+    pel_sim_get_contact_forces(scene.sim, 1, forces[0]);
+    for (int32_t v = 0; v < ball->vertex_count; v++)
+        sum += forces[v][2];
+    pel_rigid_reading rest = rigid_scene_read(&scene, 1);
+    *load = sum / (GRAVITY * rest.mass);
+    rigid_scene_end(&scene);
+    return rest.center[2];
+}
+
+static void test_fall_to_rest(void **state)
+{
+    (void)state;
+    double load, near = fall_to_rest(2e-4, &load);
+    assert_near(load, 1, 5e-3);
+    double far = fall_to_rest(0.02, &load);
+    assert_near(load, 1, 5e-3);
+    assert_near(far, near, 0.02 * 0.03);
+}
+
 /* a box that starts level hangs from the hinge of two pinned corners, in one step: where it is level nothing turns it
  */
 static void test_hinge_at_rest(void **state)
@@ -249,9 +293,9 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flight),   cmocka_unit_test(test_pendulum), cmocka_unit_test(test_collision),
-        cmocka_unit_test(test_rest),     cmocka_unit_test(test_one_step), cmocka_unit_test(test_hinge_at_rest),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_flight),        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_rest),          cmocka_unit_test(test_one_step), cmocka_unit_test(test_fall_to_rest),
+        cmocka_unit_test(test_hinge_at_rest), cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

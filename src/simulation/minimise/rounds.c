@@ -40,7 +40,7 @@ enum { SPENT_ROUNDS = 2, SPENT_SYSTEMS = 6 };
 /* unconverged rounds of a step at rest, one after the other, after which surfaces are taken where they are by now */
 enum { LOST_ROUNDS = 2 };
 /* of a run under constraints */
-enum { MOST_SYSTEMS = 40 };
+enum { MOST_SYSTEMS = 40, SETTLING_SYSTEMS = 20 };
 /* Steps in time that were spent one after the other, after which the next ones have few systems: a jam that lasts. One
    in so many has all of them, in case the jam can be solved by now. */
 enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
@@ -52,6 +52,8 @@ enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
 /* The same share in motion, of the loads and of the rate of change of momentum. A share of momentum over dt would stop
    a spinning body. */
 #define DYNAMIC_SHARE 1e-3
+/* and on the way to rest */
+#define SETTLING_SHARE 3e-4
 /* units of the last place that rounding leaves of the forces of a body at rest */
 #define ROUNDING_ERRORS 32
 /* strain of a body by forces that no step lowers, because they are lost in the rounding of its energy */
@@ -93,6 +95,11 @@ enum { JAMMED_STEPS = 4, JAMMED_SYSTEMS = 30, PROBING_STEPS = 8 };
    moved farther than this beyond an impact restart there */
 #define NEAR_SHARE 0.2
 #define BEYOND_SHARE 0.1
+
+bool pel_minimise_is_in_motion(const pel_sim *sim)
+{
+    return pel_sim_has_velocity(sim) || (sim->minimise->newton != NULL && sim->minimise->newton->settling.rate > 0);
+}
 
 static double spring_energy(const pel_minimise_context *at)
 {
@@ -200,7 +207,7 @@ static double rounding_force(const pel_sim *sim)
    inertia measure what is left of them. */
 static bool vibrates(const pel_sim *sim)
 {
-    return pel_sim_has_velocity(sim) && sim->tools->count == 0 && sim->contacts == NULL;
+    return pel_minimise_is_in_motion(sim) && sim->tools->count == 0 && sim->contacts == NULL;
 }
 
 static pel_descent_problem make_problem(pel_minimise_context *context)
@@ -213,9 +220,9 @@ static pel_descent_problem make_problem(pel_minimise_context *context)
         .energy = energy_of,
         .context = context,
         .pool = sim->pool,
-        .held_share = !pel_sim_has_velocity(sim) ? LOAD_SHARE
-                      : vibrates(sim)            ? 0
-                                                 : DYNAMIC_SHARE,
+        .held_share = !pel_minimise_is_in_motion(sim) ? LOAD_SHARE
+                      : vibrates(sim)                 ? 0
+                                                      : DYNAMIC_SHARE,
         .inertia_share = DYNAMIC_SHARE,
         .longest_move = MOVE_SHARE * sim->minimise->mean_edge,
         .short_move = SHORT_SHARE * sim->minimise->size,
@@ -375,8 +382,8 @@ static double dynamic_tolerance(const pel_sim *sim, double loads)
 {
     if (vibrates(sim))
         return pel_max(DYNAMIC_SHARE * loads, rounding_force(sim));
-    double acting = acting_force(sim, loads);
-    return acting > 0 ? DYNAMIC_SHARE * acting : rounding_force(sim);
+    double acting = acting_force(sim, loads), share = pel_sim_has_velocity(sim) ? DYNAMIC_SHARE : SETTLING_SHARE;
+    return acting > 0 ? share * acting : rounding_force(sim);
 }
 
 /* the largest force that has acted; for a body that starts deformed or prestressed, its stress */
@@ -407,7 +414,7 @@ static bool is_balanced(const pel_sim *sim, const pel_descent_result *round, dou
     const double least = stuck_force(sim);
     if (round->stuck && round->residual <= least && acting_force(sim, loads) <= 10 * least)
         return true;
-    double tolerance = pel_sim_has_velocity(sim)
+    double tolerance = pel_minimise_is_in_motion(sim)
                            ? pel_hypot(dynamic_tolerance(sim, loads), DYNAMIC_SHARE * round->inertia_force)
                            : tolerance_of(sim, loads);
     return round->converged && (round->is_near || round->residual <= tolerance);
@@ -436,7 +443,7 @@ int32_t pel_minimise_systems_left(const pel_sim *sim)
 {
     int32_t left = PEL_STEP_SYSTEMS - sim->part.systems;
     if (!is_bounded(sim))
-        return MOST_SYSTEMS;
+        return pel_sim_has_velocity(sim) ? MOST_SYSTEMS : SETTLING_SYSTEMS;
     return pel_parts_are_spent(sim) ? SPENT_SYSTEMS : left < MOST_SYSTEMS ? left : MOST_SYSTEMS;
 }
 
@@ -473,7 +480,7 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
     pel_descent_problem problem = make_problem(context);
     pel_descent_result *sum = &minimise->result, round;
     pel_status status = PEL_OK;
-    bool closed = false, is_dynamic = pel_sim_has_velocity(sim), can_halve = pel_parts_can_halve(sim);
+    bool closed = false, is_dynamic = pel_minimise_is_in_motion(sim), can_halve = pel_parts_can_halve(sim);
     bool is_spent = is_bounded(sim) && pel_parts_are_spent(sim);
     int failures = 0, lost = 0, limit = can_halve ? HALVING_ROUNDS : is_spent ? SPENT_ROUNDS : ROUND_LIMIT;
     double before = HUGE_VAL;
@@ -494,7 +501,8 @@ static pel_status minimise_in_rounds(pel_minimise_context *context, double loads
         if (n == 0)
             remember_acting(sim, loads, round.first_residual);
         failures += !round.converged;
-        if (!pel_sim_all_inside(sim) || (can_halve && failures == HALVING_FAILURES))
+        bool settles = is_dynamic && !pel_sim_has_velocity(sim);
+        if (!pel_sim_all_inside(sim) || (settles && failures == 1) || (can_halve && failures == HALVING_FAILURES))
             return PEL_OK;
         const pel_contact_change change = pel_minimise_contacts_update(sim);
         /* what sticks in motion comes to rest over steps, since drags are kept */
@@ -566,6 +574,8 @@ static double near_distance(const pel_sim *sim)
 static void add_inertia(const pel_sim *sim, double *force)
 {
     const pel_sim_newton *newton = sim->minimise->newton;
+    if (newton->settling.rate > 0)
+        return;
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double way = newton->points[v][k] - (double)sim->state->position[v][k];
@@ -579,8 +589,8 @@ static void estimate_loads(pel_minimise_context *context, double reach)
     pel_sim *sim = context->sim;
     const double *stiffness = NULL;
     plain_energy(context);
-    if (pel_sim_has_velocity(sim)) {
-        stiffness = sim->minimise->newton->point_stiffness;
+    if (pel_minimise_is_in_motion(sim)) {
+        stiffness = sim->minimise->inertia;
         add_inertia(sim, sim->minimise->force);
     }
     pel_minimise_contacts_estimate(sim, sim->minimise->force, reach, stiffness);
@@ -595,7 +605,7 @@ static void begin_loads(pel_minimise_context *context, double reach)
     estimate_loads(context, reach);
     minimise->begun[0] = pel_minimise_contacts_sum(sim);
     minimise->begun[1] = pel_minimise_contacts_sum_kept(sim);
-    if (pel_sim_has_velocity(sim) && minimise->prefers_kept)
+    if (pel_minimise_is_in_motion(sim) && minimise->prefers_kept)
         pel_minimise_contacts_take_kept(sim);
 }
 
@@ -636,13 +646,14 @@ static pel_status minimise_under_constraints(pel_minimise_context *context, doub
     context->is_constrained = true;
     int part_count = count_parts(sim, &way);
     begin_work(sim);
-    sim->minimise->penalty = pel_sim_has_velocity(sim) ? pel_max(PENALTY, SOFTENING * sim->minimise->penalty) : PENALTY;
+    sim->minimise->penalty =
+        pel_minimise_is_in_motion(sim) ? pel_max(PENALTY, SOFTENING * sim->minimise->penalty) : PENALTY;
     for (int part = 1; status == PEL_OK && part <= part_count; part++) {
         set_poses(sim, (double)part / part_count);
         status = find_constraints(sim, false, &again, error);
         if (status != PEL_OK)
             break;
-        if (part == 1 && (sim->minimise->count > 0 || pel_sim_has_velocity(sim)))
+        if (part == 1 && (sim->minimise->count > 0 || pel_minimise_is_in_motion(sim)))
             begin_loads(context, way / part_count);
         status = minimise_in_rounds(context, loads, part == part_count, error);
         if (!pel_sim_all_inside(sim))
@@ -667,7 +678,7 @@ static pel_status minimise_alone(pel_minimise_context *context, double loads, pe
     bool is_done = false;
     for (int n = 0; status == PEL_OK && !is_done && n < ROUND_LIMIT; n++) {
         int32_t iterations = sum->iterations, evaluations = sum->evaluations;
-        problem.tolerance = pel_sim_has_velocity(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
+        problem.tolerance = pel_minimise_is_in_motion(sim) ? dynamic_tolerance(sim, loads) : tolerance_of(sim, loads);
         status = run_and_round(context, &problem, &round, error);
         if (status != PEL_OK)
             return status;
@@ -676,7 +687,7 @@ static pel_status minimise_alone(pel_minimise_context *context, double loads, pe
         *sum = round;
         sum->iterations += iterations;
         sum->evaluations += evaluations;
-        bool is_dynamic = pel_sim_has_velocity(sim);
+        bool is_dynamic = pel_minimise_is_in_motion(sim);
         if (!is_dynamic && pel_sim_all_inside(sim))
             loads = measure_external(sim, context->span, sim->state->position_next);
         sim->minimise->step_acted = pel_max(sim->minimise->step_acted, acting_force(sim, loads));
@@ -927,6 +938,7 @@ void pel_minimise_forget(pel_sim *sim)
     if (sim->minimise->newton == NULL)
         return;
     sim->minimise->newton->has_stepped = false;
+    sim->minimise->newton->settling = (pel_settling){0};
     if (sim->minimise->newton->base != NULL)
         sim->minimise->newton->base->is_made = false;
 }

@@ -11,6 +11,8 @@ enum { PEL_FREE_ITERATIONS = 500, PEL_ROUND_ITERATIONS = 50 };
 pel_status pel_minimise_create(pel_sim *sim, pel_minimise_run *minimise, pel_error *error);
 /* Where a step begins: sim->minimise->position and position_next from the state. */
 void pel_minimise_begin_at_state(pel_sim *sim);
+/* In a step in time, or one that goes towards rest (step_static.c). */
+bool pel_minimise_is_in_motion(const pel_sim *sim);
 /* One step. */
 pel_status pel_minimise_step(pel_sim *sim, pel_step_result *result, pel_error *error);
 
@@ -32,7 +34,7 @@ double pel_minimise_short_move(const pel_sim *sim);
 void pel_minimise_read_tools(pel_sim *sim);
 /* After an accepted step or part of one: readings of a step are sums over the parts, and the worst of residuals. */
 void pel_minimise_accept(pel_sim *sim);
-/* whether contacts have slid or turned so far in the last step at rest that it is not in balance (stepper->slides) */
+/* whether contacts have slid or turned so far in the last step at rest that it is not in balance */
 bool pel_minimise_slides(const pel_sim *sim);
 /* Updates the stiffness of constraints after the surface has changed: constraints are as stiff as the finest vertices.
    With the bound of the base, which is 4 times lower per level, rounds close gaps slowly. Only shells in motion keep

@@ -62,6 +62,8 @@ pel_status pel_sim_newton_create(pel_sim *sim, bool is_dynamic, pel_error *error
     bool room = PEL_ALLOCATE_ALL(PEL_ROOM(newton->unknowns, count), PEL_ROOM(newton->target, count),
                                  PEL_ROOM(newton->loads, count), PEL_ROOM(newton->fixed, count),
                                  PEL_ROOM_ALIGNED(newton->force, vertices));
+    if (!is_dynamic)
+        room &= PEL_ALLOCATE_ALL(PEL_ROOM(newton->anchor_stiffness, vertices), PEL_ROOM(newton->anchors, vertices));
     if (is_dynamic) {
         newton->point_stiffness = pel_allocate(vertices, sizeof *newton->point_stiffness);
         newton->points = pel_allocate(vertices, sizeof *newton->points);
@@ -95,7 +97,8 @@ void pel_sim_newton_destroy(pel_sim *sim)
     pel_newton_destroy(sim->newton);
     PEL_FREE_ALL(newton->unknowns, newton->target, newton->loads, newton->fixed, newton->force, newton->points,
                  newton->couplings, newton->radial, newton->point_stiffness, newton->groups, newton->collided,
-                 newton->kinks, newton->turns, newton->viscous, newton->stage[0], newton->stage[1]);
+                 newton->kinks, newton->turns, newton->viscous, newton->stage[0], newton->stage[1],
+                 newton->anchor_stiffness, newton->anchors);
     pel_free(newton);
 }
 
@@ -678,7 +681,7 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
 {
     const pel_sim *sim = context->sim;
     const pel_sim_newton *newton = sim->minimise->newton;
-    bool is_dynamic = newton->point_stiffness != NULL, is_exact = newton->is_exact;
+    bool is_dynamic = pel_minimise_is_in_motion(sim), is_exact = newton->is_exact, settles = newton->settling.rate > 0;
     double moments = pel_newton_moment_force(sim->newton, newton->loads);
     double tolerance = pel_hypot(problem->tolerance, problem->held_share * moments);
     int32_t constrained = pel_minimise_systems_left(sim);
@@ -690,8 +693,8 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .span = context->span,
         .state = sim->state,
         .force = newton->loads,
-        .point_stiffness = newton->point_stiffness,
-        .points = (const double(*)[3])newton->points,
+        .point_stiffness = settles ? newton->anchor_stiffness : newton->point_stiffness,
+        .points = (const double(*)[3])(settles ? newton->anchors : newton->points),
         .viscous = newton->viscous,
         .rate = newton->rate,
         .fixed = newton->fixed,
@@ -713,9 +716,9 @@ static pel_newton_problem problem_of(const pel_minimise_context *context, const 
         .is_in_motion = is_dynamic && !is_exact,
         .rest_share = is_dynamic && !problem->goes_on ? (is_exact ? EXACT_REDUCTION : REST_SHARE) : 0,
         .rounding = is_exact ? 0 : problem->rounding,
-        .settles = !is_dynamic || is_exact ? 0
-                   : problem->goes_on      ? 1
-                                           : FIRST_SYSTEMS,
+        .settles = !is_dynamic || is_exact || settles ? 0
+                   : problem->goes_on                 ? 1
+                                                      : FIRST_SYSTEMS,
         .is_dynamic = is_dynamic,
     };
 }

@@ -23,6 +23,13 @@ typedef struct pel_newton_choice {
     int32_t age;                /* steps since then */
 } pel_newton_choice;
 
+/* a step of rest that goes by tries (step_static.c) */
+typedef struct pel_settling {
+    double rate;   /* 1/s2, stiffness over mass of the springs to where the try begins; 0 = none */
+    double least;  /* at which no try has failed so far; 0 = none has */
+    int32_t tries; /* of the step in progress */
+} pel_settling;
+
 struct pel_sim_newton {
     double *unknowns;         /* (unknown_count) positions at the end of the step, and the xi of edges */
     double *target;           /* (unknown_count) of fixed ones */
@@ -33,6 +40,9 @@ struct pel_sim_newton {
     pel_record *force;        /* (vertex_count) N, of loads */
     double *point_stiffness;  /* (vertex_count) N/m, inertia and drag; null in statics */
     double (*points)[3];      /* (vertex_count) m */
+    pel_settling settling;    /* of statics */
+    double *anchor_stiffness; /* (vertex_count) N/m, of its springs; null in motion */
+    double (*anchors)[3];     /* (vertex_count) m, their ends */
     double (*radial)[4]; /* (vertex_count) damping along volumetric springs, root of N/m: the energy of positions x is
                             half the square of radial . x - radial[3]; null = none */
     double *viscous; /* strains at the start of the step, for rates of strain (force/tangent.h); null = elastic, and in

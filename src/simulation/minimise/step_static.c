@@ -5,6 +5,7 @@
 #include "boundary/loads.h"
 #include "constraint/constraint.h"
 #include "force/pressure.h"
+#include "math/extremes.h"
 #include "math/pose.h"
 #include "minimise/free_body.h"
 #include "minimise/rounds.h"
@@ -14,6 +15,7 @@
 #include "stage/rigid_motion.h"
 #include "stage/rigids.h"
 #include "tool/tool.h"
+#include "touch/contact.h"
 
 #include <math.h>
 
@@ -93,16 +95,156 @@ static void recenter_free_bodies(pel_sim *sim)
         pel_sim_newton_settle_at(sim);
 }
 
+/* ---- settling ----
+
+   Where contact alone holds a body it may have to fall, slide or roll before it rests, and Newton's method knows
+   contacts only as planes where they are found. Such a step goes there by tries, each a minimum of the energy and of
+   springs of stiffness rate x mass from each vertex to where it was (proximal points; Rockafellar 1976). Springs become
+   softer while tries go short ways, stiffer where a try fails; what they hold at the end is what is left of the
+   balance. */
+
+/* of the mean edge: ways of a first try under gravity, of one that is too long, of one that may become longer, and of
+   that where nothing touches yet */
+#define FIRST_WAY 0.5
+#define LONG_WAY 1.0
+#define SHORT_WAY 0.25
+#define FALL_WAY 4.0
+/* first rate without gravity, of the bound of stiffness over mass */
+#define FIRST_SHARE 1e-3
+/* of the loads, what springs may hold at the end, and where all tries are spent; where none has failed */
+#define LEFT_SHARE 5e-4
+#define MOST_LEFT_SHARE 5e-3
+#define REST_SHARE 1e-5
+/* of the rate: after a short try, after a long one, after one that failed; the bound after that, and how fast it goes
+ */
+#define SOFTER 0.25
+#define STIFFER 4
+#define RETRY 8
+#define BOUND 2
+#define FADING 0.9
+enum { MOST_TRIES = 100, MOST_RETRIES = 6, MOST_SLIDES = 6 };
+
+static bool is_plain(const pel_sim *sim)
+{
+    return sim->modes == NULL && sim->path == NULL && sim->minimise->newton->lead == NULL;
+}
+
+static bool may_settle(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        any |= pel_sim_newton_is_free(sim, b);
+    return any && sim->contacts != NULL;
+}
+
+static double first_rate(const pel_sim *sim)
+{
+    double pull = pel_vec3_length(sim->model->gravity), way = FIRST_WAY * sim->minimise->mean_edge;
+    return pull > 0 ? pull / way : FIRST_SHARE * sim->minimise->stiffness;
+}
+
+/* m, the longest way in a try; and the force that its springs hold, N, as the loads: roots of sums of squares */
+static double find_way(const pel_sim *sim, double *left, double *loads)
+{
+    const pel_sim_newton *newton = sim->minimise->newton;
+    double most = 0, held = 0, sum = 0, x[3], load[3];
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        if (sim->model->mesh_vertex[v] < 0 || !(sim->model->inverse_mass[v] > 0))
+            continue;
+        pel_vertex_position(sim->state->position, v, x);
+        pel_vertex_position(sim->minimise->external, v, load);
+        pel_vec3_subtract(x, newton->anchors[v], x);
+        double square = pel_vec3_squared_length(x), stiffness = newton->anchor_stiffness[v];
+        held += stiffness * stiffness * square;
+        sum += pel_vec3_squared_length(load);
+        most = pel_max(most, square);
+    }
+    *left = sqrt(held);
+    *loads = sum > 0 ? sqrt(sum) : pel_minimise_contacts_force(sim);
+    return sqrt(most);
+}
+
+static bool end_settling(pel_sim *sim)
+{
+    sim->minimise->newton->settling = (pel_settling){0};
+    return false;
+}
+
+/* After a try: the rate of the next one. False where the step has settled, or all tries are spent. */
+static bool settles_on(pel_sim *sim, bool is_good)
+{
+    pel_settling *settling = &sim->minimise->newton->settling;
+    pel_descent_result *result = &sim->minimise->accepted;
+    double left, loads, way = find_way(sim, &left, &loads) / sim->minimise->mean_edge, rate = settling->rate;
+    double short_way = sim->minimise->count > 0 ? SHORT_WAY : FALL_WAY;
+    bool is_at_rest = is_good && left <= (settling->least > 0 ? LEFT_SHARE : REST_SHARE) * loads;
+    if (is_at_rest || settling->tries == MOST_TRIES) {
+        result->converged = is_good && left <= MOST_LEFT_SHARE * loads;
+        result->residual = pel_max(result->residual, left);
+        return end_settling(sim);
+    }
+    settling->least = is_good ? FADING * settling->least : BOUND * rate;
+    if (!is_good || way > LONG_WAY + short_way)
+        settling->rate = STIFFER * rate;
+    else if (way < short_way)
+        settling->rate = pel_max(SOFTER * rate, settling->least);
+    return true;
+}
+
+/* Tries go on until the step has settled. Contacts are planes where they are found: what slides far, or turns, in a
+   step at rest is in balance with planes that it has left. */
+static bool repeats(pel_sim *sim, int times)
+{
+    pel_settling *settling = &sim->minimise->newton->settling;
+    bool has_stepped_back = sim->contacts != NULL && sim->touch->has_stepped_back;
+    if (!is_plain(sim))
+        return false;
+    settling->tries = times;
+    if (settling->rate > 0)
+        return settles_on(sim, sim->minimise->accepted.converged && !has_stepped_back);
+    return (times <= MOST_SLIDES && pel_minimise_slides(sim)) || end_settling(sim);
+}
+
+static void begin_try(pel_sim *sim)
+{
+    pel_sim_newton *newton = sim->minimise->newton;
+    double rate = newton->settling.rate;
+    sim->minimise->inertia = rate > 0 ? newton->anchor_stiffness : NULL;
+    for (int32_t v = 0; rate > 0 && v < sim->model->vertex_count; v++) {
+        newton->anchor_stiffness[v] = rate * (double)sim->model->mass[v];
+        pel_vertex_position(sim->state->position, v, newton->anchors[v]);
+    }
+    pel_rigids_begin(sim);
+    pel_joints_begin(sim);
+    pel_sim_newton_begin(sim);
+}
+
+static pel_status try_step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    pel_settling *settling = &sim->minimise->newton->settling;
+    if (settling->tries == 0 && is_plain(sim) && may_settle(sim))
+        settling->rate = first_rate(sim);
+    begin_try(sim);
+    pel_status status = pel_minimise_step(sim, result, error);
+    for (int n = 0; n < MOST_RETRIES && settling->rate > 0 && status == PEL_OK; n++) {
+        if (sim->minimise->result.converged)
+            break;
+        settling->least = BOUND * settling->rate;
+        settling->rate *= RETRY;
+        sim->minimise->penalty = 0;
+        begin_try(sim);
+        status = pel_minimise_step(sim, result, error);
+    }
+    return status;
+}
+
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     if (sim->modes != NULL)
         return pel_sim_modes_step(sim, result, error);
     if (sim->path != NULL)
         return pel_sim_path_step(sim, result, error);
-    pel_rigids_begin(sim);
-    pel_joints_begin(sim);
-    pel_sim_newton_begin(sim);
-    pel_status status = pel_minimise_step(sim, result, error);
+    pel_status status = try_step(sim, result, error);
     if (status == PEL_OK) {
         recenter_free_bodies(sim);
         pel_joints_take_rows(sim);
@@ -162,11 +304,6 @@ static pel_status check_start(pel_sim *sim, pel_error *error)
     return status == PEL_OK && sim->modes == NULL ? check_mechanisms(sim, error) : status;
 }
 
-static bool slides(const pel_sim *sim)
-{
-    return sim->modes == NULL && sim->path == NULL && pel_minimise_slides(sim);
-}
-
 static void advise(const pel_sim *sim, pel_error *error)
 {
     (void)sim;
@@ -194,6 +331,6 @@ const pel_stepper pel_step_static_kind = {
     .mark_contacts = pel_minimise_contacts_mark,
     .get_solver = pel_minimise_get_solver,
     .accept = pel_minimise_accept,
-    .slides = slides,
+    .repeats = repeats,
     .advise = advise,
 };

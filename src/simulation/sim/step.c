@@ -276,15 +276,11 @@ static pel_status step_once(pel_sim *sim, pel_error *error)
     return status;
 }
 
-/* A step takes contacts as planes where they are found. What slides far, or turns, in a step at rest is in balance with
-   planes that it has left: the same step again, from there. */
-enum { MOST_SLIDES = 6 };
-
 static pel_status step_to_rest(pel_sim *sim, pel_error *error)
 {
     pel_status status = step_once(sim, error);
-    bool may_slide = sim->stepper->slides != NULL;
-    for (int i = 0; status == PEL_OK && may_slide && i < MOST_SLIDES && sim->stepper->slides(sim); i++) {
+    bool may_repeat = sim->stepper->repeats != NULL;
+    for (int times = 1; status == PEL_OK && may_repeat && sim->stepper->repeats(sim, times); times++) {
         sim->state->step--;
         status = step_once(sim, error);
     }

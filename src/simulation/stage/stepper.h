@@ -49,8 +49,8 @@ typedef struct pel_stepper {
     void (*follow_surface)(pel_sim *sim);
     /* after the velocities of a body have changed between steps; nullable */
     void (*restart)(pel_sim *sim, int32_t body);
-    /* whether the surfaces that touch after an accepted step have slid or turned since it found where; nullable */
-    bool (*slides)(const pel_sim *sim);
+    /* whether an accepted step, after `times` of the same one, is taken once more from where it ended; nullable */
+    bool (*repeats)(pel_sim *sim, int times);
     /* called when the length of parts of a step changes: to sim->step.dt, from `before` [s]; nullable */
     void (*set_time)(pel_sim *sim, double before);
     /* load of supports: the force on a vertex that the last step has kept fixed; nullable: forces of the elements */
