@@ -1,6 +1,7 @@
 /* Layers in whole simulations: what rests keeps its load, tools that are held back press with the force of their
    material, and pairs are found where surfaces stray from the way that was expected. */
 #include "contact/set.h"
+#include "math/extremes.h"
 #include "sim/contact_scene.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
@@ -188,6 +189,59 @@ static void test_stack_lands(void **unused)
     scene_end(&scene, sim);
 }
 
+/* scales and moves a mesh */
+static pel_mesh *placed(pel_mesh *mesh, double scale, double z)
+{
+    for (int32_t v = 0; v < mesh->vertex_count; v++)
+        for (int k = 0; k < 3; k++)
+            mesh->positions[v][k] = scale * mesh->positions[v][k] + (k == 2 ? z : 0);
+    return mesh;
+}
+
+static void make_sheet_of(pel_body_def *body, double young, double thickness, double mass)
+{
+    body->mass = mass / body->mesh->vertex_count;
+    body->spring_stiffness.value = body->spring_damping.value = body->volumetric_damping.value = 0;
+    body->shell.membrane.on = true;
+    body->shell.membrane.kind = PEL_MEMBRANE_NEO_HOOKEAN;
+    body->shell.membrane.young.value = young;
+    body->shell.membrane.poisson = 0.3;
+    body->shell.membrane.thickness.value = thickness;
+}
+
+/* A ball of half a kilogram that bounces on a cloth of 6 g on a table, solid or of triangles: no energy appears. */
+static void test_heavy_on_light(void **unused)
+{
+    (void)unused;
+    for (int kind = 0; kind < 2; kind++) {
+        contact_scene scene;
+        pel_mesh *table = placed(make_sheet(4, 0), 2, 0);
+        scene_begin(&scene, PEL_METHOD_XPBD);
+        scene_body(&scene, placed(make_sheet(12, 0), 0.2, 5e-4));
+        scene_body(&scene, placed(make_moved_sphere(3, 2, 2, 0), 0.05, 0.052));
+        make_sheet_of(&scene.bodies[0], 1e6, 5e-4, 0.006);
+        make_sheet_of(&scene.bodies[1], 1e7, 3e-3, 0.5);
+        scene.gravity = -9.81;
+        scene.def.solver.substeps = 176;
+        pel_tool_def *tool = scene_tool(&scene, kind == 0 ? PEL_TOOL_BOX : PEL_TOOL_MESH);
+        pel_vec3_set(tool->half_extents, 2, 2, 0.5);
+        tool->mesh = kind == 0 ? NULL : table;
+        scene_move(&scene, 0, kind == 0 ? 0 : -1, kind == 0 ? 0 : -1, kind == 0 ? -0.5 : 0, kind == 0 ? -0.5 : 0, 1);
+        pel_sim *sim = scene_create(&scene);
+        double most = 0;
+        for (int n = 0; n < 60; n++) {
+            pel_sim_ledger ledger;
+            run_free(sim, 1);
+            pel_sim_get_ledger(sim, &ledger);
+            most = pel_max(most, ledger.energy_error / ledger.supplied);
+        }
+        print_message("%s: %.3g of the work appeared\n", kind == 0 ? "solid" : "triangles", most);
+        assert_true(most < 0.01);
+        scene_end(&scene, sim);
+        pel_mesh_destroy(table);
+    }
+}
+
 static pel_sim *make_resting(contact_scene *scene)
 {
     scene_begin(scene, PEL_METHOD_XPBD);
@@ -236,8 +290,10 @@ static void test_stack_rests(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rests_on_solid), cmocka_unit_test(test_held_back),   cmocka_unit_test(test_held_is_whole),
-        cmocka_unit_test(test_strays),         cmocka_unit_test(test_stack_lands), cmocka_unit_test(test_stack_rests),
+        cmocka_unit_test(test_rests_on_solid), cmocka_unit_test(test_held_back),
+        cmocka_unit_test(test_held_is_whole),  cmocka_unit_test(test_strays),
+        cmocka_unit_test(test_stack_lands),    cmocka_unit_test(test_heavy_on_light),
+        cmocka_unit_test(test_stack_rests),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

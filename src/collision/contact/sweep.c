@@ -15,6 +15,7 @@
    the multipliers: |drag| <= friction multiplier. */
 #include "contact/sweep.h"
 
+#include "contact/backing.h"
 #include "contact/sweep_rigid.h"
 
 #include <math.h>
@@ -107,7 +108,10 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         double gap = dot(sum, normal) - (double)contact->separation;
         if (!(gap < 0) && !(load > 0))
             continue;
-        double free = mobility(contact, positions), compliance = rate * (double)contact->compliance;
+        pel_backing back;
+        bool is_backed = pel_contact_find_backing(list, contact, positions, &back);
+        double whole = mobility(contact, positions), free = whole - (is_backed ? back.stiffened : 0);
+        double compliance = rate * (double)contact->compliance;
         if (!(free > 0))
             continue;
         double change = -(gap + compliance * load) / (free + compliance);
@@ -116,9 +120,11 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         record4 impulse = change * normal;
         if (contact->friction > 0) {
             record4 slip = sum + free * impulse - combine(contact, start) - vector_of(contact->drift);
-            impulse += rub(contact, slip, normal, free);
+            impulse += rub(contact, slip, normal, whole);
         }
         move(contact, positions, impulse);
+        if (is_backed)
+            pel_contact_answer(&back, positions, change);
         double moved = free * (change < 0 ? -change : change);
         largest = moved > largest ? moved : largest;
         carried = free * (load + change) > carried ? free * (load + change) : carried;

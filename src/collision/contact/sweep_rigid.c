@@ -1,5 +1,6 @@
 #include "contact/sweep_rigid.h"
 
+#include "contact/backing.h"
 #include "rigid/sum.h"
 
 #include <math.h>
@@ -59,85 +60,6 @@ static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *posi
     pel_rigid_sum_push(&sum, rigids, positions, change);
 }
 
-/* ---- supports ---- */
-
-/* a vertex goes back to where the layer of a tool holds it, if it does */
-static void settle(pel_contact *contact, double rate, pel_record *positions)
-{
-    pel_record *x = &positions[contact->vertices[0]];
-    double normal[3], place[3], load = (double)contact->multiplier, loose = (double)(*x)[3];
-    double compliance = rate * (double)contact->compliance;
-    read_normal(contact, normal);
-    pel_vertex_position(positions, contact->vertices[0], place);
-    double change =
-        -(pel_vec3_dot(place, normal) - (double)contact->separation + compliance * load) / (loose + compliance);
-    change = change > -load ? change : -load;
-    contact->multiplier = (pel_real)(load + change);
-    for (int k = 0; k < 3; k++)
-        (*x)[k] = (pel_real)(place[k] + loose * change * normal[k]);
-}
-
-void pel_contacts_find_supports(pel_contact_list *list, pel_record *positions, pel_contact **supports)
-{
-    double rate = 1 / (list->substep * list->substep);
-    for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
-        pel_contact *contact = pel_contact_list_at(list, i);
-        int32_t v = contact->vertices[0];
-        bool is_alone = contact->weights[0] == 1 && contact->weights[1] == 0 && contact->weights[2] == 0 &&
-                        contact->weights[3] == 0;
-        if (!is_alone || !(positions[v][3] > 0) || pel_rigid_of(list->rigids, v) != NULL)
-            continue;
-        settle(contact, rate, positions);
-        if (!(contact->multiplier > 0))
-            continue;
-        if (supports[v] == NULL || contact->multiplier > supports[v]->multiplier)
-            supports[v] = contact;
-    }
-}
-
-/* how the supports of a contact answer 1 N s2 on it, and by how much less it gives way with them */
-typedef struct backing {
-    pel_contact *supports[4]; /* null = none */
-    double answers[4];        /* of their multipliers */
-    double stiffened;         /* 1/kg */
-} backing;
-
-static void find_backing(const pel_contact_list *list, const pel_contact *contact, const pel_record *positions,
-                         const double normal[3], backing *back)
-{
-    double rate = 1 / (list->substep * list->substep);
-    *back = (backing){0};
-    for (int i = 0; i < 4 && list->supports != NULL; i++) {
-        int32_t v = contact->vertices[i];
-        double weight = (double)contact->weights[i], loose = (double)positions[v][3], own[3];
-        pel_contact *support = weight != 0 ? list->supports[v] : NULL;
-        if (support == NULL || !(support->multiplier > 0))
-            continue;
-        read_normal(support, own);
-        double coupled = loose * weight * pel_vec3_dot(normal, own);
-        double free = loose + rate * (double)support->compliance;
-        back->supports[i] = support;
-        back->answers[i] = -coupled / free;
-        back->stiffened += coupled * coupled / free;
-    }
-}
-
-/* loads of supports follow a load, as far as they do not pull */
-static void answer(const backing *back, pel_record *positions, double change)
-{
-    for (int i = 0; i < 4; i++) {
-        pel_contact *support = back->supports[i];
-        if (support == NULL)
-            continue;
-        pel_record *x = &positions[support->vertices[0]];
-        double load = (double)support->multiplier, more = back->answers[i] * change;
-        more = more > -load ? more : -load;
-        support->multiplier = (pel_real)(load + more);
-        for (int k = 0; k < 3; k++)
-            (*x)[k] = (pel_real)((double)(*x)[k] + (double)(*x)[3] * more * (double)support->normal[k]);
-    }
-}
-
 double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,
                                  const pel_record *start, double *carried)
 {
@@ -155,20 +77,21 @@ double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, p
     double whole = pel_rigid_sum_mobility(&sum, normal);
     if (!(whole > 0))
         return 0;
-    backing back;
-    find_backing(list, contact, positions, normal, &back);
-    double free = whole - back.stiffened;
+    pel_backing back;
+    bool is_backed = pel_contact_find_backing(list, contact, positions, &back);
+    double stiffened = is_backed ? back.stiffened : 0, free = whole - stiffened;
     double change = -(gap + compliance * load) / (free + compliance);
     change = change > -load ? change : -load;
     contact->multiplier = (pel_real)(load + change);
     pel_vec3_scale(normal, change, impulse);
     pel_rigid_sum_push(&sum, rigids, positions, impulse);
-    answer(&back, positions, change);
+    if (is_backed)
+        pel_contact_answer(&back, positions, change);
     if (contact->friction > 0)
         rub(rigids, contact, positions, start, normal);
     *carried = free * (load + change);
     double moved = free * fabs(change);
-    if (sum.looseness <= LOOSE * free + back.stiffened && moved > list->rigid_moved)
+    if (sum.looseness <= LOOSE * free + stiffened && moved > list->rigid_moved)
         list->rigid_moved = moved;
     return moved;
 }

@@ -13,10 +13,6 @@ static inline bool pel_contact_is_rigid(const pel_rigids *rigids, const pel_cont
     return false;
 }
 
-/* What holds loose vertices against tools, for rigid bodies that press them on these: of each vertex the contact that
-   carries most, null = none. Valid until contacts are refreshed. */
-void pel_contacts_find_supports(pel_contact_list *list, pel_record *positions, pel_contact **supports);
-
 /* Finds the load that keeps the gap open, and friction; returns the correction of the gap [m] and, in carried, how far
    the load moves it; list->rigid_moved follows. */
 double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,

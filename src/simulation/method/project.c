@@ -6,8 +6,8 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "boundary/wind.h"
+#include "contact/backing.h"
 #include "contact/sweep.h"
-#include "contact/sweep_rigid.h"
 #include "math/extremes.h"
 #include "method/softness.h"
 #include "stage/accessors.h"
@@ -112,10 +112,10 @@ static void follow_contacts(pel_sim *sim, const pel_record *start)
         pel_solids_refresh(sim, start, false);
 }
 
-/* what holds vertices that rigid bodies press, in both lists */
+/* what tools hold, in both lists, against what presses it */
 static void find_supports(pel_sim *sim, pel_contact_list *const lists[2])
 {
-    pel_contact **supports = sim->rigids != NULL ? sim->supports : NULL;
+    pel_contact **supports = lists[0] != NULL && sim->tools->count > 0 ? sim->touch->supports : NULL;
     if (supports != NULL)
         memset(supports, 0, (size_t)sim->model->vertex_count * sizeof *supports);
     for (int k = 0; k < 2 && supports != NULL; k++)

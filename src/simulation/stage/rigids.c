@@ -43,8 +43,7 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
     pel_rigids *rigids = sim->rigids = pel_allocate(1, sizeof *rigids);
     if (rigids == NULL ||
         !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count),
-                          PEL_ROOM(rigids->path, (size_t)count * PEL_RIGID_KNOTS),
-                          PEL_ROOM(sim->supports, model->vertex_count)))
+                          PEL_ROOM(rigids->path, (size_t)count * PEL_RIGID_KNOTS)))
         return pel_fail_memory(error);
     rigids->rest = model->rest;
     rigids->inverse_mass = model->inverse_mass;
@@ -70,7 +69,7 @@ void pel_rigids_destroy(pel_sim *sim)
 {
     if (sim->rigids == NULL)
         return;
-    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->rigids->path, sim->supports);
+    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->rigids->path);
     pel_free(sim->rigids);
 }
 

@@ -3,10 +3,10 @@
 #ifndef PEL_STAGE_STAGE_H
 #define PEL_STAGE_STAGE_H
 
+#include "action/force.h"
 #include "base/assert.h"
 #include "batch/batches.h"
 #include "contact/contact.h"
-#include "contact/force.h"
 #include "contact/layer.h"
 #include "force/body_force.h"
 #include "force/shell_force.h"
@@ -133,8 +133,7 @@ struct pel_sim {
     pel_contact_forces contact_forces;
     pel_present present;
 
-    pel_rigids *rigids;     /* (stage/rigids.h) null = no body is rigid */
-    pel_contact **supports; /* (vertex_count) beside rigids: scratch, see pel_contacts_find_supports */
+    pel_rigids *rigids; /* (stage/rigids.h) null = no body is rigid */
 
     /* arrays by vertex, and scratch */
     pel_record *force;       /* (vertex_count) scratch: forces, and loads on touched vertices */

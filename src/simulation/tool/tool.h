@@ -2,8 +2,8 @@
 #ifndef PEL_TOOL_TOOL_H
 #define PEL_TOOL_TOOL_H
 
+#include "action/force.h"
 #include "base/assert.h"
-#include "contact/force.h"
 #include "geom/solid.h"
 #include "math/pose.h"
 #include "sequence/sequence.h"

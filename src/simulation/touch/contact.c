@@ -109,7 +109,8 @@ static pel_status create_from_tools(pel_sim *sim, pel_error *error)
     pel_obstacle *obstacles = pel_allocate(tool_count, sizeof *obstacles);
     pel_contact_group *groups = pel_allocate(body_count + tool_count, sizeof *groups);
     pel_status status =
-        PEL_ALLOCATE_ALL(PEL_ROOM(sim->touch->revisions, body_count), PEL_ROOM(sim->touch->limits, body_count)) &&
+        PEL_ALLOCATE_ALL(PEL_ROOM(sim->touch->revisions, body_count), PEL_ROOM(sim->touch->limits, body_count),
+                         PEL_ROOM(sim->touch->supports, sim->model->vertex_count)) &&
                 obstacles != NULL && groups != NULL
             ? create_set(sim, obstacles, groups, error)
             : pel_fail_memory(error);
@@ -161,7 +162,8 @@ void pel_contacts_destroy(pel_sim *sim)
     pel_contact_set_destroy(sim->contacts);
     sim->contacts = NULL;
     pel_sleep_destroy(sim);
-    PEL_FREE_ALL(sim->touch->revisions, sim->touch->limits, sim->touch->origins, sim->touch->before_event);
+    PEL_FREE_ALL(sim->touch->revisions, sim->touch->limits, sim->touch->supports, sim->touch->origins,
+                 sim->touch->before_event);
 }
 
 /* ---- inputs of the set ---- */

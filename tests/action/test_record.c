@@ -1,6 +1,6 @@
 /* Records of contacts against a list that is searched from its start. */
+#include "action/force.h"
 #include "check.h"
-#include "contact/force.h"
 #include "failing_malloc.h"
 #include "random.h"
 

@@ -2,7 +2,7 @@
    pin knows what acted on it: a contact with the force f on the weighted sum of its points acts on each point by its
    weight times f (the transpose of the sum), so that forces inside a body and between two of them add up to zero, and
    against an obstacle to what that feels. */
-#include "contact/force.h"
+#include "action/force.h"
 
 #include "base/assert.h"
 #include "base/memory.h"

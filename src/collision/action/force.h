@@ -1,6 +1,6 @@
 /* Forces of contacts in a step: on vertices, between groups, and of each contact. */
-#ifndef PEL_CONTACT_FORCE_H
-#define PEL_CONTACT_FORCE_H
+#ifndef PEL_ACTION_FORCE_H
+#define PEL_ACTION_FORCE_H
 
 #include "math/pose.h"
 #include "math/record.h"

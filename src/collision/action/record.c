@@ -4,7 +4,7 @@
    record: forces and loads are summed, places are means by the size of the force. A table of open addressing finds the
    record of an action; records stand in the order in which they first acted, so that they do not depend on the table.
  */
-#include "contact/force.h"
+#include "action/force.h"
 
 #include "base/hash.h"
 #include "base/memory.h"

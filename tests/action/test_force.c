@@ -1,6 +1,6 @@
 /* Forces of contacts over arrays: the effect of an action on vertices, pairs of groups and records, in closed form. */
+#include "action/force.h"
 #include "check.h"
-#include "contact/force.h"
 #include "failing_malloc.h"
 #include "math/vec3.h"
 
