@@ -155,13 +155,34 @@ static void test_corner(void **unused)
     }
 }
 
+/* what has gone through its layer, and what two tools hold, is solved contact by contact */
+static void test_jam(void **unused)
+{
+    (void)unused;
+    scene s, blind;
+    begin(&s, 0, soft);
+    begin(&blind, 0, soft);
+    s.x[0][2] = blind.x[0][2] = (pel_real)-0.01;
+    sweep(&s, true);
+    sweep(&blind, false);
+    assert_true(s.press.multiplier == blind.press.multiplier);
+    /* a tool above holds the heavy one too */
+    pel_backing back;
+    pel_contact above = {.vertices = {0}, .weights = {1}, .normal = {0, 0, -1}, .separation = (pel_real)-0.05};
+    pel_contact_list roof = {.contacts = &above, .count = 1, .substep = step};
+    begin(&s, 0, soft);
+    sweep(&s, true);
+    assert_true(pel_contact_find_backing(&s.pairs, &s.press, s.x, &back));
+    pel_contacts_find_supports(&roof, s.x, s.supports);
+    assert_ptr_equal(s.supports[0], &above);
+    assert_false(pel_contact_find_backing(&s.pairs, &s.press, s.x, &back));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sweep),
-        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_corner),
+        cmocka_unit_test(test_one_sweep), cmocka_unit_test(test_momentum), cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_corner),    cmocka_unit_test(test_jam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
 {
     double rate = 1 / (list->substep * list->substep), normal[3];
     read_normal(contact, normal);
-    bool is_backed = false;
+    bool is_backed = false, sides[2] = {false, false};
     for (int i = 0; i < 4 && list->supports != NULL; i++) {
         int32_t v = contact->vertices[i];
         double weight = (double)contact->weights[i], loose = (double)positions[v][3], own[3];
@@ -73,8 +73,10 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
         back->supports[i] = support;
         back->answers[i] = -coupled / free;
         back->stiffened += coupled * coupled / free;
+        sides[weight > 0] = true;
     }
-    return is_backed;
+    /* between two tools there is nothing heavy, and no more room than they leave */
+    return is_backed && !(sides[0] && sides[1]);
 }
 
 void pel_contact_answer(const pel_backing *back, pel_record *positions, double change)

@@ -109,8 +109,11 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         if (!(gap < 0) && !(load > 0))
             continue;
         pel_backing back;
-        bool is_backed = pel_contact_find_backing(list, contact, positions, &back);
-        double whole = mobility(contact, positions), free = whole - (is_backed ? back.stiffened : 0);
+        double whole = mobility(contact, positions);
+        /* what has gone through its layer is jammed, and solved together its load would be without bound */
+        bool is_backed =
+            gap + (double)contact->separation > 0 && pel_contact_find_backing(list, contact, positions, &back);
+        double free = whole - (is_backed ? back.stiffened : 0);
         double compliance = rate * (double)contact->compliance;
         if (!(free > 0))
             continue;
