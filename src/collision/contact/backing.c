@@ -9,19 +9,13 @@
 
 #include "math/vec3.h"
 
-static void read_normal(const pel_contact *contact, double normal[3])
-{
-    for (int k = 0; k < 3; k++)
-        normal[k] = (double)contact->normal[k];
-}
-
 /* a vertex goes back to where the layer of a tool holds it, if it does */
 static void settle(pel_contact *contact, double rate, pel_record *positions)
 {
     pel_record *x = &positions[contact->vertices[0]];
     double normal[3], place[3], load = (double)contact->multiplier, loose = (double)(*x)[3];
     double compliance = rate * (double)contact->compliance;
-    read_normal(contact, normal);
+    pel_contact_read_normal(contact, normal);
     pel_vertex_position(positions, contact->vertices[0], place);
     double change =
         -(pel_vec3_dot(place, normal) - (double)contact->separation + compliance * load) / (loose + compliance);
@@ -53,7 +47,7 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
                               pel_backing *back)
 {
     double rate = 1 / (list->substep * list->substep), normal[3];
-    read_normal(contact, normal);
+    pel_contact_read_normal(contact, normal);
     bool is_backed = false, sides[2] = {false, false};
     for (int i = 0; i < 4 && list->supports != NULL; i++) {
         int32_t v = contact->vertices[i];
@@ -61,7 +55,7 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
         pel_contact *support = weight != 0 ? list->supports[v] : NULL;
         if (support == NULL || support == contact || !(support->multiplier > 0))
             continue;
-        read_normal(support, own);
+        pel_contact_read_normal(support, own);
         double coupled = loose * weight * pel_vec3_dot(normal, own);
         double free = loose + rate * (double)support->compliance;
         /* two that push to the same side share a load, and share it badly if one takes it all */

@@ -12,11 +12,18 @@ typedef struct pel_backing {
     double stiffened;         /* 1/kg */
 } pel_backing;
 
+static inline void pel_contact_read_normal(const pel_contact *contact, double normal[3])
+{
+    for (int k = 0; k < 3; k++)
+        normal[k] = (double)contact->normal[k];
+}
+
 /* Of each vertex the contact with a tool that carries most of it, null = none; supports (vertex_count) is all null
    before the first list. Valid until contacts are refreshed. */
 void pel_contacts_find_supports(pel_contact_list *list, pel_record *positions, pel_contact **supports);
 
-/* The supports that a contact presses, but for itself; false = there are none, and nothing is written. */
+/* The supports that a contact presses, but for itself; false = there are none, or tools hold both of its sides: `back`
+   says nothing then. */
 bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *contact, const pel_record *positions,
                               pel_backing *back);
 /* Their loads follow a change of its multiplier [N s2], as far as they do not pull. */

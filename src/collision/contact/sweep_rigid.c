@@ -8,12 +8,6 @@
 /* of the mobility: less gives way beside rigid bodies */
 #define LOOSE 0.5
 
-static void read_normal(const pel_contact *contact, double normal[3])
-{
-    for (int k = 0; k < 3; k++)
-        normal[k] = (double)contact->normal[k];
-}
-
 static void sum_contact(pel_rigid_sum *sum, const pel_rigids *rigids, const pel_contact *contact,
                         const pel_record *positions)
 {
@@ -68,7 +62,7 @@ double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, p
     pel_rigid_sum sum;
     double normal[3], impulse[3];
     sum_contact(&sum, rigids, contact, positions);
-    read_normal(contact, normal);
+    pel_contact_read_normal(contact, normal);
     double load = (double)contact->multiplier, compliance = rate * (double)contact->compliance;
     double gap = pel_vec3_dot(sum.value, normal) - (double)contact->separation;
     *carried = 0;
@@ -113,7 +107,7 @@ void pel_rigid_contact_stop(const pel_rigids *rigids, pel_contact *contact, cons
     pel_rigid_sum sum;
     double normal[3], relative[3], across[3], impulse[3];
     sum_contact(&sum, rigids, contact, positions);
-    read_normal(contact, normal);
+    pel_contact_read_normal(contact, normal);
     pel_rigid_sum_velocity(&sum, rigids, velocities, relative);
     for (int k = 0; k < 3; k++)
         relative[k] -= (double)contact->drift[k] / dt;
