@@ -76,7 +76,7 @@ docs: program ## write docs/reference from the tables of the program
 site: need-site program wasm ## build the documentation as web pages in build/site, with scenes that run in the browser (installs MkDocs, Doxygen, emscripten)
 	@tools/site $(PROGRAM)
 
-machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine, and compare the bits
+machines: need-machines program ## compile for ARM64 and Windows, run scenes there under qemu and wine and in WebAssembly, and compare the bits
 	@tools/machines
 
 blender: program ## write the add-on for Blender to build/blender, and test it where Blender is installed

@@ -16,6 +16,11 @@ if(WIN32)
     # programs need no library of MinGW
     add_link_options(-static)
 endif()
+# what POSIX and Linux have and macOS lacks
+if(APPLE)
+    target_include_directories(pellicle_flags SYSTEM INTERFACE ${PROJECT_SOURCE_DIR}/portable/macos/include)
+    target_compile_definitions(pellicle_flags INTERFACE _DARWIN_C_SOURCE)
+endif()
 # assertions (src/ground/base/assert.h)
 if(NOT PELLICLE_CHECKS STREQUAL "")
     target_compile_definitions(pellicle_flags INTERFACE PEL_CHECKS=${PELLICLE_CHECKS})

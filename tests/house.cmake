@@ -55,6 +55,11 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT PELLICLE_SANITIZE)
     add_test(NAME house/audit COMMAND bash ${HOUSE}/audit.sh ${PROJECT_SOURCE_DIR} ${CMAKE_C_COMPILER})
 endif()
 
+# what macOS lacks is found; sources of libfyaml and zlib come from the network once, or with `make wasm` and `make machines`
+if(NOT PELLICLE_SANITIZE AND EXISTS ${PROJECT_SOURCE_DIR}/build/sources/libfyaml)
+    add_test(NAME house/macos COMMAND bash ${HOUSE}/macos.sh ${PROJECT_SOURCE_DIR})
+endif()
+
 # links and commands of the pages
 if(TARGET pellicle_program)
     add_test(NAME house/docs COMMAND ${PYTHON3} ${HOUSE}/docs.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:pellicle_program>)

@@ -1,5 +1,6 @@
 # A table of the 64-bit hashes of all positions and velocities at the ends of scenes, for tools/machines and tools/compilers. Source this file in the
-# root of the tree; the caller defines `start COLUMN ARGUMENT...`, which runs the program of a column, and sets $failed.
+# root of the tree; the caller defines `start COLUMN ARGUMENT...`, which runs the program of a column, and sets $failed. Columns after the first
+# find in $steps how many steps the first one took.
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 
@@ -19,14 +20,14 @@ scenes=(
 
 # print_hashes COLUMN...: one row for each scene; a hash that differs from that of the first column sets failed=1
 print_hashes() {
-    local column entry scene settings row first hash
+    local column entry scene settings row first hash steps=
     local table="| scene |" line="|---|"
     for column in "$@"; do table+=" $column |" line+="---|"; done
     echo "$table"
     echo "$line"
     for entry in "${scenes[@]}"; do
         read -r scene settings <<<"$entry"
-        row="| $scene${settings:+, \`$settings\`} |" first=
+        row="| $scene${settings:+, \`$settings\`} |" first= steps=
         for column in "$@"; do
             rm -rf "$place/run"
             # relative paths: those of this machine mean nothing to Windows
@@ -34,6 +35,7 @@ print_hashes() {
                 { cat "$place/log"; failed=1; }
             hash=$(sed -n 's/.*"state_hash": "\([0-9a-f]*\)".*/\1/p' "$place/run/summary.json" 2>/dev/null)
             first=${first:-$hash}
+            steps=${steps:-$(sed -n 's/.*"steps": \([0-9]*\).*/\1/p' "$place/run/summary.json" 2>/dev/null)}
             [ -n "$hash" ] && [ "$hash" = "$first" ] || failed=1
             row+=" \`${hash:-none}\` |"
         done

@@ -1,0 +1,15 @@
+# macOS without its SDK, for tools/macos: objects only, compiled by Clang against the declarations of portable/macos
+set(CMAKE_SYSTEM_NAME Darwin)
+set(CMAKE_C_COMPILER clang-14)
+set(CMAKE_C_FLAGS_INIT "-nostdinc -isystem ${CMAKE_CURRENT_LIST_DIR}/../portable/macos/declarations")
+execute_process(COMMAND clang-14 -print-resource-dir OUTPUT_VARIABLE resources OUTPUT_STRIP_TRAILING_WHITESPACE)
+string(PREPEND CMAKE_C_FLAGS_INIT "-isystem ${resources}/include ")
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+# the reader of foreign formats is compiled too, against the headers of assimp alone
+if(EXISTS /usr/include/assimp)
+    file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/foreign)
+    file(CREATE_LINK /usr/include/assimp ${CMAKE_BINARY_DIR}/foreign/assimp SYMBOLIC)
+    string(APPEND CMAKE_C_FLAGS_INIT " -DPELLICLE_ASSIMP -isystem ${CMAKE_BINARY_DIR}/foreign")
+endif()
