@@ -64,6 +64,11 @@ static const bad_scene bad_scenes[] = {
     {BALL "    young: 5\n", NULL,
      "a.yaml:5:5: error: unknown key 'young'. it is a key of bodies[].springs, bodies[].volumetric, bodies[].volume, "
      "bodies[].membrane"},
+    {BALL "    membrane: { young: 1e5, thickness: 0.001, rest_scale: { keys: [[0, 1]] } }\n", NULL,
+     "a.yaml:5:61: error: unknown key 'keys'. its course over time is the key 'rest_keys' beside 'rest_scale'"},
+    {BALL "    pinned: { boundary: true }\n", NULL,
+     "a.yaml:5:25: error: bodies.0.pinned.boundary is 'true', it must be: whole number. it means: the vertices on one "
+     "loop of open edges: its number from 0, the longest first; all loops: the word `boundary`"},
     {BALL "dt: 5\n", NULL, "a.yaml:5:1: error: unknown key 'dt'. it is a key of solver"},
     {BALL "solver: {friction: 1}\n", NULL,
      "a.yaml:5:10: error: unknown key 'friction'. it is a key of bodies[].contact, tools[], contact"},

@@ -142,7 +142,9 @@ static const pel_def_row last_rows[] = {
     {"<region>.plane.normal", VECTOR, REQUIRED,
      .doc = "direction from the plane to the side that is selected, of any length but 0"},
     {"<region>.boundary", INTEGER, COUNT_FROM(0), ALTERNATIVE,
-     .doc = "the vertices on one loop of open edges: its number from 0, the longest first"},
+     .doc =
+         "the vertices on one loop of open edges: its number from 0, the longest first; all loops: the word `boundary` "
+         "alone, without a map"},
     {"<region>.group", TEXT, ALTERNATIVE,
      .doc = "the vertices of the faces of this object, group or material of an OBJ file (field `group:NAME`)"},
     {"<region>.union", LIST, COUNT_FROM(1), ALTERNATIVE, .doc = "the vertices of all of these regions"},

@@ -265,8 +265,21 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
     return PEL_BAD_SCENE;
 }
 
+/* the key beside a map that has its course over time, such as rest_keys of rest_scale; null if there is none */
+static const pel_def_row *row_over_time(const pel_scene_table *table, const pel_scene_value *map)
+{
+    for (size_t i = 0; map->key != NULL && i < table->row_count; i++) {
+        const pel_def_row *row = &table->rows[i];
+        const char *ending = table->names[i] != NULL ? strrchr(table->names[i], '_') : NULL;
+        if (ending != NULL && strcmp(ending, "_keys") == 0 && row->needs != NULL && strcmp(row->needs, map->key) == 0)
+            return row;
+    }
+    return NULL;
+}
+
 static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const pel_scene_value *entry)
 {
+    const pel_def_row *course = strcmp(entry->key, "keys") == 0 ? row_over_time(reader->table, entry->parent) : NULL;
     const pel_def_row *row = pel_scene_row_find(reader->table, prefix, entry->key);
     if (row != NULL && pel_scene_value_entry(entry->parent, row->needs) == NULL) {
         pel_scene_fail(reader, &entry->key_place, "key '%s' is allowed only with: %s", entry->key, row->needs);
@@ -280,7 +293,12 @@ static pel_status fail_key(pel_scene_reader *reader, const char *prefix, const p
     if (selector != NULL)
         snprintf(what, sizeof what, "key of %s %.40s:", selector->key, selector->text);
     if (row == NULL)
-        return pel_scene_fail_key(reader, &entry->key_place, prefix, entry->key, names, count);
+        pel_scene_fail_key(reader, &entry->key_place, prefix, entry->key, names, count);
+    if (row == NULL && course != NULL)
+        pel_fail_remedy(reader->error, "its course over time is the key '%s' beside '%s': %s",
+                        strrchr(course->path, '.') + 1, entry->parent->key, course->doc);
+    if (row == NULL)
+        return PEL_BAD_SCENE;
     return pel_scene_fail_name(reader, &entry->key_place, what, entry->key, names, count);
 }
 
