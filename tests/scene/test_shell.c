@@ -264,6 +264,8 @@ static const char *const bad_scenes[][2] = {
      "a.yaml:5:24: error: unknown preset 'tissue'. 'tissue' is a word of bodies[].preset"},
     {BALL "    membrane: rubber\n",
      "a.yaml:5:15: error: bodies.0.membrane is 'rubber', it must be: map. write { preset: rubber }"},
+    {BALL "    preset: latex\n",
+     "a.yaml:5:13: error: unknown preset 'latex'. 'latex-balloon' is a word of bodies[].membrane.preset"},
     {BALL "    preset: paper\n",
      "a.yaml:5:13: error: unknown preset 'paper'. 'paper' is a word of bodies[].membrane.preset"},
     {BALL "    membrane: {young: {field: stiff}, thickness: 1}\n", "unknown scalar field of the mesh 'stiff'"},

@@ -52,9 +52,15 @@ static inline int32_t pel_contact_list_length(const pel_contact_list *list)
     return list->active != NULL ? list->active_count : list->count;
 }
 
+/* the number of that one in the list */
+static inline int32_t pel_contact_list_number(const pel_contact_list *list, int32_t i)
+{
+    return list->active != NULL ? list->active[i] : i;
+}
+
 static inline pel_contact *pel_contact_list_at(const pel_contact_list *list, int32_t i)
 {
-    return &list->contacts[list->active != NULL ? list->active[i] : i];
+    return &list->contacts[pel_contact_list_number(list, i)];
 }
 
 #endif

@@ -21,6 +21,16 @@ const char *pel_everyday_word(const char *text, const char *const *known, size_t
         {"cube", "box", "did you mean 'box'?"},
         {"plane", "grid", "did you mean 'grid'?"},
         {"square", "grid", "did you mean 'grid'?"},
+        {"sheet", "grid", "did you mean 'grid'?"},
+        {"plate", "grid", "did you mean 'grid'?"},
+        {"cloth", "grid", "did you mean 'grid'?"},
+        {"rectangle", "grid", "did you mean 'grid'?"},
+        {"tube", "cylinder", "did you mean 'cylinder'?"},
+        {"pipe", "cylinder", "did you mean 'cylinder'?"},
+        {"ball", "geodesic-sphere", "did you mean 'geodesic-sphere'?"},
+        {"icosphere", "geodesic-sphere", "did you mean 'geodesic-sphere'?"},
+        {"circle", "disk", "did you mean 'disk'?"},
+        {"ring", "torus", "did you mean 'torus'?"},
     };
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
         if (strcmp(text, words[i].text) == 0 && pel_is_among(words[i].beside, known, count))

@@ -88,7 +88,12 @@ static void advise_form(pel_scene_reader *reader, const pel_def_row *row, const 
         add_name(names, sizeof names, name);
         takes_file |= strcmp(name, "file") == 0;
     }
-    if (takes_file && value->kind == PEL_SCENE_SCALAR && strchr(value->text, '.') != NULL)
+    const pel_scene_value *first = value->kind == PEL_SCENE_MAP ? value->first : NULL;
+    if (row->forms == PEL_FORM_LIST && first != NULL && first->kind == PEL_SCENE_MAP)
+        pel_fail_remedy(reader->error, "write the keys of '%.100s' as an element, after '- '", first->key);
+    else if (row->forms == PEL_FORM_LIST && first != NULL)
+        pel_fail_remedy(reader->error, "begin each element with '- %.100s'", first->key);
+    else if (takes_file && value->kind == PEL_SCENE_SCALAR && strchr(value->text, '.') != NULL)
         pel_fail_remedy(reader->error, "write { file: %.150s }", value->text);
     else if (key != NULL)
         pel_fail_remedy(reader->error, "write { %s: %s }", key, value->text);
@@ -154,23 +159,43 @@ pel_status pel_scene_fail_name(pel_scene_reader *reader, const pel_scene_place *
     return PEL_BAD_SCENE;
 }
 
-/* the row of another key of this name that has the word; null if there is none */
-static const pel_def_row *row_of_word(const pel_scene_table *table, const char *key, const char *word)
+static size_t word_count(const pel_def_row *row)
 {
+    size_t count = 0;
+    while (row->words[count] != NULL)
+        count++;
+    return count;
+}
+
+/* The row of another key of this name that has the word, or a longer one, `found`; null if there is none. */
+static const pel_def_row *row_of_word(const pel_scene_table *table, const char *key, const char *word,
+                                      const char **found)
+{
+    const pel_def_row *nearest = NULL;
     for (size_t i = 0; i < table->row_count; i++) {
         const pel_def_row *row = &table->rows[i];
         const char *last = strrchr(row->path, '.');
-        if (row->words != NULL && last != NULL && strcmp(last + 1, key) == 0 && is_one_of(word, row->words))
+        if (row->words == NULL || last == NULL || strcmp(last + 1, key) != 0)
+            continue;
+        if (is_one_of(word, row->words)) {
+            *found = word;
             return row;
+        }
+        const char *longer = nearest == NULL ? pel_longer_name(word, row->words, word_count(row)) : NULL;
+        if (longer != NULL) {
+            *found = longer;
+            nearest = row;
+        }
     }
-    return NULL;
+    return nearest;
 }
 
 pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *value, const char *const *known,
                                size_t known_count)
 {
     const char *key = value->key != NULL ? value->key : "word";
-    const pel_def_row *row = row_of_word(reader->table, key, value->text);
+    const char *found = value->text;
+    const pel_def_row *row = row_of_word(reader->table, key, value->text, &found);
     const char *longer = pel_longer_name(value->text, known, known_count);
     /* a geodesic-sphere is a sphere, but a paper-a is no paper */
     bool is_kind = longer != NULL && strcmp(longer + strlen(longer) - strlen(value->text), value->text) == 0;
@@ -178,8 +203,8 @@ pel_status pel_scene_fail_word(pel_scene_reader *reader, const pel_scene_value *
     pel_scene_fail_name(reader, &value->place, key, value->text, known, known_count);
     if (everyday != NULL)
         pel_fail_remedy(reader->error, "%s", everyday);
-    else if (row != NULL && !is_kind)
-        pel_fail_remedy(reader->error, "'%s' is a word of %s", value->text, row->path);
+    else if (row != NULL && !is_kind && (found == value->text || longer == NULL))
+        pel_fail_remedy(reader->error, "'%s' is a word of %s", found, row->path);
     else if (longer != NULL)
         pel_fail_remedy(reader->error, "did you mean '%s'?", longer);
     return PEL_BAD_SCENE;

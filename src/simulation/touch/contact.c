@@ -715,8 +715,8 @@ pel_status pel_contacts_apply(pel_sim *sim, double time, const pel_step_result *
 void pel_contacts_tally(pel_sim *sim, double rate)
 {
     pel_contact_set *contacts = sim->contacts;
-    for (int32_t i = 0; i < contacts->list.active_count; i++) {
-        int32_t c = contacts->list.active[i];
+    for (int32_t i = 0; i < pel_contact_list_length(&contacts->list); i++) {
+        int32_t c = pel_contact_list_number(&contacts->list, i);
         const pel_contact *contact = &contacts->list.contacts[c];
         if (!(contact->multiplier > 0))
             continue;
@@ -730,8 +730,8 @@ void pel_contacts_tell(pel_sim *sim)
 {
     pel_contact_set *contacts = sim->contacts;
     double square = contacts->list.substep * contacts->list.substep * sim->solver.substeps;
-    for (int32_t i = 0; i < contacts->list.active_count; i++) {
-        int32_t c = contacts->list.active[i];
+    for (int32_t i = 0; i < pel_contact_list_length(&contacts->list); i++) {
+        int32_t c = pel_contact_list_number(&contacts->list, i);
         double *owed = contacts->owed[c];
         pel_contact_key *key = &contacts->keys[c];
         pel_contact contact = contacts->list.contacts[c];
