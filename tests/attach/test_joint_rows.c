@@ -26,14 +26,14 @@ static double apart(const rigid_scene *scene, int32_t joint)
 }
 
 /* a bar on a hinge swings with 4 K(sin 45 degrees) sqrt(I / (M g d)) from the level; the hinge holds it */
-static void test_pendulum(void **state)
+static void swing(double dt, bool has_contact)
 {
-    (void)state;
-    static const double center[3] = {0.05, 0, 0}, d = 0.15, dt = 0.0025;
+    static const double center[3] = {0.05, 0, 0}, d = 0.15;
     pel_joint_def joint = joint_of("hinge", PEL_JOINT_HINGE, -0.1, 0, 0);
     rigid_scene scene;
     begin(&scene, PEL_METHOD_IMPLICIT, &joint, 1);
     scene.def.solver.dt = dt;
+    scene.def.contact.enabled = has_contact;
     rigid_scene_add(&scene, make_box(0.4, 0.1, 0.02, center), 1000);
     rigid_scene_make(&scene);
     double moment = (0.4 * 0.4 + 0.02 * 0.02) / 12 + d * d, last = 0, times[2] = {0}, farthest = 0;
@@ -46,15 +46,22 @@ static void test_pendulum(void **state)
             times[turns++] = dt * (i + before / (before - after));
         last = now.position;
         farthest = fmax(farthest, apart(&scene, 0));
-        assert_near(rigid_scene_read(&scene, 0).center[1], 0, 1e-10);
+        assert_near(rigid_scene_read(&scene, 0).center[1], 0, 1e-9);
     }
     double period = 4 * 1.8540746773013719 * sqrt(moment / (GRAVITY * d));
     assert_near(2 * (times[1] - times[0]) / period, 1, 0.01);
     assert_true(farthest < 1e-9);
     pel_rigid_reading bar = rigid_scene_read(&scene, 0);
     double energy = bar.kinetic_energy + bar.mass * GRAVITY * bar.center[2];
-    assert_near(energy, 0, 0.04 * 0.8 * GRAVITY * d);
+    assert_near(energy, 0, 0.002 * 0.8 * GRAVITY * d);
     rigid_scene_end(&scene);
+}
+
+static void test_pendulum(void **state)
+{
+    (void)state;
+    swing(0.0025, false);
+    swing(0.01, true);
 }
 
 /* two free bodies on a joint of each kind: momentum stays, and so does what the joint holds */

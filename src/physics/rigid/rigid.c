@@ -347,8 +347,7 @@ double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3])
     return grip->weight * grip->weight * grip->rigid->shape->inverse_mass + pel_vec3_dot(torque, theta);
 }
 
-/* momenta by an impulse and a moment about the pivot */
-static void hit(pel_rigid *rigid, const double impulse[3], const double moment[3])
+void pel_rigid_hit_by(pel_rigid *rigid, const double impulse[3], const double moment[3])
 {
     pel_vec3_add(rigid->impulse, impulse, rigid->impulse);
     pel_vec3_add(rigid->moment, moment, rigid->moment);
@@ -371,7 +370,7 @@ void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment
         return;
     pel_vec3_scale(push, rate, impulse);
     pel_vec3_scale(moment, rate, turned);
-    hit(rigid, impulse, turned);
+    pel_rigid_hit_by(rigid, impulse, turned);
     turn_by(rigid, moment, theta);
     pel_vec3_along(rigid->state.pivot, rigid->shape->inverse_mass, push, rigid->state.pivot);
     turn(rigid->state.rotation, theta, true);
@@ -386,7 +385,7 @@ void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3])
         return;
     pel_vec3_cross(grip->arm, impulse, torque);
     pel_vec3_scale(impulse, grip->weight, own);
-    hit(grip->rigid, own, torque);
+    pel_rigid_hit_by(grip->rigid, own, torque);
 }
 
 void pel_rigid_push(const pel_rigid_grip *grip, const double push[3], double rate)

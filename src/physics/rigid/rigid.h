@@ -127,7 +127,8 @@ void pel_rigid_turn_by(const pel_rigid *rigid, const double moment[3], double tu
 /* Moves the body by a push [N s2] on its pivot and a moment [N m s2] about it; its momenta change by rate times those.
  */
 void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment[3], double rate);
-/* momenta alone, by an impulse [N s] */
+/* momenta alone, by an impulse [N s] on the sum; or on the pivot with a moment [N m s] about it */
+void pel_rigid_hit_by(pel_rigid *rigid, const double impulse[3], const double moment[3]);
 void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3]);
 /* m/s, of the sum */
 void pel_rigid_grip_velocity(const pel_rigid_grip *grip, double velocity[3]);

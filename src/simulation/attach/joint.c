@@ -485,7 +485,8 @@ pel_status pel_joints_create(pel_sim *sim, const pel_sim_def *def, pel_error *er
     if (sim->joints == NULL)
         return pel_fail_memory(error);
     if (!PEL_ALLOCATE_ALL(PEL_ROOM(sim->joints->items, def->joint_count),
-                          PEL_ROOM(sim->joints->rows, (size_t)def->joint_count * PEL_JOINT_ROWS)))
+                          PEL_ROOM(sim->joints->rows, (size_t)def->joint_count * PEL_JOINT_ROWS),
+                          PEL_ROOM(sim->joints->speeds, (size_t)def->joint_count * PEL_JOINT_ROWS)))
         return pel_fail_memory(error);
     sim->joints->count = def->joint_count;
     for (int32_t i = 0; i < def->joint_count; i++)
@@ -497,7 +498,7 @@ void pel_joints_destroy(pel_sim *sim)
 {
     if (sim->joints == NULL)
         return;
-    PEL_FREE_ALL(sim->joints->items, sim->joints->rows);
+    PEL_FREE_ALL(sim->joints->items, sim->joints->rows, sim->joints->speeds);
     pel_free(sim->joints);
     sim->joints = NULL;
 }

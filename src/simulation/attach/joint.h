@@ -32,6 +32,7 @@ struct pel_joints {
     pel_joint *items; /* (count) */
     int32_t count;
     pel_newton_row *rows; /* (PEL_JOINT_ROWS count) joint by joint (joint_rows.c) */
+    double (*speeds)[3];  /* (PEL_JOINT_ROWS count) scratch (joint_speed.c) */
 };
 
 /* rows of a joint: three of the point, two of the axis, motor and both limits; or two, three, and these */
@@ -66,6 +67,10 @@ void pel_joints_set_rows(pel_sim *sim, double squared_rate, pel_newton_rigids *r
 /* After a run: the loads go to those that it ended with. Returns the largest error, relative to the size of the bodies.
  */
 double pel_joints_renew_rows(pel_sim *sim);
+/* N m on the first body beside the levers, by a load of one on a row */
+void pel_joint_couple(const pel_newton_row *row, double couple[3]);
+/* After a stage: velocities across the rows end by impulses along them (joint_speed.c). */
+void pel_joints_keep_speeds(pel_sim *sim);
 /* loads, position and work of the step from the rows */
 void pel_joints_take_rows(pel_sim *sim);
 
@@ -73,6 +78,8 @@ void pel_joints_take_rows(pel_sim *sim);
 bool pel_joints_met(const pel_sim *sim, int32_t body);
 /* the point at rest of the first joint of a body, false without any */
 bool pel_joints_find_point(const pel_sim *sim, const pel_rigid *body, double point[3]);
+/* whether any joint has a motor or limits */
+bool pel_joints_drive(const pel_sim *sim);
 /* whether a joint holds a body, to the world or to another one */
 bool pel_joints_hold(const pel_sim *sim, int32_t body);
 

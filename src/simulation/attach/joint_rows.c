@@ -128,8 +128,7 @@ static bool is_motor(const pel_newton_row *row)
     return isfinite(row->least) && isfinite(row->most) && row->most > 0;
 }
 
-/* N m on the first body beside the levers, of a load of one */
-static void couple_of(const pel_newton_row *row, double couple[3])
+void pel_joint_couple(const pel_newton_row *row, double couple[3])
 {
     pel_vec3_cross(row->directors[0], row->directors[1], couple);
     pel_vec3_add(couple, row->torque, couple);
@@ -139,7 +138,7 @@ static void couple_of(const pel_newton_row *row, double couple[3])
 static double mobility_of(const pel_newton_row *row)
 {
     double sum = 0, arm[3], moment[3], couple[3], turn[3];
-    couple_of(row, couple);
+    pel_joint_couple(row, couple);
     for (int side = 0; side < 2; side++) {
         const pel_rigid *rigid = row->bodies[side];
         if (rigid == NULL)
@@ -157,7 +156,7 @@ static double mobility_of(const pel_newton_row *row)
 static void set_load(const pel_joint *joint, pel_newton_row *row)
 {
     double couple[3], along = -joint->load;
-    couple_of(row, couple);
+    pel_joint_couple(row, couple);
     row->load = -pel_vec3_dot(joint->force, row->force) - pel_vec3_dot(joint->torque, couple);
     if (!is_drive(joint, row))
         return;
@@ -214,7 +213,7 @@ void pel_joints_take_rows(pel_sim *sim)
         memset(joint->sum, 0, sizeof joint->sum);
         joint->motor = 0;
         for (const pel_newton_row *row = joint->rows; row < joint->rows + joint->row_count; row++) {
-            couple_of(row, couple);
+            pel_joint_couple(row, couple);
             pel_vec3_along(joint->sum, -row->present, row->force, joint->sum);
             pel_vec3_along(joint->sum + 3, -row->present, couple, joint->sum + 3);
             joint->sum[6] -= is_drive(joint, row) ? row->present : 0;
@@ -245,6 +244,16 @@ bool pel_joints_met(const pel_sim *sim, int32_t body)
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
         const pel_joint *joint = &sim->joints->items[i];
         any |= (joint->def.body == body || joint->def.to_body == body) && has_met(joint);
+    }
+    return any;
+}
+
+bool pel_joints_drive(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++) {
+        const pel_joint_def *def = &sim->joints->items[i].def;
+        any |= def->strength > 0 || isfinite(def->least) || isfinite(def->most);
     }
     return any;
 }

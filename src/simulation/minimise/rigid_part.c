@@ -266,23 +266,26 @@ static void take_vertices(const pel_sim *sim, const pel_rigid *rigid, double fac
 }
 
 /* The other state of a scheme, as the way from the motion without torque: t' and L' - L; its pivot and momentum. */
-static void find_other(const pel_sim *sim, const pel_rigid *rigid, double turn[3], pel_rigid_state *other)
+static void find_other(const pel_sim *sim, const pel_rigid *rigid, double time, const pel_record *positions,
+                       const pel_record *velocities, double turn[3], pel_rigid_state *other)
 {
-    pel_rigid back = *rigid, old = *rigid;
-    back.state = rigid->before;
-    pel_vec3_scale(back.state.angular_momentum, -1, back.state.angular_momentum);
-    pel_rigid_begin(&back, &back.state);
-    pel_rigid_drift(&back, sim->step.dt);
-    pel_rigid_begin(&old, &rigid->before);
-    pel_rigid_fit(&old, sim->rigids, sim->model->mass, sim->state->older_position);
-    pel_rigids_take_motion(sim, &old, sim->state->older_position, sim->state->older_velocity);
-    pel_rotation_between(back.state.rotation, old.state.rotation, no_way, turn);
-    *other = old.state;
+    pel_rigid_state start = rigid->before;
+    pel_rigid drifts = *rigid, moves = *rigid;
+    pel_vec3_scale(start.angular_momentum, time < 0 ? -1 : 1, start.angular_momentum);
+    drifts.is_fixed = false;
+    pel_rigid_begin(&drifts, &start);
+    pel_rigid_drift(&drifts, fabs(time));
+    pel_rigid_begin(&moves, &rigid->before);
+    pel_rigid_fit(&moves, sim->rigids, sim->model->mass, positions);
+    pel_rigids_take_motion(sim, &moves, positions, velocities);
+    pel_rotation_between(drifts.state.rotation, moves.state.rotation, no_way, turn);
+    *other = moves.state;
 }
 
-static void refer(const pel_sim *sim, const pel_rigid *rigid, const double position[2], const double velocity[2],
-                  pel_rigid_part *part)
+static void refer(const pel_sim *sim, const pel_rigid *rigid, const pel_implicit_scheme *s, const pel_record *positions,
+                  const pel_record *velocities, pel_rigid_part *part)
 {
+    const double *position = s->position, *velocity = s->velocity;
     const pel_rigid_state *before = &rigid->before;
     const pel_rigid_shape *shape = rigid->shape;
     pel_rigid end = *rigid;
@@ -290,9 +293,9 @@ static void refer(const pel_sim *sim, const pel_rigid *rigid, const double posit
     double turn[3] = {0}, more[3], weight = position[1];
     end.is_fixed = false;
     pel_rigid_begin(&end, before);
-    pel_rigid_drift(&end, sim->step.dt);
+    pel_rigid_drift(&end, s->acts.time * sim->step.dt);
     if (weight != 0)
-        find_other(sim, rigid, turn, &other);
+        find_other(sim, rigid, s->other * sim->step.dt, positions, velocities, turn, &other);
     pel_vec3_scale(turn, weight, turn);
     pel_vec3_subtract(other.angular_momentum, before->angular_momentum, more);
     pel_vec3_scale(more, weight, more);
@@ -310,12 +313,12 @@ static void refer(const pel_sim *sim, const pel_rigid *rigid, const double posit
     take_vertices(sim, rigid, -1, part->second);
 }
 
-void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, double rate, const double position[2],
-                           const double velocity[2])
+void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, const pel_implicit_scheme *scheme,
+                           const pel_record *positions, const pel_record *velocities)
 {
     for (int32_t i = 0; sim->rigids != NULL && i < sim->rigids->count; i++) {
-        parts->items[i].rate = rate;
-        refer(sim, &sim->rigids->items[i], position, velocity, &parts->items[i]);
+        parts->items[i].rate = scheme->rate / sim->step.dt;
+        refer(sim, &sim->rigids->items[i], scheme, positions, velocities, &parts->items[i]);
     }
 }
 

@@ -6,6 +6,17 @@
 #include "newton/newton.h"
 #include "stage/stage.h"
 
+/* A scheme in time, with the unknown positions y: u = rate / dt (y - anchor), m rate / dt (u - carried) + c u = F(y).
+ */
+typedef struct pel_implicit_scheme {
+    double rate;
+    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of another state */
+    double other;                    /* when that was, in steps after the start: one step earlier, or a stage */
+    const struct pel_implicit_scheme *first; /* the stage before this one, which is that other state; null = none */
+    double end;                              /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
+    pel_span acts;                           /* when loads act, in steps after the start of the step */
+} pel_implicit_scheme;
+
 typedef struct pel_rigid_part pel_rigid_part;
 
 typedef struct pel_rigid_parts {
@@ -27,10 +38,10 @@ const pel_newton_rigids *pel_rigid_parts_gather(const pel_sim *sim, pel_rigid_pa
    many runs, so that one with their new loads has to follow. */
 void pel_rigid_parts_join(pel_sim *sim, const double *loads, pel_rigid_parts *parts);
 bool pel_rigid_parts_are_apart(pel_sim *sim, int runs);
-/* The motion that inertia would go on with, in a step in time u = rate (y - anchor), m rate (u - carried) = F; weights
-   of the start of the step and of the one before, in the anchor and in what is carried. */
-void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, double rate, const double position[2],
-                           const double velocity[2]);
+/* The motion that inertia would go on with in a step or stage; positions and velocities (vertex_count) of the other
+   state of the scheme. */
+void pel_rigid_parts_refer(const pel_sim *sim, pel_rigid_parts *parts, const pel_implicit_scheme *scheme,
+                           const pel_record *positions, const pel_record *velocities);
 /* Anchor and carried velocity of a vertex, as of pel_sim_turn_refer; false where it is of no rigid body. */
 bool pel_rigid_parts_anchor(const pel_sim *sim, const pel_rigid_parts *parts, int32_t v, double anchor[3],
                             double carried[3]);

@@ -203,6 +203,15 @@ static bool is_braked(const pel_sim *sim)
     return any;
 }
 
+/* with one solve, whatever touches */
+static const pel_implicit_scheme *plain_scheme(const pel_sim *sim)
+{
+    const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
+    bool is_smooth = sim->state->older_is_known && sim->state->collision == 0 && !pel_loads_jump(sim, span) &&
+                     !pel_tools_grasps_change(sim);
+    return is_smooth ? &bdf2 : &euler;
+}
+
 static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
@@ -210,16 +219,16 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
     if (sim->minimise->newton->lead != NULL)
         return sim->minimise->newton->scheme;
     const pel_sim_newton *newton = sim->minimise->newton;
-    bool is_alone = sim->tools->count == 0 && sim->contacts == NULL && sim->solver.budget <= 0 &&
-                    sim->loads->wind == NULL && sim->rigids == NULL && !volume_moves(sim) && !is_braked(sim);
-    if (is_alone && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) && state->unresolved == 0)
+    bool is_apart = sim->contacts == NULL ||
+                    (sim->rigids != NULL && memchr(state->contact, 1, (size_t)sim->model->vertex_count) == NULL);
+    bool is_alone = sim->tools->count == 0 && is_apart && sim->solver.budget <= 0 && sim->loads->wind == NULL &&
+                    !pel_joints_drive(sim) && !volume_moves(sim) && !is_braked(sim);
+    if (is_alone && sim->rigids == NULL && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) &&
+        state->unresolved == 0)
         return &midpoint;
     if (is_alone && !newton->leads)
         return &first_stage;
-    const pel_span span = {.time = pel_sim_next_time(sim), .back = sim->step.dt};
-    bool is_smooth =
-        state->older_is_known && state->collision == 0 && !pel_loads_jump(sim, span) && !pel_tools_grasps_change(sim);
-    return is_smooth ? &bdf2 : &euler;
+    return plain_scheme(sim);
 }
 
 /* damping along volumetric springs, in their direction at the start of the step */
@@ -322,6 +331,8 @@ static void finish(pel_sim *sim, const pel_implicit_scheme *s)
         }
     }
     pel_rigid_parts_finish(sim, &newton->rigid);
+    if (s == &first_stage || s->first != NULL)
+        pel_joints_keep_speeds(sim);
 }
 
 /* m/s: mean velocity of the step */
@@ -446,9 +457,11 @@ static bool changes_energy(pel_sim *sim, double potential_before)
 
 static pel_status solve(pel_sim *sim, const pel_implicit_scheme *s, pel_step_result *result, pel_error *error)
 {
-    sim->minimise->newton->scheme = s;
+    pel_sim_newton *newton = sim->minimise->newton;
+    newton->scheme = s;
     pel_sim_turns_set(sim, s);
-    pel_rigid_parts_refer(sim, &sim->minimise->newton->rigid, s->rate / sim->step.dt, s->position, s->velocity);
+    pel_rigid_parts_refer(sim, &newton->rigid, s, s->first != NULL ? newton->stage[0] : sim->state->older_position,
+                          s->first != NULL ? newton->stage[1] : sim->state->older_velocity);
     set_points(sim, s);
     sim->minimise->acts = s->acts;
     set_radial(sim, s);
@@ -486,6 +499,15 @@ static pel_status solve_by(pel_sim *sim, const pel_implicit_scheme *s, pel_step_
     return s == &first_stage ? solve_in_stages(sim, result, error) : solve(sim, s, result, error);
 }
 
+/* something pushes: stages would throw it back */
+static bool touches(const pel_sim *sim)
+{
+    bool any = false;
+    for (int32_t c = 0; c < sim->minimise->count; c++)
+        any |= sim->minimise->constraints[c].load > 0;
+    return any;
+}
+
 static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
 {
     pel_minimise_begin_at_state(sim);
@@ -500,7 +522,8 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     if (status == PEL_OK && !is_beside && s == &midpoint && changes_energy(sim, before)) {
         sim->state->unresolved = UNRESOLVED_STEPS;
         status = solve_by(sim, choose_scheme(sim), result, error);
-    }
+    } else if (status == PEL_OK && !is_beside && s == &first_stage && touches(sim))
+        status = solve(sim, plain_scheme(sim), result, error);
     if (status != PEL_OK)
         return status;
     sim->part.is_refused = !sim->minimise->result.converged && pel_parts_can_halve(sim);

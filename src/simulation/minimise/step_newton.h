@@ -109,16 +109,5 @@ pel_newton_terms pel_sim_newton_terms(pel_minimise_context *context);
 bool pel_sim_newton_has_terms(const pel_sim *sim);
 /* N, force of the bodies on a fixed vertex */
 void pel_sim_newton_held_force(const pel_sim *sim, int32_t v, double force[3]);
-/* ---- step_implicit.c ---- */
-/* A scheme in time, with the unknown positions y: u = rate / dt (y - anchor), m rate / dt (u - carried) + c u = F(y).
- */
-typedef struct pel_implicit_scheme {
-    double rate;
-    double position[2], velocity[2]; /* anchor and carried: weights of the start of the step and of another state */
-    double other;                    /* when that was, in steps after the start: one step earlier, or a stage */
-    const struct pel_implicit_scheme *first; /* the stage before this one, which is that other state; null = none */
-    double end;                              /* x_1 = end y + (1 - end) x, v_1 = end u + (1 - end) v */
-    pel_span acts;                           /* when loads act, in steps after the start of the step */
-} pel_implicit_scheme;
 
 #endif
