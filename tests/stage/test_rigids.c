@@ -496,11 +496,11 @@ static void test_refusals(void **state)
     pel_error error = {0};
     rigid_scene scene;
     rigid_scene_begin(&scene);
-    scene.def.solver.method = PEL_METHOD_EXPLICIT;
+    scene.def.solver.method = PEL_METHOD_QUASI_STATIC;
     rigid_scene_add(&scene, make_box(0.1, 0.2, 0.4, origin), 1000);
     assert_int_equal(rigid_scene_try(&scene, &error), PEL_BAD_ARGUMENT);
     assert_string_equal(error.what, "body 'b0' is rigid, which this method does not know");
-    assert_string_equal(error.remedy, "use the method xpbd, implicit, static, pbd or pbd-distance");
+    assert_string_equal(error.remedy, "use the method xpbd, implicit, explicit, static, pbd or pbd-distance");
     rigid_scene_end(&scene);
     pel_rigid_reading reading;
     assert_false(pel_sim_get_rigid(NULL, 0, &reading));

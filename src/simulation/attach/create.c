@@ -176,7 +176,7 @@ static double automatic(const pel_sim *sim, const pel_tie_def *def, const pel_ti
 static pel_status check_dt(const pel_sim *sim, const pel_tie *tie, int32_t number, pel_error *error)
 {
     double most = 4 / (mobility(sim, tie) * sim->solver.dt * sim->solver.dt);
-    if (!sim->stepper->is_explicit || !(tie->stiffness > SAFE_SHARE * most))
+    if (!sim->stepper->is_explicit || sim->stepper->has_substeps || !(tie->stiffness > SAFE_SHARE * most))
         return PEL_OK;
     return pel_refuse_element(error, PEL_UNSTABLE, "tie", number, "use a smaller dt, or method implicit or xpbd",
                               "a stiffness of %.3g N/m is unstable at dt %.3g: use at most %.3g N/m", tie->stiffness,

@@ -608,7 +608,7 @@ double pel_loads_work(const pel_sim *sim, double from, double to, double h)
         work += factor * pel_vec3_dot(load->force, way);
     }
     /* substeps have summed it */
-    return pel_sim_is_projected(sim) ? work : work + external_work(sim, state->position, state->position_next);
+    return pel_sim_projects_elements(sim) ? work : work + external_work(sim, state->position, state->position_next);
 }
 
 /* ---- snapshots ---- */

@@ -202,7 +202,7 @@ double pel_wind_work(const pel_sim *sim, double h)
 {
     if (sim->loads->wind == NULL)
         return 0;
-    if (!pel_sim_is_projected(sim))
+    if (!pel_sim_projects_elements(sim))
         return work_between(sim, sim->state->position, sim->step.dt);
     return sim->loads->wind->work - (h > 0 ? work_beyond(sim, h) : 0);
 }

@@ -46,7 +46,9 @@ void pel_substeps_configure(pel_sim *sim, const pel_sim_def *def)
 {
     pel_solver_def *solver = &sim->solver;
     bool compliant = sim->stepper->is_compliant;
-    if (!pel_sim_is_projected(sim))
+    if (pel_sim_is_projected(sim) && !pel_sim_projects_elements(sim))
+        solver->substeps = 1;
+    if (!pel_sim_projects_elements(sim))
         return;
     sim->substeps->is_automatic = compliant && solver->substeps == 0;
     if (solver->iterations == 0)

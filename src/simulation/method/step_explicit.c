@@ -2,14 +2,22 @@
 #include "method/step_explicit.h"
 
 #include "adapt/refine.h"
+#include "attach/joint.h"
 #include "attach/tie.h"
+#include "base/memory.h"
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "boundary/wind.h"
 #include "math/functions.h"
+#include "method/meet.h"
 #include "solve/shell_stability.h"
 #include "stage/accessors.h"
+#include "stage/rigids.h"
 #include "stage/shells.h"
+#include "tool/grip.h"
+#include "tool/tools.h"
+
+#include <string.h>
 
 /* share of the stability limit that a remedy names */
 #define SAFE_SHARE 0.9
@@ -102,9 +110,9 @@ static void correct_velocities(pel_sim *sim)
     }
 }
 
-static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+/* by all forces but those of ties where these are solved on predicted positions */
+static void move_by_forces(pel_sim *sim, pel_step_result *result)
 {
-    (void)error;
     double dt = sim->step.dt;
     pel_wind_begin(sim);
     const pel_gains gains = {sim->step.symplectic ? dt * dt : 0, dt};
@@ -113,12 +121,93 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
     result->diverged |= !pel_loads_apply(sim, span, gains);
     pel_shells_apply(sim, span, gains);
     pel_wind_apply(sim, gains.position / gains.velocity);
-    pel_ties_apply(sim, gains.position / gains.velocity);
+    if (!pel_sim_is_projected(sim))
+        pel_ties_apply(sim, gains.position / gains.velocity);
     if (sim->shells != NULL || sim->solver.drag > 0)
         correct_velocities(sim);
-    result->way_is_known &=
-        !pel_loads_exist(sim) && sim->shells == NULL && sim->ties == NULL && !(sim->solver.drag > 0);
+    result->way_is_known &= !pel_loads_exist(sim) && sim->shells == NULL && sim->ties == NULL && sim->rigids == NULL &&
+                            !(sim->solver.drag > 0);
     result->diverged |= sim->shells != NULL && !pel_sim_all_inside(sim);
+}
+
+static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    (void)error;
+    move_by_forces(sim, result);
+    return PEL_OK;
+}
+
+/* ---- beside rigid bodies ---- */
+
+static pel_status create_rigid(pel_sim *sim, pel_error *error)
+{
+    if (!sim->solver.symplectic)
+        return pel_refuse(error, PEL_BAD_ARGUMENT, "use the symplectic integrator, or method xpbd or implicit",
+                          "forward Euler has no rigid bodies");
+    sim->contact_in_loop = true;
+    sim->predicted = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->predicted);
+    return sim->predicted != NULL ? check_dt(sim, error) : pel_fail_memory(error);
+}
+
+static pel_status record_pins(pel_sim *sim, pel_error *error)
+{
+    sim->pin_force = pel_allocate_aligned((size_t)sim->model->vertex_count, sizeof *sim->pin_force);
+    return sim->pin_force != NULL ? PEL_OK : pel_fail_memory(error);
+}
+
+static void get_pin_force(const pel_sim *sim, int32_t v, double force[3])
+{
+    pel_vertex_position(sim->pin_force, v, force);
+}
+
+static void move_rigid(pel_sim *sim)
+{
+    double dt = sim->step.dt;
+    memset(sim->force, 0, (size_t)sim->model->vertex_count * sizeof *sim->force);
+    pel_loads_add(sim, (pel_span){.time = pel_sim_time(sim), .ahead = dt}, sim->state->position, sim->force);
+    pel_wind_add(sim, sim->force);
+    pel_rigids_kick(sim, sim->state->position, dt, pel_wind_forces(sim));
+    pel_rigids_drift(sim, dt);
+}
+
+/* what contacts, ties and joints have moved got its velocity from them */
+static void take_velocities(pel_sim *sim)
+{
+    pel_state *state = sim->state;
+    const pel_real rate = (pel_real)(1 / sim->step.dt);
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        if (state->position_next[v][3] > 0)
+            state->velocity_next[v] += pel_record_with(rate * (state->position_next[v] - sim->predicted[v]), 0);
+}
+
+/* Forces of elements predict positions; on these contacts, ties and joints act as in a substep of xpbd, so that neither
+   the stiffness of a layer nor the mass of a body bounds dt. */
+static pel_status step_rigid(pel_sim *sim, pel_step_result *result, pel_error *error)
+{
+    const pel_meeting meeting = {
+        .end = pel_sim_next_time(sim), .length = sim->step.dt, .tau = sim->step.dt, .start = sim->state->position};
+    pel_tools_begin(sim, meeting.end);
+    pel_rigids_begin(sim);
+    pel_joints_begin(sim);
+    pel_status status = pel_meet_find(sim, pel_sim_has_loop_contacts(sim), error);
+    if (status != PEL_OK)
+        return status;
+    size_t size = (size_t)sim->model->vertex_count * sizeof *sim->predicted;
+    pel_meet_recall(sim, sim->step.dt);
+    pel_tools_place(sim, 1);
+    move_by_forces(sim, result);
+    pel_tools_carry(sim);
+    move_rigid(sim);
+    memcpy(sim->predicted, sim->state->position_next, size);
+    if (sim->pin_force != NULL)
+        memset(sim->pin_force, 0, size);
+    pel_meet_begin(sim, &meeting);
+    pel_meet_sweep(sim, &meeting);
+    pel_meet_tally(sim, &meeting, sim->pin_force);
+    take_velocities(sim);
+    pel_rigids_finish(sim, sim->step.dt, sim->pin_force, true);
+    pel_meet_end(sim);
+    result->diverged |= !pel_sim_all_inside(sim);
     return PEL_OK;
 }
 
@@ -134,5 +223,19 @@ const pel_stepper pel_step_explicit_kind = {
     .can_refill = true,
     .create = check_dt,
     .step = step,
+    .advise = advise,
+};
+
+const pel_stepper pel_step_explicit_rigid_kind = {
+    .has_velocity = true,
+    .is_explicit = true,
+    .has_substeps = true,
+    .moves_tools = true,
+    .moves_rigid = true,
+    .bounds_motion = true,
+    .create = create_rigid,
+    .step = step_rigid,
+    .record_held = record_pins,
+    .get_held_force = get_pin_force,
     .advise = advise,
 };

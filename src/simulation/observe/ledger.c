@@ -176,10 +176,12 @@ static void add_dissipation(pel_sim *sim)
     double gain = pel_sim_is_explicit(sim) ? pel_exp(drag) - pel_exp(-drag) : pel_tanh(drag);
     vertex_sums sums = {.sim = sim, .drag_gain = gain, .damps = true};
     sim->ledger->sums.dissipated_drag += sum_vertices(sim, &sums).damping;
+    /* the gain of the explicit method is of one of both energies */
     if (sim->rigids != NULL)
         sim->ledger->sums.dissipated_drag +=
-            gain * (pel_rigids_extra_energy(sim, sim->state->rigids, sim->state->velocity) +
-                    pel_rigids_extra_energy(sim, sim->state->rigids_next, sim->state->velocity_next));
+            (pel_sim_is_explicit(sim) ? 0.5 : 1) * gain *
+            (pel_rigids_extra_energy(sim, sim->state->rigids, sim->state->velocity) +
+             pel_rigids_extra_energy(sim, sim->state->rigids_next, sim->state->velocity_next));
 }
 
 /* ---- gravity ---- */
@@ -382,7 +384,7 @@ void pel_ledger_step(pel_sim *sim, double next)
     double time = pel_sim_time(sim);
     add_gravity(sim);
     add_dissipation(sim);
-    double h = pel_sim_is_projected(sim) && !sim->solver.second_order ? sim->step.dt / sim->solver.substeps : 0;
+    double h = pel_sim_projects_elements(sim) && !sim->solver.second_order ? sim->step.dt / sim->solver.substeps : 0;
     sim->ledger->sums.work_loads += pel_loads_work(sim, time, next, h) + sim->loads->edge_load_work;
     sim->ledger->sums.work_tools += pel_holds_work(sim, next);
     add_pressure(sim, time, next);

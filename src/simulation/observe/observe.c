@@ -196,7 +196,8 @@ static void present_velocity(const pel_sim *sim, int32_t i, double velocity[3])
     bool is_held = state->contact[i] || (sim->held != NULL && sim->held[i]);
     bool is_first = state->step == 0 && sim->shells != NULL;
     vertex_velocity(sim, i, velocity);
-    if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first)
+    if (!pel_sim_is_explicit(sim) || !sim->solver.symplectic || is_held || is_first ||
+        pel_rigid_of(sim->rigids, i) != NULL)
         return;
     double dt = sim->step.dt, kept = pel_exp(-0.5 * sim->solver.drag * dt);
     double gain = 0.5 * dt * (double)sim->model->inverse_mass[i];

@@ -4,6 +4,7 @@
 #include "attach/tie.h"
 #include "base/memory.h"
 #include "base/patience.h"
+#include "base/room.h"
 #include "base/status.h"
 #include "blade/check.h"
 #include "boundary/edge_load.h"
@@ -228,7 +229,7 @@ static pel_status build_stage(pel_sim *sim, const pel_sim_def *def, pel_error *e
     sim->solver = def->solver;
     sim->clock = pel_seconds;
     sim->deadline = HUGE_VAL;
-    sim->stepper = pel_stepper_of(def->solver.method);
+    sim->stepper = pel_stepper_for(def->solver.method, def->model);
     pel_status status = check_start(sim, error);
     if (status == PEL_OK)
         status = check_volumes(sim, error);
@@ -443,8 +444,7 @@ void pel_sim_release(pel_house *house)
     pel_rigids_destroy(sim);
     pel_refined_destroy(sim->active);
     pel_state_destroy(sim->state);
-    pel_free(sim->force);
-    pel_free(sim->chunk_longest);
+    PEL_FREE_ALL(sim->force, sim->predicted, sim->pin_force, sim->chunk_longest);
     pel_pool_destroy(sim->pool);
     pel_model_destroy(house->own_model);
 }

@@ -26,9 +26,10 @@ static pel_status refuse_method(const pel_sim *sim, pel_error *error)
 {
     for (int32_t b = 0; b < sim->model->body_count; b++)
         if (sim->model->bodies[b].rigid != NULL)
-            return pel_refuse_element(
-                error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, implicit, static, pbd or pbd-distance",
-                "body '%s' is rigid, which this method does not know", sim->model->bodies[b].name);
+            return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b,
+                                      "use the method xpbd, implicit, explicit, static, pbd or pbd-distance",
+                                      "body '%s' is rigid, which this method does not know",
+                                      sim->model->bodies[b].name);
     return PEL_OK;
 }
 

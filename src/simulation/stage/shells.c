@@ -20,7 +20,7 @@
 static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
 {
     for (int32_t r = 0; r < shell->region_count; r++)
-        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !pel_sim_is_projected(sim))
+        if (shell->regions[r].def.mode == PEL_FIBRE_CAVE && !pel_sim_projects_elements(sim))
             return "anisotropy that caves in is a rule of position-based methods, not a force";
     return NULL;
 }
@@ -30,7 +30,7 @@ static const char *mode_refusal(const pel_sim *sim, const pel_shell *shell)
 static bool would_flatten(const pel_sim *sim, const pel_shell *shell)
 {
     bool is_energy = shell->bending->has_hinges && !shell->bending->is_angle &&
-                     shell->bending->form == PEL_BENDING_REST_SUBTRACTED && !pel_sim_is_projected(sim);
+                     shell->bending->form == PEL_BENDING_REST_SUBTRACTED && !pel_sim_projects_elements(sim);
     for (int32_t i = 0; is_energy && i < shell->hinge_count; i++) {
         const pel_shell_hinge hinge = pel_shell_hinge_of(shell, i);
         double x[4][3];
@@ -60,8 +60,7 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
         if (body->shell == NULL)
             continue;
         const char *refusal = mode_refusal(sim, body->shell);
-        if (pel_shell_has_mode(body->shell, PEL_FIBRE_MUSCLE) && pel_sim_is_projected(sim) &&
-            !sim->stepper->is_compliant)
+        if (pel_shell_has_mode(body->shell, PEL_FIBRE_MUSCLE) && !pel_stepper_knows_material(sim->stepper))
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, implicit or static",
                                       "muscles pull with a tension, and pbd knows no forces");
         if (refusal != NULL)
@@ -73,8 +72,7 @@ static pel_status check_shells(const pel_sim *sim, pel_error *error)
                 "use the method xpbd, or leave strain_limit out and take the material fung or gent, which "
                 "stiffen",
                 "strain_limit is a constraint of the methods pbd and xpbd");
-        if ((body->shell->yield_angles != NULL || body->shell->yields) && pel_sim_is_projected(sim) &&
-            !sim->stepper->is_compliant)
+        if ((body->shell->yield_angles != NULL || body->shell->yields) && !pel_stepper_knows_material(sim->stepper))
             return pel_refuse_element(error, PEL_BAD_ARGUMENT, "body", b, "use the method xpbd, or leave `yield` out",
                                       "what yields follows stresses, which pbd does not know");
         if (body->shell->stars != NULL && sim->stepper->is_compliant)

@@ -137,6 +137,8 @@ struct pel_sim {
 
     /* arrays by vertex, and scratch */
     pel_record *force;       /* (vertex_count) scratch: forces, and loads on touched vertices */
+    pel_record *predicted;   /* (vertex_count) scratch of the explicit method beside rigid bodies; else null */
+    pel_record *pin_force;   /* (vertex_count) N, there: on pins; null = nobody asks */
     uint8_t *held;           /* (vertex_count) 1 = a tool holds it; null without tools */
     double (*reactions)[3];  /* (vertex_count) N, of supports on vertices in the last step; null = none */
     double *checked_volumes; /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
@@ -187,15 +189,29 @@ static inline bool pel_sim_has_loop_contacts(const pel_sim *sim)
     return sim->contacts != NULL && sim->contact_in_loop;
 }
 
+/* contacts, solids, ties and grasps act in substeps */
 static inline bool pel_sim_is_projected(const pel_sim *sim)
 {
     return sim->stepper->has_substeps;
+}
+
+/* elements are constraints there too, and loads act substep by substep */
+static inline bool pel_sim_projects_elements(const pel_sim *sim)
+{
+    return sim->stepper->has_substeps && !sim->stepper->is_explicit;
 }
 
 /* velocities are part of the state */
 static inline bool pel_sim_has_velocity(const pel_sim *sim)
 {
     return sim->stepper->has_velocity;
+}
+
+/* Whether the step records the force on a pinned vertex: the explicit method does so for rigid bodies alone. */
+static inline bool pel_sim_records_pin(const pel_sim *sim, int32_t v)
+{
+    PEL_ASSERT_INDEX(v, sim->model->vertex_count);
+    return sim->stepper->get_held_force != NULL && (!sim->stepper->is_explicit || pel_rigid_of(sim->rigids, v) != NULL);
 }
 
 /* whether the new position of a vertex is within the bound; not so when it is NaN */

@@ -12,7 +12,8 @@ typedef struct pel_stepper {
     /* traits */
     bool has_velocity;  /* velocities are a part of the state */
     bool is_explicit;   /* forces at the start of the step kick the velocities */
-    bool has_substeps;  /* constraints are projected in substeps, together with contacts, solids and grasps */
+    bool has_substeps;  /* contacts, solids, ties and grasps act in substeps; not explicit: elements are constraints
+                           there */
     bool is_compliant;  /* of these: constraints have the compliance of the material, and substeps are automatic */
     bool weighs;        /* of these: the weight of bending follows the volume where it is automatic */
     bool damps;         /* rates of strain have the damping of the material */
@@ -77,9 +78,14 @@ typedef struct pel_stepper {
 #define PEL_STEPPER(METHOD, name, word) extern const pel_stepper pel_step_##name##_kind;
 PEL_METHODS(PEL_STEPPER)
 #undef PEL_STEPPER
+extern const pel_stepper pel_step_explicit_rigid_kind;
 
 /* The row of a method that pel_sim_create let pass. */
 const pel_stepper *pel_stepper_of(pel_method method);
+
+/* The same for a model: with rigid bodies the explicit method solves contacts, ties and joints on predicted positions.
+ */
+const pel_stepper *pel_stepper_for(pel_method method, const pel_model *model);
 
 /* The row of the method with that word, null if there is none. */
 const pel_stepper *pel_stepper_find(const char *word);
@@ -87,7 +93,7 @@ const pel_stepper *pel_stepper_find(const char *word);
 /* pbd has weights in place of a material */
 static inline bool pel_stepper_knows_material(const pel_stepper *stepper)
 {
-    return !stepper->has_substeps || stepper->is_compliant;
+    return !stepper->has_substeps || stepper->is_compliant || stepper->is_explicit;
 }
 
 #endif

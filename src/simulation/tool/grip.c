@@ -290,8 +290,8 @@ static void carry(pel_sim *sim, pel_tool *tool)
             state->velocity_next[v][c] = (pel_real)velocity[c];
         }
         pel_vec3_scale(change, -(double)sim->model->mass[v] / sim->step.dt, change);
-        /* methods that move tools themselves have no new velocities yet, and read the grip where they end */
-        if (!sim->stepper->moves_tools)
+        /* minimisations and projections have no new velocities yet, and read the grip where they end */
+        if (!sim->stepper->moves_tools || sim->stepper->is_explicit)
             pel_tool_add_grip(sim, tool, v, target, change);
         /* contacts on it push against the tool (reading.c) */
         state->position_next[v][3] = 0;

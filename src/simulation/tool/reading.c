@@ -99,7 +99,7 @@ static void pass_contacts_on(pel_sim *sim, pel_tool *tool)
         pel_tool_mean_point(sim, tool, v, point);
         if (!is_counted)
             pel_tool_add_grip(sim, tool, v, point, force);
-        if (!pel_sim_is_projected(sim))
+        if (!pel_sim_projects_elements(sim))
             sim->state->position_next[v][3] = sim->model->inverse_mass[v];
     }
 }

@@ -76,7 +76,7 @@ void pel_supports_read(pel_sim *sim, double time)
     pel_holds_read(sim, time);
     for (int32_t v = 0; sim->stepper->get_held_force != NULL && v < sim->model->vertex_count; v++) {
         double force[3];
-        if (!is_pinned(sim, v) || sleeps(sim, v))
+        if (!is_pinned(sim, v) || !pel_sim_records_pin(sim, v) || sleeps(sim, v))
             continue;
         sim->stepper->get_held_force(sim, v, force);
         pel_vec3_along(sim->reactions[v], share, force, sim->reactions[v]);
@@ -101,7 +101,7 @@ static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
     pel_vec3_set(force, 0, 0, 0);
     if (sim->reactions != NULL)
         pel_vec3_copy(sim->reactions[v], force);
-    if (sim->stepper->get_held_force != NULL || !is_pinned(sim, v))
+    if (pel_sim_records_pin(sim, v) || !is_pinned(sim, v))
         return;
     pel_vertex_position(sim->force, v, force);
     pel_contact_force_at(&sim->contact_forces.vertex, v, contact);
@@ -112,7 +112,8 @@ static void find_reaction(const pel_sim *sim, int32_t v, double force[3])
 void pel_supports_get_reactions(pel_sim *sim, int32_t body, double *reactions)
 {
     PEL_ASSERT_INDEX(body, sim->model->body_count);
-    if (sim->stepper->get_held_force == NULL && count_pins(sim, body) > 0)
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    if (count_pins(sim, body) > 0 && !pel_sim_records_pin(sim, first))
         pel_sim_compute_forces(sim);
     for (int32_t r = 0; r < pel_output_count(sim, body); r++)
         find_reaction(sim, pel_output_model_index(sim, body, r), reactions + 3 * (size_t)r);
@@ -128,9 +129,10 @@ static void add_force(pel_support_reading *reading, const double point[3], const
 
 static void add_pins(pel_sim *sim, int32_t body, pel_support_reading *reading)
 {
-    if (sim->stepper->get_held_force == NULL)
+    int32_t first = sim->model->bodies[body].slice_begin * PEL_WIDTH;
+    if (!pel_sim_records_pin(sim, first))
         pel_sim_compute_forces(sim);
-    for (int32_t v = sim->model->bodies[body].slice_begin * PEL_WIDTH; v < pel_body_place_end(sim->model, body); v++) {
+    for (int32_t v = first; v < pel_body_place_end(sim->model, body); v++) {
         double point[3], force[3];
         if (!is_pinned(sim, v))
             continue;

@@ -181,7 +181,7 @@ static void push(const encounter *e, double impulse)
 static double lost_energy(pel_sim *sim)
 {
     pel_sim_ledger ledger;
-    if (sim->stepper->has_substeps && !sim->stepper->is_compliant)
+    if (!pel_stepper_knows_material(sim->stepper))
         return HUGE_VAL;
     pel_sim_get_ledger(sim, &ledger);
     return ledger.dissipated_solver - ledger.energy_error;

@@ -71,7 +71,7 @@ static void find_pins(const pel_sim *sim, pel_sleep *sleep)
 pel_status pel_sleep_create(pel_sim *sim, pel_error *error)
 {
     if (sim->contacts == NULL || !sim->touch->def.sleep || sim->loads->wind != NULL || !sim->contacts->def.has_layers ||
-        sim->holds != NULL || sim->def.tie_count > 0 || sim->ties != NULL)
+        pel_sim_is_explicit(sim) || sim->holds != NULL || sim->def.tie_count > 0 || sim->ties != NULL)
         return PEL_OK;
     pel_sleep *sleep = sim->touch->sleep = pel_allocate(1, sizeof *sleep);
     if (sleep == NULL)

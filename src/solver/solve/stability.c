@@ -163,7 +163,7 @@ double pel_stability_dt(const pel_stability *stability, double stiffness, bool s
 {
     double drag = stability->radial_drag;
     if (symplectic)
-        return (sqrt(drag * drag + 4 * stiffness) - drag) / stiffness;
+        return 4 / (sqrt(drag * drag + 4 * stiffness) + drag);
     double oscillating = stability->drag / stiffness;
     double creeping = HUGE_VAL;
     if (drag * drag > 4 * stiffness)
