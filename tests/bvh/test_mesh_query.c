@@ -79,6 +79,13 @@ static void check_points(const pel_mesh *mesh, int32_t count)
         int32_t truth = (int32_t)lrint(winding_of(mesh, x));
         assert_int_equal(pel_mesh_query_winding(query, x), truth);
         assert_int_equal(pel_mesh_query_reaches(query, x, reach), truth != 0 || distance < reach);
+        double nearest[3];
+        const bool is_near = pel_mesh_query_nearest(query, x, reach, nearest);
+        assert_int_equal(is_near, distance < reach);
+        if (is_near) {
+            assert_near(pel_vec3_distance(nearest, x), distance, 1e-12);
+            assert_near(distance_of(mesh, nearest), 0, 1e-7);
+        }
         inside += truth != 0;
     }
     assert_int_equal(failing_malloc_end().calls, 0);

@@ -57,8 +57,24 @@ static void test_locking(void **unused)
     assert_true(warning != NULL && strstr(warning->text, "Poisson's ratio of body 'ball' is 0.49") != NULL);
 }
 
+/* a probe that touches few vertices is told with the remedy, which helps */
+static void test_pressed(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    static const char pressed[] = BALL "tools: [ { name: probe, shape: sphere, radius: 0.02, motion: [ { position: [0, "
+                                       "0, 0.0701] }, { time: 0.01, position: [0, 0, 0.067] } ] } ]\n";
+    const char *remedy = "bodies.ball.refine=auto";
+    run_scene(pressed, NULL, 0, NULL, 1, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "coarse-contact");
+    assert_true(warning != NULL && strstr(warning->text, remedy) != NULL);
+    run_scene(pressed, &remedy, 1, NULL, 1, &summary);
+    assert_null(find_warning(&summary, "coarse-contact"));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slender), cmocka_unit_test(test_locking)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slender), cmocka_unit_test(test_locking),
+                                       cmocka_unit_test(test_pressed)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -493,9 +493,9 @@ static const pel_def_row rows[] = {
 
     {"bodies[].refine", .forms = PEL_FORM_WORD | PEL_FORM_MAP, WORDS("auto"),
      .doc = "dynamic local refinement (paper A, section 3); optional. auto, for bodies with a membrane: before the run "
-            "the "
-            "mesh becomes finer around small loads and around the places where tools press, until point loads are "
-            "right within about 3 %; vertices keep their numbers, and new ones follow"},
+            "the mesh becomes finer around small loads and around the places where tools press, until point loads are "
+            "right within about 3 %; vertices keep their numbers, and new ones follow. auto, with a volume: the same "
+            "where tools press, until their forces are"},
     {"bodies[].refine.levels", REFINE(levels), INTEGER, BETWEEN(1, 6), .preset = "1", WHEN(refines),
      STRUCTURE("the levels of detail are made once"), .doc = "finest level of detail; each one halves the edges"},
     {"bodies[].refine.everywhere", REFINE(everywhere), BOOLEAN, .preset = "false", WHEN(refines),

@@ -44,7 +44,7 @@ static pel_status check_company(const pel_body_def *def, int32_t body, pel_error
         bool is_there;
         const char *what, *remedy;
     } others[] = {
-        {def->refine.levels > 0, "refinement", "leave `refine` out, or fill it with a smaller edge"},
+        {def->refine.levels > 0, "refinement", "use `refine: auto`, or fill it with a smaller edge"},
         {def->origins != NULL, "cuts", "leave the cuts out, or the volume"},
         {def->volumetric_stiffness.field != NULL || def->volumetric_stiffness.value > 0, "volumetric springs",
          "leave `volumetric` out: the volume resists by itself"},

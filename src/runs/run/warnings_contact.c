@@ -291,9 +291,11 @@ static void write_refinement(const pel_run_state *run, int32_t contacts, char *t
     if (run->scene->model.body_count > 1)
         snprintf(
             text, size,
-            "refine the body that it touches (refine: auto for shells, near_tools for tissue), or use a finer mesh");
+            "refine the body that it touches (refine: auto for shells and solids, near_tools for tissue), or use a "
+            "finer mesh");
     else if (body->volume.on)
-        snprintf(text, size, "use bodies.%s.volume.edge=%.2g", body->name,
+        snprintf(text, size, "use bodies.%s.refine=auto, which is within 3 %%, or bodies.%s.volume.edge=%.2g",
+                 body->name, body->name,
                  mean_edge(body->mesh) * (contacts > 0 ? sqrt(contacts / (1.25 * PEL_LEAST_CONTACTS)) : 0.5));
     else if (bends && body->refine.levels == 0)
         snprintf(text, size, "use bodies.%s.refine=auto, or a finer mesh", body->name);

@@ -82,9 +82,9 @@ pel_status pel_scene_build_tissue(const pel_scene_part *source, pel_body_def *bo
 pel_status pel_scene_build_shell(const pel_scene_part *source, pel_shell_def *shell);
 
 /* Makes the meshes (body_count and more) of bodies with `refine: auto` finer around small loads and tools; *any: there
-   is such a body, and what was built with its old mesh is void (fine_spots.c). PEL_BAD_SCENE for bodies that are no
-   shells; PEL_OUT_OF_MEMORY. */
-pel_status pel_scene_refine_meshes(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene *scene,
+   is such a body, and what was built with its old mesh is void (fine_spots.c). PEL_BAD_SCENE for bodies that are
+   neither shells nor solids; PEL_OUT_OF_MEMORY. */
+pel_status pel_scene_refine_meshes(pel_scene_reader *reader, pel_scene_value *root, const pel_scene *scene,
                                    pel_mesh **meshes, bool *any);
 /* A body has `refine: auto`. */
 bool pel_scene_is_fine(const pel_scene *scene, int32_t body);

@@ -1,4 +1,5 @@
-/* `refine: auto`: bodies whose meshes are made finer around small loads and tools, before anything else is made.
+/* `refine: auto`: bodies whose meshes are made finer around small loads and tools, before anything else is made. Of
+   solids see choice/solid_spots.c.
 
    Elements with the edges e give a deflection under a force P normal to a plate that is too large by 0.15 P e^2 / D
    (src/runs/run/warnings_shell.c). On a shell of thickness h and radius R such a dent is sqrt(R h) wide, on a plate a
@@ -7,6 +8,7 @@
 #include "scene/build.h"
 
 #include "base/memory.h"
+#include "choice/solid_spots.h"
 #include "field/radius.h"
 #include "geom/solid.h"
 #include "math/extremes.h"
@@ -195,6 +197,8 @@ static pel_status refuse(pel_scene_reader *reader, const pel_scene_value *value,
 static pel_status check_body(pel_scene_reader *reader, const pel_scene *scene, const pel_scene_value *value, int32_t b)
 {
     const pel_body_def *body = &scene->model.bodies[b];
+    if (body->volume.on)
+        return PEL_OK;
     if (!body->shell.membrane.on || body->shell.bending.model == PEL_BENDING_NONE)
         return refuse(reader, value, body, "it has no membrane that bends",
                       "use refine: { levels: 2, near_tools: ... }, or a region, for tissue and springs");
@@ -271,6 +275,23 @@ static pel_status refine_body(pel_scene_reader *reader, const pel_scene *scene, 
     return status;
 }
 
+/* with the surface that was filled, made again */
+static pel_status refine_solid(pel_scene_reader *reader, pel_scene_value *root, const pel_scene *scene, int32_t b,
+                               pel_mesh **mesh)
+{
+    pel_scene_value *body = pel_scene_value_element(pel_scene_value_entry(root, "bodies"), b);
+    pel_mesh *surface = NULL;
+    const pel_log *log = reader->log;
+    reader->log = NULL;
+    pel_status status = pel_scene_mesh(reader, pel_scene_value_entry(body, "mesh"), ".", &surface);
+    reader->log = log;
+    if (status == PEL_OK)
+        status =
+            pel_scene_refine_solid(scene, b, surface->tetrahedron_count > 0 ? NULL : surface, mesh, log, reader->error);
+    pel_mesh_destroy(surface);
+    return status;
+}
+
 static const pel_scene_value *refine_of(const pel_scene_value *root, int32_t b)
 {
     return pel_scene_value_entry(pel_scene_value_element(pel_scene_value_entry(root, "bodies"), b), "refine");
@@ -282,7 +303,7 @@ bool pel_scene_is_fine(const pel_scene *scene, int32_t body)
     return value != NULL && value->form == PEL_FORM_WORD;
 }
 
-pel_status pel_scene_refine_meshes(pel_scene_reader *reader, const pel_scene_value *root, const pel_scene *scene,
+pel_status pel_scene_refine_meshes(pel_scene_reader *reader, pel_scene_value *root, const pel_scene *scene,
                                    pel_mesh **meshes, bool *any)
 {
     pel_status status = PEL_OK;
@@ -294,7 +315,8 @@ pel_status pel_scene_refine_meshes(pel_scene_reader *reader, const pel_scene_val
         *any = true;
         status = check_body(reader, scene, value, b);
         if (status == PEL_OK)
-            status = refine_body(reader, scene, b, &meshes[b]);
+            status = scene->model.bodies[b].volume.on ? refine_solid(reader, root, scene, b, &meshes[b])
+                                                      : refine_body(reader, scene, b, &meshes[b]);
     }
     return status;
 }

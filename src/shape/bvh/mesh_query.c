@@ -171,9 +171,10 @@ int32_t pel_mesh_query_winding(pel_mesh_query *query, const double point[3])
     return sum;
 }
 
-static bool is_near(pel_mesh_query *query, const double point[3], double reach)
+bool pel_mesh_query_nearest(pel_mesh_query *query, const double point[3], double reach, double nearest[3])
 {
-    double low[3], high[3], weights[3];
+    double low[3], high[3], weights[3], least = reach * reach;
+    bool is_near = false;
     for (int k = 0; k < 3; k++) {
         low[k] = point[k] - reach;
         high[k] = point[k] + reach;
@@ -181,14 +182,20 @@ static bool is_near(pel_mesh_query *query, const double point[3], double reach)
     find(query, low, high);
     for (size_t i = 0; i < query->found.count; i++) {
         const int32_t *v = query->tree->triangles[query->found.elements[i]];
-        if (sqrt(pel_closest_point_triangle(point, query->positions[v[0]], query->positions[v[1]],
-                                            query->positions[v[2]], weights)) <= reach)
-            return true;
+        const double *x[3] = {query->positions[v[0]], query->positions[v[1]], query->positions[v[2]]};
+        const double square = pel_closest_point_triangle(point, x[0], x[1], x[2], weights);
+        if (!(square <= least))
+            continue;
+        least = square;
+        is_near = true;
+        for (int k = 0; k < 3; k++)
+            nearest[k] = weights[0] * x[0][k] + weights[1] * x[1][k] + weights[2] * x[2][k];
     }
-    return false;
+    return is_near;
 }
 
 bool pel_mesh_query_reaches(pel_mesh_query *query, const double point[3], double reach)
 {
-    return pel_mesh_query_winding(query, point) != 0 || is_near(query, point, reach);
+    double nearest[3];
+    return pel_mesh_query_winding(query, point) != 0 || pel_mesh_query_nearest(query, point, reach, nearest);
 }

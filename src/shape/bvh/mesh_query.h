@@ -21,4 +21,7 @@ int32_t pel_mesh_query_winding(pel_mesh_query *query, const double point[3]);
 /* True when the point is inside a closed mesh, or at most `reach` [m] from the surface. Allocates nothing. */
 bool pel_mesh_query_reaches(pel_mesh_query *query, const double point[3], double reach);
 
+/* The point of the surface nearest to a point; false if none is within `reach` [m]. Allocates nothing. */
+bool pel_mesh_query_nearest(pel_mesh_query *query, const double point[3], double reach, double nearest[3]);
+
 #endif
