@@ -214,6 +214,84 @@ class Maker:
             solver["velocity"] = "keep"
         return solver
 
+    def rigid(self, scene):
+        """a rigid body above or below the others, held by a joint or free"""
+        shape = self.chance.choice(("geodesic-sphere", "box", "torus", "capsule", "cylinder"))
+        mesh = {"shape": shape, "scale": round(self.chance.uniform(0.2, 0.8), 3)}
+        if shape == "geodesic-sphere":
+            mesh["frequency"] = 3
+        height = round(self.chance.choice((-1, 1)) * self.chance.uniform(1.9, 2.5), 3)
+        mesh["translate"] = [*self.vector(0.3)[:2], height]
+        body = {"name": "r", "mesh": mesh, "rigid": {"density": self.number(100, 8000)}}
+        if self.maybe(0.5):
+            body["velocity"] = [*self.vector(1)[:2], -math.copysign(self.number(0.1, 20), height)]
+        scene["bodies"].append(body)
+        if self.maybe(0.4):
+            joint = {"body": "r", "kind": self.chance.choice(("ball", "hinge", "slider", "weld")), "point": [*mesh["translate"][:2], height + 0.3]}
+            if joint["kind"] in ("hinge", "slider"):
+                joint["axis"] = self.chance.choice(([0, 0, 1], [1, 0, 0], [1, 1, 0]))
+                if self.maybe(0.4):
+                    joint["motor"] = {"speed": self.number(0.1, 100), "strength": self.number(0.1, 100)}
+            scene["joints"] = [joint]
+
+    def solid(self, body):
+        """the same body of tetrahedra"""
+        for key in ("springs", "volumetric", "membrane", "bending", "anisotropy", "pressure", "refine"):
+            body.pop(key, None)
+        body["mass"] = {"density": self.number(500, 2000)}
+        body["volume"] = {"young": self.number(1e3, 1e6), "poisson": round(self.chance.uniform(0, 0.49), 3), "edge": self.number(0.3, 0.6),
+                          "element": self.chance.choice(("linear", "smooth")),
+                          "material": self.chance.choice(("stvk", "corotated", "mooney-rivlin", "neo-hookean"))}
+
+    def opens(self, scene, body):
+        """cuts, seams and tears"""
+        body.pop("refine", None)
+        kind = self.chance.choice(("cut", "seam", "tear"))
+        if kind == "seam":
+            scene["seams"] = [{"body": body["name"], "vertices": self.chance.choice(("all", self.region())), "strength": self.number(1, 1e4)}]
+        else:
+            scene["cuts"] = [{"body": body["name"], "at": round(self.chance.uniform(0, 0.6) * self.length, 5),
+                              "path": [self.vector(0.5) for _ in range(self.chance.randint(2, 4))]}]
+        if kind == "tear" and "membrane" in body:
+            body["membrane"] |= {"toughness": self.number(1, 1e4), "strength": self.number(1e3, 1e5)}
+            scene["tear"] = {"start": self.chance.choice(("none", "borders", "anywhere"))}
+
+    def newer(self, scene):
+        """what a scene may have beside the rest"""
+        body = scene["bodies"][0]
+        is_shell = "membrane" in body
+        closed = body["mesh"]["shape"] not in ("grid", "disk", "cylinder")
+        if is_shell and self.maybe(0.2):
+            body["pressure"] = {self.chance.choice(("outside", "inside")): self.chance.choice((-1, 1)) * self.number(1e2, 1e5)}
+        if is_shell and self.maybe(0.15) and self.method in (None, "implicit", "xpbd"):
+            kind = self.chance.choice(("stiffness", "loss_factor"))
+            body["membrane"]["damping"] = {kind: self.number(1e-4, 0.1) if kind == "stiffness" else self.number(0.01, 1)}
+        if is_shell and self.maybe(0.1):
+            body["membrane"] |= {"rest_scale": self.number(0.5, 2), "rest_keys": self.keys()}
+        if is_shell and body.get("bending", {}).get("model") == "hinge" and self.maybe(0.1):
+            body["bending"]["yield"] = self.number(0.1, 10)
+        if is_shell and closed and self.maybe(0.1):
+            body["fluid"] = {"density": self.number(100, 2000)}
+        if closed and self.maybe(0.15):
+            self.solid(body)
+        if self.maybe(0.1):
+            scene["wind"] = {"velocity": self.vector(20)}
+            if self.maybe(0.5):
+                scene["wind"]["gusts"] = {"speed": self.number(0.1, 5), "length": self.number(0.1, 2)}
+        if self.maybe(0.25):
+            self.rigid(scene)
+        if self.maybe(0.15):
+            tie = {"body": "b0", "at": self.region(), "to": self.chance.choice((None, {"body": scene["bodies"][-1]["name"]}))}
+            if tie["to"] is None or tie["to"]["body"] == "b0":
+                del tie["to"]
+            if self.maybe(0.5):
+                tie["stiffness"] = self.number(1, 1e4)
+            if self.maybe(0.3):
+                tie |= {"from": 0.3 * self.length, "until": 0.8 * self.length}
+            scene["attachments"] = [tie]
+        if self.maybe(0.15):
+            self.opens(scene, body)
+
     def scene(self):
         self.method = self.chance.choice((None, "quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "xpbd", "descent", "static",
                                           "implicit"))
@@ -239,6 +317,8 @@ class Maker:
                 scene["contact"]["response"] = "after"
             if self.maybe(0.1):
                 scene["contact"]["thickness"] = self.number(1e-3, 1e-2)
+        if self.maybe(0.6):
+            self.newer(scene)
         return scene
 
 
@@ -482,5 +562,5 @@ def main():
 
 sanitized = False
 least_energy = 1e-20  # J, less is rounding
-rest_displacement = 1e-12  # m, of bodies that rest: rounding moves them, of potentials far larger than what the ledger counts
+rest_displacement = 1e-11  # m, of bodies that rest: rounding moves them, of potentials far larger than what the ledger counts
 main()

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PATH_SIZE = 160, MOST_NAMES = 64 };
+enum { PATH_SIZE = 160, MOST_NAMES = 64, MOST_LISTED = 14 };
 
 static pel_status check_value(pel_scene_reader *reader, const pel_def_row *row, const pel_def_row *limits,
                               pel_scene_value *value);
@@ -278,6 +278,10 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
 {
     char places[120];
     const char *everyday = pel_everyday_key(key);
+    const bool is_short = known_count > 0 && known_count <= MOST_LISTED;
+    char list[250] = "";
+    for (size_t i = 0; is_short && i < known_count; i++)
+        add_name(list, sizeof list, known[i]);
     pel_scene_fail_name(reader, place, "key", key, known, known_count);
     if (strspn(key, "0123456789") == strlen(key))
         pel_fail_remedy(reader->error, "numbers have a point and no commas: 0.5, 100000");
@@ -286,7 +290,7 @@ pel_status pel_scene_fail_key(pel_scene_reader *reader, const pel_scene_place *p
     else if (everyday != NULL && find_places(reader, prefix, everyday, places, sizeof places)[0] != '\0')
         pel_fail_remedy(reader->error, "did you mean '%s'? it is a key of %s", everyday, places);
     else if (find_places(reader, prefix, key, places, sizeof places)[0] != '\0')
-        pel_fail_remedy(reader->error, "it is a key of %s", places);
+        pel_fail_remedy(reader->error, "it is a key of %s%s%s", places, is_short ? "; known here are: " : "", list);
     return PEL_BAD_SCENE;
 }
 

@@ -17,6 +17,7 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "math/extremes.h"
+#include "stage/surface_view.h"
 
 #include <string.h>
 
@@ -47,19 +48,13 @@ static bool is_filled(const pel_body *body)
     return body->fluid_density > 0 && !isfinite(body->fluid_level);
 }
 
-static const int32_t *triangle_of(const pel_sim *sim, int32_t body, int32_t i)
-{
-    const pel_shell *shell = sim->model->bodies[body].shell;
-    return shell != NULL ? shell->corners[i] : sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
-}
-
 /* volume and its centre, about the first corner */
 static double find_centre(const pel_sim *sim, int32_t b, const fluid_places *places, double centre[3])
 {
     PEL_ASSERT_INDEX(b, sim->model->body_count);
     double volume = 0, sum[3] = {0, 0, 0}, origin[3] = {0, 0, 0}, x[3][3];
     for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-        load_triangle(places, triangle_of(sim, b, i), x);
+        load_triangle(places, pel_surface_corners(sim, b, i), x);
         if (i == 0)
             pel_vec3_copy(x[0], origin);
         double part = pel_vec3_cone_volume(origin, x[0], x[1], x[2]);
@@ -208,7 +203,7 @@ void pel_fluids_add(const pel_sim *sim, const pel_record *positions, pel_record 
             continue;
         const fluid_pressure at = pressure_of(sim, b, &places);
         for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = triangle_of(sim, b, i);
+            const int32_t *v = pel_surface_corners(sim, b, i);
             double x[3][3], part[3][3];
             load_triangle(&places, v, x);
             triangle_forces(&at, (const double(*)[3])x, part);
@@ -247,7 +242,7 @@ double pel_fluids_evaluate(const pel_sim *sim, const double *unknowns, double *g
         const fluid_pressure at = pressure_of(sim, b, &places);
         energy += at.potential + take_back_weight(sim, b, unknowns, gradient);
         for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = triangle_of(sim, b, i);
+            const int32_t *v = pel_surface_corners(sim, b, i);
             double x[3][3], force[3][3];
             load_triangle(&places, v, x);
             triangle_forces(&at, (const double(*)[3])x, force);
@@ -280,7 +275,7 @@ void pel_fluids_add_matrix(const pel_sim *sim, const double *unknowns, pel_matri
             continue;
         const fluid_pressure at = pressure_of(sim, b, &places);
         for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-            const int32_t *v = triangle_of(sim, b, i);
+            const int32_t *v = pel_surface_corners(sim, b, i);
             double x[3][3];
             load_triangle(&places, v, x);
             add_slopes(&at, (const double(*)[3])x, v, matrix);

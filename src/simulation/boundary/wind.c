@@ -11,6 +11,7 @@
 #include "boundary/gusts.h"
 #include "boundary/loads.h"
 #include "math/extremes.h"
+#include "stage/surface_view.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,12 +33,6 @@ static void flow_at(const pel_wind *wind, const double x[3], double time, double
 }
 
 /* ---- forces ---- */
-
-static const int32_t *triangle_of(const pel_sim *sim, int32_t body, int32_t i)
-{
-    const pel_shell *shell = sim->model->bodies[body].shell;
-    return shell != NULL ? shell->corners[i] : sim->model->triangles[pel_surface_triangle(sim->model, body, i)];
-}
 
 /* N on a plate of an area vector in a relative wind, and its slope, see above */
 static double plate_force(const pel_wind_def *def, const double area[3], const double w[3], bool closed,
@@ -80,7 +75,7 @@ static void add_body(const pel_sim *sim, int32_t b, pel_record *air)
 {
     PEL_ASSERT_INDEX(b, sim->model->body_count);
     for (int32_t i = 0; i < pel_surface_count(sim->model, b); i++) {
-        const int32_t *v = triangle_of(sim, b, i);
+        const int32_t *v = pel_surface_corners(sim, b, i);
         double w[3], area[3], force[3];
         find_plate(sim, v, w, area);
         double slope = plate_force(&sim->loads->wind->def, area, w, sim->model->bodies[b].closed, force);

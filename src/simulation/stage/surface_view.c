@@ -107,6 +107,17 @@ const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body)
     return rows != NULL ? rows->surface : NULL;
 }
 
+const int32_t *pel_surface_corners(const pel_sim *sim, int32_t body, int32_t i)
+{
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
+    const pel_shell *shell = sim->model->bodies[body].shell;
+    if (shell != NULL)
+        return shell->corners[i];
+    const pel_surface_rows *rows = rows_of(sim, body);
+    int32_t number = rows != NULL ? pel_surface_number(&rows->surface[i]) : i;
+    return sim->model->triangles[sim->model->triangle_begin[body] + number];
+}
+
 int32_t pel_sim_vertex_count(const pel_sim *sim, int32_t body)
 {
     if (!pel_sim_has_body(sim, body))

@@ -28,5 +28,7 @@ const int32_t *pel_output_numbers(const pel_sim *sim, int32_t body);
 /* the triangles of the surface in an order that depends on the surface alone, for sums; null = triangles of the mesh in
    their order */
 const pel_front_triangle *pel_surface_in_order(const pel_sim *sim, int32_t body);
+/* vertices of the model at the i-th triangle of a body, in an order that depends on the surface alone too */
+const int32_t *pel_surface_corners(const pel_sim *sim, int32_t body, int32_t i);
 
 #endif
