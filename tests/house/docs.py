@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the pages: links lead to files and headings that exist, and every pellicle command that a page shows is one that
-the program knows, with options that it has; `pellicle run` and `check` name a scene that exists.
+the program knows, with options that it has; `pellicle run` and `check` name a scene that exists; the site lists each page.
 
 usage: docs.py ROOT PROGRAM
 """
@@ -81,6 +81,8 @@ def main():
     root, program = Path(sys.argv[1]), sys.argv[2]
     found = []
     links(root, found)
+    named = (root / "mkdocs.yml").read_text()
+    found += [f"{page.relative_to(root)}: mkdocs.yml does not list it" for page in root.glob("docs/**/*.md") if f" {page.relative_to(root / 'docs')}\n" not in named]
     table = known(program)
     count = 0
     for page, text in pages(root):
