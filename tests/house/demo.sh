@@ -24,6 +24,7 @@ done
 # a sound mesh is pressed as it is
 "$source/tools/demo" "$program" "" "$source/tests/data/bean.obj" 1 y >said 2>&1 || fail "the bean does not run"
 ! grep -qF "repaired" said || fail "the bean was repaired"
+grep -qE "the body is [0-9.]+ x [0-9.]+ x [0-9.]+ m large with SCALE=1 " said || fail "the size is not told"
 
 # no surface: the message of the check
 echo "v 0 0 0" >points.obj
