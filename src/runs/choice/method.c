@@ -9,8 +9,12 @@
 #include "choice/time_step.h"
 #include "def/row.h"
 #include "keys/arena.h"
+#include "math/bounds.h"
 #include "math/extremes.h"
+#include "math/functions.h"
+#include "math/vec3.h"
 #include "model/model.h"
+#include "model/quantity.h"
 #include "model/shell.h"
 #include "stage/stepper.h"
 
@@ -34,9 +38,10 @@ static bool refines(const pel_model *model)
     return any;
 }
 
-/* ms of one core: a substep of xpbd, a step of implicit as it may be where bodies jam, and as it is for most */
+/* ms of one core: a substep of xpbd; a step of implicit as it may be where bodies jam or crumple, as it is for most,
+   and as it is where its systems settle at once; that up to which xpbd is taken */
 typedef struct step_cost {
-    double substep, implicit, usual;
+    double substep, implicit, usual, system, choice;
 } step_cost;
 
 /* s of one core: a run of implicit that takes longer in default steps is left to xpbd; one that takes longer is told */
@@ -49,12 +54,71 @@ typedef struct step_cost {
 /* the same of smooth elements, over that */
 #define SMOOTH_SYSTEM 4
 
+/* of the diagonal: sheets that bend under their weight over less of it hang and flutter without any stiffness */
+#define LIMP 0.1
+/* of the area */
+#define FLAT 0.5
+
+typedef enum sheet_kind { NO_SHEETS, SHEETS, LIMP_SHEETS } sheet_kind;
+
+/* m: the length (D / weight per area)^(1/3) over that a sheet bends under its weight; infinite where nothing weighs it
+ */
+static double bending_length(const pel_scene *scene, const pel_body_def *def)
+{
+    const pel_membrane_def *membrane = &def->shell.membrane;
+    int32_t count = def->mesh->vertex_count;
+    double thickness = pel_quantity_mean(&membrane->thickness, count), given = def->shell.bending.stiffness.value;
+    double young = pel_quantity_mean(&membrane->young, count), poisson = membrane->poisson;
+    double plate = young * thickness * thickness * thickness / (12 * (1 - poisson * poisson));
+    double weight = def->mass * pel_quantity_mean(&def->thickness, count) * pel_vec3_length(scene->model.gravity);
+    double rigidity = given < 0 || def->shell.bending.stiffness.field != NULL ? plate : given;
+    return def->mass_kind == PEL_MASS_DENSITY && weight > 0 ? pel_pow(rigidity / weight, 1.0 / 3) : (double)HUGE_VAL;
+}
+
+/* by its vector area, which of a closed surface is 0 */
+static bool is_flat(const pel_mesh *mesh)
+{
+    double sum[3] = {0}, area = 0;
+    for (int32_t t = 0; t < mesh->triangle_count; t++) {
+        const double *x[3];
+        double u[3], v[3], normal[3];
+        for (int k = 0; k < 3; k++)
+            x[k] = mesh->positions[mesh->triangles[t][k]];
+        pel_vec3_subtract(x[1], x[0], u);
+        pel_vec3_subtract(x[2], x[0], v);
+        pel_vec3_cross(u, v, normal);
+        pel_vec3_add(sum, normal, sum);
+        area += pel_vec3_length(normal);
+    }
+    return pel_vec3_length(sum) > FLAT * area;
+}
+
+/* whether all bodies are sheets with a membrane that start nearly flat, and limp */
+static sheet_kind sheets_of(const pel_scene *scene)
+{
+    sheet_kind kind = LIMP_SHEETS;
+    for (int32_t b = 0; b < scene->model.body_count; b++) {
+        const pel_body_def *def = &scene->model.bodies[b];
+        double low[3], high[3];
+        if (!def->shell.membrane.on || def->rigid.on || def->volume.on || !is_flat(def->mesh))
+            return NO_SHEETS;
+        pel_bounds_clear(low, high);
+        for (int32_t v = 0; v < def->mesh->vertex_count; v++)
+            pel_bounds_add(low, high, def->mesh->positions[v]);
+        if (!(bending_length(scene, def) < LIMP * pel_vec3_distance(low, high)))
+            kind = SHEETS;
+    }
+    return scene->model.body_count > 0 ? kind : NO_SHEETS;
+}
+
 static step_cost cost_of(const pel_scene *scene, bool touches)
 {
     enum { FREE, TOOLS, CONTACT };
     /* of a triangle */
     static const double substep[] = {50e-6, 63e-6, 160e-6}, implicit[] = {5e-3, 17e-3, 250e-3};
     static const double usual[] = {5e-3, 17e-3, 30e-3};
+    /* of sheets that nothing touches: they crumple */
+    static const double sheet_usual = 25e-3, sheet_most = 110e-3;
     int kind = touches ? CONTACT : scene->sim.tool_count > 0 ? TOOLS : FREE;
     double triangles = 0, tetrahedra = 0, systems = 0;
     for (int32_t b = 0; b < scene->model.body_count; b++) {
@@ -66,20 +130,25 @@ static step_cost cost_of(const pel_scene *scene, bool touches)
         systems += (is_smooth ? SMOOTH_SYSTEM : 1) * SOLID_SYSTEM * share * share;
     }
     double growth = triangles * sqrt(sqrt(triangles / 1000));
-    return (step_cost){substep[kind] * triangles + SOLID_SUBSTEP * tetrahedra, implicit[kind] * growth + systems,
-                       usual[kind] * growth + systems};
+    sheet_kind sheets = kind == FREE ? sheets_of(scene) : NO_SHEETS;
+    bool is_sheet = sheets != NO_SHEETS;
+    return (step_cost){.substep = substep[kind] * triangles + SOLID_SUBSTEP * tetrahedra,
+                       .implicit = (is_sheet ? sheet_most : implicit[kind]) * growth + systems,
+                       .usual = (is_sheet ? sheet_usual : usual[kind]) * growth + systems,
+                       .system = implicit[kind] * growth + systems,
+                       .choice = (sheets == LIMP_SHEETS ? sheet_usual : implicit[kind]) * growth + systems};
 }
 
 double pel_scene_step_cost(const pel_scene *scene)
 {
     /* bodies that have contact by default may never meet */
-    return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).implicit;
+    return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).system;
 }
 
 /* with more substeps than this, implicit is as exact in less time */
 static int32_t most_substeps(const step_cost *cost)
 {
-    return (int32_t)(cost->implicit / cost->substep);
+    return (int32_t)(cost->choice / cost->substep);
 }
 
 /* two digits, for messages */
@@ -188,7 +257,7 @@ static bool swings_on_gas(const pel_scene *scene, const step_cost *cost)
     for (int32_t b = 0; b < scene->model.body_count; b++)
         any |= scene->model.bodies[b].shell.pressure.kind == PEL_PRESSURE_GAS;
     return any && pel_scene_is_undamped(scene) && scene->sim.tool_count == 0 && !scene->sim.contact.enabled &&
-           1e-3 * cost->implicit * scene->duration / scene->sim.solver.dt <= MOST_RUN;
+           1e-3 * cost->system * scene->duration / scene->sim.solver.dt <= MOST_RUN;
 }
 
 pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
