@@ -147,6 +147,39 @@ static void test_obstacle_carries(void **unused)
     }
 }
 
+/* a sheet that an obstacle lifts: static finds, step by step with the animation, what implicit comes to rest at */
+static void test_obstacle_lifts(void **unused)
+{
+    (void)unused;
+    double force[2], height[2];
+    for (int m = 0; m < 2; m++) {
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbodies:\n  - name: table\n    mesh: { file: %s/whole_0.obj, scale: 0.1 }\n"
+            "    follow: { file: '%s/whole_*.obj', fps: 10 }\n"
+            "  - name: sheet\n    mesh: { shape: grid, nx: 10, ny: 10, size_x: 0.4, size_y: 0.4, translate: [0.01, 0, "
+            "0.004] }\n    mass: { density: 900, thickness: 1e-3 }\n    membrane: { young: 1e5 }\n    pinned: "
+            "boundary\n"
+            "gravity: [0, 0, -10]\ncontact: {}\nduration: 0.3\nsolver: { %s }\n",
+            folder, folder, m == 0 ? "method: static, dt: 0.1" : "method: implicit, dt: 0.01, drag: 20");
+        run r;
+        check_begin(&r, text);
+        for (int step = 0; step < (m == 0 ? 3 : 150); step++)
+            assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+        pel_tool_reading reading;
+        double x[121][3];
+        pel_sim_get_tool(r.sim, 0, &reading);
+        pel_sim_get_positions(r.sim, 1, x[0]);
+        force[m] = -reading.force[2];
+        height[m] = x[60][2];
+        assert_true(reading.force_known && !reading.is_held_back);
+        end(&r);
+    }
+    assert_true(force[0] > 0.5);
+    assert_near(force[0] / force[1], 1, 0.01);
+    assert_near(height[0], height[1], 1e-4);
+}
+
 /* an obstacle has neither springs nor a mass of its own: what it feels is what touches it */
 static void test_obstacle_alone(void **unused)
 {
@@ -221,6 +254,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_obstacle, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_obstacle_carries, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_obstacle_alone, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_obstacle_lifts, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_springs, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_refusals, set_up, tear_down),
     };
