@@ -14,7 +14,7 @@ typedef struct scene {
     pel_record start[4], x[4];
     pel_contact press, layers[3];
     pel_contact_list pairs, solids;
-    pel_contact *supports[4];
+    pel_contact *supports[2 * 4];
 } scene;
 
 static void begin(scene *s, double angle, double compliance)
@@ -126,7 +126,7 @@ static void test_limits(void **unused)
     begin(&s, 0, soft);
     s.x[1][3] = s.x[2][3] = s.x[3][3] = 0;
     pel_contacts_find_supports(&s.solids, s.x, s.supports);
-    for (int v = 0; v < 4; v++)
+    for (int v = 0; v < 2 * 4; v++)
         assert_null(s.supports[v]);
 }
 
@@ -148,7 +148,7 @@ static void test_corner(void **unused)
         pel_contacts_find_supports(&s.solids, s.x, s.supports);
         s.solids.supports = s.supports;
         const bool first = s.layers[0].multiplier > s.layers[1].multiplier;
-        assert_ptr_equal(s.supports[1], &s.layers[first ? 0 : 1]);
+        assert_ptr_equal(s.supports[2 * 1], &s.layers[first ? 0 : 1]);
         pel_backing back;
         assert_int_equal(pel_contact_find_backing(&s.solids, &s.layers[first ? 1 : 0], s.x, &back), opposite);
         assert_false(pel_contact_find_backing(&s.solids, &s.layers[first ? 0 : 1], s.x, &back));
@@ -174,15 +174,111 @@ static void test_jam(void **unused)
     sweep(&s, true);
     assert_true(pel_contact_find_backing(&s.pairs, &s.press, s.x, &back));
     pel_contacts_find_supports(&roof, s.x, s.supports);
-    assert_ptr_equal(s.supports[0], &above);
+    assert_ptr_equal(s.supports[2 * 0], &above);
     assert_false(pel_contact_find_backing(&s.pairs, &s.press, s.x, &back));
+}
+
+/* A heavy vertex over triangles, each with its corners before the triangle below, the last ones on a tool. */
+enum { MOST_LEVELS = 4, MOST_POINTS = 1 + 3 * MOST_LEVELS };
+
+typedef struct column {
+    int levels;
+    pel_record start[MOST_POINTS], x[MOST_POINTS];
+    pel_contact pairs[MOST_POINTS], layers[3];
+    pel_contact_list lists[2];
+    pel_contact *supports[2 * MOST_POINTS];
+} column;
+
+static void begin_column(column *s, int levels, double ratio)
+{
+    *s = (column){.levels = levels};
+    const double thick = 0.1;
+    for (int v = 0; v <= 3 * levels; v++) {
+        int level = (v + 2) / 3, below = 3 * level + 1;
+        double mass = v == 0 ? 1 / ratio : 1, fallen = v == 0 ? 0.02 : 0.001;
+        s->x[v] = (pel_record){v % 2, v % 3, (pel_real)((levels - level) * thick - fallen), (pel_real)(light * mass)};
+        s->start[v] = s->x[v];
+        pel_contact *pair = v > 3 * (levels - 1) ? &s->layers[(v + 2) % 3] : &s->pairs[v];
+        *pair = (pel_contact){.vertices = {v, v, v, v},
+                              .weights = {1},
+                              .normal = {0, 0, 1},
+                              .compliance = (pel_real)(1e-4 * light * step * step)};
+        for (int i = 0; i < 3 && level < levels; i++) {
+            pair->vertices[1 + i] = below + (v + i) % 3;
+            pair->weights[1 + i] = (pel_real)(i == 0 ? -0.5 : -0.25);
+            pair->separation = (pel_real)thick;
+        }
+    }
+    s->lists[0] = (pel_contact_list){.contacts = s->pairs, .count = 3 * levels - 2, .substep = step};
+    s->lists[1] = (pel_contact_list){.contacts = s->layers, .count = 3, .substep = step};
+}
+
+static void sweep_column(column *s, bool is_known)
+{
+    memset(s->supports, 0, sizeof s->supports);
+    for (int k = 0; k < 2; k++)
+        pel_contacts_find_supports(&s->lists[k], s->x, s->supports);
+    for (int k = 0; k < 2; k++) {
+        s->lists[k].supports = is_known ? s->supports : NULL;
+        pel_contacts_project(&s->lists[k], s->x, s->start);
+    }
+}
+
+/* the sweeps until the heavy vertex is where it has to be, to a share of its way */
+static int count_sweeps(const column *from, bool is_known, double place, double share, int most)
+{
+    column s = *from;
+    int sweeps = 0;
+    for (int k = 0; k < 2; k++)
+        s.lists[k].contacts = k == 0 ? s.pairs : s.layers;
+    double way = fabs((double)s.x[0][2] - place);
+    while (sweeps < most && fabs((double)s.x[0][2] - place) > share * way) {
+        sweep_column(&s, is_known);
+        sweeps++;
+    }
+    return sweeps;
+}
+
+/* Under something a thousand times heavier, through sheets on sheets, the answer of very many sweeps is found in some.
+ */
+static void test_column(void **unused)
+{
+    (void)unused;
+    for (int levels = 1; levels <= MOST_LEVELS; levels++) {
+        column s, exact;
+        begin_column(&s, levels, 1000);
+        begin_column(&exact, levels, 1000);
+        for (int n = 0; n < 200000; n++)
+            sweep_column(&exact, false);
+        double place = (double)exact.x[0][2];
+        const double shares[] = {1e-3, IN_FLOAT(1e-6, 1e-4)};
+        for (int i = 0; i < 2; i++) {
+            int chained = count_sweeps(&s, true, place, shares[i], 10000);
+            int blind = count_sweeps(&s, false, place, shares[i], 10000);
+            print_message("%d levels, to %g: %d sweeps along chains, %d contact by contact\n", levels, shares[i],
+                          chained, blind);
+            assert_true(blind > 1000);
+            assert_in_range(chained, 1, i == 0 ? 20 : 60);
+        }
+        double momentum = 0, from_tool = 0, from_exact = 0;
+        for (int n = 0; n < 60; n++)
+            sweep_column(&s, true);
+        for (int v = 0; v <= 3 * levels; v++)
+            momentum += (double)(s.x[v][2] - s.start[v][2]) / (double)s.x[v][3];
+        for (int i = 0; i < 3; i++) {
+            from_tool += (double)s.layers[i].multiplier;
+            from_exact += (double)exact.layers[i].multiplier;
+        }
+        assert_near(momentum, from_tool, IN_FLOAT(1e-9, 1e-3) * from_tool);
+        assert_near(from_tool, from_exact, IN_FLOAT(1e-6, 1e-3) * from_tool);
+    }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_sweep), cmocka_unit_test(test_momentum), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_corner),    cmocka_unit_test(test_jam),
+        cmocka_unit_test(test_corner),    cmocka_unit_test(test_jam),      cmocka_unit_test(test_column),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -242,6 +242,39 @@ static void test_heavy_on_light(void **unused)
     }
 }
 
+/* The same ball on three such cloths: it lands, no energy appears, and before that the table carries their weight. */
+static void test_heavy_on_stack(void **unused)
+{
+    (void)unused;
+    contact_scene scene;
+    scene_begin(&scene, PEL_METHOD_XPBD);
+    scene_body(&scene, make_stack(3, 8, 0.2, 5e-4));
+    scene_body(&scene, placed(make_moved_sphere(2, 2, 2, 0), 0.05, 0.056));
+    make_sheet_of(&scene.bodies[0], 1e6, 5e-4, 0.018);
+    make_sheet_of(&scene.bodies[1], 1e7, 3e-3, 0.5);
+    scene.gravity = -9.81;
+    scene.def.contact.thickness = 4e-4;
+    scene.def.contact.friction = 0.3;
+    scene.def.solver.substeps = 96;
+    pel_vec3_set(scene_tool(&scene, PEL_TOOL_BOX)->half_extents, 2, 2, 0.5);
+    scene_move(&scene, 0, 0, 0, -0.5, -0.5, 1);
+    pel_sim *sim = scene_create(&scene);
+    double most = 0, largest = 0;
+    for (int n = 0; n < 30; n++) {
+        pel_sim_ledger ledger;
+        pel_tool_reading reading;
+        run_free(sim, 1);
+        pel_sim_get_ledger(sim, &ledger);
+        pel_sim_get_tool(sim, 0, &reading);
+        most = pel_max(most, ledger.energy_error / ledger.supplied);
+        largest = pel_max(largest, -reading.force[2]);
+    }
+    print_message("%.3g of the work appeared, the largest force is %.3g N\n", most, largest);
+    assert_true(most < 0.01);
+    assert_true(largest > 2 * 0.5 * 9.81);
+    scene_end(&scene, sim);
+}
+
 static pel_sim *make_resting(contact_scene *scene)
 {
     scene_begin(scene, PEL_METHOD_XPBD);
@@ -292,8 +325,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rests_on_solid), cmocka_unit_test(test_held_back),
         cmocka_unit_test(test_held_is_whole),  cmocka_unit_test(test_strays),
-        cmocka_unit_test(test_stack_lands),    cmocka_unit_test(test_heavy_on_light),
-        cmocka_unit_test(test_stack_rests),
+        cmocka_unit_test(test_stack_lands),    cmocka_unit_test(test_heavy_on_stack),
+        cmocka_unit_test(test_heavy_on_light), cmocka_unit_test(test_stack_rests),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

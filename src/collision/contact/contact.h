@@ -40,7 +40,8 @@ typedef struct pel_contact_list {
     double substep;         /* s, whose square is in the multipliers */
     double carried;         /* m: the largest way that a load moved its gap by, in the last sweep */
     pel_rigids *rigids;     /* null = all vertices move by themselves */
-    pel_contact **supports; /* (vertex_count) see contact/backing.h; null = none are known */
+    pel_contact **supports; /* (2 vertex_count) see contact/backing.h; null = none are known */
+    bool is_uneven;         /* something heavy presses something light, since the substep began */
     double rigid_moved;     /* m: the largest correction of a gap where nothing but rigid bodies gives way, in the last
                                sweep */
     bool is_rubbed;         /* friction uses much of what it can hold somewhere, since the substep began */

@@ -43,6 +43,17 @@ static double mobility(const pel_contact *contact, const pel_record *positions)
     return sum;
 }
 
+/* whether one side is much heavier, given the mobility of both */
+static bool is_uneven(const pel_contact *contact, const pel_record *positions, double both)
+{
+    double one = 0;
+    for (int i = 0; i < 4; i++) {
+        double weight = (double)contact->weights[i];
+        one += weight > 0 ? (double)positions[contact->vertices[i]][3] * weight * weight : 0;
+    }
+    return one > 0 && one < both && pel_contact_is_uneven(one, both - one);
+}
+
 /* sum of weights times positions */
 static inline record4 combine(const pel_contact *contact, const pel_record *positions)
 {
@@ -114,12 +125,13 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         bool is_backed =
             gap + (double)contact->separation > 0 && pel_contact_find_backing(list, contact, positions, &back);
         double free = whole - (is_backed ? back.stiffened : 0);
-        double compliance = rate * (double)contact->compliance;
+        double compliance = rate * (double)contact->compliance, rest = gap + (is_backed ? back.owed : 0);
         if (!(free > 0))
             continue;
-        double change = -(gap + compliance * load) / (free + compliance);
+        double change = -(rest + compliance * load) / (free + compliance);
         change = change > -load ? change : -load;
         contact->multiplier = (pel_real)(load + change);
+        list->is_uneven |= is_uneven(contact, positions, whole);
         record4 impulse = change * normal;
         if (contact->friction > 0) {
             record4 slip = sum + free * impulse - combine(contact, start) - vector_of(contact->drift);
@@ -188,7 +200,7 @@ static bool is_rubbed(const pel_contact *contact)
 
 void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most)
 {
-    list->is_rubbed = false;
+    list->is_rubbed = list->is_uneven = false;
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         bool is_rigid = pel_contact_is_rigid(list->rigids, contact);
@@ -197,6 +209,7 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions, double mos
         contact->earlier = last;
         if (!(last > 0))
             continue;
+        list->is_uneven |= !is_rigid && is_uneven(contact, positions, mobility(contact, positions));
         if (is_rubbed(contact))
             list->is_rubbed = true;
         /* sweeps over rigid bodies go on until they have settled */

@@ -71,10 +71,11 @@ double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, p
     double whole = pel_rigid_sum_mobility(&sum, normal);
     if (!(whole > 0))
         return 0;
+    list->is_uneven |= pel_contact_is_uneven(sum.looseness, whole - sum.looseness);
     pel_backing back;
     bool is_backed = pel_contact_find_backing(list, contact, positions, &back);
     double stiffened = is_backed ? back.stiffened : 0, free = whole - stiffened;
-    double change = -(gap + compliance * load) / (free + compliance);
+    double change = -(gap + (is_backed ? back.owed : 0) + compliance * load) / (free + compliance);
     change = change > -load ? change : -load;
     contact->multiplier = (pel_real)(load + change);
     pel_vec3_scale(normal, change, impulse);

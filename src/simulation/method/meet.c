@@ -97,9 +97,10 @@ static void follow_contacts(pel_sim *sim, const pel_record *start)
 /* what tools hold, in both lists, against what presses it */
 static void find_supports(pel_sim *sim, pel_contact_list *const lists[2])
 {
-    pel_contact **supports = lists[0] != NULL && sim->tools->count > 0 ? sim->touch->supports : NULL;
+    bool is_asked = lists[0] != NULL && (sim->tools->count > 0 || lists[0]->is_uneven);
+    pel_contact **supports = is_asked ? sim->touch->supports : NULL;
     if (supports != NULL)
-        memset(supports, 0, (size_t)sim->model->vertex_count * sizeof *supports);
+        memset(supports, 0, 2 * (size_t)sim->model->vertex_count * sizeof *supports);
     for (int k = 0; k < 2 && supports != NULL; k++)
         if (lists[k] != NULL) {
             pel_contacts_find_supports(lists[k], sim->state->position_next, supports);

@@ -110,7 +110,7 @@ static pel_status create_from_tools(pel_sim *sim, pel_error *error)
     pel_contact_group *groups = pel_allocate(body_count + tool_count, sizeof *groups);
     pel_status status =
         PEL_ALLOCATE_ALL(PEL_ROOM(sim->touch->revisions, body_count), PEL_ROOM(sim->touch->limits, body_count),
-                         PEL_ROOM(sim->touch->supports, sim->model->vertex_count)) &&
+                         PEL_ROOM(sim->touch->supports, 2 * (size_t)sim->model->vertex_count)) &&
                 obstacles != NULL && groups != NULL
             ? create_set(sim, obstacles, groups, error)
             : pel_fail_memory(error);
