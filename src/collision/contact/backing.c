@@ -16,6 +16,7 @@
    they leave on a vertex. That is exact for whatever chain is taken, which only has to be a good one. */
 #include "contact/backing.h"
 
+#include "contact/sweep_rigid.h"
 #include "math/vec3.h"
 
 enum { MOST_NODES = 128 };
@@ -53,14 +54,6 @@ static void settle(pel_contact *contact, double rate, pel_record *positions)
         (*x)[k] = (pel_real)(place[k] + loose * change * normal[k]);
 }
 
-static bool has_rigid(const pel_rigids *rigids, const pel_contact *contact)
-{
-    for (int i = 0; rigids != NULL && i < 4; i++)
-        if (contact->weights[i] != 0 && pel_rigid_of(rigids, contact->vertices[i]) != NULL)
-            return true;
-    return false;
-}
-
 /* the one that carries most, and the one that carries most against it */
 static void keep_support(pel_contact *contact, pel_contact *kept[2])
 {
@@ -84,7 +77,7 @@ void pel_contacts_find_supports(pel_contact_list *list, pel_record *positions, p
         bool alone = is_alone(contact);
         if (!alone && (!list->is_uneven || contact->weights[0] != 1 || !(contact->multiplier > 0)))
             continue;
-        if (!(positions[v][3] > 0) || has_rigid(list->rigids, contact))
+        if (!(positions[v][3] > 0) || pel_contact_is_rigid(list->rigids, contact))
             continue;
         if (alone)
             settle(contact, rate, positions);
@@ -183,7 +176,9 @@ static void pass_on(chain *all, int from, bool only_tools)
     back->supports[back->count] = support;
     back->answers[back->count++] = share;
     back->stiffened -= compliance * share * share;
-    back->owed += share * rest_of(support, compliance, all->positions);
+    /* tools have just been settled */
+    if (!is_alone(support))
+        back->owed += share * rest_of(support, compliance, all->positions);
 }
 
 /* whether a vertex is on the side of a contact with positive weights, or on the other */
@@ -233,6 +228,8 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
     double mobilities[2] = {0, 0};
     bool sides[2] = {false, false};
     chain all;
+    if (list->supports == NULL)
+        return false;
     all.list = list;
     all.contact = contact;
     all.positions = positions;
@@ -245,7 +242,7 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
             mobilities[weight > 0] += weight * weight * looseness(list, positions, contact->vertices[i]);
         }
     bool is_uneven = pel_contact_is_uneven(mobilities[0], mobilities[1]);
-    if (list->supports == NULL || !is_held(&all, is_uneven))
+    if (!is_held(&all, is_uneven))
         return false;
     push(&all, contact, 1);
     find_sides(&all, sides);

@@ -131,7 +131,7 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
         double change = -(rest + compliance * load) / (free + compliance);
         change = change > -load ? change : -load;
         contact->multiplier = (pel_real)(load + change);
-        list->is_uneven |= is_uneven(contact, positions, whole);
+        list->is_uneven = list->is_uneven || is_uneven(contact, positions, whole);
         record4 impulse = change * normal;
         if (contact->friction > 0) {
             record4 slip = sum + free * impulse - combine(contact, start) - vector_of(contact->drift);
@@ -209,12 +209,13 @@ void pel_contacts_load(pel_contact_list *list, pel_record *positions, double mos
         contact->earlier = last;
         if (!(last > 0))
             continue;
-        list->is_uneven |= !is_rigid && is_uneven(contact, positions, mobility(contact, positions));
+        double whole = mobility(contact, positions);
+        list->is_uneven = list->is_uneven || (!is_rigid && is_uneven(contact, positions, whole));
         if (is_rubbed(contact))
             list->is_rubbed = true;
         /* sweeps over rigid bodies go on until they have settled */
         else if (!is_rigid)
-            kept = last * leave(mobility(contact, positions) * (double)last, most);
+            kept = last * leave(whole * (double)last, most);
         contact->multiplier = kept;
         turn_drag(contact);
         for (int k = 0; k < 3; k++) {
