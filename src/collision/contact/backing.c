@@ -66,6 +66,10 @@ static void keep_support(pel_contact *contact, pel_contact *kept[2])
     }
     if (kept[side] == NULL || contact->multiplier > kept[side]->multiplier)
         kept[side] = contact;
+    if (kept[1] != NULL && kept[1]->multiplier > kept[0]->multiplier) {
+        kept[1] = kept[0];
+        kept[0] = contact;
+    }
 }
 
 void pel_contacts_find_supports(pel_contact_list *list, pel_record *positions, pel_contact **supports)
@@ -133,7 +137,7 @@ static bool push(chain *all, const pel_contact *contact, double share)
    it. */
 static pel_contact *find_support(const chain *all, const node *from, bool only_tools)
 {
-    for (int side = 0; side < (is_alone(all->contact) ? 1 : 2); side++) {
+    for (int side = 0; side < (only_tools ? 1 : 2); side++) {
         pel_contact *support = all->list->supports[2 * (size_t)from->vertex + (size_t)side];
         double own[3];
         if (support == NULL || support == all->contact || !(support->multiplier > 0))
@@ -202,8 +206,7 @@ static bool is_held(const chain *all, bool is_uneven)
 {
     for (int i = 0; i < 4; i++) {
         pel_contact *const *kept = all->list->supports + 2 * (size_t)all->contact->vertices[i];
-        if (all->contact->weights[i] != 0 && kept[0] != NULL &&
-            (is_uneven || is_alone(kept[0]) || (kept[1] != NULL && is_alone(kept[1]))))
+        if (all->contact->weights[i] != 0 && kept[0] != NULL && (is_uneven || is_alone(kept[0])))
             return true;
     }
     return false;
@@ -226,7 +229,7 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
                               pel_backing *back)
 {
     double mobilities[2] = {0, 0};
-    bool sides[2] = {false, false};
+    bool sides[2] = {false, false}, has_side[2] = {false, false};
     chain all;
     if (list->supports == NULL)
         return false;
@@ -240,8 +243,10 @@ bool pel_contact_find_backing(const pel_contact_list *list, const pel_contact *c
         if (contact->weights[i] != 0) {
             double weight = (double)contact->weights[i];
             mobilities[weight > 0] += weight * weight * looseness(list, positions, contact->vertices[i]);
+            has_side[weight > 0] = true;
         }
-    bool is_uneven = pel_contact_is_uneven(mobilities[0], mobilities[1]);
+    /* a tool presses by itself, and is no load that goes on */
+    bool is_uneven = has_side[0] && has_side[1] && pel_contact_is_uneven(mobilities[0], mobilities[1]);
     if (!is_held(&all, is_uneven))
         return false;
     push(&all, contact, 1);
