@@ -6,10 +6,11 @@
 /* a rod of 20 mm and a ball; a box with the rod's inertia is 17 mm thick */
 #define ROD                                                                                                            \
     "version: 1\nbodies: [ { name: rod, mesh: { shape: cylinder, radius: 0.01, height: 0.1, slices: 12, segments: 12 " \
-    "}, volume: { young: 1e5, edge: 0.01 } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit }\nduration: 0.01\n"
+    "}, volume: { young: 1e5, edge: 0.01, element: linear } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit "     \
+    "}\nduration: 0.01\n"
 #define BALL                                                                                                           \
     "version: 1\nbodies: [ { name: ball, mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }, "               \
-    "volume: { young: 1e5 } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit }\nduration: 0.01\n"
+    "volume: { young: 1e5, element: linear } } ]\ngravity: [0, 0, -1]\nsolver: { method: implicit }\nduration: 0.01\n"
 
 static const pel_run_warning *coarse(const char *text, const char *change, pel_run_summary *summary)
 {

@@ -308,7 +308,7 @@ static const pel_def_row rows[] = {
      .doc =
          "linear: strains of each tetrahedron, too stiff in bending and above a Poisson's ratio of 0.45; smooth: means "
          "over the tetrahedra at each edge, right on coarse meshes and up to 0.4999, 3 to 5 times as dear; methods "
-         "implicit, static, explicit and descent"},
+         "implicit, static, explicit and descent. Default: smooth for bodies that bend or lock, if steps are cheap"},
     {"bodies[].volume.edge", NUMBER_OR("auto"), .unit = "m", POSITIVE, .preset = "auto",
      .doc = "length of the edges of the tetrahedra along the axes; auto: the mean edge of the mesh"},
 

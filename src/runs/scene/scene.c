@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "choice/apart.h"
 #include "choice/damping.h"
+#include "choice/element.h"
 #include "choice/fluid.h"
 #include "choice/method.h"
 #include "choice/time_step.h"
@@ -175,6 +176,8 @@ static pel_status build(pel_scene_reader *reader, pel_scene_value *root, const c
         return pel_fail_memory(reader->error);
     storage->sequence_count = body_count;
     pel_status status = build_parts(reader, root, folder, scene);
+    if (status == PEL_OK)
+        pel_scene_choose_elements(reader, root, scene);
     if (status == PEL_OK)
         status = refine_meshes(reader, root, folder, &blank, scene);
     if (status != PEL_OK)
