@@ -599,6 +599,9 @@ void pel_contact_set_refresh(pel_contact_set *set, const pel_record *positions, 
     int32_t count = set->list.count;
     pel_pool_run(set->def.pool, (count + PAIRS_OF_CHUNK - 1) / PAIRS_OF_CHUNK, refresh_chunk, &job);
     list_active(set);
+    /* impacts of corrections after the solver say more than their patches */
+    if (!looks_at_all)
+        pel_contact_patches_thin(&set->patches, &set->list, set->active, positions);
 }
 
 /* whether a pair leans over no triangle at the start of the step; impacts act wherever they are */

@@ -102,6 +102,7 @@ void pel_contact_set_destroy(pel_contact_set *set)
                  set->heights.places, set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones,
                  set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs, set->tangles.keys, set->body_shares,
                  set->body_impacts);
+    pel_contact_patches_clear(&set->patches);
     pel_travel_destroy(&set->travel);
     pel_free(set);
 }
@@ -179,7 +180,8 @@ static pel_status make_room(pel_contact_set *set, size_t count, pel_error *error
         pel_reserve((void **)&set->acts, &set->act_capacity, count, sizeof *set->acts) &&
         pel_reserve((void **)&set->active, &set->active_capacity, count, sizeof *set->active) &&
         pel_reserve((void **)&set->origins, &set->origin_capacity, count, sizeof *set->origins) &&
-        pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed))
+        pel_reserve((void **)&set->owed, &set->owed_capacity, count, sizeof *set->owed) &&
+        pel_contact_patches_expect(&set->patches, &set->list, count))
         return PEL_OK;
     return pel_fail_memory(error);
 }

@@ -18,6 +18,7 @@
 #include "collide/collider.h"
 #include "collide/travel.h"
 #include "contact/contact.h"
+#include "contact/patch.h"
 #include "geom/solid.h"
 #include "math/pose.h"
 #include "pellicle/sim_contact.h"
@@ -218,6 +219,7 @@ typedef struct pel_contact_set {
     int32_t *origins;           /* (list.count) where pairs stood before they were merged last, -1 = nowhere */
     double (*owed)[4]; /* (list.count) N, parts of mean_load and mean_drag that are no forces of the step yet */
     size_t calm_capacity, watch_capacity, act_capacity, active_capacity, origin_capacity, owed_capacity;
+    pel_contact_patches patches;
     pel_travel travel; /* in this step */
     double calm_until; /* m, the least of `calm` */
     bool is_moved;     /* an obstacle has moved in this substep, or in the one before: */

@@ -441,6 +441,13 @@ void pel_solid_half_box(const pel_solid *solid, double half[3])
     pel_solid_rows[solid->shape].half_box(solid, half);
 }
 
+double pel_solid_least_half_width(const pel_solid *solid)
+{
+    double half[3];
+    pel_solid_half_box(solid, half);
+    return pel_min(half[0], pel_min(half[1], half[2]));
+}
+
 double pel_solid_size(const pel_solid *solid)
 {
     double half[3];

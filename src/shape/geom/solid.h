@@ -81,6 +81,8 @@ double pel_solid_corner_room(const pel_solid *solid, const double triangle[3][3]
 
 /* Half sizes of the box about the solid in its own frame. */
 void pel_solid_half_box(const pel_solid *solid, double half[3]);
+/* m, the least of these */
+double pel_solid_least_half_width(const pel_solid *solid);
 
 /* Sum of these half sizes: a length that no point of the solid is farther from its center than. */
 double pel_solid_size(const pel_solid *solid);

@@ -1,6 +1,9 @@
 /* Accessors of a simulation; they compute no forces. */
 #include "stage/accessors.h"
 
+#include "math/extremes.h"
+#include "math/vec3.h"
+
 #include <string.h>
 
 /* s, over dt: times that differ by less are equal */
@@ -114,4 +117,15 @@ bool pel_sim_all_inside(const pel_sim *sim)
 double pel_sim_longest_edge(const pel_sim *sim)
 {
     return pel_longest_spring(sim->model, sim->state->position_next, sim->pool, sim->chunk_longest);
+}
+
+double pel_sim_fastest_way(const pel_sim *sim)
+{
+    double square = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
+        double velocity[3];
+        pel_vertex_position(sim->state->velocity, v, velocity);
+        square = pel_max(square, pel_vec3_squared_length(velocity));
+    }
+    return sim->step.dt * sqrt(square);
 }

@@ -19,5 +19,7 @@ int32_t pel_sim_first_outside(const pel_sim *sim);
 bool pel_sim_all_inside(const pel_sim *sim);
 /* the longest edge of all surfaces at the new positions */
 double pel_sim_longest_edge(const pel_sim *sim);
+/* m, the longest way of a vertex in this step by its velocity */
+double pel_sim_fastest_way(const pel_sim *sim);
 
 #endif

@@ -59,8 +59,7 @@ pel_status pel_solids_create(pel_sim *sim, pel_error *error)
     solids->list.rigids = sim->rigids;
     size_t triangle_count = (size_t)sim->model->triangle_begin[sim->model->body_count];
     bool made = PEL_ALLOCATE_ALL(PEL_ROOM(solids->pair_of_vertex, sim->model->vertex_count),
-                                 PEL_ROOM(solids->pair_of_triangle, triangle_count),
-                                 PEL_ROOM(solids->calm_until, sim->model->body_count));
+                                 PEL_ROOM(solids->pair_of_triangle, triangle_count));
     const pel_travel_def travel = {sim->model->vertex_count, sim->model->body_count, sim->model->body_of_slice,
                                    sim->model->mass};
     return made ? pel_travel_create(&travel, &solids->travel, error) : pel_fail_memory(error);
@@ -72,7 +71,8 @@ void pel_solids_destroy(pel_sim *sim)
     if (solids == NULL)
         return;
     pel_travel_destroy(&solids->travel);
-    PEL_FREE_ALL(solids->list.contacts, solids->active, solids->pairs, solids->calm, solids->calm_until, solids->kept,
+    pel_contact_patches_clear(&solids->patches);
+    PEL_FREE_ALL(solids->list.contacts, solids->active, solids->pairs, solids->calm, solids->runs, solids->kept,
                  solids->pair_of_vertex, solids->pair_of_triangle, solids);
 }
 
@@ -101,7 +101,9 @@ static bool make_room(pel_sim_solids *solids, size_t count)
     return pel_reserve((void **)&solids->list.contacts, &solids->capacity, count, sizeof *solids->list.contacts) &&
            pel_reserve((void **)&solids->pairs, &solids->pair_capacity, count, sizeof *solids->pairs) &&
            pel_reserve((void **)&solids->calm, &solids->calm_capacity, count, sizeof *solids->calm) &&
-           pel_reserve((void **)&solids->active, &solids->active_capacity, count, sizeof *solids->active);
+           pel_reserve((void **)&solids->runs, &solids->run_capacity, count, sizeof *solids->runs) &&
+           pel_reserve((void **)&solids->active, &solids->active_capacity, count, sizeof *solids->active) &&
+           pel_contact_patches_expect(&solids->patches, &solids->list, count);
 }
 
 static pel_status add_pair(pel_sim *sim, int32_t tool, int32_t triangle, int32_t vertex, pel_error *error)
@@ -185,23 +187,11 @@ static void take_kept(pel_sim *sim, int32_t tool, int32_t begin)
     }
 }
 
-/* the longest way of a vertex in this step by its velocity [m] */
-static double fastest_way(const pel_sim *sim)
-{
-    double square = 0;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++) {
-        double velocity[3];
-        pel_vertex_position(sim->state->velocity, v, velocity);
-        square = pel_max(square, pel_vec3_squared_length(velocity));
-    }
-    return sim->step.dt * sqrt(square);
-}
-
 pel_status pel_solids_find(pel_sim *sim, pel_error *error)
 {
     pel_sim_solids *solids = sim->tools->solids;
     pel_status status = keep_pairs(solids, error);
-    double longest = pel_sim_longest_edge(sim), motion = fastest_way(sim);
+    double longest = pel_sim_longest_edge(sim), motion = pel_sim_fastest_way(sim);
     for (int32_t i = 0; i < sim->tools->count && status == PEL_OK; i++) {
         pel_tool *tool = &sim->tools->items[i];
         int32_t begin = solids->list.count;
@@ -274,9 +264,13 @@ void pel_solids_recall_loads(pel_sim *sim, double substep)
     solids->list.active = NULL;
     solids->is_moved = solids->moves = false;
     solids->has_slack = false;
+    solids->run_count = 0;
     for (int32_t c = 0; c < solids->list.count; c++) {
         pel_contact *contact = &solids->list.contacts[c];
         pel_solid_pair *pair = &solids->pairs[c];
+        if (c == 0 || pair->tool != pair[-1].tool || body_of(sim, pair) != body_of(sim, pair - 1))
+            solids->runs[solids->run_count++] = (pel_solid_run){.body = body_of(sim, pair), .acts = true};
+        solids->runs[solids->run_count - 1].end = c + 1;
         pair->owed = 0;
         memset(pair->owed_drag, 0, sizeof pair->owed_drag);
         solids->calm[c] = sleeps(sim, c) ? HUGE_VAL : 0;
@@ -350,13 +344,6 @@ static void start_in_tool(const pel_tool *tool, const pel_record *start, int32_t
     double x[3];
     pel_vertex_position(start, v, x);
     pel_pose_to_local(&tool->pose_substep, x, local);
-}
-
-static double least_half_width(const pel_solid *solid)
-{
-    double half[3];
-    pel_solid_half_box(solid, half);
-    return pel_min(half[0], pel_min(half[1], half[2]));
 }
 
 /* the half space beyond the surface point that was closest at the start of the substep, for points that pass through
@@ -449,7 +436,7 @@ static double refresh_vertex(const pel_sim *sim, const pel_record *start, pel_so
     double distance = pel_solid_distance(&solid, local, normal);
     start_in_tool(tool, start, v, before);
     double way = pel_vec3_distance(local, before);
-    bool is_fast = way >= FAST_SHARE * least_half_width(&solid);
+    bool is_fast = way >= FAST_SHARE * pel_solid_least_half_width(&solid);
     double distance_before =
         is_fast || (distance < 0 && !pair->is_known) ? pel_solid_distance(&solid, before, normal_before) : 0;
     find_slack(sim->tools->solids, pair, distance, distance_before);
@@ -566,23 +553,34 @@ static void list_active(const pel_sim *sim)
     pel_sim_solids *solids = sim->tools->solids;
     solids->list.active = solids->active;
     solids->list.active_count = 0;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        solids->calm_until[b] = HUGE_VAL;
-    for (int32_t c = 0; c < solids->list.count; c++) {
-        double *until = &solids->calm_until[body_of(sim, &solids->pairs[c])];
-        *until = pel_min(*until, solids->calm[c]);
-        if ((solids->pairs[c].is_near || solids->list.contacts[c].multiplier > 0) && !sleeps(sim, c))
+    int32_t c = 0;
+    for (pel_solid_run *run = solids->runs; run < solids->runs + solids->run_count; c = run->end, run++) {
+        if (!run->acts)
+            continue;
+        run->calm = HUGE_VAL;
+        run->acts = false;
+        for (; c < run->end; c++) {
+            run->calm = pel_min(run->calm, solids->calm[c]);
+            if ((!solids->pairs[c].is_near && !(solids->list.contacts[c].multiplier > 0)) || sleeps(sim, c))
+                continue;
             solids->active[solids->list.active_count++] = c;
+            run->acts = true;
+        }
     }
 }
 
-/* whether any pair is to be looked at */
+/* whether a pair is to be looked at: one of a run, any */
+static bool is_restless(const pel_sim_solids *solids, const pel_solid_run *run)
+{
+    return !(solids->travel.way[run->body] < run->calm);
+}
+
 static bool needs_look(const pel_sim *sim)
 {
     const pel_sim_solids *solids = sim->tools->solids;
     bool needs = solids->is_moved || solids->list.active == NULL;
-    for (int32_t b = 0; b < sim->model->body_count && !needs; b++)
-        needs = !(solids->travel.way[b] < solids->calm_until[b]);
+    for (int32_t r = 0; r < solids->run_count && !needs; r++)
+        needs = is_restless(solids, &solids->runs[r]);
     return needs;
 }
 
@@ -617,22 +615,21 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
         return;
     tell(sim);
     bool follows_any = solids->is_moved && is_first;
-    double longest = 0;
-    for (int32_t b = 0; b < sim->model->body_count; b++)
-        longest = pel_max(longest, solids->travel.way[b]);
-    for (int32_t c = 0; c < solids->list.count; c++) {
-        const pel_solid_pair *pair = &solids->pairs[c];
-        if (!follows_any && solids->calm[c] > longest)
-            continue;
-        /* planes follow a tool */
-        bool follows = follows_any && pair->is_near;
-        if ((!follows && solids->calm[c] > solids->travel.way[body_of(sim, pair)]) || sleeps(sim, c))
-            continue;
-        /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
-        if (is_first || !(solids->list.contacts[c].multiplier > 0))
-            refresh_pair(sim, start, c);
+    int32_t c = 0;
+    for (pel_solid_run *run = solids->runs; run < solids->runs + solids->run_count; c = run->end, run++) {
+        run->acts |= follows_any || is_restless(solids, run);
+        for (; run->acts && c < run->end; c++) {
+            /* planes follow a tool */
+            bool follows = follows_any && solids->pairs[c].is_near;
+            if ((!follows && solids->calm[c] > solids->travel.way[run->body]) || sleeps(sim, c))
+                continue;
+            /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
+            if (is_first || !(solids->list.contacts[c].multiplier > 0))
+                refresh_pair(sim, start, c);
+        }
     }
     list_active(sim);
+    pel_contact_patches_thin(&solids->patches, &solids->list, solids->active, sim->state->position_next);
 }
 
 void pel_solids_keep_means(const pel_sim *sim, const uint8_t *fell_asleep)

@@ -5,7 +5,7 @@
 #define PEL_TOOL_SOLID_H
 
 #include "collide/travel.h"
-#include "contact/contact.h"
+#include "contact/patch.h"
 #include "geom/solid.h"
 #include "stage/transfer.h"
 
@@ -23,15 +23,24 @@ typedef struct pel_solid_pair {
     double owed, owed_drag[3];      /* N, parts of them that are no forces of the step yet */
 } pel_solid_pair;
 
+/* pairs of one body with a tool that stand together */
+typedef struct pel_solid_run {
+    int32_t body, end; /* up to this pair */
+    double calm;       /* m, the least of its `calm`: until then none need be looked at, */
+    bool acts;         /* and whether one is active */
+} pel_solid_run;
+
 struct pel_sim_solids {
     pel_contact_list list; /* its `active` is: */
     int32_t *active;       /* (list.active_count) */
     pel_solid_pair *pairs; /* (list.count) */
     double *calm;          /* (list.count) m, way of its body up to which a pair need not be looked at */
-    size_t capacity, pair_capacity, calm_capacity, active_capacity;
-    pel_travel travel;  /* in this step, of vertices and tools */
-    double *calm_until; /* (body_count) m, the least of `calm` */
-    bool is_moved;      /* a tool has moved in this substep, or in the one before: */
+    pel_solid_run *runs;   /* (run_count) of all pairs, in their order */
+    int32_t run_count;
+    pel_contact_patches patches;
+    size_t capacity, pair_capacity, calm_capacity, active_capacity, run_capacity;
+    pel_travel travel; /* in this step, of vertices and tools */
+    bool is_moved;     /* a tool has moved in this substep, or in the one before: */
     bool moves;
     bool has_slack;       /* a pair may have */
     pel_solid_pair *kept; /* (kept_count) those of the last step that carried a load or had slack */
