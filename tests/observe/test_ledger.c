@@ -150,6 +150,39 @@ static void test_leapfrog_of_shells(void **unused)
     pel_mesh_destroy(mesh);
 }
 
+/* a stiff target for the volume that begins to fall: its work is that of the substeps, whatever the step */
+static void test_moving_target(void **unused)
+{
+    (void)unused;
+    static const pel_key target[] = {{0, 1}, {1, 0.4}};
+    pel_mesh *mesh = make_sphere(4);
+    double works[2];
+    for (int i = 0; i < 2; i++) {
+        pel_body_def body = ball_of_rubber(mesh);
+        pel_pressure_def *pressure = &body.shell.pressure;
+        pressure->kind = PEL_PRESSURE_VOLUME;
+        pressure->bulk = 1e6;
+        pressure->target = (pel_quantity){.keys = target, .key_count = 2};
+        pel_model *model = make_model(&body);
+        pel_sim_def def = explicit_def(i == 0 ? 0.01 : 0.002);
+        def.solver.method = PEL_METHOD_XPBD;
+        def.solver.substeps = i == 0 ? 100 : 20;
+        def.model = model;
+        pel_sim *sim = make_sim(&def);
+        for (int n = 0; n < 20; n++) {
+            run_steps(sim, i == 0 ? 1 : 5);
+            pel_sim_ledger ledger = ledger_of(sim);
+            assert_true(ledger.energy_error <= 0.02 * ledger.supplied);
+        }
+        works[i] = ledger_of(sim).work_pressure;
+        pel_sim_destroy(sim);
+        pel_model_destroy(model);
+    }
+    assert_true(works[0] > 0);
+    assert_near(works[0], works[1], IN_FLOAT(0.02, 1e-6) * works[1]);
+    pel_mesh_destroy(mesh);
+}
+
 /* nothing but weight: all of its work is motion; of a refined body the masses are those of the finer vertices */
 static void test_free_fall(void **unused)
 {
@@ -445,6 +478,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_leapfrog_of_springs),
         cmocka_unit_test(test_leapfrog_of_shells),
+        cmocka_unit_test(test_moving_target),
         cmocka_unit_test(test_free_fall),
         cmocka_unit_test(test_drag_alone),
         cmocka_unit_test(test_pressure_ramp),

@@ -59,7 +59,7 @@ double pel_curve_mean(const pel_key *keys, int32_t key_count, pel_span span, dou
     double mean = mean_between(keys, key_count, whole, acts);
     if (!span.extrapolates)
         return mean;
-    const double before[2] = {span.time - 2 * span.back, span.time - span.back};
+    const double before[2] = {2 * whole[0] - whole[1], whole[0]};
     return mean + 0.5 * (mean - mean_between(keys, key_count, before, acts));
 }
 

@@ -8,6 +8,7 @@
 #include "boundary/follower.h"
 #include "boundary/share.h"
 #include "boundary/wind.h"
+#include "force/shell_force.h"
 #include "math/extremes.h"
 #include "math/vec3.h"
 #include "pellicle/topology.h"
@@ -245,7 +246,8 @@ static pel_status create_load(pel_sim *sim, const pel_load_def *def, int32_t ind
 pel_status pel_loads_create(pel_sim *sim, const pel_load_def *defs, int32_t count, pel_error *error)
 {
     sim->loads->items = pel_allocate((size_t)count, sizeof *sim->loads->items);
-    if (sim->loads->items == NULL)
+    sim->loads->pressed = pel_allocate((size_t)sim->model->body_count, sizeof *sim->loads->pressed);
+    if (sim->loads->items == NULL || sim->loads->pressed == NULL)
         return pel_fail_memory(error);
     sim->loads->count = count;
     pel_status status = PEL_OK;
@@ -276,7 +278,7 @@ void pel_loads_destroy(pel_sim *sim)
                      sim->loads->items[i].base_weights, sim->loads->items[i].densities,
                      sim->loads->items[i].weight_of_place);
     }
-    pel_free(sim->loads->items);
+    PEL_FREE_ALL(sim->loads->items, sim->loads->pressed);
     pel_wind_destroy(sim);
 }
 
@@ -504,6 +506,8 @@ void pel_loads_begin_tally(pel_sim *sim, double h)
 {
     double from = pel_sim_time(sim), to = from + sim->step.dt;
     sim->loads->tallied_work = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++)
+        sim->loads->pressed[b] = (pel_pressed){.volume = (double)NAN};
     sim->loads->external_work = h * external_work(sim, NULL, sim->state->velocity);
     for (int32_t l = 0; l < sim->loads->count; l++) {
         pel_load *load = &sim->loads->items[l];
@@ -513,6 +517,24 @@ void pel_loads_begin_tally(pel_sim *sim, double h)
         weigh_velocity(load, sim->state->velocity, load->way);
         pel_vec3_scale(load->way, h, load->way);
     }
+}
+
+void pel_loads_tally_pressure(pel_sim *sim)
+{
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        pel_pressed *at = &sim->loads->pressed[b];
+        double pressure, volume;
+        if (!pel_shell_forces_pressure(sim->shells, b, &pressure, &volume))
+            continue;
+        *at = (pel_pressed){pressure, volume, pel_loads_pressure_work(sim, b, volume)};
+    }
+}
+
+double pel_loads_pressure_work(const pel_sim *sim, int32_t body, double volume)
+{
+    PEL_ASSERT_INDEX(body, sim->model->body_count);
+    const pel_pressed *at = &sim->loads->pressed[body];
+    return isnan(at->volume) ? 0 : at->work + at->pressure * (volume - at->volume);
 }
 
 /* The mean of the velocities at both ends moves a load; in first order each of them is that of the way before it. */

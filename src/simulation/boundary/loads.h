@@ -39,6 +39,12 @@ typedef struct pel_follower {
     double force[3], turns[3][3][3];
 } pel_follower;
 
+/* a pressure that depends on the volume, over the substeps of a step */
+typedef struct pel_pressed {
+    double pressure, volume; /* Pa and m3 at the start of the last substep; the volume is NAN before the first one */
+    double work;             /* J, until then */
+} pel_pressed;
+
 struct pel_loads {
     pel_load *items; /* (count) */
     int32_t count;
@@ -48,6 +54,7 @@ struct pel_loads {
     double edge_load_work;   /* J, in the step */
     double tallied_work;     /* J, in the substeps of the step, of loads that are tallied and of forces of the caller */
     double external_work;    /* J, of the latter with the velocities at the end of the last substep times its length */
+    pel_pressed *pressed;    /* (body_count) */
     pel_follower *followers; /* (follower_count) null = none */
     int32_t follower_count;
     int32_t fluid_count;   /* bodies that hold a liquid (fluid.c) */
@@ -82,6 +89,10 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
    loads that change in the step, and of all in second order. */
 void pel_loads_begin_tally(pel_sim *sim, double h);
 void pel_loads_tally(pel_sim *sim, pel_span span, const pel_record *start);
+/* After the pressures of a substep are found; and the work of a body's pressure since the step began, where it depends
+   on the volume, which now is `volume` [m3]: 0 if no substep was taken. */
+void pel_loads_tally_pressure(pel_sim *sim);
+double pel_loads_pressure_work(const pel_sim *sim, int32_t body, double volume);
 
 /* Work of the loads [J] over a step to position_next, from one time to another: mean force times displacement. `h` [s]
    is the length of substeps whose new velocities move the positions, else 0. */

@@ -42,7 +42,10 @@ static void find_forces(pel_sim *sim, pel_span span, const pel_record *positions
 {
     pel_loads_add(sim, span, positions, sim->force);
     pel_wind_add(sim, sim->force);
-    pel_shell_forces_press(sim->shells, positions, span, sim->pool, sim->force);
+    /* positions are those of the start, and so is the volume that is asked for */
+    const pel_span start = {.time = span.time - span.back, .ahead = span.back, .extrapolates = span.extrapolates};
+    pel_shell_forces_press(sim->shells, positions, start, sim->pool, sim->force);
+    pel_loads_tally_pressure(sim);
 }
 
 /* what may touch, or is rigid, starts in first order */

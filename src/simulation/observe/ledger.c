@@ -238,6 +238,9 @@ static double potential_work(pel_sim *sim, int32_t b, const pel_span spans[2])
     double after = is_moved || isnan(checked) ? pel_body_volume(sim->model, b, sim->state->position_next) : checked;
     sim->checked_volumes[b] = (double)NAN;
     *known = after;
+    /* a target that moves within the step has no potential */
+    if (pel_sim_projects_elements(sim) && body->shell->target.key_count > 1)
+        return pel_loads_pressure_work(sim, b, after);
     const double factors[2] = {sim->state->load_factor_before, sim->state->load_factor};
     for (int i = 0; i < 2; i++)
         work += 0.5 * (pel_pressure_potential(body->shell, spans[i], factors[i], before, body->rest_volume) -
