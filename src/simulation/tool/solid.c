@@ -557,8 +557,7 @@ static void list_active(const pel_sim *sim)
     for (pel_solid_run *run = solids->runs; run < solids->runs + solids->run_count; c = run->end, run++) {
         if (!run->acts)
             continue;
-        run->calm = HUGE_VAL;
-        run->acts = false;
+        *run = (pel_solid_run){.body = run->body, .end = run->end, .calm = HUGE_VAL};
         for (; c < run->end; c++) {
             run->calm = pel_min(run->calm, solids->calm[c]);
             if ((!solids->pairs[c].is_near && !(solids->list.contacts[c].multiplier > 0)) || sleeps(sim, c))
@@ -621,10 +620,9 @@ void pel_solids_refresh(pel_sim *sim, const pel_record *start, bool is_first)
         for (; run->acts && c < run->end; c++) {
             /* planes follow a tool */
             bool follows = follows_any && solids->pairs[c].is_near;
-            if ((!follows && solids->calm[c] > solids->travel.way[run->body]) || sleeps(sim, c))
-                continue;
+            bool is_calm = !follows && solids->calm[c] > solids->travel.way[run->body];
             /* freeze the plane of a loaded contact within the substep, as in contact/refresh.c */
-            if (is_first || !(solids->list.contacts[c].multiplier > 0))
+            if (!is_calm && !sleeps(sim, c) && (is_first || !(solids->list.contacts[c].multiplier > 0)))
                 refresh_pair(sim, start, c);
         }
     }
