@@ -636,7 +636,10 @@ void view_gl_target_draw(view_gl_target *canvas, const view_triangle_list *soup,
         else
             glDisable(GL_CULL_FACE);
     }
+    /* what is below the ground, such as the foot of a table, is seen through it */
+    glDepthMask(look->ground ? GL_FALSE : GL_TRUE);
     draw_corners(canvas, first, count);
+    glDepthMask(GL_TRUE);
 }
 
 /* a row of pixels with its alpha divided out again */

@@ -21,6 +21,14 @@ enum { WIDTH = 160, HEIGHT = 120, FRAMES = 3, FAR_OFF = 64 };
 
 static bool can_draw;
 
+static void write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
 /* three frames of a ball that is pressed, with a tool above it; made in the folder of the tests */
 static void make_run(void)
 {
@@ -63,13 +71,10 @@ static void make_run(void)
         assert_int_equal(pel_vtp_write(path, &vtp, NULL), PEL_OK);
     }
     assert_int_equal(pel_pvd_write("render-run/frames.pvd", names, times, FRAMES, NULL), PEL_OK);
-    FILE *file = fopen("render-run/scene.yaml", "w");
-    fputs(scene, file);
-    fclose(file);
-    file = fopen("render-run/series.csv", "w");
-    fputs("frame,time,max_displacement,probe_x,probe_y,probe_z\n0,0,0,0,0,1.5\n1,0.5,0.2,0,0,1.3\n2,1,0.4,0,0,1.1\n",
-          file);
-    fclose(file);
+    write_text("render-run/scene.yaml", scene);
+    write_text(
+        "render-run/series.csv",
+        "frame,time,max_displacement,probe_x,probe_y,probe_z\n0,0,0,0,0,1.5\n1,0.5,0.2,0,0,1.3\n2,1,0.4,0,0,1.1\n");
     assert_int_equal(pel_mesh_write("render-ball.ply", PEL_FORMAT_AUTO, mesh, NULL, NULL), PEL_OK);
     free(move);
     free(moved);
@@ -374,14 +379,6 @@ static void test_folder(void **unused)
     free(pixels[1]);
 }
 
-static void write_text(const char *path, const char *text)
-{
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    fclose(file);
-}
-
 /* a plate that covers the picture is seen, but hides little: white behind it keeps nine tenths of its light */
 static void test_plate(void **unused)
 {
@@ -573,6 +570,38 @@ static void test_ground(void **unused)
     assert_int_equal(dark[1], 0);
 }
 
+/* what a body stands on is seen below the ground too, down to its foot */
+static void test_foot_of_table(void **unused)
+{
+    (void)unused;
+    if (!can_draw)
+        skip();
+    const char *frame = "f0.vtp", *run = "render-table";
+    const double time = 0;
+    mkdir(run, 0777);
+    assert_int_equal(system("cp render-run/f0.vtp render-table"), 0);
+    assert_int_equal(pel_pvd_write("render-table/frames.pvd", &frame, &time, 1, NULL), PEL_OK);
+    write_text("render-table/scene.yaml",
+               "version: 1\n"
+               "bodies: [{ name: ball, mesh: { shape: geodesic-sphere }, springs: { stiffness: 3 } }]\n"
+               "tools: [{ name: table, shape: box, size: [0.8, 0.8, 3], motion: [{ position: [0, 0, -2.5] }] }]\n"
+               "duration: 1\n");
+    write_text("render-table/series.csv", "frame,time,table_x,table_y,table_z\n0,0,0,0,-2.5\n");
+    pel_render_def def = make_def(&run, 1, "render-table.png");
+    size_t size;
+    def.hide_labels = def.hide_bar = true;
+    draw(&def);
+    uint8_t *pixels = read_png("render-table.png", &size);
+    int foot = HEIGHT - 1, white = 0;
+    while (foot > 0 && pixels[4 * (foot * WIDTH + WIDTH / 2)] == 255)
+        foot--;
+    for (int y = HEIGHT / 2; y < foot; ++y)
+        white += pixels[4 * (y * WIDTH + WIDTH / 2)] == 255;
+    assert_in_range(foot, HEIGHT / 2, HEIGHT - 1);
+    assert_int_equal(white, 0);
+    free(pixels);
+}
+
 /* in a narrow picture, whose border the shadow reaches, no step of brightness is seen on the ground */
 static void test_ground_of_narrow_picture(void **unused)
 {
@@ -662,21 +691,15 @@ static void test_stops(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_golden),
-                                       cmocka_unit_test(test_fields),
-                                       cmocka_unit_test(test_peak),
-                                       cmocka_unit_test(test_zero_field),
-                                       cmocka_unit_test(test_body_colors),
-                                       cmocka_unit_test(test_deterministic),
-                                       cmocka_unit_test(test_folder),
-                                       cmocka_unit_test(test_bad_defs),
-                                       cmocka_unit_test(test_film),
-                                       cmocka_unit_test(test_ground),
-                                       cmocka_unit_test(test_ground_of_narrow_picture),
-                                       cmocka_unit_test(test_plate),
-                                       cmocka_unit_test(test_not_finite),
-                                       cmocka_unit_test(test_out_of_memory),
-                                       cmocka_unit_test(test_stops)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_golden),        cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_peak),          cmocka_unit_test(test_zero_field),
+        cmocka_unit_test(test_body_colors),   cmocka_unit_test(test_deterministic),
+        cmocka_unit_test(test_folder),        cmocka_unit_test(test_bad_defs),
+        cmocka_unit_test(test_film),          cmocka_unit_test(test_ground),
+        cmocka_unit_test(test_foot_of_table), cmocka_unit_test(test_ground_of_narrow_picture),
+        cmocka_unit_test(test_plate),         cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_stops)};
     make_run();
     const char *ball = "render-ball.ply";
     pel_render_def def = make_def(&ball, 1, "render-probe.png");
