@@ -630,7 +630,8 @@ static void add_found(merger *m, const pel_collision *pair, int64_t number)
         if (key.load > 0 && old->compliance < contact.compliance)
             contact.compliance = old->compliance;
         m->old++;
-    } else if ((m->is_anew ? 0 : set->list.count - m->old) + m->count >= set->def.limit) {
+    } else if (set->list.count - m->old + m->count >= set->def.limit) {
+        /* those that are known have room */
         set->statistics.dropped++;
         return;
     }
