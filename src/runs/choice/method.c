@@ -80,13 +80,9 @@ static bool is_flat(const pel_mesh *mesh)
 {
     double sum[3] = {0}, area = 0;
     for (int32_t t = 0; t < mesh->triangle_count; t++) {
-        const double *x[3];
-        double u[3], v[3], normal[3];
-        for (int k = 0; k < 3; k++)
-            x[k] = mesh->positions[mesh->triangles[t][k]];
-        pel_vec3_subtract(x[1], x[0], u);
-        pel_vec3_subtract(x[2], x[0], v);
-        pel_vec3_cross(u, v, normal);
+        const int32_t *v = mesh->triangles[t];
+        double normal[3];
+        pel_vec3_triangle_normal(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], normal);
         pel_vec3_add(sum, normal, sum);
         area += pel_vec3_length(normal);
     }

@@ -251,22 +251,6 @@ int32_t pel_ties_list_couplings(const pel_sim *sim, const int32_t (**vertices)[4
 
 /* ---- explicit ---- */
 
-void pel_ties_add(pel_sim *sim, pel_record *force)
-{
-    const pel_ties *ties = sim->ties;
-    for (int32_t i = 0; ties != NULL && i < ties->count; i++) {
-        const pel_tie *tie = &ties->items[i];
-        double own[3];
-        if (isfinite(tie->stiffness))
-            force_at(sim, tie, pel_sim_time(sim), sim->state->position, own);
-        else
-            pel_vec3_copy(tie->force, own);
-        for (int j = 0; j < tie->count; j++)
-            for (int k = 0; k < 3; k++)
-                force[tie->vertices[j]][k] += (pel_real)(tie->weights[j] * own[k]);
-    }
-}
-
 void pel_ties_apply(pel_sim *sim, double ratio)
 {
     const pel_ties *ties = sim->ties;

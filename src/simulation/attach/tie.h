@@ -56,8 +56,6 @@ double pel_ties_evaluate(pel_sim *sim, double time, const double *unknowns, doub
 void pel_ties_add_matrix(pel_sim *sim, double time, const double *unknowns, pel_matrix *matrix);
 /* Vertices of those that need blocks of the matrix beside the diagonal: (returned count). */
 int32_t pel_ties_list_couplings(const pel_sim *sim, const int32_t (**vertices)[4]);
-/* Adds forces at the present positions and time to force (vertex_count). */
-void pel_ties_add(pel_sim *sim, pel_record *force);
 /* Explicit: adds the forces at the start of the step to the new velocities, and `ratio` [s] of the change to the
    positions. */
 void pel_ties_apply(pel_sim *sim, double ratio);
