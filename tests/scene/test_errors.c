@@ -102,6 +102,9 @@ static const bad_scene bad_scenes[] = {
      "a.yaml:5:27: error: bodies.0.springs.stiffness is '3 N/m', it must be: number or map. write the number "
      "without a unit; it is in N/m"},
     {BALL "    springs:\n      - 3\n", NULL, "a.yaml:6:7: error: bodies.0.springs is a list, it must be: map"},
+    {BALL "tools: [ { name: t, shape: mesh, motion: [ { position: [0, 0, 9] } ] } ]\n", NULL,
+     "a.yaml:5:28: error: unknown shape 'mesh'. a tool of a mesh has no shape: give `mesh: { file: ... }` in its "
+     "place"},
     {BALL "    scale_with_area: yes\n", NULL,
      "a.yaml:5:22: error: bodies.0.scale_with_area is 'yes', it must be: true"},
     {BALL "    reference_count: 1.5\n", NULL,

@@ -67,11 +67,13 @@ static void follow(const char *more, char *line)
 static void test_moves(void **unused)
 {
     (void)unused;
-    const char *const names[] = {"whole", "split"};
-    for (int n = 0; n < 2; n++) {
+    static const struct {
+        const char *name, *scale;
+    } cases[] = {{"whole", "scale: 0.5"}, {"split", "scale: 0.5"}, {"whole", "scale: 7, size: 1"}};
+    for (int n = 0; n < 3; n++) {
         char file[200], more[200], line[400];
-        snprintf(file, sizeof file, "%s_0.obj, scale: 0.5, translate: [1, 2, 3]", names[n]);
-        snprintf(more, sizeof more, "%s_*.obj', fps: 10", names[n]);
+        snprintf(file, sizeof file, "%s_0.obj, %s, translate: [1, 2, 3]", cases[n].name, cases[n].scale);
+        snprintf(more, sizeof more, "%s_*.obj', fps: 10", cases[n].name);
         follow(more, line);
         run r;
         check_begin(&r, scene(file, line));

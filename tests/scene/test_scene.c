@@ -539,6 +539,39 @@ static void test_file_mesh(void **unused)
     rmdir(folder);
 }
 
+/* A file in unknown units, scaled by the longest side of its box after `scale`. The text of the scene has the scale
+   alone, so that it gives the same bits; an animation of the body is scaled with it (test_follow). */
+static void test_size(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *more;
+        double x, z;
+    } cases[] = {{"size: 0.3", 0.1, 0.3}, {"size: 0.3, scale: [3, 1, 0.5]", 0.3, 0.15}};
+    FILE *file = fopen("size_test.obj", "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 7 0 0\nv 0 7 0\nv 0 0 21\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", file);
+    fclose(file);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "version: 1\nduration: 1\nbodies: [{mesh: {file: size_test.obj, %s, translate: [1, 0, 0]}}]\n",
+                 cases[i].more);
+        pel_scene *scene, *again;
+        assert_int_equal(pel_scene_parse("a.yaml", text, strlen(text), NULL, 0, NULL, &scene, NULL), PEL_OK);
+        double(*x)[3] = scene->model.bodies->mesh->positions;
+        assert_near(x[1][0], 1 + cases[i].x, 1e-12);
+        assert_near(x[3][2], cases[i].z, 1e-12);
+        const char *made = pel_scene_text(scene);
+        assert_null(strstr(made, "size:"));
+        assert_int_equal(pel_scene_parse("a.yaml", made, strlen(made), NULL, 0, NULL, &again, NULL), PEL_OK);
+        assert_memory_equal(x, again->model.bodies->mesh->positions, 4 * sizeof *x);
+        pel_scene_destroy(again);
+        pel_scene_destroy(scene);
+    }
+    remove("size_test.obj");
+}
+
 static pel_status parse_everything(const void *unused, pel_error *error)
 {
     (void)unused;
@@ -561,21 +594,14 @@ static void test_allocation_failures(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_everything),
-        cmocka_unit_test(test_falloff),
-        cmocka_unit_test(test_scene_runs),
-        cmocka_unit_test(test_supports),
-        cmocka_unit_test(test_session),
-        cmocka_unit_test(test_overrides),
-        cmocka_unit_test(test_override_replaces_alternative),
-        cmocka_unit_test(test_aliases),
-        cmocka_unit_test(test_json),
-        cmocka_unit_test(test_fixed_point),
-        cmocka_unit_test(test_shipped_scenes),
-        cmocka_unit_test(test_texts),
-        cmocka_unit_test(test_file_mesh),
-        cmocka_unit_test(test_allocation_failures),
+        cmocka_unit_test(test_defaults),    cmocka_unit_test(test_everything),
+        cmocka_unit_test(test_falloff),     cmocka_unit_test(test_scene_runs),
+        cmocka_unit_test(test_supports),    cmocka_unit_test(test_session),
+        cmocka_unit_test(test_overrides),   cmocka_unit_test(test_override_replaces_alternative),
+        cmocka_unit_test(test_aliases),     cmocka_unit_test(test_json),
+        cmocka_unit_test(test_fixed_point), cmocka_unit_test(test_shipped_scenes),
+        cmocka_unit_test(test_texts),       cmocka_unit_test(test_file_mesh),
+        cmocka_unit_test(test_size),        cmocka_unit_test(test_allocation_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@ const char *pel_everyday_word(const char *text, const char *const *known, size_t
         {"half-space", "blade", floor_tool},
         {"wall", "blade", floor_tool},
         {"table", "blade", floor_tool},
+        {"mesh", "blade", "a tool of a mesh has no shape: give `mesh: { file: ... }` in its place"},
         {"cube", "box", "did you mean 'box'?"},
         {"plane", "grid", "did you mean 'grid'?"},
         {"square", "grid", "did you mean 'grid'?"},

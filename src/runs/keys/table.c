@@ -81,6 +81,8 @@ static const pel_def_row run_rows[] = {
          "in the file; the field `file_vertex` has the first of each vertex. false: slits stay open"},
     {"<mesh>.scale", .forms = PEL_FORM_NUMBER | PEL_FORM_VECTOR, POSITIVE, .preset = "1",
      .doc = "factor on all coordinates or on x, y and z (0.001 for millimetres); applied first"},
+    {"<mesh>.size", NUMBER, .unit = "m", POSITIVE, .needs = "file",
+     .doc = "longest side of the bounding box, for files in unknown units: multiplies `scale` by what gives it"},
     {"<mesh>.rotate", MAP, .doc = "rotation of the mesh about the origin; applied second"},
     {"<mesh>.rotate.axis", VECTOR, REQUIRED, .doc = "axis of rotation, of any length but 0"},
     {"<mesh>.rotate.angle", NUMBER, .unit = "degrees", REQUIRED, .doc = "angle, counter-clockwise"},

@@ -21,6 +21,32 @@ static bool is_one_of(const char *text, const char *const *words)
     return *words != NULL;
 }
 
+pel_status pel_scene_value_set_number(pel_scene_reader *reader, pel_scene_value *value, double number)
+{
+    char text[PEL_NUMBER_SIZE];
+    pel_number_print(text, number);
+    value->kind = PEL_SCENE_SCALAR;
+    value->form = PEL_FORM_NUMBER;
+    value->quoted = false;
+    value->number = number;
+    value->text = pel_arena_text(reader->arena, text, strlen(text));
+    return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
+}
+
+pel_status pel_scene_value_set_vector(pel_scene_reader *reader, pel_scene_value *value, const double vector[3])
+{
+    value->kind = PEL_SCENE_LIST;
+    value->form = PEL_FORM_VECTOR;
+    value->first = value->last = NULL;
+    for (int i = 0; i < 3; i++) {
+        pel_scene_value *number = pel_scene_value_create(reader, PEL_SCENE_SCALAR, value->place);
+        if (number == NULL || pel_scene_value_set_number(reader, number, vector[i]) != PEL_OK)
+            return PEL_OUT_OF_MEMORY;
+        pel_scene_value_append(value, NULL, number);
+    }
+    return PEL_OK;
+}
+
 bool pel_scene_value_is_null(const pel_scene_value *value)
 {
     static const char *const nulls[] = {"", "~", "null", "Null", "NULL", NULL};

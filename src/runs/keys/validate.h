@@ -10,6 +10,10 @@
    are filled in, keys without value are removed and entries are in the order of the table. */
 pel_status pel_scene_check(pel_scene_reader *reader, pel_scene_value *root);
 
+/* Makes a value a number or a vector, as if it had stood in the scene. */
+pel_status pel_scene_value_set_number(pel_scene_reader *reader, pel_scene_value *value, double number);
+pel_status pel_scene_value_set_vector(pel_scene_reader *reader, pel_scene_value *value, const double vector[3]);
+
 /* A plain scalar that YAML reads as no value. */
 bool pel_scene_value_is_null(const pel_scene_value *value);
 

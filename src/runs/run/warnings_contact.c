@@ -115,20 +115,27 @@ static const char *pinned_body_at(const pel_run_state *run, int32_t t, double ti
     return name;
 }
 
-const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t t)
+/* the first body of which a tool meets pinned vertices alone between two times, or null */
+static const char *pinned_body_between(const pel_run_state *run, int32_t t, double from, double to)
 {
-    double time = pel_sim_time(run->sim);
     const char *name = NULL;
     for (int i = 0; i <= WAY_POINTS && name == NULL; i++)
-        name = pinned_body_at(run, t, time * i / WAY_POINTS);
+        name = pinned_body_at(run, t, from + (to - from) * i / WAY_POINTS);
     return name;
 }
 
-static const char *pinned_body_of(const pel_run_state *run, const char *tool)
+const char *pel_pinned_body_on_way(const pel_run_state *run, int32_t t)
 {
-    for (int32_t t = 0; tool != NULL && t < run->scene->sim.tool_count; t++)
-        if (strcmp(run->scene->sim.tools[t].name, tool) == 0)
-            return pinned_body_at(run, t, pel_sim_time(run->sim));
+    return pinned_body_between(run, t, 0, pel_sim_time(run->sim));
+}
+
+/* the body whose pinned vertices alone were in the way of a tool when it was first held back, or null */
+static const char *pinned_body_of(const pel_run_state *run, const first_tool *first)
+{
+    const double time = first->reading.held_back_time, dt = run->scene->sim.solver.dt;
+    for (int32_t t = 0; first->name != NULL && t < run->scene->sim.tool_count; t++)
+        if (strcmp(run->scene->sim.tools[t].name, first->name) == 0)
+            return pinned_body_between(run, t, time - 2 * dt, time + dt);
     return NULL;
 }
 
@@ -137,7 +144,7 @@ void pel_tell_held_tool(const pel_warning_text *at)
     char others[40], remedy[200];
     first_tool first = find_first_tool(at->run->sim, false);
     double lag = lag_of(at->run, first.name);
-    const char *pinned = pinned_body_of(at->run, first.name);
+    const char *pinned = pinned_body_of(at->run, &first);
     if (pinned != NULL)
         snprintf(remedy, sizeof remedy,
                  "its keys lead it into vertices of body '%.60s' that are all pinned: pin fewer, or press elsewhere",

@@ -175,6 +175,29 @@ pel_status pel_scene_transform(pel_scene_reader *reader, const pel_scene_value *
     return PEL_OK;
 }
 
+/* the size that is asked for becomes a factor of the scale */
+static pel_status resolve_size(pel_scene_reader *reader, pel_scene_value *value, const pel_mesh *mesh)
+{
+    pel_scene_value *size = pel_scene_value_entry(value, "size"), *scale = pel_scene_value_entry(value, "scale");
+    double low[3], high[3], factor[3] = {scale->number, scale->number, scale->number}, longest = 0;
+    if (size == NULL)
+        return PEL_OK;
+    if (scale->form == PEL_FORM_VECTOR)
+        pel_scene_value_numbers(scale, factor);
+    pel_mesh_box(mesh, low, high);
+    for (int i = 0; i < 3; i++)
+        longest = pel_max(longest, (high[i] - low[i]) * factor[i]);
+    if (!(longest > 0) || !isfinite(size->number / longest)) {
+        pel_scene_fail(reader, &size->place, "the mesh has no extent that could be scaled to %g m", size->number);
+        pel_fail_remedy(reader->error, "check the file with `pellicle info`");
+        return PEL_BAD_SCENE;
+    }
+    pel_vec3_scale(factor, size->number / longest, factor);
+    pel_scene_value_remove(size);
+    return scale->form == PEL_FORM_VECTOR ? pel_scene_value_set_vector(reader, scale, factor)
+                                          : pel_scene_value_set_number(reader, scale, factor[0]);
+}
+
 static pel_status move_mesh(pel_scene_reader *reader, const pel_scene_value *value, pel_mesh *mesh)
 {
     pel_transform transform;
@@ -192,8 +215,10 @@ pel_status pel_scene_mesh(pel_scene_reader *reader, pel_scene_value *value, cons
         return PEL_OK;
     }
     *mesh = NULL;
-    pel_status status = pel_scene_value_entry(value, "shape") != NULL ? create_shape(reader, value, mesh)
-                                                                      : read_file(reader, value, folder, mesh);
+    const bool is_shape = pel_scene_value_entry(value, "shape") != NULL;
+    pel_status status = is_shape ? create_shape(reader, value, mesh) : read_file(reader, value, folder, mesh);
+    if (status == PEL_OK && !is_shape)
+        status = resolve_size(reader, value, *mesh);
     if (status == PEL_OK)
         status = move_mesh(reader, value, *mesh);
     if (status == PEL_OK)

@@ -229,34 +229,6 @@ static pel_status read_gap(pel_scene_reader *reader, const pel_scene_value *valu
     return PEL_BAD_SCENE;
 }
 
-/* a value becomes a number */
-static pel_status set_number(pel_scene_reader *reader, pel_scene_value *value, double number)
-{
-    char text[PEL_NUMBER_SIZE];
-    pel_number_print(text, number);
-    value->kind = PEL_SCENE_SCALAR;
-    value->form = PEL_FORM_NUMBER;
-    value->quoted = false;
-    value->number = number;
-    value->text = pel_arena_text(reader->arena, text, strlen(text));
-    return value->text != NULL ? PEL_OK : pel_fail_memory(reader->error);
-}
-
-/* a value becomes a vector */
-static pel_status set_vector(pel_scene_reader *reader, pel_scene_value *value, const double vector[3])
-{
-    value->kind = PEL_SCENE_LIST;
-    value->form = PEL_FORM_VECTOR;
-    value->first = value->last = NULL;
-    for (int i = 0; i < 3; i++) {
-        pel_scene_value *number = pel_scene_value_create(reader, PEL_SCENE_SCALAR, value->place);
-        if (number == NULL || set_number(reader, number, vector[i]) != PEL_OK)
-            return PEL_OUT_OF_MEMORY;
-        pel_scene_value_append(value, NULL, number);
-    }
-    return PEL_OK;
-}
-
 pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, const pel_model_def *model)
 {
     pel_scene_value *radius = pel_scene_value_entry(tool, "radius"), *length = pel_scene_value_entry(tool, "length"),
@@ -265,11 +237,11 @@ pel_status pel_scene_size_tool(pel_scene_reader *reader, pel_scene_value *tool, 
     const double side[3] = {0.12 * diagonal, 0.12 * diagonal, 0.12 * diagonal};
     pel_status status = PEL_OK;
     if (radius != NULL && radius->form == PEL_FORM_WORD)
-        status = set_number(reader, radius, (length != NULL ? 0.03 : 0.06) * diagonal);
+        status = pel_scene_value_set_number(reader, radius, (length != NULL ? 0.03 : 0.06) * diagonal);
     if (status == PEL_OK && length != NULL && length->form == PEL_FORM_WORD)
-        status = set_number(reader, length, 0.2 * diagonal);
+        status = pel_scene_value_set_number(reader, length, 0.2 * diagonal);
     if (status == PEL_OK && size != NULL && size->form == PEL_FORM_WORD)
-        status = set_vector(reader, size, side);
+        status = pel_scene_value_set_vector(reader, size, side);
     return status;
 }
 
@@ -338,5 +310,5 @@ pel_status pel_scene_place_tool(pel_scene_reader *reader, pel_scene_value *posit
     pel_vec3_scale(out, -1, inward);
     pel_rotate_back(turn, inward, inward);
     pel_vec3_along(point, gap + reach_of(tool, inward), out, point);
-    return set_vector(reader, position, point);
+    return pel_scene_value_set_vector(reader, position, point);
 }
