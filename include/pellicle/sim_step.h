@@ -100,6 +100,11 @@ PEL_API void pel_sim_destroy(pel_sim *sim);
    counts with its finest level. PEL_BAD_ARGUMENT as pel_sim_create, PEL_OUT_OF_MEMORY. */
 PEL_API pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error);
 
+/* A dt [s] with which PEL_METHOD_EXPLICIT is stable on a model: half of the limit at rest, as materials stiffen in
+   motion, with parameters over time at their largest and bodies that refine at their finest level. 0: forward Euler
+   without damping is never stable. PEL_BAD_ARGUMENT as pel_sim_create, PEL_OUT_OF_MEMORY. */
+PEL_API pel_status pel_sim_stable_dt(const pel_sim_def *def, double *dt, pel_error *error);
+
 /* One step of dt. PEL_DIVERGED (with the first bad vertex, the step and the likely parameter) restores the state before
    the step. PEL_STOPPED (`wanted` returned false in a long step) restores it too, and later steps have the same bits as
    without the stop. A step allocates no memory, with these exceptions: a snapshot in the first step that calls

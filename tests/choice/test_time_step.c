@@ -102,6 +102,60 @@ static void test_choice(void **unused)
     }
 }
 
+/* a dt that is half of what a simulation refuses */
+static void check_half(const pel_sim_def *scene, double *stable)
+{
+    pel_sim_def def = *scene;
+    pel_sim *sim;
+    assert_int_equal(pel_sim_stable_dt(&def, stable, NULL), PEL_OK);
+    def.solver.dt = 1.98 * *stable;
+    assert_int_equal(pel_sim_create(&def, &sim, NULL), PEL_OK);
+    pel_sim_destroy(sim);
+    def.solver.dt = 2.02 * *stable;
+    assert_int_equal(pel_sim_create(&def, &sim, NULL), PEL_UNSTABLE);
+}
+
+/* The step of explicit is told and stable, and follows what it depends on; it is refused where it would take
+   long, and not chosen where it is written. */
+static void test_explicit(void **unused)
+{
+    (void)unused;
+    const char *const text = "version: 1\nbodies:\n  - name: card\n    mesh: { shape: grid, nx: 8, ny: 8, size_x: 0.2, "
+                             "size_y: 0.2 }\n    membrane: { young: %s, thickness: 0.001 }\n%s    pinned: boundary\n"
+                             "gravity: [0, 0, -9.81]\nduration: 0.2\nsolver: { method: explicit%s }\n";
+    static const struct {
+        const char *young, *more, *dt;
+        double least, most; /* s */
+        const char *says;
+    } cases[] = {
+        {"1e6", "", "", 1.7e-4, 3e-4, "half of what explicit is stable with at rest"},
+        {"4e6", "", "", 0.8e-4, 1.5e-4, "half of what explicit is stable with at rest"},
+        {"1e6", "    refine: { levels: 1, near_tools: 0.01 }\n", "", 1e-4, 1.6e-4, "half of what explicit"},
+        {"1e6", "", ", dt: 1e-5", 1e-5, 1e-5, ""},
+        {"1e-2", "", "", 0.01, 0.01, ""},
+        {"1e17", "", "", 0, 0, "use the method xpbd or implicit, or write solver.dt"},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        char scene_text[600], message[1000] = "";
+        run r;
+        pel_error error = {0};
+        snprintf(scene_text, sizeof scene_text, text, cases[c].young, cases[c].more, cases[c].dt);
+        pel_status status = begin(&r, scene_text, &error);
+        assert_int_equal(status, cases[c].most > 0 ? PEL_OK : PEL_BAD_SCENE);
+        const char *said = status == PEL_OK ? r.told.text : pel_error_text(&error, message, sizeof message);
+        if (strstr(said, cases[c].says) == NULL || (cases[c].says[0] == '\0' && strstr(said, "explicit") != NULL))
+            fail_msg("case %d: %s", (int)c, said);
+        if (status == PEL_OK) {
+            double dt = r.scene->sim.solver.dt, stable;
+            if (!(dt >= cases[c].least && dt <= cases[c].most))
+                fail_msg("case %d: dt %g", (int)c, dt);
+            check_half(&r.scene->sim, &stable);
+            assert_true(dt <= stable);
+        }
+        end(&r);
+    }
+}
+
 /* a solid whose systems take long is told before the first step, with an edge that would do; xpbd solves none */
 static void test_solid_cost(void **unused)
 {
@@ -130,6 +184,7 @@ static void test_solid_cost(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice), cmocka_unit_test(test_solid_cost)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_choice), cmocka_unit_test(test_explicit),
+                                       cmocka_unit_test(test_solid_cost)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -343,11 +343,14 @@ static void test_sim(void **unused)
     (void)unused;
     pel_sim *made;
     pel_sim_def def = make_sim(), wrong;
+    double stable;
     int32_t count;
     REFUSED("def", pel_sim_create(NULL, &made, &error));
     REFUSED("sim", pel_sim_create(&def, NULL, &error));
     REFUSED("def", pel_sim_needed_substeps(NULL, &count, &error));
     REFUSED("count", pel_sim_needed_substeps(&def, NULL, &error));
+    REFUSED("def", pel_sim_stable_dt(NULL, &stable, &error));
+    REFUSED("dt", pel_sim_stable_dt(&def, NULL, &error));
     wrong = def, wrong.model = NULL;
     REFUSED("model", pel_sim_create(&wrong, &made, &error));
     wrong = def, wrong.loads = NULL, wrong.load_count = 1;

@@ -244,6 +244,14 @@ static void test_what_is_read_anew(void **unused)
     write_scene(text, 4, 0);
     assert_false(may_patch(text, "bodies.ball.membrane.poisson"));
     assert_true(may_patch(text, "loads.pull.force"));
+    /* and so may its step */
+    static const char *const steps = "version: 1\nbodies: [{name: a, mesh: {shape: grid}, membrane: {young: 1000, "
+                                     "thickness: 0.01}}]\nduration: 0.01\nsolver: {method: %s%s}\n";
+    static const char *const kinds[] = {"explicit", "implicit", "xpbd"};
+    for (int i = 0; i < 6; i++) {
+        snprintf(text, sizeof text, steps, kinds[i / 2], i % 2 == 0 ? "" : ", dt: 0.0001");
+        assert_int_equal(may_patch(text, "bodies.a.membrane.poisson"), i % 2 != 0 || i == 4);
+    }
 }
 
 /* other texts than a plain number leave the scene unchanged */

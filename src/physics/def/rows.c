@@ -854,10 +854,11 @@ static const pel_def_row rows[] = {
             "quasi-static if springs are given by a stiffness in N/m"},
     {"solver.dt", SOLVER(dt), NUMBER, .unit = "s", POSITIVE, DEFAULT(0.01),
      REFUSED("time is counted in steps of dt", "change substeps, or make a simulation with the new dt"),
-     .doc =
-         "length of a step. Default: 0.01, or output.every if that is shorter (explicit, xpbd, implicit); implicit: "
-         "shorter where nothing damps a vibration or load that this would not resolve, and the run takes no more than "
-         "about 10 s of one core"},
+     .doc = "length of a step. Default: 0.01, or output.every if that is shorter (explicit, xpbd, implicit); explicit: "
+            "half "
+            "of the limit of stability at rest, refused beyond ten minutes of one core; implicit: shorter where "
+            "nothing damps a vibration or load that this would not resolve, and the run takes no more than "
+            "about 10 s of one core"},
     {"solver.alpha", SOLVER(alpha), NUMBER_OR("auto"), POSITIVE, .preset = "auto", AUTO(0), WHEN(is_quasi_static),
      .doc = "quasi-static: dimensionless step size; auto: chosen to be stable"},
     {"solver.velocity", SOLVER(keep_velocity), WORD("ignore", "keep"), .preset = "ignore", WHEN(is_quasi_static),

@@ -141,6 +141,11 @@ double pel_scene_step_cost(const pel_scene *scene)
     return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).system;
 }
 
+double pel_scene_substep_cost(const pel_scene *scene)
+{
+    return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).substep;
+}
+
 /* with more substeps than this, implicit is as exact in less time */
 static int32_t most_substeps(const step_cost *cost)
 {

@@ -19,6 +19,8 @@ enum { PEL_STATIC_SYSTEMS = 3 };
 
 /* ms of one core, of a step of implicit as it may be where bodies jam, from counts */
 double pel_scene_step_cost(const pel_scene *scene);
+/* ms of one core, of a substep of xpbd or a step of explicit, from counts */
+double pel_scene_substep_cost(const pel_scene *scene);
 /* Tells how long the run takes, in the log, where that is long: under static, implicit and xpbd. */
 void pel_scene_tell_cost(pel_scene_reader *reader, const pel_scene *scene);
 

@@ -10,6 +10,7 @@
 #include "base/status.h"
 #include "choice/method.h"
 #include "keys/arena.h"
+#include "keys/validate.h"
 #include "math/extremes.h"
 #include "math/functions.h"
 #include "minimise/step_modes.h"
@@ -23,6 +24,8 @@
 enum { STEPS_A_PERIOD = 40, STEPS_A_LOAD = 8, STEPS_A_POSE = 4 };
 /* s of one core, for a whole run */
 #define MOST_COST 10
+/* s of one core: explicit runs that take longer are refused */
+#define MOST_EXPLICIT 600
 /* and for one system of equations: an analysis solves dozens */
 #define MOST_SYSTEM 2
 /* those of a free body and one that is none */
@@ -34,6 +37,7 @@ enum { MODE_COUNT = 7 };
 
 static const int32_t divisors[] = {1,  2,  4,   5,   8,   10,  16,  20,  25,  32,  40,  50,
                                    64, 80, 100, 125, 160, 200, 250, 320, 400, 500, 800, 1000};
+#define LAST_DIVISOR 1000
 
 static bool has(const pel_quantity *quantity)
 {
@@ -334,10 +338,54 @@ static void tell_solid_cost(pel_scene_reader *reader, const pel_scene *scene)
                      pel_pow(cost / MOST_COST, 1.0 / 6) + 0.05, stepper->is_static ? " with solver.drag" : "");
 }
 
+static pel_status refuse_explicit(pel_scene_reader *reader, const pel_scene_value *root, double dt, double steps,
+                                  double cost)
+{
+    const pel_scene_value *value = pel_scene_value_at(root, "solver.method");
+    pel_scene_fail(reader, &value->place, "explicit would take %.3g steps of %.3g s, about %.2g s of one core", steps,
+                   dt, cost);
+    pel_fail_remedy(reader->error,
+                    "use the method xpbd or implicit, or write solver.dt: %.3g if the run may take so long", dt);
+    return PEL_BAD_SCENE;
+}
+
+/* Explicit steps are as long as is stable; what hinders the simulation itself is told when it is created. */
+static pel_status choose_stable(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
+{
+    const pel_stepper *stepper = pel_stepper_of(scene->sim.solver.method);
+    const double dt = scene->sim.solver.dt;
+    double enough = 0, scale = 1;
+    if (!stepper->is_explicit || !pel_scene_value_at(root, "solver.dt")->is_implied)
+        return PEL_OK;
+    pel_model *model = NULL;
+    pel_status status = pel_model_create(&scene->model, &model, NULL);
+    pel_sim_def def = scene->sim;
+    def.model = model;
+    if (status == PEL_OK)
+        status = pel_sim_stable_dt(&def, &enough, NULL);
+    pel_model_destroy(model);
+    if (status == PEL_OUT_OF_MEMORY)
+        return pel_fail_memory(reader->error);
+    if (status != PEL_OK || !(enough > 0) || enough >= dt)
+        return PEL_OK;
+    while (dt / (LAST_DIVISOR * scale) > enough)
+        scale *= LAST_DIVISOR;
+    const double chosen = dt / (scale * divisor_of(dt / scale, enough)), steps = scene->duration / chosen;
+    const double cost = 1e-3 * pel_scene_substep_cost(scene) * steps;
+    if (cost > MOST_EXPLICIT)
+        return refuse_explicit(reader, root, chosen, steps, cost);
+    pel_log_line(reader->log,
+                 "dt %.4g s: half of what explicit is stable with at rest, %.3g s; about %.2g s of one core", chosen,
+                 2 * enough, cost);
+    return set_dt(reader, root, scene, chosen);
+}
+
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     tell_solid_cost(reader, scene);
     pel_status status = follow_frames(reader, root, scene);
+    if (status == PEL_OK)
+        status = choose_stable(reader, root, scene);
     if (status != PEL_OK)
         return status;
     const double dt = scene->sim.solver.dt, cost = 1e-3 * pel_scene_step_cost(scene) * scene->duration / dt;

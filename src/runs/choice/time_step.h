@@ -35,10 +35,11 @@ pel_status pel_scene_find_motions(const pel_scene *scene, double dt, double shor
 /* the method of equilibria, which has analyses */
 pel_method pel_scene_static_method(void);
 
-/* Sets dt of the method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
+/* Sets dt of the method explicit to a stable one, and refuses scenes that take more than ten minutes so. Sets dt of the
+   method implicit, in the def and in the tree, with a line to the log, where motion goes on that steps
    of the default would not resolve: no tools that stay, no damping, hardly any drag, and a shorter vibration or load.
    Only in scenes that give no dt and count no steps. Before that, dt of methods with velocities and a material is at
-   most the time between frames. PEL_OUT_OF_MEMORY. */
+   most the time between frames. PEL_OUT_OF_MEMORY, PEL_BAD_SCENE. */
 pel_status pel_scene_choose_dt(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);
 
 #endif

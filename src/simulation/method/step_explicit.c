@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "boundary/loads.h"
 #include "boundary/wind.h"
+#include "math/extremes.h"
 #include "math/functions.h"
 #include "method/meet.h"
 #include "solve/shell_stability.h"
@@ -17,6 +18,7 @@
 #include "tool/grip.h"
 #include "tool/tools.h"
 
+#include <math.h>
 #include <string.h>
 
 /* share of the stability limit that a remedy names */
@@ -33,11 +35,12 @@ static bool has_gas(const pel_sim *sim)
     return false;
 }
 
-static pel_status refuse_dt(const pel_sim *sim, double limit, pel_error *error)
+static pel_status refuse_dt(const pel_sim *sim, double limit, const char *level, pel_error *error)
 {
-    pel_fail(error, PEL_UNSTABLE, "dt %.6g is unstable on this mesh: the limit is %.6g", sim->step.dt, limit);
-    pel_fail_remedy(error, "use at most %.4g, or a softer material%s", SAFE_SHARE * limit,
-                    has_gas(sim) ? ", or a gas of lower pressure" : "");
+    pel_fail(error, PEL_UNSTABLE, "dt %.6g is unstable on %s: the limit is %.6g", sim->step.dt, level, limit);
+    pel_fail_remedy(error, "use at most %.4g, or a softer material%s%s", SAFE_SHARE * limit,
+                    has_gas(sim) ? ", or a gas of lower pressure" : "",
+                    sim->active != NULL ? ", or fewer levels of detail" : "");
     return PEL_UNSTABLE;
 }
 
@@ -48,45 +51,55 @@ pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability
     return pel_shell_stability_refine(sim->model, sim->state, sim->shells, sim->pool, stability, error);
 }
 
-static pel_status check_dt_here(pel_sim *sim, pel_error *error)
+/* from below where that is enough */
+static pel_status find_limit(const pel_sim *sim, double enough, double *limit, pel_error *error)
 {
     pel_stability stability;
     pel_stability_bound(sim->model, &stability);
     pel_shell_stability_bound(sim->shells, &stability);
-    bool symplectic = sim->solver.symplectic;
-    if (sim->step.dt <= pel_stability_dt(&stability, stability.stiffness_bound, symplectic))
+    *limit = pel_stability_dt(&stability, stability.stiffness_bound, sim->solver.symplectic);
+    if (*limit >= enough)
         return PEL_OK;
     pel_status status = pel_sim_refine_stability(sim, &stability, error);
-    if (status != PEL_OK)
-        return status;
-    double limit = pel_stability_dt(&stability, stability.stiffness, symplectic);
-    if (sim->step.dt <= limit)
-        return PEL_OK;
-    if (limit > 0)
-        return refuse_dt(sim, limit, error);
-    return pel_refuse(error, PEL_UNSTABLE, "give the springs a damping above 0, or use the symplectic integrator",
-                      "forward Euler is unstable at every dt without damping");
+    *limit = pel_stability_dt(&stability, stability.stiffness, sim->solver.symplectic);
+    return status;
 }
 
-/* on the base and, where a body refines, on its finest level too */
-static pel_status check_dt(pel_sim *sim, pel_error *error)
+/* on the base and, where a body refines, everywhere on its finest level */
+static pel_status find_limits(pel_sim *sim, double enough, double limits[2], pel_error *error)
 {
-    pel_status status = check_dt_here(sim, error);
+    limits[1] = HUGE_VAL;
+    pel_status status = find_limit(sim, enough, &limits[0], error);
     if (status != PEL_OK || sim->active == NULL)
         return status;
     for (int32_t b = 0; b < sim->model->body_count; b++)
         pel_refine_everywhere(sim, b, true);
-    status = check_dt_here(sim, error);
+    status = find_limit(sim, enough, &limits[1], error);
     for (int32_t b = 0; b < sim->model->body_count; b++)
         pel_refine_everywhere(sim, b, false);
-    if (status == PEL_UNSTABLE && error != NULL) {
-        double limit = sim->step.dt;
-        pel_fail_remedy(error,
-                        "the finest level of detail needs a smaller dt than %g: make it smaller, or use fewer "
-                        "levels, or the quasi-static method",
-                        limit);
-    }
     return status;
+}
+
+pel_status pel_explicit_limit(pel_sim *sim, double *limit, pel_error *error)
+{
+    double limits[2];
+    pel_status status = find_limits(sim, HUGE_VAL, limits, error);
+    *limit = status == PEL_OK ? pel_min(limits[0], limits[1]) : 0;
+    return status;
+}
+
+static pel_status check_dt(pel_sim *sim, pel_error *error)
+{
+    double limits[2];
+    pel_status status = find_limits(sim, sim->step.dt, limits, error);
+    if (status != PEL_OK || sim->step.dt <= pel_min(limits[0], limits[1]))
+        return status;
+    if (!(pel_min(limits[0], limits[1]) > 0))
+        return pel_refuse(error, PEL_UNSTABLE, "give the springs a damping above 0, or use the symplectic integrator",
+                          "forward Euler is unstable at every dt without damping");
+    if (sim->step.dt > limits[0])
+        return refuse_dt(sim, limits[0], "this mesh", error);
+    return refuse_dt(sim, limits[1], "the finest level of detail", error);
 }
 
 /* Leapfrog: velocities belong to the middle of a step. The first kick is half as long, as they belong to its begin, and

@@ -7,5 +7,8 @@
 
 /* The true limit of stability instead of the safe bound. */
 pel_status pel_sim_refine_stability(const pel_sim *sim, pel_stability *stability, pel_error *error);
+/* The largest stable dt, at rest and on the finest level of detail; 0 where forward Euler has none. PEL_OUT_OF_MEMORY.
+ */
+pel_status pel_explicit_limit(pel_sim *sim, double *limit, pel_error *error);
 
 #endif

@@ -14,6 +14,7 @@
 #include "boundary/wind.h"
 #include "math/extremes.h"
 #include "method/bending_weight.h"
+#include "method/step_explicit.h"
 #include "minimise/rounds.h"
 #include "minimise/step_modes.h"
 #include "minimise/step_path.h"
@@ -460,6 +461,11 @@ void pel_sim_destroy(pel_sim *sim)
 
 /* ---- before there is a simulation ---- */
 
+/* s */
+#define SHORT_DT 1e-15
+/* of the limit at rest: materials stiffen, and edges become short, as a body moves */
+#define MOVING_SHARE 0.5
+
 pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_error *error)
 {
     PEL_REFUSE_NULL(def, error);
@@ -482,5 +488,24 @@ pel_status pel_sim_needed_substeps(const pel_sim_def *def, int32_t *count, pel_e
         status = pel_substeps_count(&sim, count, error);
     pel_substeps_destroy(&sim);
     pel_state_destroy(sim.state);
+    return status;
+}
+
+/* of a simulation whose steps are short enough for anything */
+pel_status pel_sim_stable_dt(const pel_sim_def *def, double *dt, pel_error *error)
+{
+    PEL_REFUSE_NULL(def, error);
+    PEL_REFUSE_NULL(dt, error);
+    pel_sim_def own = *def;
+    pel_sim *sim;
+    own.solver.method = PEL_METHOD_EXPLICIT;
+    own.solver.dt = SHORT_DT;
+    *dt = 0;
+    pel_status status = pel_sim_create(&own, &sim, error);
+    if (status != PEL_OK)
+        return status;
+    status = pel_explicit_limit(sim, dt, error);
+    *dt *= MOVING_SHARE;
+    pel_sim_destroy(sim);
     return status;
 }
