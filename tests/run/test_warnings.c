@@ -627,6 +627,45 @@ static void test_held_in_place(void **unused)
     assert_non_null(strstr(warning->text, "body 'organ' does not move freely"));
 }
 
+/* slender bodies whose weight volumetric springs carry from vertex to vertex; not compact or stiff ones, nor with
+   stiffnesses in N/m, nor without gravity */
+static void test_carried(void **unused)
+{
+    (void)unused;
+    static const char beam[] =
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies: [{ name: beam, mesh: { shape: box, nx: 12, ny: 2, nz: 2, size_x: "
+        "0.2, size_y: 0.03, size_z: 0.03 }, volumetric: {}, pinned: { box: { min: [-1, -1, -1], max: [-0.09, 1, 1] } } "
+        "}]\nstop: { frames: 1 }\n";
+    static const char both[] = "bodies.0.pinned={ not: { box: { min: [-0.09, -1, -1], max: [0.09, 1, 1] } } }";
+    static const struct {
+        const char *overrides[2];
+        bool tells;
+    } cases[] = {
+        {{NULL}, true},
+        {{both}, true},
+        {{"bodies.0.volumetric.young=120000"}, true},
+        {{"bodies.0.volumetric.young=1000000"}, false},
+        {{"bodies.0.volumetric.young=120000", both}, false},
+        {{"bodies.0.volumetric={ stiffness: 1 }"}, false},
+        {{"gravity=[0, 0, 0]"}, false},
+        /* it hangs */
+        {{"gravity=[9.81, 0, 0]"}, true},
+        {{"gravity=[9.81, 0, 0]", "bodies.0.volumetric.young=20000"}, false},
+        {{"bodies.0.mesh.size_x=0.025", "bodies.0.pinned={ box: { min: [-1, -1, -1], max: [-0.012, 1, 1] } }"}, false},
+        {{"bodies.0.pinned={ box: { min: [-1, -1, -1], max: [1, 1, -0.014] } }"}, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        pel_run_summary summary;
+        int count = (cases[i].overrides[0] != NULL) + (cases[i].overrides[1] != NULL);
+        run_scene(beam, (const char **)(uintptr_t)cases[i].overrides, count, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "held-in-place");
+        if ((warning != NULL) != cases[i].tells)
+            fail_msg("case %d", (int)i);
+        if (warning != NULL)
+            assert_non_null(strstr(warning->text, "use volume: { young: "));
+    }
+}
+
 /* a ball that touches too few vertices is told with the refinement under it that helps */
 static void test_coarse_contact(void **unused)
 {
@@ -904,6 +943,7 @@ int main(void)
         cmocka_unit_test(test_idle_tool),
         cmocka_unit_test(test_pinned_under_tool),
         cmocka_unit_test(test_held_in_place),
+        cmocka_unit_test(test_carried),
         cmocka_unit_test(test_coarse_contact),
         cmocka_unit_test(test_unsettled),
         cmocka_unit_test(test_restless),

@@ -154,6 +154,8 @@ static void check_filling(pel_run_state *run, int32_t b)
     double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
     if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
         pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
+    else if (pel_warnings_is_carried(run, b))
+        pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, stiffness);
 }
 
 /* elements nearer to each other than the thickness; intersections that the scene accepts are another matter */
@@ -451,7 +453,15 @@ static void tell_inverted_mesh(const pel_warning_text *at)
 static void tell_held_in_place(const pel_warning_text *at)
 {
     const char *name;
-    flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
+    const pel_flagged_body *flagged = flagged_of(at, PEL_WARN_HELD_IN_PLACE, &name);
+    if (flagged->limit > 0) {
+        snprintf(at->text, at->size,
+                 "body '%s' does not sag under its weight: its volumetric springs hold each vertex near its rest "
+                 "position, while a solid of their modulus, pinned so, would sag by more than a tenth of its length. "
+                 "use volume: { young: %.4g } in place of springs and volumetric",
+                 name, flagged->limit);
+        return;
+    }
     snprintf(at->text, at->size,
              "body '%s' does not move freely: its volumetric springs pull each vertex back to its rest position. for a "
              "body that falls or flies, omit volumetric and use a membrane, with pressure: { volume: { target: "
