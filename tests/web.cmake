@@ -3,7 +3,7 @@
 if(TARGET pellicle_program AND NOT PELLICLE_SANITIZE AND NOT PELLICLE_COVERAGE)
     set(PAGES report exports pellicle examples)
     if(TARGET pellicle_live)
-        list(APPEND PAGES live trainer play)
+        list(APPEND PAGES live trainer immersive play)
     endif()
     foreach(name ${PAGES})
         add_test(NAME web/${name} COMMAND bash ${PROJECT_SOURCE_DIR}/web/test/run ${name} $<TARGET_FILE:pellicle_program>)

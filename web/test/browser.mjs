@@ -62,8 +62,10 @@ export async function startBrowser() {
             await page.waitForFunction(() => globalThis.pellicle?.frame || document.body.classList.contains("away"));
             return { page, errors, drawn: performance.now() - start };
         },
-        async visit(address, { viewport = { width: 1280, height: 800 }, dark = false } = {}) {
+        // script: a file that the page runs first
+        async visit(address, { viewport = { width: 1280, height: 800 }, dark = false, script } = {}) {
             const { page, errors } = await newPage(/^(http:\/\/127\.0\.0\.1:|ws:\/\/127\.0\.0\.1:|data:|blob:)/, viewport, dark);
+            if (script) await page.addInitScript(script);
             await page.goto(address);
             await page.waitForFunction(() => globalThis.pellicle?.frame);
             return { page, errors };

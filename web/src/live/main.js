@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import { fitColours, mapGradient, mapNames } from "../colour.js";
 import { formatForce, formatNumber, formatTogether, plainName, withUnit } from "../format.js";
 import { element } from "../plots.js";
+import { Immersive, immersiveKinds } from "./immersive.js";
 import { Parameters } from "./parameters.js";
 import { findPad, readPad } from "./pads.js";
 import { LivePlots } from "./plots.js";
@@ -64,6 +65,7 @@ function start(message) {
     if (message.circle) $("marks").checked = state.marks = false;
     $("notice").hidden = true;
     stage.setScene(message);
+    immersive.place();
     makeOptions();
     $("title").textContent = message.title || message.path.split("/").pop() || fileName;
     document.title = `${$("title").textContent} – Pellicle live`;
@@ -127,11 +129,12 @@ let changed = false; // camera, theme or display of the bodies have changed
 let lastPicture = 0;
 
 function schedule() {
-    if (scheduled) return;
+    if (scheduled || stage.immersed) return;
     scheduled = true;
     requestAnimationFrame((now) => {
         scheduled = false;
-        tick(now);
+        // a headset asks for pictures by itself
+        if (!stage.immersed) tick(now);
     });
 }
 
@@ -438,16 +441,16 @@ function rayOf(event) {
     return stage.ray(event.clientX - box.left, event.clientY - box.top);
 }
 
-// starts an action at a ray; false if the ray meets no body or the tool is `turn`
+// starts an action at a ray and returns what it met; null if the ray meets no body or the tool is `turn`
 function begin(ray) {
     const hit = shown && stage.pick(ray);
-    if (hand || !hit || state.mode === "turn") return false;
+    if (hand || !hit || state.mode === "turn") return null;
     hand = modes[state.mode](ray, hit);
     pointed = hit;
     // start playing after the mark, so that undo returns to the state before
     if (hand && !state.playing) send("play");
     schedule();
-    return true;
+    return hit;
 }
 
 function end() {
@@ -538,7 +541,7 @@ function followPad(now) {
     $("aim").style.transform = `translate(${x}px, ${y}px)`;
     if (asked.turn.some((part) => part !== 0)) stage.turn(...asked.turn.map((part) => part * padSpeed.turn * seconds));
     if (asked.zoom !== 0) stage.zoom(padSpeed.zoom ** (asked.zoom * seconds));
-    if (!aim.acts && asked.squeeze > padSpeed.begin) aim.acts = begin(stage.ray(x, y));
+    if (!aim.acts && asked.squeeze > padSpeed.begin) aim.acts = begin(stage.ray(x, y)) !== null;
     else if (aim.acts && asked.squeeze < padSpeed.end) {
         aim.acts = false;
         end();
@@ -548,6 +551,44 @@ function followPad(now) {
     }
     pressPadButtons(asked.buttons);
     return true;
+}
+
+/* ---- headsets ---- */
+
+const handForce = () => (shown && shown.hand.kind !== "free" ? Math.hypot(...shown.hand.force) : 0);
+const immersive = new Immersive(stage, {
+    begin,
+    move(ray, squeeze) {
+        hand?.move(ray);
+        if (hand && squeeze !== undefined) hand.squeeze = squeeze;
+    },
+    end,
+    undo: () => send("undo"),
+    next: () => nextMode(1),
+    label(acts) {
+        const name = modeNames.find(([mode]) => mode === state.mode)[1];
+        return acts && handForce() > 0 ? `${name} ${formatForce(handForce())}` : name;
+    },
+    // half at the force of the spring that pulls by a quarter of half the size of the bodies
+    strength: () => handForce() / (handForce() + 0.25 * (hello.stiffness ?? 1) * stage.size),
+    background: () => getComputedStyle(document.body).backgroundColor,
+    tick(now) {
+        changed = true;
+        tick(now);
+    },
+    ended: needs,
+});
+
+async function offerImmersion() {
+    for (const [kind, name] of await immersiveKinds()) {
+        const button = element("button", "quiet", name);
+        button.type = "button";
+        button.id = kind;
+        button.title = `Show the bodies ${kind === "immersive-vr" ? "in the headset" : "in the room"}; once more: end it`;
+        const refuse = ({ message }) => showNotice({ kind: "error", text: `the browser did not start ${name}: ${message}` });
+        button.addEventListener("click", () => immersive.toggle(kind).catch(refuse));
+        $("film").before(button);
+    }
 }
 
 /* ---- controls ---- */
@@ -841,6 +882,7 @@ export function run(connect) {
     listenToPicture();
     listenToKeys();
     addEventListener("gamepadconnected", needs);
+    offerImmersion();
     showTheme();
     new ResizeObserver(() => {
         stage.resize();
@@ -853,6 +895,7 @@ globalThis.pellicle = {
     state,
     aim: (x, y) => Object.assign(aim, { x, y }),
     stage,
+    immersive,
     send,
     get wire() {
         return wire;

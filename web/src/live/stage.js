@@ -279,6 +279,7 @@ export class Stage {
         if (!upOf(up).equals(this.camera.up)) {
             this.controls.dispose();
             Object.assign(this, makeEye(this.canvas, this.changed, upOf(up)));
+            this.rig?.add(this.camera);
             this.resize();
         }
         this.bodies.forEach((body) => body.dispose());
@@ -448,6 +449,7 @@ export class Stage {
         framed.middle.add(shift);
         this.controls.target.add(shift);
         this.camera.position.copy(this.controls.target).add(away);
+        this.rig?.position.add(shift);
         this.controls.update();
     }
 
@@ -469,7 +471,7 @@ export class Stage {
 
     resize() {
         const { clientWidth: width, clientHeight: height } = this.canvas;
-        if (width === 0 || height === 0) return;
+        if (width === 0 || height === 0 || this.immersed) return;
         this.renderer.setPixelRatio(this.software ? this.ratio : Math.min(window.devicePixelRatio, 2));
         this.renderer.setSize(width, height, false);
         this.camera.aspect = width / height;
@@ -490,7 +492,7 @@ export class Stage {
     // Software rendering: if nothing moves, draws at full resolution and with the inner sides of closed bodies. False if the last
     // picture was already drawn like this.
     refine() {
-        if (!this.software || this.isFine) return false;
+        if (!this.software || this.isFine || this.immersed) return false;
         this.isFine = true;
         this.renderer.setPixelRatio(2);
         return true;
@@ -499,7 +501,7 @@ export class Stage {
     // returns to the resolution for motion
     coarsen() {
         this.isFine = false;
-        if (this.software && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
+        if (this.software && !this.immersed && this.renderer.getPixelRatio() !== this.ratio) this.renderer.setPixelRatio(this.ratio);
     }
 
     setMap(name) {
@@ -516,7 +518,36 @@ export class Stage {
         this.pictures++;
     }
 
+    /* ---- headset ---- */
+
+    // whether a headset draws, see immersive.js
+    get immersed() {
+        return this.renderer.xr.isPresenting;
+    }
+
+    // the camera becomes the eyes in a rig, which goes from metres to the units of the picture
+    immerse(rig, background) {
+        const { fov, position, quaternion, scale } = this.camera;
+        this.outer = { fov, position: position.clone(), quaternion: quaternion.clone(), scale: scale.clone() };
+        this.rig = rig;
+        this.scene.background = background;
+        this.scene.add(rig.add(this.camera));
+    }
+
+    emerge() {
+        this.scene.remove(this.rig.remove(this.camera));
+        this.scene.background = this.rig = null;
+        this.camera.fov = this.outer.fov;
+        for (const part of ["position", "quaternion", "scale"]) this.camera[part].copy(this.outer[part]);
+        this.resize();
+    }
+
     /* ---- rays ---- */
+
+    // the point that the pointer of a headset holds on its ray
+    static held({ origin, direction, reach }) {
+        return origin.clone().addScaledVector(direction, reach);
+    }
 
     ray(x, y) {
         const { clientWidth: width, clientHeight: height } = this.canvas;
@@ -549,15 +580,19 @@ export class Stage {
         return { body: b, point: this.outward(point), normal: across.toArray() };
     }
 
-    // intersection of the ray with the plane of the circle's height, moved up by `lift` along its axis
-    onCircle({ origin, direction }, lift) {
+    // intersection of the ray with the plane of the circle's height, moved up by `lift` along its axis; or what the ray holds
+    onCircle(ray, lift) {
+        const { origin, direction } = ray;
         const { axis, place } = this.circle;
+        if (ray.reach > 0) return Stage.held(ray);
         const way = (place.clone().sub(origin).dot(axis) + lift) / direction.dot(axis);
         return origin.clone().addScaledVector(direction, way);
     }
 
-    // intersection of the ray with the plane through a point, parallel to the picture
-    onPlane({ origin, direction }, point) {
+    // intersection of the ray with the plane through a point, parallel to the picture; or what the ray holds
+    onPlane(ray, point) {
+        const { origin, direction } = ray;
+        if (ray.reach > 0) return Stage.held(ray);
         const normal = this.camera.getWorldDirection(new Vector3());
         const way = point.clone().sub(origin).dot(normal) / direction.dot(normal);
         return origin.clone().addScaledVector(direction, way);
