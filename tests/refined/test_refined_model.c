@@ -83,6 +83,10 @@ static void test_coarsened(void **unused)
     bench made = begin(mesh, &body, &def);
     const pel_model *model = made.sim->model;
     const pel_body before = model->bodies[0];
+    const size_t bytes = (size_t)model->vertex_count * sizeof *model->rest;
+    pel_record *rest = malloc(bytes);
+    assert_non_null(rest);
+    memcpy(rest, model->rest, bytes);
     refine(&made, 13, 2);
     refine(&made, 200, 1);
     assert_true(model->bodies[0].slice_end > before.slice_end);
@@ -90,6 +94,9 @@ static void test_coarsened(void **unused)
     refine(&made, 13, 0);
     assert_int_equal(model->bodies[0].front->vertex_count, mesh->vertex_count);
     assert_int_equal(model->bodies[0].slice_end, before.slice_end);
+    /* also places that are free again: a simulation that continues from a snapshot never had them */
+    assert_memory_equal(model->rest, rest, bytes);
+    free(rest);
     end(&made);
 }
 

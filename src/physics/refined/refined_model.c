@@ -163,6 +163,16 @@ static bool allocate_row(pel_refined_model *active, int32_t longest)
 
 /* ---- the plain part ---- */
 
+/* A place that no vertex has is where the first one of its body is, whatever had it before: the order of a factor
+   depends on the places of all. */
+static void rest_unused(pel_refined_model *active, int32_t b, int32_t place)
+{
+    const pel_model *given = active->given;
+    active->model.rest[place] = given->rest[given->bodies[b].slice_begin * PEL_WIDTH];
+    active->model.rest[place][3] = 0;
+    active->model.mesh_vertex[place] = -1;
+}
+
 /* vertices of a body's mesh, and its springs with the places shifted */
 static void copy_vertices(pel_refined_model *active, int32_t b)
 {
@@ -175,14 +185,13 @@ static void copy_vertices(pel_refined_model *active, int32_t b)
         body->model_index[v] = given->bodies[b].model_index[v] + shift;
     int32_t limit = active->bodies[b].fine_limit;
     for (int32_t i = body->slice_begin * PEL_WIDTH; i < limit; i++) {
-        bool base = i < body->slice_end * PEL_WIDTH;
-        int32_t from = base ? i - shift : given->bodies[b].slice_begin * PEL_WIDTH;
-        model->rest[i] = given->rest[from];
-        model->mesh_vertex[i] = base ? given->mesh_vertex[from] : -1;
-        if (!base) {
-            model->rest[i][3] = 0;
+        int32_t from = i - shift;
+        if (i >= body->slice_end * PEL_WIDTH) {
+            rest_unused(active, b, i);
             continue;
         }
+        model->rest[i] = given->rest[from];
+        model->mesh_vertex[i] = given->mesh_vertex[from];
         model->mass[i] = given->mass[from];
         model->inverse_mass[i] = given->inverse_mass[from];
         model->damping[i] = given->damping[from];
@@ -490,10 +499,9 @@ static void clear_place(pel_refined_model *active, int32_t place, pel_state *sta
 {
     PEL_ASSERT_INDEX(place, active->model.vertex_count);
     pel_model *model = &active->model;
-    model->rest[place][3] = 0;
+    rest_unused(active, model->body_of_slice[place / PEL_WIDTH], place);
     model->mass[place] = model->inverse_mass[place] = 0;
     model->damping[place] = model->volumetric_damping[place] = 0;
-    model->mesh_vertex[place] = -1;
     write_row(active, NULL, place, 0);
     set_fine(active, place, false, state);
     set_base(active, place, true);

@@ -149,6 +149,7 @@ static pel_status create_system(pel_newton *newton, int32_t count, const int32_t
         status = pel_pcg_create(newton->pattern->unknown_count, &newton->pcg, error);
     newton->is_outdated = status != PEL_OK;
     newton->couplings = hash_couplings(count, couplings);
+    newton->coupled_count = count;
     return status;
 }
 
