@@ -182,7 +182,7 @@ static void test_search_again(void **unused)
         set->start[upper + 6 * i + 5][2] = set->end[upper + 6 * i + 5][2] = 0.03;
         set->end[upper + 6 * i][2] = set->start[upper + 6 * i][2];
     }
-    assert_int_equal(pel_contact_set_find_again(set, SUBSTEP, NULL), PEL_OK);
+    assert_int_equal(pel_contact_set_find_again(set, NULL, SUBSTEP, NULL), PEL_OK);
     pel_contact_set_recall_again(set, SUBSTEP, true);
     for (int32_t c = 0; c < set->list.count; c++) {
         int32_t old = find_key(keys, count, &set->keys[c]);
@@ -203,8 +203,38 @@ static void test_search_again(void **unused)
     pel_contact_set_destroy(set);
 }
 
+/* a search for some bodies drops only pairs of theirs, and adds none of others */
+static void test_search_some(void **unused)
+{
+    (void)unused;
+    static arrays a;
+    const uint8_t none[2] = {0, 0}, upper_one[2] = {0, 1};
+    make_sheets(&a, 2, 6, 6, 0.03, 0.004);
+    a.has_layers = true;
+    pel_contact_set *set = create(&a);
+    int32_t upper = a.vertex_count / 2;
+    assert_int_equal(pel_contact_set_find(set, 0, SUBSTEP, NULL), PEL_OK);
+    int32_t count = set->list.count;
+    assert_true(count > 20);
+    pel_contact_set_recall_loads(set, SUBSTEP);
+    for (int k = 0; k < 36; k++)
+        set->start[upper + k][2] = set->end[upper + k][2] += 0.3;
+    assert_int_equal(pel_contact_set_find_again(set, none, SUBSTEP, NULL), PEL_OK);
+    assert_int_equal(set->list.count, count);
+    assert_int_equal(pel_contact_set_find_again(set, upper_one, SUBSTEP, NULL), PEL_OK);
+    assert_int_equal(set->list.count, 0);
+    for (int k = 0; k < 36; k++)
+        set->start[upper + k][2] = set->end[upper + k][2] -= 0.3;
+    assert_int_equal(pel_contact_set_find_again(set, none, SUBSTEP, NULL), PEL_OK);
+    assert_int_equal(set->list.count, 0);
+    assert_int_equal(pel_contact_set_find_again(set, upper_one, SUBSTEP, NULL), PEL_OK);
+    assert_int_equal(set->list.count, count);
+    pel_contact_set_destroy(set);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slide), cmocka_unit_test(test_search_again)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_slide), cmocka_unit_test(test_search_again),
+                                       cmocka_unit_test(test_search_some)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 #include "collide/collider.h"
 
 #include "base/memory.h"
+#include "base/room.h"
 #include "base/sort.h"
 #include "base/status.h"
 #include "collide/clearance.h"
@@ -46,6 +47,8 @@ struct pel_collider {
     int32_t (*triangles)[3]; /* own */
     pel_candidates *candidates;
     pel_clearance clearances[LISTS]; /* that of many pairs, and the nearest of them */
+    const uint8_t *sought;           /* not owned; null = all groups: */
+    pel_pair_list found[2];          /* pairs of the last search for some of them, by kind */
     double margin;                   /* as in the def */
     int64_t memory_limit;            /* as in the def */
     pel_pool *pool, *own_pool;
@@ -137,7 +140,8 @@ static pel_status make_surface(const pel_collider *collider, const double (*posi
                                               memory / BYTES_PER_PAIR, made, error);
     if (status != PEL_OK)
         return status;
-    if (collider->candidates != NULL && pel_candidates_use_groups(*made, &collider->candidates->tree->groups) != PEL_OK)
+    if (collider->candidates != NULL &&
+        pel_candidates_use_groups(*made, &collider->candidates->groups, positions) != PEL_OK)
         status = pel_fail_memory(error);
     clearances[0] = clearances[1] = (pel_clearance){0};
     for (int i = 0; status == PEL_OK && i < LISTS; i++)
@@ -265,9 +269,8 @@ void pel_collider_destroy(pel_collider *collider)
     pel_pool_destroy(collider->own_pool);
     for (int i = 0; i < PARTS; i++)
         pel_free(collider->parts[i].list.collisions);
-    pel_free(collider->collisions.collisions);
-    pel_free(collider->ends);
-    pel_free(collider);
+    PEL_FREE_ALL(collider->found[0].pairs, collider->found[1].pairs, collider->collisions.collisions, collider->ends,
+                 collider);
 }
 
 void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
@@ -275,10 +278,17 @@ void pel_collider_use_pool(pel_collider *collider, pel_pool *pool)
     collider->pool = pool;
 }
 
-pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups, pel_error *error)
+pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups,
+                                   const double (*positions)[3], pel_error *error)
 {
     collider->clearances[0].reach = collider->clearances[1].reach = 0;
-    return pel_candidates_use_groups(collider->candidates, groups) == PEL_OK ? PEL_OK : pel_fail_memory(error);
+    return pel_candidates_use_groups(collider->candidates, groups, positions) == PEL_OK ? PEL_OK
+                                                                                        : pel_fail_memory(error);
+}
+
+void pel_collider_seek(pel_collider *collider, const uint8_t *groups)
+{
+    collider->sought = groups;
 }
 
 const pel_tree *pel_collider_tree(const pel_collider *collider)
@@ -583,6 +593,13 @@ static pel_status find_pairs(pel_collider *collider, const pel_collision_query *
     if (status != PEL_OK)
         return status;
     double needed = needed_distance(query);
+    if (collider->sought != NULL) {
+        status = pel_candidates_seek(c, start, end, query->min_separation + query->tolerance, collider->sought,
+                                     collider->pool, &collider->found[0], &collider->found[1], error);
+        *vertex_face = collider->found[0];
+        *edge_edge = collider->found[1];
+        return status;
+    }
     bool serves = pel_clearance_serves(inner, start, end, needed, collider->pool), is_known = serves;
     if (!serves && pel_clearance_serves(outer, start, end, needed, collider->pool)) {
         pel_clearance_settle(outer, c->tree, start, end, needed, collider->pool);

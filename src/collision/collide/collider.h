@@ -9,8 +9,14 @@
 /* Loops run on this pool from now on, which stays the caller's; null = one thread. */
 void pel_collider_use_pool(pel_collider *collider, pel_pool *pool);
 
-/* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. */
-pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups, pel_error *error);
+/* Only pairs of these groups are found from now on. The arrays stay the caller's and have to live on. positions (of the
+   surface): at which groups are convex. */
+pel_status pel_collider_use_groups(pel_collider *collider, const pel_collision_groups *groups,
+                                   const double (*positions)[3], pel_error *error);
+
+/* Searches look only for pairs of which one is of these groups (group_count, 1 = it is one) from now on; null = for
+   all. The array stays the caller's. */
+void pel_collider_seek(pel_collider *collider, const uint8_t *groups);
 
 /* The tree over the present surface, owned by the collider with its triangles: numbers of edges and triangles in
    results refer to it. */

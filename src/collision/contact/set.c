@@ -96,12 +96,12 @@ void pel_contact_set_destroy(pel_contact_set *set)
         return;
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
-                 set->start, set->end, set->home, set->substep_start, set->substep_end, set->list.contacts, set->keys,
-                 set->other_keys, set->calm, set->watches, set->acts, set->active, set->origins, set->owed,
-                 set->other_contacts, set->heights.list.contacts, set->heights.triangles, set->heights.bounds,
-                 set->heights.places, set->heights.parts, set->conflicts, set->impacts, set->solved, set->zones,
-                 set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs, set->tangles.keys, set->body_shares,
-                 set->body_impacts);
+                 set->start, set->end, set->bend, set->is_stray, set->home, set->substep_start, set->substep_end,
+                 set->list.contacts, set->keys, set->other_keys, set->calm, set->watches, set->acts, set->active,
+                 set->origins, set->owed, set->other_contacts, set->heights.list.contacts, set->heights.triangles,
+                 set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts, set->impacts,
+                 set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
+                 set->tangles.keys, set->body_shares, set->body_impacts);
     pel_contact_patches_clear(&set->patches);
     pel_travel_destroy(&set->travel);
     pel_free(set);
@@ -329,6 +329,7 @@ typedef struct merger {
     double obstacle_reach;        /* m, obstacles that are farther away at the start count only by their faces */
     bool is_anew;                 /* drop contacts that are not found again */
     bool is_again;                /* in a step: what was known stays as it was */
+    const uint8_t *sought;        /* groups one of which is of every pair that was looked for; null = all */
     bool is_same;                 /* the list of an earlier step: nothing moves by more than HOME_SLIDE */
     int32_t old, count;           /* contacts of the list that were taken over, contacts of the merged list */
     /* pairs of the vertex that was added last which stand for rings of triangles: */
@@ -336,6 +337,13 @@ typedef struct merger {
     int ring_count;
     merged_ring rings[MOST_RINGS];
 } merger;
+
+/* whether a pair would have been found again, if it were still there */
+static bool is_sought(const merger *m, const pel_contact_key *key)
+{
+    const int32_t *group = m->set->group_of_point;
+    return m->sought == NULL || m->sought[group[key->points[0]]] || m->sought[group[key->points[3]]];
+}
 
 /* takes over what comes before a key, all when it is null; true when the next one has this key */
 static bool take_over(merger *m, const pel_contact_key *key)
@@ -346,7 +354,7 @@ static bool take_over(merger *m, const pel_contact_key *key)
         int order = key != NULL ? compare_keys(&set->keys[m->old], key) : -1;
         if (order >= 0)
             return order == 0;
-        if (m->is_anew && !pel_contact_sleeps(set, &set->keys[m->old]))
+        if (m->is_anew && !pel_contact_sleeps(set, &set->keys[m->old]) && is_sought(m, &set->keys[m->old]))
             continue;
         set->origins[m->count] = m->old;
         set->other_keys[m->count] = set->keys[m->old];
@@ -721,13 +729,15 @@ void pel_contact_set_calm(pel_contact_set *set)
     }
 }
 
-void pel_contact_set_widen(pel_contact_set *set)
+bool pel_contact_set_widen(pel_contact_set *set)
 {
     double most = MOST_MARGIN * set->def.shortest_edge, twice = 2 * set->margin;
-    if (set->margin < most)
+    bool grows = set->margin < most;
+    if (grows)
         set->margin = twice < most ? twice : most;
     set->was_widened = true;
     set->has_home = false;
+    return grows;
 }
 
 void pel_contact_set_narrow(pel_contact_set *set)
@@ -826,14 +836,17 @@ pel_status pel_contact_set_find(pel_contact_set *set, double least, double time,
     return status;
 }
 
-pel_status pel_contact_set_find_again(pel_contact_set *set, double time, pel_error *error)
+pel_status pel_contact_set_find_again(pel_contact_set *set, const uint8_t *sought, double time, pel_error *error)
 {
     set->time = time;
     set->substep = 0;
     set->was_clear = false;
     pel_collision_result found;
+    pel_collider_seek(set->collider, sought);
     pel_status status = search(set, set->largest + set->margin, pel_contact_may_meet, &found, error);
-    merger m = {.set = set, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_again = true, .vertex = -1};
+    pel_collider_seek(set->collider, NULL);
+    merger m = {
+        .set = set, .sought = sought, .obstacle_reach = HUGE_VAL, .is_anew = true, .is_again = true, .vertex = -1};
     if (status == PEL_OK)
         status = merge(&m, &found, error);
     set->has_home = status == PEL_OK;

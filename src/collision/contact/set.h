@@ -196,6 +196,10 @@ typedef struct pel_contact_set {
     double margin;                                 /* m, ways between start and end may be wrong by half of this */
     bool was_widened;                              /* in this step */
     double horizon;                                /* share of a step that a search is for, the owner's */
+    double (*bend)[3];                             /* (vertex_count) m, the owner's: after a share s of the
+                                                      way w from the start vertices are expected at s w - s (1 - s) bend
+                                                      from it */
+    uint8_t *is_stray;                             /* (groups) the owner's: it was not where it was expected */
     double (*home)[3];                             /* (point_count) m, where the way of the last search ended: while all
                                                       points are within half of the margin of it, pairs that may touch
                                                       are in the list */
@@ -260,14 +264,15 @@ void pel_contact_set_sort(pel_contact_set *set);
 void pel_contact_set_calm(pel_contact_set *set);
 /* Before a step with a search: the margin gets smaller if it was not widened in the last one. */
 void pel_contact_set_narrow(pel_contact_set *set);
-/* Doubles the margin, after positions deviated from the prediction. */
-void pel_contact_set_widen(pel_contact_set *set);
+/* Doubles the margin, after positions deviated from the prediction; false where it is as wide as it may be. */
+bool pel_contact_set_widen(pel_contact_set *set);
 /* Finds what may touch on the way from start to end in a time [s], which may be wrong by half of the margin; what is as
    near as `least` [m] in any case, but for obstacles. With layers, contacts of the last step that are found again keep
    their loads and slacks. All others are forgotten. Errors of pel_collider_detect. */
 pel_status pel_contact_set_find(pel_contact_set *set, double least, double time, pel_error *error);
-/* The same in a step: what was known stays as it was when it was looked at last. */
-pel_status pel_contact_set_find_again(pel_contact_set *set, double time, pel_error *error);
+/* The same in a step: what was known stays as it was when it was looked at last. sought (groups): only for pairs of
+   which one is marked; null = for all. */
+pel_status pel_contact_set_find_again(pel_contact_set *set, const uint8_t *sought, double time, pel_error *error);
 /* Whether the list of the last search has what may touch on the way from start to end, and on ways that are wrong by a
    quarter of the margin: nothing has moved by more than another quarter since. Also false where a smaller margin would
    do, and the list is longer than it has to be. */

@@ -202,7 +202,7 @@ static pel_status create_collider(pel_contact_set *set, pel_error *error)
                                          set->def.body_count + set->def.obstacle_count};
     pel_free(set->next_triangles); /* it has a copy */
     set->next_triangles = NULL;
-    return pel_collider_use_groups(set->collider, &groups, error);
+    return pel_collider_use_groups(set->collider, &groups, (const double(*)[3])set->start, error);
 }
 
 pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)
@@ -270,6 +270,7 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
         PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
         PEL_ROOM(set->is_asleep, group_count), PEL_ROOM(set->start, point_count + 1),
         PEL_ROOM(set->end, point_count + 1), PEL_ROOM(set->home, set->def.has_layers ? point_count : 0),
+        PEL_ROOM(set->bend, set->vertex_count), PEL_ROOM(set->is_stray, group_count),
         PEL_ROOM(set->substep_start, obstacle_points), PEL_ROOM(set->substep_end, obstacle_points),
         PEL_ROOM(set->heights.bounds, triangles), PEL_ROOM(set->heights.places, set->vertex_count),
         PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));

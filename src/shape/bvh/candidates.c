@@ -65,7 +65,8 @@ static bool may_meet(const pel_candidates *c, pel_pair_kind kind, pel_pair pair)
     bool edges = kind == PEL_PAIR_EDGE_EDGE;
     int32_t first = edges ? pel_tree_corner(c->tree, pair.first) : pair.first;
     int32_t second = edges ? pel_tree_corner(c->tree, pair.second) : c->tree->triangles[pair.second][0];
-    return groups->may_meet[groups->group_of_vertex[first] * groups->group_count + groups->group_of_vertex[second]];
+    int32_t a = groups->group_of_vertex[first], b = groups->group_of_vertex[second];
+    return groups->may_meet[a * groups->group_count + b] && (c->sought == NULL || c->sought[a] || c->sought[b]);
 }
 
 static bool keep_meeting(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
@@ -81,10 +82,17 @@ static void keep_of_groups(pel_candidates *c)
     c->search.context = c;
 }
 
-pel_status pel_candidates_use_groups(pel_candidates *c, const pel_collision_groups *groups)
+pel_status pel_candidates_use_groups(pel_candidates *c, const pel_collision_groups *groups,
+                                     const double (*positions)[3])
 {
+    pel_collision_groups others = c->groups = *groups;
     c->has_kept = false;
-    pel_status status = pel_tree_use_groups(c->tree, groups);
+    pel_hulls_destroy(c->hulls);
+    pel_status status = pel_hulls_create(c->tree, positions, groups, &c->hulls);
+    if (c->hulls != NULL)
+        others.may_meet = c->hulls->may_meet;
+    if (status == PEL_OK)
+        status = pel_tree_use_groups(c->tree, &others);
     keep_of_groups(c);
     return status;
 }
@@ -93,6 +101,7 @@ void pel_candidates_destroy(pel_candidates *c)
 {
     if (c == NULL)
         return;
+    pel_hulls_destroy(c->hulls);
     pel_tree_destroy(c->tree);
     pel_pair_search_clear(&c->search);
     PEL_FREE_ALL(c->vertex_face, c->edge_edge, c->vertex_boxes, c->overlaps, c->kept_boxes, c->left, c->node_grew,
@@ -337,11 +346,28 @@ static pel_status use_kept(pel_candidates *c, const pel_frame *frame, const pel_
     return status == PEL_BAD_ARGUMENT ? PEL_OK : status;
 }
 
+/* Adds the pairs of hulls to the lists: those of which one is of groups, null = all. */
+static pel_status add_hulls(pel_candidates *c, const pel_motion *motion, double reach, const uint8_t *groups,
+                            pel_pool *pool, pel_pair_list *const lists[2], pel_error *error)
+{
+    if (c->hulls == NULL)
+        return PEL_OK;
+    return pel_hulls_find(c->hulls, motion, reach, groups, c->search.limit, pool, lists, error);
+}
+
+/* whether pairs may be elsewhere than between hulls */
+static bool needs_tree(const pel_candidates *c)
+{
+    return c->hulls == NULL || !c->hulls->are_all;
+}
+
 static pel_status update(pel_candidates *c, const pel_motion *motion, double thickness, pel_pool *pool,
                          pel_error *error)
 {
     pel_frame frame;
     pel_status status;
+    if (!needs_tree(c))
+        return PEL_OK;
     if (c->has_kept) {
         bool serves = false;
         frame = pel_frame_follow(motion, (const double(*)[3])c->kept_places);
@@ -365,6 +391,16 @@ pel_status pel_candidates_update(pel_candidates *c, const double (*start)[3], co
     c->vertex_face_count = c->edge_edge_count = 0;
     c->counts.updates++;
     pel_status status = update(c, &motion, thickness, pool, error);
+    pel_pair_list vertex_face = {c->vertex_face, c->vertex_face_count, c->vertex_face_capacity};
+    pel_pair_list edge_edge = {c->edge_edge, c->edge_edge_count, c->edge_edge_capacity};
+    if (status == PEL_OK)
+        status = add_hulls(c, &motion, thickness, NULL, pool, (pel_pair_list *[2]){&vertex_face, &edge_edge}, error);
+    c->vertex_face = vertex_face.pairs;
+    c->vertex_face_count = vertex_face.count;
+    c->vertex_face_capacity = vertex_face.capacity;
+    c->edge_edge = edge_edge.pairs;
+    c->edge_edge_count = edge_edge.count;
+    c->edge_edge_capacity = edge_edge.capacity;
     if (status != PEL_OK) {
         c->has_kept = false;
         c->vertex_face_count = c->edge_edge_count = 0;
@@ -380,15 +416,11 @@ typedef struct near_pairs {
     double square; /* of the reach */
 } near_pairs;
 
-static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
+static bool is_near(const near_pairs *near, pel_pair_kind kind, pel_pair pair)
 {
-    const near_pairs *near = context;
     const pel_tree *tree = near->c->tree;
     const double(*x)[3] = near->positions;
     double weights[4], square;
-    (void)chunk;
-    if (near->c->tree->groups.group_of_vertex != NULL && !may_meet(near->c, kind, pair))
-        return false;
     if (kind == PEL_PAIR_EDGE_EDGE) {
         int32_t a[2], b[2];
         pel_tree_edge_ends(tree, pair.first, a);
@@ -399,6 +431,24 @@ static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair
         square = pel_closest_point_triangle(x[pair.first], x[t[0]], x[t[1]], x[t[2]], weights);
     }
     return !(square > near->square);
+}
+
+static bool keep_near(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair)
+{
+    const near_pairs *near = context;
+    (void)chunk;
+    bool meet = near->c->tree->groups.group_of_vertex == NULL || may_meet(near->c, kind, pair);
+    return meet && is_near(near, kind, pair);
+}
+
+/* drops pairs of a list from `begin` on that are not near */
+static void drop_others(const near_pairs *near, pel_pair_kind kind, size_t begin, pel_pair_list *list)
+{
+    size_t kept = begin;
+    for (size_t i = begin; i < list->count; i++)
+        if (is_near(near, kind, list->pairs[i]))
+            list->pairs[kept++] = list->pairs[i];
+    list->count = kept;
 }
 
 /* all pairs of one kind that the search has found */
@@ -417,25 +467,57 @@ static pel_status list_found(const pel_candidates *c, pel_pair_kind kind, pel_pa
     return PEL_OK;
 }
 
+/* pairs by the tree alone, without kept ones: those that the search keeps, of which one is of groups */
+static pel_status seek(pel_candidates *c, const pel_motion *motion, double reach, const uint8_t *groups, pel_pool *pool,
+                       pel_pair_list *const lists[2], pel_error *error)
+{
+    pel_frame frame = pel_frame_centre(motion);
+    c->has_kept = false;
+    c->vertex_face_count = c->edge_edge_count = lists[0]->count = lists[1]->count = 0;
+    c->counts.updates++;
+    if (!needs_tree(c))
+        return PEL_OK;
+    pel_status status = make_boxes(c, &frame, motion, reach, pool, error);
+    if (status != PEL_OK)
+        return status;
+    if (groups != NULL)
+        pel_tree_mark_groups(c->tree, groups, c->node_grew);
+    c->sought = groups;
+    c->search.marks = groups != NULL ? c->node_grew : NULL;
+    status = search_boxes(c, motion, c->vertex_boxes, pool, error);
+    c->sought = c->search.marks = NULL;
+    if (status == PEL_OK)
+        status = list_found(c, PEL_PAIR_VERTEX_FACE, lists[0], error);
+    return status == PEL_OK ? list_found(c, PEL_PAIR_EDGE_EDGE, lists[1], error) : status;
+}
+
 pel_status pel_candidates_near(pel_candidates *c, const double (*positions)[3], double reach, pel_pool *pool,
                                pel_pair_list *vertex_face, pel_pair_list *edge_edge, pel_error *error)
 {
+    pel_pair_list *const lists[2] = {vertex_face, edge_edge};
     pel_motion motion = {positions, positions, c->tree->vertex_count};
-    pel_frame frame = pel_frame_centre(&motion);
     near_pairs near = {c, positions, reach * reach};
-    c->has_kept = false;
-    c->vertex_face_count = c->edge_edge_count = 0;
-    c->counts.updates++;
-    pel_status status = make_boxes(c, &frame, &motion, reach, pool, error);
     c->search.keep = keep_near;
     c->search.context = &near;
-    if (status == PEL_OK)
-        status = search_boxes(c, &motion, c->vertex_boxes, pool, error);
+    pel_status status = seek(c, &motion, reach, NULL, pool, lists, error);
     keep_of_groups(c);
-    c->counts.kept = (int64_t)found_count(c);
+    size_t counts[2] = {vertex_face->count, edge_edge->count};
     if (status == PEL_OK)
-        status = list_found(c, PEL_PAIR_VERTEX_FACE, vertex_face, error);
-    return status == PEL_OK ? list_found(c, PEL_PAIR_EDGE_EDGE, edge_edge, error) : status;
+        status = add_hulls(c, &motion, reach, NULL, pool, lists, error);
+    drop_others(&near, PEL_PAIR_VERTEX_FACE, counts[0], vertex_face);
+    drop_others(&near, PEL_PAIR_EDGE_EDGE, counts[1], edge_edge);
+    c->counts.kept = (int64_t)(vertex_face->count + edge_edge->count);
+    return status;
+}
+
+pel_status pel_candidates_seek(pel_candidates *c, const double (*start)[3], const double (*end)[3], double thickness,
+                               const uint8_t *groups, pel_pool *pool, pel_pair_list *vertex_face,
+                               pel_pair_list *edge_edge, pel_error *error)
+{
+    pel_pair_list *const lists[2] = {vertex_face, edge_edge};
+    pel_motion motion = {start, end, c->tree->vertex_count};
+    pel_status status = seek(c, &motion, thickness, groups, pool, lists, error);
+    return status == PEL_OK ? add_hulls(c, &motion, thickness, groups, pool, lists, error) : status;
 }
 
 /* ---- memory ---- */

@@ -15,6 +15,7 @@
 #define PEL_BVH_CANDIDATES_H
 
 #include "bvh/frame.h"
+#include "bvh/hulls.h"
 #include "bvh/search.h"
 
 /* counts since creation */
@@ -33,8 +34,10 @@ typedef struct pel_memory_part {
 enum { PEL_CANDIDATES_PARTS = 8 };
 
 typedef struct pel_candidates {
-    pel_tree *tree; /* own */
-    double margin;  /* m; 0 = keep nothing */
+    pel_tree *tree;              /* own */
+    pel_hulls *hulls;            /* own: pairs of these are found apart from the tree; null = there are none */
+    pel_collision_groups groups; /* not owned; all, those of the tree are without pairs of hulls */
+    double margin;               /* m; 0 = keep nothing */
 
     pel_pair *vertex_face, *edge_edge; /* of the last update: vertex and triangle, edge and edge */
     size_t vertex_face_count, edge_edge_count;
@@ -44,6 +47,7 @@ typedef struct pel_candidates {
     pel_box *kept_boxes;      /* (vertex_count) that the kept pairs allow for */
     uint8_t *left;            /* (vertex_count) 1 = it is not in its box any more */
     uint8_t *node_grew;       /* (nodes of the tree) */
+    const uint8_t *sought;    /* (group_count) of this search: one side of a pair is of these groups; null = all */
     uint64_t *overlaps;       /* a bit for each kept pair of one kind: its boxes overlap in this update */
     size_t overlap_capacity;  /* words */
     size_t kept_limit;        /* more pairs than this: search again */
@@ -62,8 +66,9 @@ pel_status pel_candidates_create(const double (*positions)[3], int32_t vertex_co
                                  pel_error *error);
 void pel_candidates_destroy(pel_candidates *candidates);
 /* Only pairs of these groups are found from now on. The arrays have to live on; their values stay while the surface
-   stays. PEL_OUT_OF_MEMORY. */
-pel_status pel_candidates_use_groups(pel_candidates *candidates, const pel_collision_groups *groups);
+   stays. positions (vertex_count x 3): at which groups are convex. PEL_OUT_OF_MEMORY. */
+pel_status pel_candidates_use_groups(pel_candidates *candidates, const pel_collision_groups *groups,
+                                     const double (*positions)[3]);
 
 /* The candidates of a step from start to end (vertex_count x 3) that come within `thickness` (>= 0). Allocates only for
    more candidates than ever before. pool is nullable; the result does not depend on it. PEL_BAD_ARGUMENT with the
@@ -73,9 +78,15 @@ pel_status pel_candidates_update(pel_candidates *candidates, const double (*star
                                  double thickness, pel_pool *pool, pel_error *error);
 
 /* Instead of an update: the pairs nearer to each other than `reach` at these positions, by their distances, put on the
-   lists. Kept pairs are discarded. Errors as for an update. */
+   lists of vertices with triangles and of edges. Kept pairs are discarded. Errors as for an update. */
 pel_status pel_candidates_near(pel_candidates *candidates, const double (*positions)[3], double reach, pel_pool *pool,
                                pel_pair_list *vertex_face, pel_pair_list *edge_edge, pel_error *error);
+
+/* Instead of an update: only pairs of which one is of these groups (group_count, 1 = it is one). Kept pairs are
+   discarded. */
+pel_status pel_candidates_seek(pel_candidates *candidates, const double (*start)[3], const double (*end)[3],
+                               double thickness, const uint8_t *groups, pel_pool *pool, pel_pair_list *vertex_face,
+                               pel_pair_list *edge_edge, pel_error *error);
 
 /* State that past updates leave for later ones, apart from the surface; the kept pairs follow from it. The sizes of the
    pieces depend only on the number of vertices. */

@@ -429,7 +429,8 @@ static bool is_cut_up(const task *t)
 
 static bool may_touch(const search_plan *plan, const task *t)
 {
-    if (plan->growth != NULL && !plan->growth->node_grew[t->a.node] && !plan->growth->node_grew[t->b.node])
+    const uint8_t *marks = plan->growth != NULL ? plan->growth->node_grew : plan->search->marks;
+    if (marks != NULL && !marks[t->a.node] && !marks[t->b.node])
         return false;
     if (!pel_tree_nodes_may_meet(plan->a, t->a.node, plan->b, t->b.node))
         return false;
@@ -518,6 +519,13 @@ static void search_chunk(void *context, int32_t chunk)
         w.chunk->status = PEL_BAD_ARGUMENT;
 }
 
+pel_status pel_pairs_refuse(int64_t limit, pel_error *error)
+{
+    return pel_refuse(error, PEL_BAD_ARGUMENT, "use a smaller dt, or a larger memory_limit",
+                      "more than %lld pairs come near each other in a step: the memory limit is reached",
+                      (long long)limit);
+}
+
 static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error)
 {
     pel_pair_search *search = plan->search;
@@ -536,12 +544,7 @@ static pel_status run_search(search_plan *plan, pel_pool *pool, pel_error *error
         return pel_fail_memory(error);
     if (status == PEL_STOPPED)
         return pel_pool_check(pool, error);
-    if (status != PEL_OK) {
-        pel_fail(error, status, "more than %lld pairs come near each other in a step: the memory limit is reached",
-                 (long long)search->limit);
-        pel_fail_remedy(error, "use a smaller dt, or a larger memory_limit");
-    }
-    return status;
+    return status == PEL_OK ? PEL_OK : pel_pairs_refuse(search->limit, error);
 }
 
 pel_status pel_find_pairs(const pel_tree *first, const pel_tree *second, unsigned kinds, pel_pool *pool,

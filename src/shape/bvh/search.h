@@ -37,6 +37,8 @@ typedef struct pel_pair_search {
     pel_pair_chunk chunks[PEL_SEARCH_CHUNKS];
     int64_t limit; /* the most pairs that may be found, of all kinds, those that `keep` turned down included; beyond it
                       the search is given up */
+    const uint8_t
+        *marks; /* (node_count) within one tree: of the nodes of a pair at least one is marked; null = all are */
     /* false = the pair is not put on the list of this chunk; called from several threads; nullable */
     bool (*keep)(void *context, int32_t chunk, pel_pair_kind kind, pel_pair pair);
     void *context;
@@ -61,6 +63,9 @@ typedef struct pel_pair_growth {
    a failure, as above, the lists are of no use. */
 pel_status pel_find_new_pairs(const pel_tree *tree, unsigned kinds, const pel_pair_growth *growth, pel_pool *pool,
                               pel_pair_search *search, pel_error *error);
+
+/* Refuses a search with more pairs than a limit. */
+pel_status pel_pairs_refuse(int64_t limit, pel_error *error);
 
 /* pairs of one kind in all chunks */
 size_t pel_pair_search_count(const pel_pair_search *search, pel_pair_kind kind);

@@ -448,6 +448,32 @@ void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8
     refit_changed(&f, 0, 0, tree->leaf_count);
 }
 
+/* all of the nodes below one stand behind it */
+static void mark(const pel_tree *tree, const uint8_t *groups, int32_t node, int32_t begin, int32_t end, uint8_t *marks)
+{
+    int32_t own = tree->node_groups != NULL ? tree->node_groups[node] : -1;
+    if (own >= 0) {
+        memset(marks + node, groups[own], 2 * (size_t)(end - begin) - 1);
+        return;
+    }
+    if (end - begin > 1) {
+        int32_t middle = pel_tree_middle(begin, end), left = node + 1, right = node + 2 * (middle - begin);
+        mark(tree, groups, left, begin, middle, marks);
+        mark(tree, groups, right, middle, end, marks);
+        marks[node] = marks[left] | marks[right];
+        return;
+    }
+    const int32_t *triangles = tree->leaves[begin];
+    marks[node] = 0;
+    for (int lane = 0; lane < PEL_LANES && triangles[lane] >= 0; lane++)
+        marks[node] |= groups[tree->groups.group_of_vertex[tree->triangles[triangles[lane]][0]]];
+}
+
+void pel_tree_mark_groups(const pel_tree *tree, const uint8_t *groups, uint8_t *marks)
+{
+    mark(tree, groups, 0, 0, tree->leaf_count, marks);
+}
+
 double pel_tree_cost(const pel_tree *tree)
 {
     double sum = 0;

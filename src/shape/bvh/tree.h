@@ -79,6 +79,9 @@ void pel_tree_refit(pel_tree *tree, const pel_box *vertex_boxes, pel_pool *pool)
    (node_count). */
 void pel_tree_refit_changed(pel_tree *tree, const uint8_t *vertex_changed, uint8_t *node_changed);
 
+/* Marks the nodes (node_count) below which a triangle is of one of these groups (group_count, 1 = it is one). */
+void pel_tree_mark_groups(const pel_tree *tree, const uint8_t *groups, uint8_t *marks);
+
 /* Area of the nodes' boxes over that of the root: grows as the tree gets worse. */
 double pel_tree_cost(const pel_tree *tree);
 

@@ -311,6 +311,17 @@ static void expect_vertices(pel_sim *sim, double until)
     expect_held(sim, 0, until);
 }
 
+/* the second order of the ways of vertices, which begin with their velocities */
+static void find_bends(pel_sim *sim, double until)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double time = until * sim->step.dt;
+    for (int32_t p = 0; sim->state->velocity != NULL && p < contacts->vertex_count; p++)
+        for (int k = 0; k < 3; k++)
+            contacts->bend[p][k] =
+                contacts->end[p][k] - contacts->start[p][k] - time * (double)sim->state->velocity[p][k];
+}
+
 /* m, how far a vertex goes in the step at most by its velocity */
 static double longest_way(const pel_sim *sim)
 {
@@ -353,6 +364,7 @@ pel_status pel_contacts_find(pel_sim *sim, double least, pel_error *error)
     pel_contacts_place(sim);
     expect_tools(sim, 0, until);
     expect_vertices(sim, until);
+    find_bends(sim, until);
     sim->touch->found_at = 0;
     pel_contact_set_calm(sim->contacts);
     pel_status status;
@@ -377,43 +389,90 @@ static bool is_away(const pel_contact_set *contacts, const pel_record *now, doub
     return most > limit * limit;
 }
 
-/* whether a vertex is where it was not expected after a share of the step: pairs may be missing */
+/* how much of the way of the last search has passed after a share of the step */
+static double passed(const pel_sim *sim, double share)
+{
+    return (share - sim->touch->found_at) / (sim->touch->found_until - sim->touch->found_at);
+}
+
+/* m, where a vertex is expected after a part of that way */
+static void expect_at(const pel_contact_set *contacts, int32_t p, double part, double place[3])
+{
+    for (int k = 0; k < 3; k++)
+        place[k] = contacts->start[p][k] +
+                   part * (contacts->end[p][k] - contacts->start[p][k] - (1 - part) * contacts->bend[p][k]);
+}
+
+/* Whether a vertex is where it was not expected after a share of the step: pairs may be missing. Marks the bodies of
+   such vertices. */
 static bool strays(const pel_sim *sim, const pel_record *now, double share)
 {
     const pel_contact_set *contacts = sim->contacts;
-    const pel_record *velocity = sim->state->velocity;
-    double found = sim->touch->found_at, length = sim->touch->found_until - found;
-    double part = found < 1 ? (share - found) / length : 0, time = length * sim->step.dt;
-    double limit = 0.5 * contacts->margin, most = 0;
+    double limit = 0.5 * contacts->margin, part = passed(sim, share);
+    bool any = false;
     if (sim->touch->is_same)
         return is_away(contacts, now, pel_contact_set_home_reach(contacts));
-    for (int32_t p = 0; p < contacts->vertex_count && found < 1; p++) {
-        double square = 0;
+    memset(contacts->is_stray, 0, (size_t)(contacts->def.body_count + contacts->def.obstacle_count));
+    for (int32_t p = 0; p < contacts->vertex_count && sim->touch->found_at < 1; p++) {
+        double place[3], square = 0;
+        expect_at(contacts, p, part, place);
         for (int k = 0; k < 3; k++) {
-            double way = contacts->end[p][k] - contacts->start[p][k];
-            /* from the start of the step on, along the parabola of a steady acceleration */
-            double first = found > 0 ? way : time * (double)velocity[p][k];
-            double stray = (double)now[p][k] - contacts->start[p][k] - part * (first + part * (way - first));
+            double stray = (double)now[p][k] - place[k];
             square += stray * stray;
         }
-        most = square > most ? square : most;
+        if (!(square > limit * limit))
+            continue;
+        contacts->is_stray[contacts->group_of_point[p]] = 1;
+        any = true;
     }
-    return most > limit * limit;
+    return any;
 }
 
-/* for the next part of the step; positions now and one substep before */
-static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
+/* m, how far loads that nothing holds pull a body beyond its velocity in a time: a rigid one that falls */
+static void find_fall(const pel_sim *sim, int32_t p, double time, double fall[3])
+{
+    const pel_rigid *rigid = pel_rigid_of(sim->rigids, p);
+    bool falls = rigid != NULL && rigid->shape->is_free && !rigid->is_fixed && !rigid->state.is_touched;
+    pel_vec3_scale(sim->model->gravity, falls ? 0.5 * time * time * sim->state->load_factor : 0, fall);
+}
+
+/* the ways of vertices from now on, from where they were one substep before */
+static void expect_on(pel_sim *sim, const pel_record *now, const pel_record *base, double substeps, int32_t p)
+{
+    pel_contact_set *contacts = sim->contacts;
+    double length = sim->step.dt / sim->solver.substeps, fall[3], first[3];
+    find_fall(sim, p, substeps * length, contacts->bend[p]);
+    find_fall(sim, p, length, fall);
+    for (int k = 0; k < 3; k++) {
+        first[k] = substeps * ((double)(now[p][k] - base[p][k]) + fall[k]);
+        contacts->start[p][k] = (double)now[p][k];
+        contacts->end[p][k] = (double)now[p][k] + first[k] + contacts->bend[p][k];
+    }
+}
+
+/* the rest of its way */
+static void expect_rest(pel_contact_set *contacts, double part, int32_t p)
+{
+    expect_at(contacts, p, part, contacts->start[p]);
+    pel_vec3_scale(contacts->bend[p], (1 - part) * (1 - part), contacts->bend[p]);
+}
+
+/* Searches for the next part of the step; positions now and one substep before. is_part: only for pairs of bodies that
+   stray, as far as the last search went. */
+static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_record *base, double share, bool is_part,
                              pel_error *error)
 {
     pel_contact_set *contacts = sim->contacts;
-    double until = search_end(sim, share), substeps = sim->solver.substeps * (until - share);
+    double until = is_part ? sim->touch->found_until : search_end(sim, share), part = passed(sim, share);
+    double substeps = sim->solver.substeps * (until - share);
     pel_contacts_tell(sim);
     pel_contact_set_keep_loads(contacts);
-    for (int32_t p = 0; p < contacts->vertex_count; p++)
-        for (int k = 0; k < 3; k++) {
-            contacts->start[p][k] = (double)now[p][k];
-            contacts->end[p][k] = (double)now[p][k] + substeps * (double)(now[p][k] - base[p][k]);
-        }
+    for (int32_t p = 0; p < contacts->vertex_count; p++) {
+        if (is_part && !contacts->is_stray[contacts->group_of_point[p]])
+            expect_rest(contacts, part, p);
+        else
+            expect_on(sim, now, base, substeps, p);
+    }
     expect_tools(sim, share, until);
     expect_held(sim, share, until);
     sim->touch->found_at = share;
@@ -422,14 +481,31 @@ static pel_status find_again(pel_sim *sim, const pel_record *now, const pel_reco
     double substep = contacts->list.substep;
     /* pairs that went to other triangles have changed the order of the list */
     bool keeps_looks = contacts->list.active != NULL;
-    pel_status status = pel_contact_set_find_again(contacts, sim->step.dt * (until - share), error);
+    pel_status status = pel_contact_set_find_again(contacts, is_part ? contacts->is_stray : NULL,
+                                                   sim->step.dt * (until - share), error);
     while (status == PEL_OK && pel_sleep_meet(sim)) {
         keeps_looks = false;
-        status = pel_contact_set_find_again(contacts, sim->step.dt * (until - share), error);
+        status = pel_contact_set_find_again(contacts, NULL, sim->step.dt * (until - share), error);
     }
     if (status == PEL_OK)
         pel_contact_set_recall_again(contacts, substep, keeps_looks);
     return status;
+}
+
+/* Whether only rigid bodies stray, at most half of the vertices: in a heap some collide in each substep. */
+static bool is_few(const pel_sim *sim)
+{
+    const pel_contact_set *contacts = sim->contacts;
+    int32_t count = 0;
+    for (int32_t b = 0; b < sim->model->body_count; b++) {
+        const pel_body *body = &sim->model->bodies[b];
+        if (!contacts->is_stray[b])
+            continue;
+        count += (body->slice_end - body->slice_begin) * PEL_WIDTH;
+        if (body->rigid == NULL)
+            return false;
+    }
+    return 2 * count <= contacts->vertex_count;
 }
 
 pel_status pel_contacts_follow(pel_sim *sim, const pel_record *now, const pel_record *base, double share,
@@ -437,14 +513,16 @@ pel_status pel_contacts_follow(pel_sim *sim, const pel_record *now, const pel_re
 {
     pel_contact_set *contacts = sim->contacts;
     double found = sim->touch->found_at, substep = 1.0 / sim->solver.substeps;
-    if (strays(sim, now, share)) {
+    bool is_over = found < 1 && share + 0.5 * substep > sim->touch->found_until, any = strays(sim, now, share);
+    bool is_part = any && !pel_contact_set_widen(contacts) && !sim->touch->is_same && is_few(sim);
+    if (any && !is_part)
         contacts->horizon = pel_min(pel_max(share - found, LEAST_HORIZON * substep), 1);
-        pel_contact_set_widen(contacts);
-    } else if (found < 1 && share + 0.5 * substep > sim->touch->found_until)
+    else if (is_over)
         contacts->horizon = pel_min(2 * contacts->horizon, 1);
-    else
+    else if (!any)
         return PEL_OK;
-    return find_again(sim, now, base, share, error);
+    is_part = is_part && !is_over;
+    return find_again(sim, now, base, share, is_part, error);
 }
 
 void pel_contacts_end_search(const pel_sim *sim, const pel_record *now)

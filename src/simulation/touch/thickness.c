@@ -326,7 +326,7 @@ static pel_status visit_near_pairs(pel_sim *sim, double reach, visit_pair *visit
         return status;
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
                                          set->def.body_count + set->def.obstacle_count};
-    status = pel_collider_use_groups(collider, &groups, error);
+    status = pel_collider_use_groups(collider, &groups, (const double(*)[3])set->start, error);
     pel_collision_query query = pel_collision_query_default();
     query.start = query.end = set->start[0];
     query.min_separation = reach;
