@@ -471,6 +471,27 @@ static void test_changes(void **unused)
     check_changes(make_shell, change_shell, 30);
 }
 
+/* a snapshot of fewer or more vertices, whose surfaces cannot be those of the simulation */
+static void test_other_sizes(void **unused)
+{
+    (void)unused;
+    size_t size;
+    void *bytes = snapshot_of(make_setup(), &size);
+    for (int frequency = 3; frequency <= 5; frequency += 2) {
+        setup *s = make_setup();
+        pel_mesh_destroy(s->mesh);
+        s->body.mesh = s->mesh = make_sphere(frequency);
+        s->pinned[0] = nearest_vertex(s->mesh, 0, 0, -1);
+        made_sim made = make(s);
+        pel_error error;
+        assert_int_equal(pel_sim_load(made.sim, bytes, size, &error), PEL_BAD_FORMAT);
+        assert_non_null(strstr(error.what, "the snapshot was made with other: mesh"));
+        destroy(made);
+        free_setup(s);
+    }
+    free(bytes);
+}
+
 /* members that do not affect results may differ */
 static void test_no_change(void **unused)
 {
@@ -679,10 +700,11 @@ static void test_memory_runs_out(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_changes),         cmocka_unit_test(test_no_change),
-        cmocka_unit_test(test_versions),        cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_forged),          cmocka_unit_test(test_statistics),
-        cmocka_unit_test(test_memory_runs_out), cmocka_unit_test(test_substep_number),
+        cmocka_unit_test(test_changes),        cmocka_unit_test(test_other_sizes),
+        cmocka_unit_test(test_no_change),      cmocka_unit_test(test_versions),
+        cmocka_unit_test(test_damage),         cmocka_unit_test(test_forged),
+        cmocka_unit_test(test_statistics),     cmocka_unit_test(test_memory_runs_out),
+        cmocka_unit_test(test_substep_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

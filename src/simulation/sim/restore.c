@@ -121,7 +121,12 @@ pel_status pel_sim_load(pel_sim *sim, const void *bytes, size_t size, pel_error 
     pel_status status = pel_snapshot_check(sim, bytes, size, &has_surfaces, error);
     if (status != PEL_OK)
         return status;
-    return has_surfaces ? pel_snapshot_load(sim, bytes, size, error) : load_surfaces(sim, bytes, size, error);
+    if (has_surfaces)
+        return pel_snapshot_load(sim, bytes, size, error);
+    status = load_surfaces(sim, bytes, size, error);
+    /* with another mesh, what it has are no surfaces of the simulation */
+    bool is_refused = status != PEL_OK && status != PEL_OUT_OF_MEMORY;
+    return is_refused ? pel_snapshot_refuse_other(sim, bytes, status, error) : status;
 }
 
 /* the defs are the snapshot's own, the meshes of bodies those of its surfaces */

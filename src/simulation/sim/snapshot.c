@@ -240,15 +240,24 @@ static pel_status check_whole(const void *bytes, size_t size, header *head, pel_
     return PEL_OK;
 }
 
-/* whether it is of the same defs; the surface has to be that of the snapshot */
-static pel_status check_defs(pel_sim *sim, size_t size, const header *head, pel_error *error)
+pel_status pel_snapshot_refuse_other(const pel_sim *sim, const void *bytes, pel_status status, pel_error *error)
 {
+    header head;
     char parts[sizeof error->what];
-    pel_fingerprint_compare(&head->fingerprint, &pel_house_of(sim)->fingerprint, parts, sizeof parts);
-    if (parts[0] != '\0')
-        return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
-                          "the snapshot was made with other: %s", parts);
-    pel_status status = pel_sim_make_forces(sim, head->has_forces != 0, error);
+    memcpy(&head, bytes, sizeof head);
+    pel_fingerprint_compare(&head.fingerprint, &pel_house_of(sim)->fingerprint, parts, sizeof parts);
+    if (parts[0] == '\0')
+        return status;
+    return pel_refuse(error, PEL_BAD_FORMAT, "load it into a sim that was made from the same defs",
+                      "the snapshot was made with other: %s", parts);
+}
+
+/* whether it is of the same defs; the surface has to be that of the snapshot */
+static pel_status check_defs(pel_sim *sim, const void *bytes, size_t size, const header *head, pel_error *error)
+{
+    pel_status status = pel_snapshot_refuse_other(sim, bytes, PEL_OK, error);
+    if (status == PEL_OK)
+        status = pel_sim_make_forces(sim, head->has_forces != 0, error);
     if (status == PEL_OK && size < least_size(sim))
         return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is damaged");
     return status;
@@ -326,7 +335,7 @@ pel_status pel_snapshot_load(pel_sim *sim, const void *bytes, size_t size, pel_e
     memcpy(&head, bytes, sizeof head);
     if (!has_surfaces)
         return pel_refuse(error, PEL_BAD_FORMAT, "use another one", "the snapshot is of another surface");
-    status = check_defs(sim, size, &head, error);
+    status = check_defs(sim, bytes, size, &head, error);
     return status == PEL_OK ? restore(sim, bytes, error) : status;
 }
 

@@ -15,6 +15,8 @@ pel_status pel_snapshot_read_surfaces(const pel_sim *sim, const void *bytes, siz
 pel_status pel_snapshot_check(const pel_sim *sim, const void *bytes, size_t size, bool *has_surfaces, pel_error *error);
 /* pel_sim_load of a snapshot with the present surfaces. */
 pel_status pel_snapshot_load(pel_sim *sim, const void *bytes, size_t size, pel_error *error);
+/* Refuses the snapshot of a sim with other defs, by the names of their parts; otherwise the given status. */
+pel_status pel_snapshot_refuse_other(const pel_sim *sim, const void *bytes, pel_status status, pel_error *error);
 /* Recomputes the checksum of a snapshot, for tests of damage. */
 void pel_snapshot_seal(void *bytes, size_t size);
 /* Whether the bytes are a whole snapshot of a simulation like this one, with lists as long; checksum: as
