@@ -101,7 +101,8 @@ typedef struct pel_tool_def {
                          end of the cut until the force there is sharpness times the thickness of the sheet, and from
                          then on cuts under this force; where it lies on the inside of a surface it presses until its
                          force is sharpness times the thickness times the length that touches over `kerf`, at least
-                         over the thickness. The ledger books it as dissipated_fracture */
+                         over the thickness. The ledger books it as dissipated_fracture. Refused under
+                         PEL_METHOD_PBD and PEL_METHOD_PBD_DISTANCE, which have no forces */
     double kerf;      /* m, width of the blade; 0 (default) = the thickness of the sheet */
     double strength;  /* N; 0 (default) = no limit. A vertex of PEL_TOOL_SUPPORT whose force is larger at the end of a
                          step is released for good */

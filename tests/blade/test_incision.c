@@ -276,36 +276,54 @@ static void guillotine(void **unused)
 
 #define SHARPNESS 1000.0
 
-static const pel_method firm_methods[] = {PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT, PEL_METHOD_DESCENT};
+typedef struct firm_case {
+    pel_method method;
+    double dt, sharpness;
+} firm_case;
 
-/* the force is sharpness times thickness in the mean, and its work is the energy of the new area but for what is left
-   in the sheet; the cut lies on the way of the blade, and never runs ahead of it */
+/* the force is sharpness times thickness from the first edge on, in steps of all lengths, and its work is the energy of
+   the new area but for the edges behind the blade; the cut lies on the way of the blade, and never runs ahead of it */
+static void cut_firmly(const firm_case *c)
+{
+    pel_pose_key keys[2];
+    pel_tool_def tool = straight(keys, 0.2);
+    double limit = c->sharpness * THICKNESS, mean = 0, largest = 0;
+    int count = (int)(0.2 / c->dt + 0.5);
+    tool.sharpness = c->sharpness;
+    sheet s = make_sheet(c->method, c->dt, &tool, 1);
+    for (int i = 0; i < count; i++) {
+        pel_tool_reading reading;
+        step(s.sim, 1);
+        pel_sim_get_tool(s.sim, 0, &reading);
+        double force = pel_vec3_length(reading.force);
+        mean += 2 * i >= count ? 2 * force / count : 0;
+        largest = 2 * i >= count && force > largest ? force : largest;
+        double way = (i + 1.0) / count * pel_vec3_distance(keys[0].position, keys[1].position) - 0.1 * LENGTH;
+        assert_true(length_of(s.sim) < (way > 0 ? way : 0) + EDGE);
+    }
+    pel_sim_ledger ledger;
+    pel_sim_get_ledger(s.sim, &ledger);
+    /* static holds the vertex, and its force is low for some steps once an edge has opened */
+    bool is_static = c->method == PEL_METHOD_STATIC;
+    assert_near(mean, limit, (is_static ? 0.2 : 0.01) * limit);
+    assert_near(largest, limit, (is_static ? 0.6 : 0.01) * limit);
+    assert_true(length_of(s.sim) > 0.07 && farthest(&s, &tool) < EDGE);
+    assert_near(ledger.dissipated_fracture, limit * length_of(s.sim), 1e-9);
+    assert_near(ledger.work_tools, ledger.dissipated_fracture, (is_static ? 0.1 : 0.06) * ledger.dissipated_fracture);
+    end_sheet(&s);
+}
+
 static void resistance(void **unused)
 {
     (void)unused;
-    for (size_t m = 0; m < sizeof firm_methods / sizeof *firm_methods; m++) {
-        pel_pose_key keys[2];
-        pel_tool_def tool = straight(keys, 0.2);
-        double limit = SHARPNESS * THICKNESS, mean = 0;
-        tool.sharpness = SHARPNESS;
-        sheet s = make_sheet(firm_methods[m], 1e-3, &tool, 1);
-        for (int i = 0; i < 200; i++) {
-            pel_tool_reading reading;
-            step(s.sim, 1);
-            pel_sim_get_tool(s.sim, 0, &reading);
-            assert_true(pel_vec3_length(reading.force) < 2.5 * limit);
-            mean += i >= 100 ? pel_vec3_length(reading.force) / 100 : 0;
-            double way = (i + 1) / 200.0 * pel_vec3_distance(keys[0].position, keys[1].position) - 0.1 * LENGTH;
-            assert_true(length_of(s.sim) < (way > 0 ? way : 0) + EDGE);
-        }
-        pel_sim_ledger ledger;
-        pel_sim_get_ledger(s.sim, &ledger);
-        assert_near(mean, limit, 0.25 * limit);
-        assert_true(length_of(s.sim) > 0.07 && farthest(&s, &tool) < EDGE);
-        assert_near(ledger.dissipated_fracture, limit * length_of(s.sim), 1e-9);
-        assert_near(ledger.work_tools, ledger.dissipated_fracture, 0.1 * ledger.dissipated_fracture);
-        end_sheet(&s);
-    }
+    const firm_case cases[] = {
+        {PEL_METHOD_IMPLICIT, 1e-3, 0.3 * SHARPNESS}, {PEL_METHOD_XPBD, 1e-3, SHARPNESS},
+        {PEL_METHOD_QUASI_STATIC, 1e-3, SHARPNESS},   {PEL_METHOD_DESCENT, 1e-3, 0.3 * SHARPNESS},
+        {PEL_METHOD_EXPLICIT, 2e-5, 0.3 * SHARPNESS}, {PEL_METHOD_IMPLICIT, 5e-4, SHARPNESS},
+        {PEL_METHOD_XPBD, 2.5e-4, 0.3 * SHARPNESS},   {PEL_METHOD_STATIC, 1e-3, 0.3 * SHARPNESS},
+    };
+    for (int i = 0; i < LONG(8, 5); i++)
+        cut_firmly(&cases[i]);
 }
 
 /* a blade that the sheet can follow presses, and cuts nothing */
@@ -452,7 +470,7 @@ static void refusals(void **unused)
     refuse(model, &bad, "an edge and a grasp");
     bad = good;
     bad.sharpness = SHARPNESS;
-    const pel_method loose[] = {PEL_METHOD_PBD, PEL_METHOD_QUASI_STATIC, PEL_METHOD_EXPLICIT};
+    const pel_method loose[] = {PEL_METHOD_PBD, PEL_METHOD_PBD_DISTANCE};
     for (size_t m = 0; m < sizeof loose / sizeof *loose; m++)
         refuse_under(loose[m], model, &bad, "a method that does not balance its force");
     pel_pose_key within = {.position = {0.0012, 0.0007, 0}, .rotation = {0, 0, 0, 1}};
@@ -460,6 +478,7 @@ static void refusals(void **unused)
     bad.keys = &within;
     bad.key_count = 1;
     refuse(model, &bad, "starts in the surface");
+    good.sharpness = SHARPNESS;
     pel_sim_def def = lone_sim(model, PEL_METHOD_IMPLICIT, 1e-3);
     def.tools = &good;
     def.tool_count = 1;

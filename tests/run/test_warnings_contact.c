@@ -36,20 +36,17 @@ static void test_fast_blade(void **unused)
     assert_null(fast(KNIFE(""), NULL, &summary));
 }
 
-/* the ledger of a blade whose sharpness is low for its sheet, and the method that it names does not warn */
+/* a blade whose sharpness is low for its sheet makes no energy: its force stays at its limit in short steps */
 static void test_low_sharpness(void **unused)
 {
     (void)unused;
-    const char *changes[] = {"solver={ method: implicit, dt: 0.001 }", "bodies.0.mesh.nx=30", "bodies.0.mesh.ny=18",
-                             "duration=0.06"};
-    pel_run_summary summary;
-    run_scene(KNIFE(", sharpness: 300"), changes, 4, NULL, 1, &summary);
-    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
-    assert_non_null(warning);
-    assert_non_null(strstr(warning->text, "the force of the blade is too low: use method static"));
-    changes[0] = "solver={ method: static, dt: 0.001 }";
-    run_scene(KNIFE(", sharpness: 300"), changes, 4, NULL, 1, &summary);
-    assert_null(find_warning(&summary, "energy-appears"));
+    const char *const methods[] = {"solver={ method: implicit, dt: 0.001 }", "solver={ method: static, dt: 0.001 }"};
+    for (int m = 0; m < 2; m++) {
+        const char *changes[] = {methods[m], "bodies.0.mesh.nx=30", "bodies.0.mesh.ny=18", "duration=0.06"};
+        pel_run_summary summary;
+        run_scene(KNIFE(", sharpness: 300"), changes, 4, NULL, 1, &summary);
+        assert_null(find_warning(&summary, "energy-appears"));
+    }
 }
 
 /* A stiff sheet thrown at the corner of a cube, at four places. The straight way of a step cuts the corner although the

@@ -568,10 +568,6 @@ static void tell_stray(const pel_warning_text *at)
 static const char *energy_remedy(const pel_sim_def *sim)
 {
     const pel_stepper *stepper = pel_stepper_of(sim->solver.method);
-    /* smaller steps do not help against its force, which jumps between too much and none */
-    for (int32_t t = 0; t < sim->tool_count; t++)
-        if (sim->tools[t].sharpness > 0 && !stepper->is_static)
-            return "the force of the blade is too low: use method static, or a larger sharpness";
     /* pairs that touch are found once a step: substeps do not add any */
     bool is_step = stepper->energy_remedy == NULL || (stepper->is_compliant && sim->contact.enabled);
     return is_step ? "use a smaller solver.dt" : stepper->energy_remedy;

@@ -1,7 +1,9 @@
 #include "blade/check.h"
 
+#include "base/memory.h"
 #include "base/status.h"
 #include "blade/hold.h"
+#include "boundary/loads.h"
 #include "geom/sweep.h"
 
 #include <math.h>
@@ -58,8 +60,7 @@ static pel_status check_def(const pel_sim *sim, const pel_tool_def *def, int32_t
     if (sim->def.tie_count > 0 && def->shape != PEL_TOOL_HOOK)
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "leave attachments and stitches out",
                                   "blade '%s' beside attachments or stitches", def->name);
-    const pel_stepper *stepper = sim->stepper;
-    if (def->sharpness > 0 && def->shape == PEL_TOOL_BLADE && !stepper->is_compliant && !stepper->minimises)
+    if (def->sharpness > 0 && def->shape == PEL_TOOL_BLADE && !pel_stepper_knows_material(sim->stepper))
         return pel_refuse_element(error, PEL_BAD_ARGUMENT, "tool", tool, "use method: implicit, or leave out sharpness",
                                   "blade '%s' has a sharpness under a method that does not balance its force",
                                   def->name);
@@ -102,15 +103,20 @@ pel_status pel_blade_check_start(const pel_sim *sim, int32_t index, pel_error *e
     return PEL_OK;
 }
 
-pel_status pel_blades_check(const pel_sim *sim, pel_error *error)
+pel_status pel_blades_create(pel_sim *sim, pel_error *error)
 {
     pel_status status = PEL_OK;
+    bool drags = false;
     for (int32_t t = 0; status == PEL_OK && t < sim->tools->count; t++) {
         if (sim->tools->items[t].blade == NULL)
             continue;
         status = check_def(sim, &sim->def.tools[t], t, error);
         if (status == PEL_OK && !sim->goes_on)
             status = pel_blade_check_start(sim, t, error);
+        drags |= sim->def.tools[t].sharpness > 0 && !sim->stepper->is_static;
     }
-    return status;
+    if (status != PEL_OK || !drags)
+        return status;
+    sim->loads->dragged = pel_allocate((size_t)sim->model->vertex_count, sizeof *sim->loads->dragged);
+    return sim->loads->dragged != NULL ? PEL_OK : pel_fail_memory(error);
 }

@@ -1,18 +1,27 @@
 /* A blade holds the vertex at the end of its cut, as a grasp does, but no harder than the material allows. The force of
-   the vertex on the blade is known after each step. Where it is above the limit R the blade slides: the place of the
-   vertex on the blade moves by s along the force, back to where
+   the vertex on the blade is known after each step. Where it reaches the limit R the blade drags the vertex: this is
+   free, and R acts on it along the way of the blade. So the force is R for any step and mass, as long as the blade
+   gains on the vertex. A vertex that overtakes the blade by more than it swings (`slack`), or that the blade leaves, is
+   held again. An edge that opens passes R on to the vertex at its end. Along its edge a blade holds nothing, and it
+   does not pull a vertex back.
+
+   To hold the vertex at all times, and to move its place on the blade by force and stiffness, does not work in short
+   steps: the force of a place that is given jumps with its velocity, by several R. Under `static` it is done: there a
+   free vertex may have no balance under R, as in a sheet that crumples before the blade. The place moves by s along the
+   force, back to where
 
        F + K (d - s) = R
 
    in the next step, with the way d of the blade against the force, and the stiffness K of the sheet around a vertex. A
-   K that is too large keeps F below R by some K d at first, one that is too small lets it fall behind. Along its edge a
-   blade holds nothing, and it does not pull a vertex back. */
+   K that is too large keeps F below R by some K d at first, one that is too small lets it fall behind. */
 #include "blade/hold.h"
 
+#include "boundary/loads.h"
 #include "math/extremes.h"
 #include "pellicle/geometry.h"
 #include "stage/layer.h"
 #include "tool/grip.h"
+#include "tool/reading.h"
 
 #include <string.h>
 
@@ -22,6 +31,8 @@
 #define LEAST_CLOSED 1e-3
 /* stiffness of a sheet at the end of a cut, over Young's modulus times thickness; at least half of what it is */
 #define TIP_SHARE 0.6
+/* of the way by which the limit moves a vertex in balance */
+#define SWING 2.0
 
 static const pel_tool_def *def_of(const pel_sim *sim, const pel_tool *tool)
 {
@@ -38,6 +49,16 @@ bool pel_blade_is_hook(const pel_sim *sim, const pel_tool *tool)
     return def_of(sim, tool)->shape == PEL_TOOL_HOOK;
 }
 
+static int32_t vertex_of(const pel_sim *sim, const pel_blade_tip *tip)
+{
+    return sim->model->bodies[tip->body].model_index[tip->vertex];
+}
+
+static bool drags(const pel_sim *sim, const pel_blade_tip *tip)
+{
+    return tip->slack > 0 && sim->loads->dragged != NULL && pel_tool_mobility(sim, vertex_of(sim, tip)) > 0;
+}
+
 /* ---- the step ---- */
 
 void pel_blades_begin(pel_sim *sim)
@@ -51,6 +72,30 @@ void pel_blades_begin(pel_sim *sim)
             sim->tools->items[i].blade->pose_before = sim->tools->items[i].pose;
             sim->tools->items[i].blade->closed_before = sim->tools->items[i].blade->closed;
         }
+    if (sim->loads->dragged == NULL)
+        return;
+    memset(sim->loads->dragged, 0, (size_t)sim->model->vertex_count * sizeof *sim->loads->dragged);
+    for (int32_t i = 0; i < sim->tools->count; i++) {
+        const pel_blade *blade = sim->tools->items[i].blade;
+        for (int32_t k = 0; blade != NULL && k < blade->tip_count; k++)
+            for (int c = 0; drags(sim, &blade->tips[k]) && c < 3; c++)
+                sim->loads->dragged[vertex_of(sim, &blade->tips[k])][c] -= (pel_real)blade->tips[k].pull[c];
+    }
+}
+
+void pel_blades_read(pel_sim *sim)
+{
+    for (int32_t i = 0; sim->loads->dragged != NULL && i < sim->tools->count; i++) {
+        pel_tool *tool = &sim->tools->items[i];
+        for (int32_t k = 0; tool->blade != NULL && k < tool->blade->tip_count; k++) {
+            const pel_blade_tip *tip = &tool->blade->tips[k];
+            double point[3];
+            if (!drags(sim, tip))
+                continue;
+            pel_tool_mean_point(sim, tool, vertex_of(sim, tip), point);
+            pel_tool_add_reaction(tool, point, tip->pull);
+        }
+    }
 }
 
 static bool is_scissors(const pel_tool *tool)
@@ -124,7 +169,7 @@ static bool is_tip(const pel_sim *sim, const pel_tool *tool, int32_t v)
 {
     for (int32_t i = 0; i < tool->blade->tip_count; i++) {
         const pel_blade_tip *tip = &tool->blade->tips[i];
-        if (!tip->is_pressing && sim->model->bodies[tip->body].model_index[tip->vertex] == v)
+        if (!tip->is_pressing && vertex_of(sim, tip) == v)
             return true;
     }
     return false;
@@ -146,7 +191,7 @@ void pel_blade_pierce(pel_sim *sim, pel_tool *tool)
             drop(sim, tool, i);
 }
 
-/* ---- sliding ---- */
+/* ---- dragging ---- */
 
 /* m, about the mean edge at rest */
 static double edge_of(const pel_sim *sim, int32_t body)
@@ -186,59 +231,131 @@ typedef struct hold {
     pel_sim *sim;
     pel_tool *tool;
     pel_blade_tip *tip;
-    int32_t i, v;    /* among the held ones, and of the model */
-    double force[3]; /* N, across the edge */
-    double along[3]; /* N, along it */
-    double way[3];   /* m, of the blade in the step */
+    int32_t i, v;  /* among the held ones, and of the model */
+    double way[3]; /* m, of the blade in the step, across its edge */
 } hold;
 
-static void read_hold(hold *h)
+/* unit */
+static void axis_of(const hold *h, double axis[3])
 {
-    double edge[2][3], axis[3], x[3], along[3];
-    pel_vertex_position(h->sim->state->position, h->v, x);
-    find_point(h->tool, x, h->way);
+    double edge[2][3];
     pel_blade_edge_at(h->tool, &h->tool->pose, 1, edge);
     pel_vec3_subtract(edge[1], edge[0], axis);
     pel_vec3_normalize(axis);
-    pel_vec3_copy(h->sim->tools->grip_forces[h->v], h->force);
-    take_out(axis, h->force, h->along);
+}
+
+static void read_way(hold *h)
+{
+    double axis[3], x[3], along[3];
+    pel_vertex_position(h->sim->state->position, h->v, x);
+    find_point(h->tool, x, h->way);
+    axis_of(h, axis);
     take_out(axis, h->way, along);
 }
 
 /* the place of the vertex on the blade moves, in the world's frame */
-static void shift(hold *h, const double way[3])
+static void shift(const hold *h, double factor, const double way[3])
 {
     double local[3];
     pel_rotate_back(h->tool->pose.rotation, way, local);
-    pel_vec3_add(h->tool->anchors[h->i], local, h->tool->anchors[h->i]);
+    pel_vec3_along(h->tool->anchors[h->i], factor, local, h->tool->anchors[h->i]);
 }
 
-static void slide(hold *h, double limit)
+static void slide(const hold *h, double limit)
 {
-    double stiffness = stiffness_of(h->sim, h->tip->body), force = pel_vec3_length(h->force), slip[3];
-    double mass = (double)h->sim->model->mass[h->v], dt = h->sim->step.dt;
-    double firm = stiffness + (pel_sim_has_velocity(h->sim) ? mass / (dt * dt) : 0);
-    double ahead = force > 0 ? pel_max(0, -pel_vec3_dot(h->way, h->force) / force) : 0;
-    double way = force >= limit ? ahead + (force - limit) / firm : pel_max(0, ahead - (limit - force) / stiffness);
-    pel_vec3_scale(h->along, 1 / firm, slip);
-    pel_vec3_along(slip, force > 0 ? way / force : 0, h->force, slip);
-    shift(h, slip);
+    double stiffness = stiffness_of(h->sim, h->tip->body), force = pel_vec3_length(h->tip->pull);
+    double ahead = force > 0 ? pel_max(0, -pel_vec3_dot(h->way, h->tip->pull) / force) : 0;
+    double way = force >= limit ? ahead + (force - limit) / stiffness : pel_max(0, ahead - (limit - force) / stiffness);
+    shift(h, force > 0 ? way / force : 0, h->tip->pull);
 }
 
-/* a hook lets go of all above its limit, a blade slides */
+/* the force of a vertex on a blade that goes on: towards a point an edge ahead of the blade, across the edge of it */
+static void aim(const hold *h, double limit)
+{
+    double edge[2][3], x[3], weights[2], aim[3], axis[3], along[3];
+    pel_vertex_position(h->sim->state->position, h->v, x);
+    pel_blade_edge_at(h->tool, &h->tool->pose, 1, edge);
+    pel_closest_point_segment(x, edge[0], edge[1], weights);
+    pel_vec3_scale(h->tip->pull, -1, aim);
+    if (pel_vec3_length(h->way) > 0)
+        pel_vec3_copy(h->way, aim);
+    pel_vec3_normalize(aim);
+    pel_vec3_scale(aim, edge_of(h->sim, h->tip->body), aim);
+    for (int end = 0; end < 2; end++)
+        pel_vec3_along(aim, weights[end], edge[end], aim);
+    pel_vec3_subtract(aim, x, aim);
+    axis_of(h, axis);
+    take_out(axis, aim, along);
+    if (pel_vec3_normalize(aim) > 0)
+        pel_vec3_scale(aim, -limit, h->tip->pull);
+}
+
+static double most_slack(const hold *h, double limit)
+{
+    return SWING * limit / stiffness_of(h->sim, h->tip->body);
+}
+
+/* the vertex is free from the limit on, and is held where the blade does not gain on it */
+static void drag(hold *h, double limit)
+{
+    drop(h->sim, h->tool, h->i);
+    h->tip->slack = most_slack(h, limit);
+    aim(h, limit);
+}
+
+static void follow_drag(hold *h, double limit)
+{
+    double x[3], way[3];
+    read_way(h);
+    pel_vertex_position(h->sim->state->position, h->v, x);
+    pel_vertex_position(h->sim->tools->blade_before, h->v, way);
+    pel_vec3_subtract(x, way, way);
+    double force = pel_vec3_length(h->tip->pull), gain = -pel_vec3_dot(h->way, h->tip->pull) / force;
+    double ahead = -pel_vec3_dot(way, h->tip->pull) / force - gain;
+    h->tip->slack = pel_max(0, pel_min(most_slack(h, limit), h->tip->slack - ahead));
+    if (gain < 0 || h->tip->slack == 0) {
+        h->tip->slack = 0;
+        pel_blade_take(h->sim, h->tool, h->tip->body, h->tip->vertex);
+    } else {
+        aim(h, limit);
+    }
+}
+
+void pel_blade_take_on(pel_sim *sim, pel_tool *tool, pel_blade_tip *tip)
+{
+    const hold h = {.sim = sim, .tool = tool, .tip = tip};
+    if (drags(sim, tip)) {
+        tip->slack = most_slack(&h, pel_vec3_length(tip->pull));
+        sim->state->older_is_known = false;
+        return;
+    }
+    tip->slack = 0;
+    pel_blade_take(sim, tool, tip->body, tip->vertex);
+}
+
+/* a hook lets go of all above its limit, a blade drags */
 static void follow_hold(hold *h, double limit)
 {
-    read_hold(h);
-    bool is_hook = pel_blade_is_hook(h->sim, h->tool);
-    bool is_back = pel_vec3_dot(h->force, h->tip->pull) < 0;
-    if (is_back || (is_hook && pel_vec3_length(h->force) > limit)) {
+    double axis[3], force[3], along[3];
+    axis_of(h, axis);
+    pel_vec3_copy(h->sim->tools->grip_forces[h->v], force);
+    take_out(axis, force, along);
+    bool is_hook = pel_blade_is_hook(h->sim, h->tool), is_back = pel_vec3_dot(force, h->tip->pull) < 0;
+    if (is_back || (is_hook && pel_vec3_length(force) > limit)) {
         h->tool->tally.lost_count += is_hook && !is_back;
         drop(h->sim, h->tool, h->i);
         return;
     }
-    pel_vec3_copy(h->force, h->tip->pull);
-    if (!is_hook)
+    pel_vec3_copy(force, h->tip->pull);
+    if (is_hook)
+        return;
+    read_way(h);
+    /* along its edge a blade holds nothing */
+    shift(h, 1 / stiffness_of(h->sim, h->tip->body), along);
+    if (h->sim->loads->dragged == NULL)
         slide(h, limit);
+    else if (pel_vec3_length(force) >= limit)
+        drag(h, limit);
 }
 
 /* a vertex that was let go is held again where the blade comes against it once more */
@@ -283,7 +400,7 @@ void pel_blade_slide(pel_sim *sim, pel_tool *tool,
 {
     for (int32_t i = tool->blade->tip_count - 1; i >= 0; i--) {
         pel_blade_tip *tip = &tool->blade->tips[i];
-        int32_t v = sim->model->bodies[tip->body].model_index[tip->vertex];
+        int32_t v = vertex_of(sim, tip);
         double x[3], way[3];
         hold h = {.sim = sim, .tool = tool, .tip = tip, .v = v, .i = find_held(tool, v)};
         pel_vertex_position(sim->state->position, v, x);
@@ -294,6 +411,8 @@ void pel_blade_slide(pel_sim *sim, pel_tool *tool,
             continue;
         } else if (h.i >= 0) {
             follow_hold(&h, limit(sim, tool, tip));
+        } else if (tip->slack > 0) {
+            follow_drag(&h, limit(sim, tool, tip));
         } else if (pel_vec3_length(tip->pull) > 0) {
             come_back(sim, tool, tip, way);
         }

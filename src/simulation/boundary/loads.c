@@ -334,7 +334,8 @@ static bool apply_gravity(pel_sim *sim, const pel_body *body, real_gains gain)
 bool pel_loads_exist(const pel_sim *sim)
 {
     return sim->loads->count > 0 || sim->loads->follower_count > 0 || sim->loads->fluid_count > 0 ||
-           sim->loads->wind != NULL || sim->loads->external != NULL || has_gravity(sim->model);
+           sim->loads->wind != NULL || sim->loads->external != NULL || sim->loads->dragged != NULL ||
+           has_gravity(sim->model);
 }
 
 bool pel_loads_act(const pel_sim *sim)
@@ -378,6 +379,8 @@ bool pel_loads_apply(pel_sim *sim, pel_span span, pel_gains gains)
         inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->force[v]);
     for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
         inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->loads->external[v]);
+    for (int32_t v = 0; sim->loads->dragged != NULL && v < sim->model->vertex_count; v++)
+        inside &= push(sim, v, gain, sim->model->inverse_mass[v] * sim->loads->dragged[v]);
     for (int32_t b = 0; has_gravity(sim->model) && b < sim->model->body_count; b++)
         inside &= apply_gravity(sim, &sim->model->bodies[b], gain);
     return inside;
@@ -415,6 +418,8 @@ void pel_loads_add(const pel_sim *sim, pel_span span, const pel_record *position
         pel_fluids_add(sim, positions, force);
     for (int32_t v = 0; sim->loads->external != NULL && v < sim->model->vertex_count; v++)
         force[v] += sim->loads->external[v];
+    for (int32_t v = 0; sim->loads->dragged != NULL && v < sim->model->vertex_count; v++)
+        force[v] += sim->loads->dragged[v];
     if (has_gravity(sim->model)) {
         pel_record gravity = (pel_real)sim->state->load_factor * record_of(sim->model->gravity);
         for (int32_t v = 0; v < sim->model->vertex_count; v++)

@@ -49,6 +49,7 @@ struct pel_loads {
     pel_load *items; /* (count) */
     int32_t count;
     pel_record *external;      /* (vertex_count) N, forces of the caller; null = none yet */
+    pel_record *dragged;       /* (vertex_count) N, forces of blades at their limits (blade/hold.h); null = no blade */
     pel_edge_load *edge_loads; /* (edge_load_count) null = none */
     int32_t edge_load_count;
     double edge_load_work;   /* J, in the step */

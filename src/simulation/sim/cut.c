@@ -412,7 +412,7 @@ static void take_tips(pel_sim *sim, pel_tool *tool)
 {
     for (int32_t i = 0; i < tool->blade->tip_count; i++)
         if (!tool->blade->tips[i].is_pressing && pel_blade_resists(sim, tool))
-            pel_blade_take(sim, tool, tool->blade->tips[i].body, tool->blade->tips[i].vertex);
+            pel_blade_take_on(sim, tool, &tool->blade->tips[i]);
 }
 
 /* a blade in one body after a step; the simulation may be made anew */

@@ -354,7 +354,7 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
     if (status == PEL_OK && pel_patience_is_lost())
         return pel_fail_memory(error);
     if (status == PEL_OK)
-        status = pel_blades_check(sim, error);
+        status = pel_blades_create(sim, error);
     if (status == PEL_OK)
         status = pel_tear_create(sim, error);
     if (status == PEL_OK && sim->tear != NULL)
@@ -415,7 +415,7 @@ void pel_sim_release(pel_house *house)
     pel_copies_free(&house->copies);
     pel_picker_destroy(sim->picker);
     pel_observer_destroy(sim->observer);
-    pel_free(sim->loads->external);
+    PEL_FREE_ALL(sim->loads->external, sim->loads->dragged);
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->touch->collisions);

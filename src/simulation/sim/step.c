@@ -246,8 +246,10 @@ static pel_status step_part(pel_sim *sim, pel_error *error)
         sim->contact_forces.is_short = false;
         status = pel_fail_memory(error);
     }
-    if (status == PEL_OK)
+    if (status == PEL_OK) {
+        pel_blades_read(sim);
         accept_part(sim, next);
+    }
     return status;
 }
 

@@ -72,6 +72,7 @@ typedef struct pel_blade_tip {
     double ahead[3];      /* unit, at rest: the last edge; 0 = none yet */
     double pull[3];       /* N, of the vertex on the blade when it last held it; 0 = not yet */
     double width;         /* m, at rest, of the edge that presses */
+    double slack; /* m, by which a vertex that the blade drags may overtake it; 0 = the blade holds the vertex */
 } pel_blade_tip;
 
 /* places at which one blade cuts at most */
@@ -96,8 +97,7 @@ typedef struct pel_tool {
     struct pel_mesh_query *query;            /* of a mesh that grasps: finds vertices inside or near; else null */
     pel_pose_key *keys;
     double (*key_spins)[3]; /* (key_count) spin of the pose at each key */
-    int32_t key_count;
-    int32_t body;
+    int32_t key_count, body;
     bool press, grasp;
     double grasp_from, grasp_until, reach;
     double grasp_max_force; /* N, 0 = by the material, infinite = no limit */
