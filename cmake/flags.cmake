@@ -15,6 +15,8 @@ if(WIN32)
     target_link_libraries(pellicle_flags INTERFACE pellicle_posix)
     # programs need no library of MinGW
     add_link_options(-static)
+    # sockets; after all objects
+    string(APPEND CMAKE_C_STANDARD_LIBRARIES " -lws2_32")
 endif()
 # what POSIX and Linux have and macOS lacks
 if(APPLE)

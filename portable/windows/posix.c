@@ -60,16 +60,33 @@ int pel_windows_unlink(const char *pattern, const char *name)
     return unlink(path);
 }
 
+static void use_slashes(char *path)
+{
+    for (; *path != '\0'; path++)
+        if (*path == '\\')
+            *path = '/';
+}
+
 /* null if there is no such file, as POSIX says; the block is one of malloc */
 char *pel_windows_realpath(const char *path, char *resolved)
 {
     if (_access(path, 0) != 0)
         return NULL;
     char *full = _fullpath(resolved, path, PATH_MAX);
-    for (char *at = full; at != NULL && *at != '\0'; at++)
-        if (*at == '\\')
-            *at = '/';
+    if (full != NULL)
+        use_slashes(full);
     return full;
+}
+
+ssize_t pel_windows_readlink(const char *path, char *text, size_t size)
+{
+    char full[PATH_MAX];
+    DWORD length = strcmp(path, "/proc/self/exe") == 0 ? GetModuleFileNameA(NULL, full, sizeof full) : 0;
+    if (length == 0 || length >= sizeof full || length > size)
+        return pel_windows_unsupported();
+    use_slashes(full);
+    memcpy(text, full, length);
+    return (ssize_t)length;
 }
 
 int pel_windows_flock(int descriptor, int operation)

@@ -63,6 +63,8 @@ int pel_windows_flock(int descriptor, int operation);
 long pel_windows_sysconf(int name);
 ssize_t pel_windows_getline(char **line, size_t *size, FILE *file);
 int pel_windows_sigaction(int number, const struct sigaction *action, struct sigaction *old);
+/* the path of this program as /proc/self/exe */
+ssize_t pel_windows_readlink(const char *path, char *text, size_t size);
 int pel_windows_unsupported(void);
 
 /* the C library of Windows has a function of this name, and so have sources of ours */
@@ -87,8 +89,10 @@ int pel_windows_unsupported(void);
 #define unlinkat(folder, name, flags) pel_windows_unlink(folder, name)
 #define linkat(from, source, to, name, flags) ((void)(source), (void)(name), pel_windows_unsupported())
 #define symlink(target, path) ((void)(target), (void)(path), pel_windows_unsupported())
-#define readlink(path, text, size) ((void)(path), (void)(text), (void)(size), pel_windows_unsupported())
+#define readlink(path, text, size) pel_windows_readlink(path, text, size)
 #define fork() pel_windows_unsupported()
+#define setsid() ((void)0)
+#define dprintf(descriptor, ...) ((void)(descriptor), (void)snprintf(NULL, 0, __VA_ARGS__), pel_windows_unsupported())
 #ifndef getppid
 #define getppid pel_windows_unsupported
 #endif

@@ -18,6 +18,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -483,12 +484,8 @@ static void serve_turn(server *s)
 static pel_status make_token(server *s, pel_error *error)
 {
     unsigned char bytes[TOKEN_BYTES];
-    FILE *file = fopen("/dev/urandom", "rb");
-    bool done = file != NULL && fread(bytes, 1, sizeof bytes, file) == sizeof bytes;
-    if (file != NULL)
-        fclose(file);
-    if (!done)
-        return pel_fail(error, PEL_BAD_FILE, "/dev/urandom gives no random numbers for the token");
+    if (getentropy(bytes, sizeof bytes) != 0)
+        return pel_fail(error, PEL_BAD_FILE, "the system gives no random numbers for the token");
     for (size_t i = 0; i < sizeof bytes; i++)
         snprintf(s->token + 2 * i, 3, "%02x", bytes[i]);
     return PEL_OK;
