@@ -8,6 +8,8 @@ add_test(NAME house/links COMMAND ${PYTHON3} ${HOUSE}/links.py ${PROJECT_SOURCE_
 add_test(NAME house/links_self_test COMMAND ${PYTHON3} ${HOUSE}/links.py --self-test)
 add_test(NAME house/methods COMMAND ${PYTHON3} ${HOUSE}/methods.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/methods_self_test COMMAND ${PYTHON3} ${HOUSE}/methods.py --self-test)
+add_test(NAME house/mutants COMMAND ${PYTHON3} ${HOUSE}/mutants.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house/mutants_self_test COMMAND ${PYTHON3} ${HOUSE}/mutants.py --self-test)
 add_test(NAME house/drawing COMMAND ${PYTHON3} ${PROJECT_SOURCE_DIR}/tools/house --check)
 add_test(NAME house/functions COMMAND ${PYTHON3} ${HOUSE}/functions.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house/summary_self_test COMMAND ${PYTHON3} ${PROJECT_SOURCE_DIR}/tools/test-summary --self-test)
