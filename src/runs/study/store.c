@@ -54,6 +54,29 @@ static bool make_folder(const char *path)
     return mkdir(path, 0777) == 0 || (errno == EEXIST && stat(path, &information) == 0 && S_ISDIR(information.st_mode));
 }
 
+static bool has_file(const char *folder, const char *name)
+{
+    char path[PEL_STUDY_PATH_SIZE];
+    struct stat information;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return stat(path, &information) == 0;
+}
+
+/* A table or a page without rows is of somebody else, and would be written over. */
+static pel_status refuse_foreign(const char *folder, pel_error *error)
+{
+    static const char *const names[] = {"runs.csv", "report.html", "job.sh"};
+    for (size_t i = 0; i < sizeof names / sizeof *names && !has_file(folder, "rows"); i++) {
+        if (!has_file(folder, names[i]))
+            continue;
+        pel_fail(error, PEL_BAD_FILE, "the folder has a file %s, and no rows of a study", names[i]);
+        pel_fail_remedy(error, "choose a new or empty folder with -o; nothing was changed");
+        pel_fail_place(error, folder, 0, 0);
+        return PEL_BAD_FILE;
+    }
+    return PEL_OK;
+}
+
 /* with its parents */
 static pel_status make_folders(const char *folder, pel_error *error)
 {
@@ -107,7 +130,8 @@ static pel_status fail_other_study(const char *folder, pel_error *error)
 {
     pel_fail(error, PEL_BAD_FILE,
              "the folder holds rows of another study, or of this one before it, its scene or the program changed");
-    pel_fail_remedy(error, "choose another folder, or remove its folder rows/ to do all runs again");
+    pel_fail_remedy(error,
+                    "choose another folder, or remove rows/, runs.csv and report.html of it to do all runs again");
     pel_fail_place(error, folder, 0, 0);
     return PEL_BAD_FILE;
 }
@@ -264,7 +288,9 @@ static pel_status open_store(pel_study_store *store, const char *folder, pel_err
     if (store->folder == NULL || store->path == NULL || store->present == NULL || store->rows == NULL)
         return pel_fail_memory(error);
     snprintf(store->path, size, "%s/rows/%d-of-%d%s", folder, (int)store->chunk, (int)store->chunk_count, rows_ending);
-    pel_status status = make_folders(folder, error);
+    pel_status status = refuse_foreign(folder, error);
+    if (status == PEL_OK)
+        status = make_folders(folder, error);
     /* rows of another study are refused before anything is written beside them */
     if (status == PEL_OK)
         status = visit_rows(store, note_present, error);
