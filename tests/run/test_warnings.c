@@ -391,6 +391,36 @@ static void test_unresolved(void **unused)
     }
 }
 
+/* Motion that goes down to the mesh, of a sheet in the wind: the step of explicit that is proposed keeps the energy; a
+   material with damping, which explicit lacks, is told to do without. */
+static void test_unresolved_flutter(void **unused)
+{
+    (void)unused;
+    static const char flag[] =
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies:\n  - name: flag\n    mesh: { shape: grid, nx: 12, ny: 8, size_x: "
+        "0.9, size_y: 0.6, rotate: { axis: [1, 0, 0], angle: 90 } }\n    membrane: { young: 1e6, thickness: 2e-4 }\n"
+        "    mass: { density: 500 }\n    pinned: { box: { min: [-1, -1, -1], max: [-0.449, 1, 1] } }\n"
+        "wind: { velocity: [12, 1, 0] }\nsolver: { method: xpbd, dt: 0.01 }\nduration: 1\n";
+    pel_run_summary summary;
+    run_scene(flag, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+    assert_non_null(warning);
+    const char *remedy = strstr(warning->text, "use solver: { method: explicit, dt: ");
+    char dt[40];
+    assert_non_null(remedy);
+    snprintf(dt, sizeof dt, "solver.dt=%.*s", (int)strcspn(strstr(remedy, "dt: ") + 4, " }"),
+             strstr(remedy, "dt: ") + 4);
+    const char *overrides[] = {"solver.method=explicit", dt};
+    const double lost = summary.ledger.dissipated_solver / summary.ledger.supplied;
+    run_scene(flag, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+    assert_true(lost > 0.2 && summary.ledger.dissipated_solver < 0.06 * summary.ledger.supplied);
+    const char *damped[] = {"bodies.flag.membrane.damping.stiffness=0.0001"};
+    run_scene(flag, damped, 1, NULL, 0, &summary);
+    warning = find_warning(&summary, "unresolved-motion");
+    assert_true(warning != NULL && strstr(warning->text, "explicit, without the damping") != NULL);
+}
+
 /* A shell that bounces: what the method takes in contact is told as well, and not where friction may have taken it. */
 static void test_unresolved_bounce(void **unused)
 {
@@ -934,6 +964,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_sweeps),
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_unresolved_flutter),
         cmocka_unit_test(test_unresolved_bounce),
         cmocka_unit_test(test_short_run),
         cmocka_unit_test(test_sudden_load),

@@ -3,6 +3,7 @@
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "choice/method.h"
 #include "choice/time_step.h"
 #include "field/radius.h"
 #include "math/extremes.h"
@@ -98,6 +99,11 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_HINGES] = "hinge-bending",
     [PEL_WARN_LARGEST_PRESSURE] = "largest-pressure",
 };
+
+/* s of one core: explicit runs that take longer are not proposed */
+#define LONG_EXPLICIT 300
+/* of the energy: what a method may take */
+#define LITTLE_LOSS 0.04
 
 /* ---- the scene ---- */
 
@@ -708,8 +714,49 @@ static void tell_coarse_steps(const pel_warning_text *at, double dt)
              steps, stepper->minimises ? "" : "the method implicit with ", dt);
 }
 
-/* a step that would do, or one a quarter as long where nothing is known that is so fast: large motion has higher
-   frequencies than that about rest */
+/* s: a step of explicit that is stable, in a run that is not too long; 0 where there is none */
+static double explicit_dt(const pel_run_state *run)
+{
+    pel_sim_def def = run->scene->sim;
+    double dt;
+    def.model = run->model;
+    bool has = pel_sim_stable_dt(&def, &dt, NULL) == PEL_OK && dt > 0;
+    return has && 1e-3 * pel_scene_substep_cost(run->scene) * run->scene->duration / dt < LONG_EXPLICIT ? dt : 0;
+}
+
+static bool is_viscous(const pel_scene *scene)
+{
+    bool any = false;
+    for (int32_t b = 0; b < scene->model.body_count; b++)
+        any |= pel_max(scene->model.bodies[b].shell.membrane.retardation,
+                       scene->model.bodies[b].shell.bending.retardation) > 0;
+    return any;
+}
+
+/* Motion that goes down to the size of the mesh, as in sheets that crumple or that wind feeds: implicit steps a quarter
+   as long take nearly as much of it, and only those that are stable without damping resolve it; substeps of xpbd take
+   as the inverse square of their number. */
+static void write_fine_remedy(const pel_run_state *run, double good_dt, char *text, size_t size)
+{
+    const pel_stepper *stepper = pel_stepper_of(run->scene->sim.solver.method);
+    const double dt = explicit_dt(run), kept = pel_max(run->ledger.supplied - run->totals.loss, run->ledger.tolerance);
+    pel_solver_reading solver;
+    pel_sim_get_solver(run->sim, &solver);
+    if (dt > 0)
+        snprintf(text, size, "the motion goes down to the size of the mesh: use solver: { method: explicit, dt: %.2g }",
+                 pel_min(dt, run->scene->sim.solver.dt));
+    else if (is_viscous(run->scene))
+        snprintf(text, size,
+                 "the motion goes down to the size of the mesh: use the method explicit, without the damping of the "
+                 "material, which it does not have");
+    else if (!stepper->minimises)
+        snprintf(text, size, "use solver: { substeps: %.0f }",
+                 ceil(solver.most_substeps * pel_max(2, sqrt(run->totals.loss / (LITTLE_LOSS * kept)))));
+    else
+        snprintf(text, size, "use solver: { dt: %.2g } or less", good_dt);
+}
+
+/* a step that would do where a vibration or a load is known that is so fast */
 static void tell_unresolved(const pel_warning_text *at)
 {
     const pel_scene *scene = at->run->scene;
@@ -723,15 +770,19 @@ static void tell_unresolved(const pel_warning_text *at)
         return;
     }
     double whole = at->run->totals.loss / at->run->ledger.supplied;
-    char part[40] = "";
+    char part[40] = "", remedy[300];
     if (takes_in_contact(scene) && whole > TOUCH_SHARE * at->tally->worst)
         snprintf(part, sizeof part, ", %.2g %% while nothing touched", 100 * at->tally->worst);
+    if (is_known)
+        snprintf(remedy, sizeof remedy, "use %ssolver: { dt: %.2g }: %s",
+                 stepper->minimises ? "" : "the method implicit with ", good_dt, motions.fastest.reason);
+    else
+        write_fine_remedy(at->run, good_dt, remedy, sizeof remedy);
     snprintf(
         at->text, at->size,
         "little damps the motion, but the steps do not resolve it: the method has taken %.2g %% of the energy that "
-        "was supplied%s. use %ssolver: { dt: %.2g }%s%s, or drag if the state of rest is asked for",
-        100 * (part[0] != '\0' ? whole : at->tally->worst), part, stepper->minimises ? "" : "the method implicit with ",
-        good_dt, is_known ? ": " : "", is_known ? motions.fastest.reason : "");
+        "was supplied%s. %s, or drag if the state of rest is asked for",
+        100 * (part[0] != '\0' ? whole : at->tally->worst), part, remedy);
 }
 
 static void tell_row(const pel_warning_text *at)

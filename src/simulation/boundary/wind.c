@@ -193,10 +193,25 @@ static double work_beyond(const pel_sim *sim, double h)
     return work;
 }
 
+/* J: velocities of the leapfrog belong to the middles of steps, forces to the time between two of them */
+static double work_of_kick(const pel_sim *sim)
+{
+    const pel_record *air = pel_wind_forces(sim);
+    double work = 0;
+    for (int32_t v = 0; v < sim->model->vertex_count; v++)
+        for (int i = 0; i < 3; i++) {
+            double before = (double)sim->state->velocity[v][i], after = (double)sim->state->velocity_next[v][i];
+            work += ((double)air[v][i] - (double)air[v][3] * after) * 0.5 * (before + after);
+        }
+    return sim->step.dt * work;
+}
+
 double pel_wind_work(const pel_sim *sim, double h)
 {
     if (sim->loads->wind == NULL)
         return 0;
+    if (pel_sim_is_explicit(sim) && sim->solver.symplectic)
+        return work_of_kick(sim);
     if (!pel_sim_projects_elements(sim))
         return work_between(sim, sim->state->position, sim->step.dt);
     return sim->loads->wind->work - (h > 0 ? work_beyond(sim, h) : 0);
