@@ -197,6 +197,20 @@ static void test_follow(void **unused)
     free_surface(&s);
 }
 
+/* no points, and points that are nowhere, leave the frame where it is */
+static void test_centre_of_nothing(void **unused)
+{
+    (void)unused;
+    const double nowhere[1][3] = {{(double)INFINITY, (double)NAN, 3}};
+    for (int32_t count = 0; count < 2; count++) {
+        pel_frame frame = pel_frame_centre(&(pel_motion){nowhere, nowhere, count});
+        for (int i = 0; i < 2; i++) {
+            assert_true(frame.origin[i][0] == 0 && frame.origin[i][1] == 0);
+            assert_true(frame.origin[i][2] == 3.0 * count);
+        }
+    }
+}
+
 /* ---- searches ---- */
 
 static void fit(pel_tree *tree, const surface *s, double reach, pel_box *boxes)
@@ -426,6 +440,7 @@ int main(void)
         cmocka_unit_test(test_boxes_hold_points),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_follow),
+        cmocka_unit_test(test_centre_of_nothing),
         cmocka_unit_test(test_pairs_within),
         cmocka_unit_test(test_pairs_between),
         cmocka_unit_test(test_in_box),

@@ -292,6 +292,46 @@ class Maker:
         if self.maybe(0.15):
             self.opens(scene, body)
 
+    def blade(self, number):
+        """cuts a body while it passes, or holds its rim"""
+        side = self.chance.choice((-1, 1)) * 1.4
+        edge = [[0, 0, -1.2], [0, 0, 1.2]]
+        tool = {"name": f"k{number}", "shape": self.chance.choice(("blade", "blade", "hook", "scissors")), "edge": edge,
+                "motion": [{"position": [side, *self.vector(0.4)[:2]]},
+                           {"time": self.length, "position": [side * round(self.chance.uniform(-1, 0.6), 3), *self.vector(0.4)[:2]]}]}
+        if tool["shape"] == "scissors":
+            tool |= {"edge": [[-side, 0.2, 0.1], [-side, -0.2, 0.1]], "closing": self.keys()}
+        elif tool["shape"] == "hook":
+            tool["max_force"] = self.number(1, 1000)
+        elif self.maybe(0.5):
+            tool["sharpness"] = self.number(1, 1e4)
+        return tool
+
+    def latest(self, scene):
+        """what came after that: blades, laws that yield, muscles, numbers of the solver"""
+        body = scene["bodies"][0]
+        if self.maybe(0.3):
+            body.pop("refine", None)
+            scene.setdefault("tools", []).append(self.blade(len(scene.get("tools", []))))
+        if "membrane" in body and self.maybe(0.3):
+            body["membrane"] |= {"material": "elastoplastic", "yield": self.number(1e2, 1e5), "hardening": self.number(1e2, 1e5)}
+            body.pop("anisotropy", None)
+        elif "membrane" in body and self.maybe(0.3):
+            body["anisotropy"] = {"mode": "muscle", "direction": self.vector(1), "tension": self.number(1, 1e3),
+                                  "activation": {"keys": self.keys()}}
+        if body.get("bending", {}).get("model") == "hinge" and self.maybe(0.3):
+            body["bending"] |= {"yield": self.number(0.1, 10), "hardening": self.number(0.01, 1)}
+        if self.maybe(0.15):
+            scene["solver"]["alpha" if self.maybe(0.2) else "max_substeps"] = self.chance.randint(1, 30)
+        if self.method == "quasi-static" and self.maybe(0.3):
+            scene["solver"]["momentum"] = round(self.chance.uniform(0, 0.99), 2)
+        if self.method == "xpbd" and self.maybe(0.3):
+            scene["solver"]["second_order"] = self.maybe(0.5)
+        if self.method == "static" and self.maybe(0.2):
+            scene["solver"] |= {"path": "arc-length", "steps": self.chance.randint(2, 8)}
+        if "contact" in scene and self.maybe(0.2):
+            scene["contact"] |= self.chance.choice(({"sleep": False}, {"sweeps": self.chance.randint(1, 30)}, {"start": "tangled"}))
+
     def scene(self):
         self.method = self.chance.choice((None, "quasi-static", "explicit", "pbd", "pbd-distance", "xpbd", "xpbd", "descent", "static",
                                           "implicit"))
@@ -319,6 +359,8 @@ class Maker:
                 scene["contact"]["thickness"] = self.number(1e-3, 1e-2)
         if self.maybe(0.6):
             self.newer(scene)
+        if self.maybe(0.6):
+            self.latest(scene)
         return scene
 
 

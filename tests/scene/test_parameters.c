@@ -40,8 +40,13 @@ static const char *const fibres[] = {
 static const char *const masses[] = {"mass: {density: 1000, thickness: 0.01}", "mass: {per_vertex: 1}",
                                      "mass: {total: 80}"};
 static const char *const pressures[] = {"{outside: 2}", "{gas: {pressure: 1000}}", "{volume: {target: 1, bulk: 100}}"};
-static const char refinement[] = "    refine: {levels: 1, above: 4, below: 2, curvature: {above: 1, below: 0.5}, "
-                                 "near_tools: 0.15, rings: 1}\n";
+static const char refinement[] =
+    "    refine: {levels: 1, above: 0.4, below: 0.2, curvature: {above: 0.3, below: 0.15}, "
+    "near_tools: 0.15, rings: 1}\n";
+/* what it has: a number above 0 is read, however small */
+static const char *const criteria[] = {"bodies.ball.refine.above", "bodies.ball.refine.below",
+                                       "bodies.ball.refine.curvature.above", "bodies.ball.refine.curvature.below",
+                                       "bodies.ball.refine.near_tools"};
 static const char outside[] = "loads:\n"
                               "  - {name: pull, force: [0, 0, 0.5], at: {nearest: [1, 0, 0]}}\n"
                               "tools:\n"
@@ -213,6 +218,8 @@ static void check_variant(const variant *v, int32_t first_parameter, tally *coun
         fail_msg("%s\n%s", pel_error_text(&error, text, sizeof text), scene);
     int32_t parameter_count = pel_parameter_count(first.sim);
     assert_true(parameter_count > 25);
+    for (size_t i = 0; v->refines && i < sizeof criteria / sizeof *criteria; i++)
+        assert_int_equal(pel_parameter_find(first.sim, criteria[i], &(pel_parameter_info){0}, NULL), PEL_OK);
     for (int32_t p = first_parameter; p < parameter_count; p += LONG(1, ROUNDS(3, 9))) {
         pel_parameter_info info;
         pel_parameter_at(first.sim, p, &info);
