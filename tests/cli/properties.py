@@ -301,9 +301,7 @@ class Maker:
                            {"time": self.length, "position": [side * round(self.chance.uniform(-1, 0.6), 3), *self.vector(0.4)[:2]]}]}
         if tool["shape"] == "scissors":
             tool |= {"edge": [[-side, 0.2, 0.1], [-side, -0.2, 0.1]], "closing": self.keys()}
-        elif tool["shape"] == "hook":
-            tool["max_force"] = self.number(1, 1000)
-        elif self.maybe(0.5):
+        elif tool["shape"] == "blade" and self.maybe(0.5):
             tool["sharpness"] = self.number(1, 1e4)
         return tool
 

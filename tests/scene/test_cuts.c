@@ -57,6 +57,28 @@ static void test_paths(void **unused)
     pel_scene_destroy(scene);
 }
 
+/* what a hook holds at most is of the tool itself: it has no grasp */
+static void test_hook(void **unused)
+{
+    (void)unused;
+    static const char hook[] = "tools:\n  - {name: hook, shape: hook, edge: [[0, 0, -0.1], [0, 0, 0.1]], %s"
+                               "motion: [{position: [0, -0.6, 0]}, {time: 0.1, position: [0, -0.5, 0]}]}\n";
+    static const char *const forces[] = {"", "max_force: 2.5, ", "max_force: auto, "};
+    for (int i = 0; i < 3; i++) {
+        char tool[400], text[1200];
+        pel_scene *scene;
+        pel_error error;
+        snprintf(tool, sizeof tool, hook, forces[i]);
+        snprintf(text, sizeof text, "%s%s", SHEET, tool);
+        assert_int_equal(parse(text, &scene, &error), i < 2 ? PEL_OK : PEL_BAD_SCENE);
+        if (i == 2)
+            continue;
+        assert_near(scene->sim.tools[0].grasp_max_force, i * 2.5, 0);
+        assert_int_equal(scene->sim.tools[0].shape, PEL_TOOL_HOOK);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void test_errors(void **unused)
 {
     (void)unused;
@@ -180,6 +202,7 @@ static void test_faults_at_run_time(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_hook),
         cmocka_unit_test(test_paths),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_frames),

@@ -605,9 +605,7 @@ static const pel_def_row rows[] = {
      .doc = "the two ends of the blade's edge in the frame of the tool. What the edge passes through opens along its "
             "way, one edge of the mesh after the other"},
     {"tools[].edge", LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "hook", REQUIRED,
-     .doc =
-         "the two ends of the hook's edge. It takes the rim or lip of a surface that it passes over, and holds it up "
-         "to `max_force`"},
+     .doc = "the two ends of the hook's edge, which takes the rim or lip that it passes over, and holds it"},
     {"tools[].edge", LIST, BETWEEN(2, 2), .needs = "shape", .needs_word = "scissors", REQUIRED,
      .doc = "the tips of both blades, open, which turn about the origin of the tool's frame. What lies between them "
             "opens while they close"},
@@ -619,10 +617,8 @@ static const pel_def_row rows[] = {
     {"tools[].closing[]", .forms = PEL_FORM_KEY, .doc = "time [s] and share"},
     {"tools[].sharpness", TOOL(sharpness), NUMBER, .unit = "J/m2", POSITIVE, .needs = "shape", .needs_word = "blade",
      AUTO(0), WHEN(is_blade), DIRECT,
-     .doc =
-         "energy that the blade takes for each new area of the cut, its length times the thickness of the sheet. The "
-         "blade presses until its force is that energy per length, and cuts under this force. Default: cuts without "
-         "a force"},
+     .doc = "energy that the blade takes for each new area of the cut, its length times the thickness of the sheet. It "
+            "presses until its force is that energy per length, and cuts under it. Default: cuts without a force"},
     {"tools[].kerf", TOOL(kerf), NUMBER, .unit = "m", POSITIVE, .needs = "shape", .needs_word = "blade", AUTO(0),
      WHEN(is_blade), DIRECT,
      .doc = "width of the blade: a longer part of the edge that lies on a surface pierces it under a force that is "
@@ -643,6 +639,8 @@ static const pel_def_row rows[] = {
             "with the largest forces are released. auto: ten times the force that doubles the length of the sheet of "
             "these vertices, beside their inertia, and a grasp that contact has stopped for some steps lets go; pbd: "
             "no limit"},
+    {"tools[].max_force", NUMBER, .unit = "N", POSITIVE, .needs = "shape", .needs_word = "hook",
+     .doc = "largest force of the hook, which lets go above it; default: no limit"},
     {"tools[].grasp", TOOL(grasp), MAP, .doc = "holds the vertices inside the tool and near its surface; optional"},
     {"tools[].grasp.from", TOOL(grasp_from), NUMBER, .unit = "s", AT_LEAST(0), .preset = "0", WHEN(grasps), DIRECT,
      IMPLYING, .doc = "closes at this time"},
