@@ -43,6 +43,7 @@ typedef enum pel_warning_kind {
     PEL_WARN_UNRESOLVED,
     PEL_WARN_FALLS,
     PEL_WARN_NOTHING,
+    PEL_WARN_LOOSE,
     PEL_WARN_COUNT
 } pel_warning_kind;
 

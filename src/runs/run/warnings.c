@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "choice/method.h"
 #include "choice/time_step.h"
+#include "def/row.h"
 #include "field/radius.h"
 #include "math/extremes.h"
 #include "math/functions.h"
@@ -28,6 +29,7 @@
 #include "run/warnings_springs.h"
 #include "run/warnings_volume.h"
 #include "stage/stepper.h"
+#include "tear/loose.h"
 #include "touch/tangle.h"
 
 #include <float.h>
@@ -91,6 +93,7 @@ static const char *const codes[PEL_WARN_COUNT] = {
     [PEL_WARN_HOLLOW] = "hollow-body",
     [PEL_WARN_FALLS] = "falls-away",
     [PEL_WARN_NOTHING] = "nothing-acts",
+    [PEL_WARN_LOOSE] = "loose-piece",
     [PEL_WARN_HINGE_ROW] = "hinge-row",
     [PEL_WARN_OPEN_SEAM] = "open-seam",
     [PEL_WARN_COARSE_LOAD] = "coarse-load",
@@ -289,6 +292,8 @@ void pel_warnings_check_step(pel_run_state *run)
         run->flagged[PEL_WARN_STRAY] = (pel_flagged_body){solver.stray_body, solver.stray_way, 0};
         pel_warn(tallies, PEL_WARN_STRAY, frame, solver.stray_way);
     }
+    if (pel_loose_body(run->sim) >= 0)
+        pel_warn(tallies, PEL_WARN_LOOSE, frame, pel_sim_time(run->sim));
     if (solver.softness > SOFTNESS_LIMIT)
         pel_warn(tallies, PEL_WARN_SOFT, frame, solver.softness);
     pel_sim_get_contact_statistics(run->sim, &now);
@@ -561,6 +566,17 @@ static void tell_unstable(const pel_warning_text *at)
              is_path ? "set solver.branch: lowest, " : "");
 }
 
+static void tell_loose(const pel_warning_text *at)
+{
+    int32_t body = pel_loose_body(at->run->sim);
+    snprintf(
+        at->text, at->size,
+        "nothing holds a piece that cuts or tears have parted from body '%s': %s has no balance for it, and keeps it "
+        "as it came off, with its stress. use the method implicit or xpbd, which let it move, pin a vertex of it, or "
+        "end the run before (stop: { time: ... })",
+        at->run->scene->model.bodies[body >= 0 ? body : 0].name, pel_method_words[at->run->scene->sim.solver.method]);
+}
+
 static void tell_stray(const pel_warning_text *at)
 {
     const char *name;
@@ -824,6 +840,7 @@ static void (*const tellers[PEL_WARN_COUNT])(const pel_warning_text *at) = {
     [PEL_WARN_UNCONVERGED] = tell_unconverged,
     [PEL_WARN_UNSTABLE] = tell_unstable,
     [PEL_WARN_STRAY] = tell_stray,
+    [PEL_WARN_LOOSE] = tell_loose,
     [PEL_WARN_ENERGY] = tell_energy,
     [PEL_WARN_JAMMED] = pel_tell_jam,
     [PEL_WARN_TOOL_HELD] = pel_tell_held_tool,

@@ -18,6 +18,7 @@
 #include "math/functions.h"
 #include "minimise/prepared.h"
 #include "pellicle/sim.h"
+#include "tear/loose.h"
 
 #include <string.h>
 
@@ -357,6 +358,7 @@ pel_newton_frames pel_sim_newton_gather_at(pel_sim *sim, pel_span span, bool sup
 {
     pel_sim_newton *newton = sim->minimise->newton;
     newton->frames = pel_holds_fix(sim, span.time, newton->fixed, newton->target);
+    pel_loose_fix(sim, newton->unknowns, newton->fixed, newton->target);
     find_loads(sim, span);
     for (int32_t b = 0; b < sim->model->body_count && supports_free; b++) {
         if (sim->model->bodies[b].rigid != NULL || !pel_sim_newton_is_free(sim, b))

@@ -35,6 +35,7 @@
 #include "stage/surface_view.h"
 #include "stage/viscous.h"
 #include "tear/growth.h"
+#include "tear/loose.h"
 #include "tool/create.h"
 #include "tool/solid.h"
 #include "tool/support.h"
@@ -357,6 +358,8 @@ pel_status pel_sim_build(pel_house *house, const pel_sim_def *def, pel_error *er
         status = pel_blades_create(sim, error);
     if (status == PEL_OK)
         status = pel_tear_create(sim, error);
+    if (status == PEL_OK)
+        status = pel_loose_find(sim, error);
     if (status == PEL_OK && sim->tear != NULL)
         status = pel_cut_check_sim(sim, error);
     if (status == PEL_OK)
@@ -415,7 +418,7 @@ void pel_sim_release(pel_house *house)
     pel_copies_free(&house->copies);
     pel_picker_destroy(sim->picker);
     pel_observer_destroy(sim->observer);
-    PEL_FREE_ALL(sim->loads->external, sim->loads->dragged);
+    PEL_FREE_ALL(sim->loads->external, sim->loads->dragged, sim->loose);
     pel_ledger_destroy(sim);
     pel_parts_destroy(sim);
     pel_free(sim->touch->collisions);

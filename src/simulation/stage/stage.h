@@ -140,6 +140,7 @@ struct pel_sim {
     pel_record *predicted;   /* (vertex_count) scratch of the explicit method beside rigid bodies; else null */
     pel_record *pin_force;   /* (vertex_count) N, there: on pins; null = nobody asks */
     uint8_t *held;           /* (vertex_count) 1 = a tool holds it; null without tools */
+    uint8_t *loose;          /* (vertex_count) 1 = of a piece that stays (tear/loose.h); null = none */
     double (*reactions)[3];  /* (vertex_count) N, of supports on vertices in the last step; null = none */
     double *checked_volumes; /* (body_count) m3, of the new positions where the check of the step found it; else NAN */
     double *chunk_longest;   /* scratch of the step */
