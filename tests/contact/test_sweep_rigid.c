@@ -1,6 +1,9 @@
 /* Rigid bodies that press light surfaces on something: no energy appears, and the load goes through. */
 #include "../rigid/rigid_scene.h"
 
+#include "contact/sweep.h"
+#include "contact/sweep_rigid.h"
+
 #define GRAVITY 9.81
 
 static pel_body_def *add_cloth(rigid_scene *scene, double height)
@@ -58,8 +61,51 @@ static void test_pot(void **state)
     rigid_scene_end(&scene);
 }
 
+/* A contact that a sweep leaves as it is rests until its body has moved by more than what counts as calm; one with a
+   gap, by half of that. */
+static void test_rest(void **state)
+{
+    (void)state;
+    static pel_record rest[PEL_WIDTH], now[PEL_WIDTH];
+    static pel_real inverse_mass[PEL_WIDTH];
+    static int32_t of_slice[1];
+    pel_rigid_shape shape = {.mass = 1, .inverse_mass = 1, .is_free = true, .roundness = 1};
+    pel_rigid body = {.shape = &shape, .end = PEL_WIDTH};
+    pel_rigids rigids = {.count = 1, .items = &body, .of_slice = of_slice, .rest = rest, .inverse_mass = inverse_mass};
+    pel_rigid_state begin;
+    pel_contact contact = {.weights = {1}, .normal = {0, 0, 1}, .separation = (pel_real)1e-3};
+    pel_contact_list list = {.contacts = &contact, .count = 1, .substep = 1, .rigids = &rigids};
+    const double still[3] = {0};
+    pel_rigid_state_start(&shape, still, still, &begin);
+    pel_rigid_begin(&body, &begin);
+    for (int v = 0; v < PEL_WIDTH; v++)
+        inverse_mass[v] = now[v][3] = 1;
+    pel_contacts_rouse(&list, 1e-5);
+    assert_near(pel_contacts_project(&list, now, now), 1e-3, 1e-9);
+    assert_false(pel_rigid_contact_rests(&list, &contact, now));
+    assert_near(pel_contacts_project(&list, now, now), 0, 1e-9);
+    assert_true(pel_rigid_contact_rests(&list, &contact, now));
+    body.state.pivot[2] -= 0.9e-5;
+    body.unrest += 0.9e-5;
+    assert_true(pel_contacts_project(&list, now, now) == 0);
+    body.state.pivot[2] -= 0.2e-5;
+    body.unrest += 0.2e-5;
+    assert_near(pel_contacts_project(&list, now, now), 1.1e-5, 1e-9);
+    /* loads stay the largest of the substep while what carries them rests */
+    assert_near(list.carried, 1e-3, 1e-4);
+    pel_contacts_rouse(&list, 1e-5);
+    assert_false(pel_rigid_contact_rests(&list, &contact, now));
+    body.state.pivot[2] += 1e-3;
+    contact.multiplier = 0;
+    pel_contacts_project(&list, now, now);
+    body.unrest += 0.4e-3;
+    assert_true(pel_rigid_contact_rests(&list, &contact, now));
+    body.unrest += 0.2e-3;
+    assert_false(pel_rigid_contact_rests(&list, &contact, now));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_pot)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_pot), cmocka_unit_test(test_rest)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

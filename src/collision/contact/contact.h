@@ -28,6 +28,7 @@ typedef struct pel_contact {
     pel_real drag[3];    /* N s2: the same of friction, across the normal */
     pel_real drift[3];   /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
     pel_real stopped[3]; /* m/s: sum of the changes of velocity by pel_contacts_stop */
+    double settled;      /* m: sweeps pass over it while 1 + the unrest of its rigid bodies is at most this */
 } pel_contact;
 
 /* what a solver sweeps over */
@@ -44,6 +45,8 @@ typedef struct pel_contact_list {
     bool is_uneven;         /* something heavy presses something light, since the substep began */
     double rigid_moved;     /* m: the largest correction of a gap where nothing but rigid bodies gives way, in the last
                                sweep */
+    double calm;            /* m: a contact that a sweep moves by less rests until its rigid bodies have moved by more;
+                               negative = none rests */
     bool is_rubbed;         /* friction uses much of what it can hold somewhere, since the substep began */
 } pel_contact_list;
 

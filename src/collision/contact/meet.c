@@ -64,6 +64,16 @@ double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair
     return distance;
 }
 
+/* m */
+static double distance_at_end(const pel_contact_set *set, const pel_collision *pair)
+{
+    const double(*x)[3] = (const double(*)[3])set->end;
+    const int32_t *v = pair->vertices;
+    double weights[4];
+    return sqrt(pair->edge_edge ? pel_closest_segment_segment(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights)
+                                : pel_closest_point_triangle(x[v[0]], x[v[1]], x[v[2]], x[v[3]], weights));
+}
+
 /* whether straight ways from start to end bring a pair within a distance, by the conservative test */
 static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
 {
@@ -96,5 +106,6 @@ bool pel_contact_may_meet(const void *context, pel_collision *pair)
         return false;
     double distance = pel_contact_measure_start(set, pair),
            reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
-    return distance <= reach || (distance <= reach + way && comes_within(set, pair, reach));
+    return distance <= reach ||
+           (distance <= reach + way && (distance_at_end(set, pair) <= reach || comes_within(set, pair, reach)));
 }

@@ -945,6 +945,7 @@ void pel_contact_set_correct(pel_contact_set *set, const pel_contact_motion *mot
     /* rigid: a compliance over an infinite substep vanishes */
     double substep = set->list.substep;
     set->list.substep = HUGE_VAL;
+    pel_contacts_rouse(&set->list, -1);
     /* velocities are corrected by themselves, below */
     if (set->def.rigids != NULL)
         set->def.rigids->rate = 0;

@@ -109,6 +109,10 @@ double pel_contacts_project(pel_contact_list *list, pel_record *positions, const
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         if (pel_contact_is_rigid(list->rigids, contact)) {
+            if (pel_rigid_contact_rests(list, contact, positions)) {
+                carried = list->carried > carried ? list->carried : carried;
+                continue;
+            }
             double own, moved = pel_rigid_contact_project(list, contact, positions, start, &own);
             largest = moved > largest ? moved : largest;
             carried = own > carried ? own : carried;
@@ -198,9 +202,18 @@ static bool is_rubbed(const pel_contact *contact)
     return square > limit * limit;
 }
 
+void pel_contacts_rouse(pel_contact_list *list, double calm)
+{
+    list->calm = calm;
+    for (int32_t c = 0; list->rigids != NULL && c < list->count; c++)
+        list->contacts[c].settled = 0;
+}
+
 void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most)
 {
     list->is_rubbed = list->is_uneven = false;
+    list->carried = 0;
+    pel_contacts_rouse(list, -1);
     for (int32_t i = 0, count = pel_contact_list_length(list); i < count; i++) {
         pel_contact *contact = pel_contact_list_at(list, i);
         bool is_rigid = pel_contact_is_rigid(list->rigids, contact);

@@ -14,6 +14,8 @@ void pel_contact_keep_push(pel_contact *contact, const pel_real before[3]);
 /* The loads in the multipliers act, before the first sweep, but for a part of at most half that moves the gap by at
    most `most` [m]: positions (vertex_count) position and inverse mass, what has inverse mass 0 stays. */
 void pel_contacts_load(pel_contact_list *list, pel_record *positions, double most);
+/* No contact rests; sets list->calm. */
+void pel_contacts_rouse(pel_contact_list *list, double calm);
 /* One sweep over the contacts in their order; start: positions at the start of the substep, from which friction counts
    the way. Returns the largest correction of a gap [m], 0 = nothing changed. Vertices of rigid bodies are left to
    pel_rigids_place. */

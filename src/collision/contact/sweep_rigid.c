@@ -24,9 +24,30 @@ void pel_rigid_contact_move(const pel_rigids *rigids, const pel_contact *contact
     pel_rigid_sum_push(&sum, rigids, positions, impulse);
 }
 
-/* friction: takes back as much of the way across the normal since the start as it can hold */
-static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *positions, const pel_record *start,
-                const double normal[3])
+/* m, of the bodies of a contact, each as often as it has vertices of it; infinite where something loose gives way */
+static double unrest_of(const pel_rigids *rigids, const pel_contact *contact, const pel_record *positions)
+{
+    double sum = 0;
+    for (int i = 0; i < 4; i++) {
+        int32_t v = contact->vertices[i];
+        const pel_rigid *rigid = contact->weights[i] != 0 ? pel_rigid_of(rigids, v) : NULL;
+        if (rigid != NULL)
+            sum += rigid->unrest;
+        else if (contact->weights[i] != 0 && positions[v][3] > 0)
+            return HUGE_VAL;
+    }
+    return sum;
+}
+
+bool pel_rigid_contact_rests(const pel_contact_list *list, const pel_contact *contact, const pel_record *positions)
+{
+    return contact->settled > 0 && 1 + unrest_of(list->rigids, contact, positions) <= contact->settled;
+}
+
+/* friction: takes back as much of the way across the normal since the start as it can hold; returns the change of the
+   way [m] */
+static double rub(const pel_rigids *rigids, pel_contact *contact, pel_record *positions, const pel_record *start,
+                  const double normal[3])
 {
     pel_rigid_sum sum;
     double slip[3], x[3], way[3], drag[3], change[3];
@@ -41,7 +62,7 @@ static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *posi
     pel_vec3_copy(slip, way);
     double length = pel_vec3_normalize(way), free = length > 0 ? pel_rigid_sum_mobility(&sum, way) : 1;
     if (!(free > 0))
-        return;
+        return 0;
     for (int k = 0; k < 3; k++)
         drag[k] = (double)contact->drag[k] - slip[k] / free;
     double limit = (double)contact->friction * (double)contact->multiplier, size = pel_vec3_length(drag);
@@ -52,6 +73,16 @@ static void rub(const pel_rigids *rigids, pel_contact *contact, pel_record *posi
         contact->drag[k] = (pel_real)drag[k];
     }
     pel_rigid_sum_push(&sum, rigids, positions, change);
+    return free * pel_vec3_length(change);
+}
+
+/* adds a way [m] to the unrest of the bodies of a contact, which rests until they have moved by more */
+static void tell_way(const pel_contact_list *list, const pel_rigid_sum *sum, pel_contact *contact,
+                     const pel_record *positions, double way)
+{
+    for (int i = 0; i < sum->grip_count; i++)
+        sum->grips[i].rigid->unrest += way;
+    contact->settled = way <= list->calm ? 1 + unrest_of(list->rigids, contact, positions) + list->calm : 0;
 }
 
 double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,
@@ -66,8 +97,11 @@ double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, p
     double load = (double)contact->multiplier, compliance = rate * (double)contact->compliance;
     double gap = pel_vec3_dot(sum.value, normal) - (double)contact->separation;
     *carried = 0;
-    if (!(gap < 0) && !(load > 0))
+    if (!(gap < 0) && !(load > 0)) {
+        /* until its bodies may have closed half of the gap */
+        contact->settled = list->calm < 0 ? 0 : 1 + unrest_of(rigids, contact, positions) + 0.5 * gap;
         return 0;
+    }
     double whole = pel_rigid_sum_mobility(&sum, normal);
     if (!(whole > 0))
         return 0;
@@ -82,10 +116,10 @@ double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, p
     pel_rigid_sum_push(&sum, rigids, positions, impulse);
     if (is_backed)
         pel_contact_answer(&back, positions, change);
-    if (contact->friction > 0)
-        rub(rigids, contact, positions, start, normal);
+    double slid = contact->friction > 0 ? rub(rigids, contact, positions, start, normal) : 0;
     *carried = free * (load + change);
     double moved = free * fabs(change);
+    tell_way(list, &sum, contact, positions, moved + slid);
     if (sum.looseness <= LOOSE * free + stiffened && moved > list->rigid_moved)
         list->rigid_moved = moved;
     return moved;

@@ -13,6 +13,8 @@ static inline bool pel_contact_is_rigid(const pel_rigids *rigids, const pel_cont
     return false;
 }
 
+/* Whether a sweep need not look at a contact that touches rigid bodies, and nothing loose. */
+bool pel_rigid_contact_rests(const pel_contact_list *list, const pel_contact *contact, const pel_record *positions);
 /* Finds the load that keeps the gap open, and friction; returns the correction of the gap [m] and, in carried, how far
    the load moves it; list->rigid_moved follows. */
 double pel_rigid_contact_project(pel_contact_list *list, pel_contact *contact, pel_record *positions,

@@ -10,6 +10,7 @@
 #include "rigid/rigid.h"
 
 #include "geom/wide4.h"
+#include "math/extremes.h"
 #include "math/pose.h"
 
 #include <string.h>
@@ -18,6 +19,8 @@
 #define MOST_TURN 0.05
 enum { MOST_TURNS = 4096, MOST_ROUNDS = 60 };
 #define ROUND_TOLERANCE 1e-16
+/* of the mean moment of inertia */
+#define ROUND_TENSOR 1e-12
 /* of the longest distance between pins: those nearer to a line are on it */
 #define LINE_TOLERANCE 1e-9
 
@@ -61,6 +64,22 @@ static void find_line(const pel_mesh *mesh, const int32_t *pinned, int32_t count
     *is_plane = longest > 0 && aside > LINE_TOLERANCE * longest;
 }
 
+/* A tensor that differs from a multiple of one only by rounding becomes that: of balls, cubes and other regular bodies.
+ */
+static void find_roundness(pel_rigid_shape *shape)
+{
+    double mean = (shape->inertia[0][0] + shape->inertia[1][1] + shape->inertia[2][2]) / 3, most = 0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            most = pel_max(most, fabs(shape->inertia[a][b] - (a == b ? mean : 0)));
+    if (!(mean > 0) || most > ROUND_TENSOR * mean)
+        return;
+    shape->roundness = 1 / mean;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            shape->inertia[a][b] = a == b ? mean : 0;
+}
+
 void pel_rigid_shape_set(pel_rigid_shape *shape, const pel_inertia *inertia, const pel_mesh *mesh,
                          const int32_t *pinned, int32_t pinned_count)
 {
@@ -79,6 +98,8 @@ void pel_rigid_shape_set(pel_rigid_shape *shape, const pel_inertia *inertia, con
         for (int b = 0; b < 3; b++)
             shape->inertia[a][b] =
                 inertia->tensor[a][b] + inertia->mass * ((a == b ? pel_vec3_squared_length(arm) : 0) - arm[a] * arm[b]);
+    if (shape->is_free)
+        find_roundness(shape);
     if (!is_line)
         pel_inertia_invert((const double(*)[3])shape->inertia, shape->inverse_inertia);
     if (!shape->has_axis)
@@ -176,13 +197,12 @@ double pel_rigid_kinetic_energy(const pel_rigid_shape *shape, const pel_rigid_st
 
 static void set_matrix(pel_rigid *rigid)
 {
-    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int k = 0; k < 3; k++) {
-        double turned[3];
-        pel_rotate(rigid->state.rotation, axes[k], turned);
-        for (int i = 0; i < 3; i++)
-            rigid->matrix[i][k] = turned[i];
-    }
+    const double *q = rigid->state.rotation, x = 2 * q[0], y = 2 * q[1], z = 2 * q[2];
+    const double xx = x * q[0], yy = y * q[1], zz = z * q[2], xy = x * q[1], yz = y * q[2], zx = z * q[0];
+    const double xw = x * q[3], yw = y * q[3], zw = z * q[3];
+    pel_vec3_set(rigid->matrix[0], 1 - (yy + zz), xy - zw, zx + yw);
+    pel_vec3_set(rigid->matrix[1], xy + zw, 1 - (zz + xx), yz - xw);
+    pel_vec3_set(rigid->matrix[2], zx - yw, yz + xw, 1 - (xx + yy));
 }
 
 void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state)
@@ -191,6 +211,7 @@ void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state)
     rigid->started = *state;
     pel_vec3_set(rigid->impulse, 0, 0, 0);
     pel_vec3_set(rigid->moment, 0, 0, 0);
+    rigid->unrest = 0;
     set_matrix(rigid);
 }
 
@@ -234,6 +255,10 @@ void pel_rigids_place(pel_rigids *rigids, pel_record *positions)
 static void turn_by(const pel_rigid *rigid, const double angular_momentum[3], double turn[3])
 {
     double own[3], turned[3];
+    if (rigid->shape->roundness > 0) {
+        pel_vec3_scale(angular_momentum, rigid->shape->roundness, turn);
+        return;
+    }
     multiply_back((const double(*)[3])rigid->matrix, angular_momentum, own);
     multiply((const double(*)[3])rigid->shape->inverse_inertia, own, turned);
     multiply((const double(*)[3])rigid->matrix, turned, turn);
@@ -283,9 +308,9 @@ static void turn(double rotation[4], const double theta[3], bool is_before)
         pel_rotation_product(q, rotation, rotation);
     else
         pel_rotation_product(rotation, q, rotation);
-    double length = sqrt(pel_vec3_dot(rotation, rotation) + rotation[3] * rotation[3]);
+    double scale = 1 / sqrt(pel_vec3_dot(rotation, rotation) + rotation[3] * rotation[3]);
     for (int i = 0; i < 4; i++)
-        rotation[i] /= length;
+        rotation[i] *= scale;
 }
 
 /* one midpoint step */
@@ -328,14 +353,6 @@ void pel_rigid_drift(pel_rigid *rigid, double time)
 }
 
 /* ---- pushes ---- */
-
-void pel_rigid_grip_add(pel_rigid_grip *grip, const pel_rigids *rigids, int32_t v, double weight)
-{
-    double arm[3];
-    arm_of(grip->rigid, rigids, v, arm);
-    grip->weight += weight;
-    pel_vec3_along(grip->arm, weight, arm, grip->arm);
-}
 
 double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3])
 {

@@ -26,6 +26,7 @@ typedef struct pel_rigid_shape {
     double axis[3];               /* unit, of a hinge */
     double inertia[3][3];         /* kg m2, about the pivot */
     double inverse_inertia[3][3]; /* of the rotations that pins leave */
+    double roundness;             /* 1/(kg m2), of a body with the same inertia about all axes, else 0 */
 } pel_rigid_shape;
 
 typedef struct pel_rigid_state {
@@ -48,6 +49,7 @@ typedef struct pel_rigid {
     double impulse[3], moment[3]; /* N s and N m s about the pivot, of all pushes in this substep */
     bool is_fixed;                /* it moves only as it is told in this step: held, or asleep */
     bool is_moved;                /* its vertices are not where it is */
+    double unrest;                /* m: all ways that sweeps moved points of it in this substep */
 } pel_rigid;
 
 /* all of a simulation */
@@ -116,8 +118,22 @@ typedef struct pel_rigid_grip {
     double weight, arm[3];
 } pel_rigid_grip;
 
-/* adds a vertex times a weight */
-void pel_rigid_grip_add(pel_rigid_grip *grip, const pel_rigids *rigids, int32_t v, double weight);
+/* Adds a vertex times a weight, with the arm in the axes of the body; after the last one it turns to where the body is.
+ */
+static inline void pel_rigid_grip_add(pel_rigid_grip *grip, const pel_rigids *rigids, int32_t v, double weight)
+{
+    const double *pivot = grip->rigid->shape->pivot;
+    grip->weight += weight;
+    for (int k = 0; k < 3; k++)
+        grip->arm[k] += weight * ((double)rigids->rest[v][k] - pivot[k]);
+}
+
+static inline void pel_rigid_grip_turn(pel_rigid_grip *grip)
+{
+    const double(*m)[3] = (const double(*)[3])grip->rigid->matrix, *a = grip->arm;
+    pel_vec3_set(grip->arm, pel_vec3_dot(m[0], a), pel_vec3_dot(m[1], a), pel_vec3_dot(m[2], a));
+}
+
 /* how the sum moves by 1 N s2, or 1 N s, on it along a direction */
 double pel_rigid_mobility(const pel_rigid_grip *grip, const double direction[3]);
 /* Moves the body by an impulse times a time [N s2] on the sum; its momenta change by rate times that. */

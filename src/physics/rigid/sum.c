@@ -68,7 +68,8 @@ void pel_rigid_sum_set(pel_rigid_sum *sum, const pel_rigids *rigids, const int32
         sum->looseness += (double)positions[v][3] * weights[i] * weights[i];
     }
     for (int i = 0; i < sum->grip_count; i++) {
-        const pel_rigid_grip *grip = &sum->grips[i];
+        pel_rigid_grip *grip = &sum->grips[i];
+        pel_rigid_grip_turn(grip);
         pel_vec3_add(sum->value, grip->arm, sum->value);
         pel_vec3_along(sum->value, grip->weight, grip->rigid->state.pivot, sum->value);
     }

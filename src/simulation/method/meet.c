@@ -23,6 +23,8 @@ enum { SWEEP_LIMIT = 8, RIGID_SWEEP_LIMIT = 60 };
    boxes stands still at 2e-4 and trembles with 10 % of its weight at 1e-2 */
 #define RIGID_TOLERANCE 2e-4
 #define RIGID_SHARE 1e-3
+/* of that: contacts whose bodies have moved by less are passed over */
+#define CALM_SHARE 0.5
 /* of the size of the bodies */
 #define JOINT_TOLERANCE 1e-8
 /* of the thickness: larger corrections update the contacts between two sweeps */
@@ -92,6 +94,17 @@ static void follow_contacts(pel_sim *sim, const pel_record *start)
         pel_contacts_refresh(sim, start, false);
     if (sim->tools->solids != NULL)
         pel_solids_refresh(sim, start, false);
+    pel_contact_list *lists[2];
+    pel_meet_lists(sim, lists);
+    for (int k = 0; k < 2; k++)
+        if (lists[k] != NULL)
+            pel_contacts_rouse(lists[k], lists[k]->calm);
+}
+
+/* m, a correction of rigid bodies at which sweeps may end */
+static double rigid_tolerance(const pel_contact_list *list, double least)
+{
+    return pel_max(RIGID_TOLERANCE * least, RIGID_SHARE * list->carried);
 }
 
 /* what tools hold, in both lists, against what presses it */
@@ -129,8 +142,9 @@ void pel_meet_sweep(pel_sim *sim, const pel_meeting *meeting)
             if (lists[k] == NULL)
                 continue;
             double way = pel_contacts_project(lists[k], positions, meeting->start);
-            bool is_loose =
-                !(lists[k]->rigid_moved > pel_max(RIGID_TOLERANCE * least, RIGID_SHARE * lists[k]->carried));
+            bool is_loose = !(lists[k]->rigid_moved > rigid_tolerance(lists[k], least));
+            /* joints move bodies too */
+            lists[k]->calm = sim->joints == NULL ? CALM_SHARE * rigid_tolerance(lists[k], least) : -1;
             is_over &= (has_settled(sim, lists[k], way) || (i >= SWEEP_LIMIT && sim->rigids != NULL)) && is_loose;
             is_stacked |= !is_loose;
             moved = pel_max(moved, way);
