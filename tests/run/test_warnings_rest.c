@@ -36,8 +36,23 @@ static void test_columns(void **unused)
     assert_null(unstable(pulled, 1));
 }
 
+/* a ruler that is near its rest shape at the end, since it swings */
+static void test_swing(void **unused)
+{
+    (void)unused;
+    pel_run_summary summary;
+    run_scene(
+        "version: 1\nbodies: [ { name: ruler, mesh: { shape: grid, nx: 30, ny: 4, size_x: 0.3, size_y: 0.03 }, "
+        "membrane: { young: 2e11, poisson: 0.3, thickness: 0.001 }, bending: {}, mass: { density: 7800 }, pinned: { "
+        "box: { min: [-1, -1, -1], max: [-0.139, 1, 1] } } } ]\ngravity: [0, 0, -9.81]\nduration: 1.5\n"
+        "output: { every: 0.01 }\n",
+        NULL, 0, NULL, 0, &summary);
+    assert_true(summary.residual_displacement < 0.1 * summary.max_displacement);
+    assert_null(find_warning(&summary, "unstable-balance"));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_columns)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_columns), cmocka_unit_test(test_swing)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -63,6 +63,27 @@ static void test_terminal(void **unused)
         }
 }
 
+/* ---- a stiff page ---- */
+
+/* A page that the wind throws over and that its clamp stops: what the wind does is what the page has. */
+static void test_page(void **unused)
+{
+    (void)unused;
+    run r;
+    pel_sim_ledger ledger;
+    check_begin(&r,
+                "version: 1\ngravity: [0, 0, -9.81]\nwind: { velocity: [-6, 0, 3] }\nduration: 1\nbodies: [ { name: "
+                "page, mesh: { shape: grid, nx: 10, ny: 10, size_x: 0.2, size_y: 0.2 }, membrane: { young: 1e7, "
+                "thickness: 1e-4 }, bending: { stiffness: 1e-4 }, mass: { density: 800 }, pinned: { box: { min: [-1, "
+                "-1, -1], max: [-0.079, 1, 1] } } } ]\nsolver: { method: implicit, dt: 0.0005 }\n");
+    for (int s = 0; s < 600; s++)
+        assert_int_equal(pel_sim_step(r.sim, NULL), PEL_OK);
+    pel_sim_get_ledger(r.sim, &ledger);
+    assert_true(ledger.supplied > 0.03);
+    assert_near((ledger.energy_error + ledger.dissipated_solver) / ledger.supplied, 0, 0.01);
+    end(&r);
+}
+
 /* ---- a taut strip ---- */
 
 #define STRIP(solver)                                                                                                  \
@@ -331,10 +352,10 @@ static void test_out_of_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_terminal),      cmocka_unit_test(test_strip),   cmocka_unit_test(test_plates),
-        cmocka_unit_test(test_flutter),       cmocka_unit_test(test_keys),    cmocka_unit_test(test_wakes),
-        cmocka_unit_test(test_snapshot),      cmocka_unit_test(test_refused), cmocka_unit_test(test_defs),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_terminal), cmocka_unit_test(test_page),          cmocka_unit_test(test_strip),
+        cmocka_unit_test(test_plates),   cmocka_unit_test(test_flutter),       cmocka_unit_test(test_keys),
+        cmocka_unit_test(test_wakes),    cmocka_unit_test(test_snapshot),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_defs),     cmocka_unit_test(test_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -138,7 +138,8 @@ static step_cost cost_of(const pel_scene *scene, bool touches)
 double pel_scene_step_cost(const pel_scene *scene)
 {
     /* bodies that have contact by default may never meet */
-    return cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied).system;
+    const step_cost cost = cost_of(scene, scene->sim.contact.enabled && !scene->contact_is_implied);
+    return pel_min(cost.system, cost.usual);
 }
 
 double pel_scene_substep_cost(const pel_scene *scene)

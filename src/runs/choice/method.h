@@ -17,7 +17,7 @@ pel_status pel_scene_choose_method(pel_scene_reader *reader, const pel_scene_val
 /* systems of a step of static, at least */
 enum { PEL_STATIC_SYSTEMS = 3 };
 
-/* ms of one core, of a step of implicit as it may be where bodies jam, from counts */
+/* ms of one core, of a usual step of implicit, from counts; where bodies jam it takes longer */
 double pel_scene_step_cost(const pel_scene *scene);
 /* ms of one core, of a substep of xpbd or a step of explicit, from counts */
 double pel_scene_substep_cost(const pel_scene *scene);

@@ -49,6 +49,12 @@ typedef struct pel_run_state {
     pel_run_series *series_beside;
 } pel_run_state;
 
+/* m, over the frames that are written and now */
+static inline double pel_run_max_displacement(const pel_run_state *run)
+{
+    return pel_max(run->totals.max_displacement, run->measures.max_displacement);
+}
+
 /* N, largest force of a tool over the run; 0 without tools */
 static inline double pel_run_max_tool_force(const pel_run_state *run)
 {

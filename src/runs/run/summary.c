@@ -49,7 +49,7 @@ void pel_run_summary_fill(const pel_run_state *run, pel_status status, pel_run_s
         .volume_final = run->measures.volume,
         .volume_ratio_final = run->measures.volume_ratio,
         .area_ratio_final = run->measures.area_ratio,
-        .max_displacement = pel_max(totals->max_displacement, run->measures.max_displacement),
+        .max_displacement = pel_run_max_displacement(run),
         .residual_displacement = run->measures.max_displacement,
         .vertices_final = run->measures.vertex_count,
         .triangles_final = run->measures.triangle_count,

@@ -165,7 +165,7 @@ static bool is_cut(const pel_run_state *run)
 /* A tool that touches nothing has a warning of its own, and so have one that is held back and steps that failed. */
 static void check_action(pel_run_state *run, int64_t frame)
 {
-    double most = pel_max(run->totals.max_displacement, run->measures.max_displacement);
+    double most = pel_run_max_displacement(run);
     bool is_still = run->ledger.supplied <= run->ledger.tolerance && most <= STILL_SHARE * least_size(run->scene);
     const pel_warning_tally *tallies = run->totals.warnings.of;
     bool is_idle = tallies[PEL_WARN_TOOL_IDLE].count > 0 || tallies[PEL_WARN_TOOL_HELD].count > 0 ||

@@ -58,7 +58,7 @@ static bool is_judged(const pel_run_state *run)
            scene->sim.seam_count == 0 && scene->sim.wind.density == 0 && run->session == NULL &&
            contact.contacts == 0 && run->ledger.elastic > 0 &&
            run->ledger.kinetic < MOST_MOTION * run->ledger.supplied &&
-           run->measures.max_displacement < NEAR_SHARE * least_size(run);
+           pel_run_max_displacement(run) < NEAR_SHARE * least_size(run);
 }
 
 /* sets the bodies of `to` where they are in `from`, or finds how far they are apart; 0 = not known */
@@ -112,6 +112,6 @@ void pel_warnings_check_balance(pel_run_state *run, int64_t frame)
     if (!is_judged(run))
         return;
     double way = find_way(run);
-    if (way > FAR_SHARE && way * least_size(run) > FAR_TIMES * run->measures.max_displacement)
+    if (way > FAR_SHARE && way * least_size(run) > FAR_TIMES * pel_run_max_displacement(run))
         pel_warn(&run->totals.warnings, PEL_WARN_UNSTABLE, frame, way);
 }

@@ -219,14 +219,15 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
     if (sim->minimise->newton->lead != NULL)
         return sim->minimise->newton->scheme;
     const pel_sim_newton *newton = sim->minimise->newton;
-    bool is_apart = sim->contacts == NULL ||
-                    (sim->rigids != NULL && memchr(state->contact, 1, (size_t)sim->model->vertex_count) == NULL);
-    bool is_alone = sim->tools->count == 0 && is_apart && sim->solver.budget <= 0 && sim->loads->wind == NULL &&
+    bool is_apart = memchr(state->contact, 1, (size_t)sim->model->vertex_count) == NULL;
+    bool is_alone = sim->tools->held_vertices == NULL && is_apart && sim->solver.budget <= 0 &&
                     !pel_joints_drive(sim) && !volume_moves(sim) && !is_braked(sim);
-    if (is_alone && sim->rigids == NULL && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) &&
+    bool meets = sim->tools->count > 0 || sim->contacts != NULL || sim->rigids != NULL;
+    if (is_alone && !meets && newton->viscous == NULL && !pel_holds_move(sim) && has_potential(sim) &&
         state->unresolved == 0)
         return &midpoint;
-    if (is_alone && !newton->leads)
+    /* what nearly touches at the start lands in a step of first order, without speed */
+    if (is_alone && !newton->leads && (state->older_is_known || sim->rigids != NULL || !meets))
         return &first_stage;
     return plain_scheme(sim);
 }
@@ -442,7 +443,7 @@ static bool changes_energy(pel_sim *sim, double potential_before)
 {
     const pel_state *state = sim->state;
     const double *end = sim->minimise->position;
-    double elastic, kinetic = 0, change = potential_at(sim, end, &elastic) - potential_before;
+    double elastic, kinetic = 0, change = potential_at(sim, end, &elastic) - potential_before - pel_wind_work(sim, 0);
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double mass = (double)sim->model->mass[v], u = (double)state->velocity_next[v][k];
