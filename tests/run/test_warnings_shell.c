@@ -166,6 +166,14 @@ static void test_largest_pressure(void **unused)
     assert_true(text != NULL && strstr(text, "jumps to a far larger size") != NULL);
     assert_int_equal(sscanf(strstr(text, " at "), " at %lf times its volume", &times), 1);
     assert_true(times > 2 && times < 5);
+    /* 0.95 of the largest at once: it swings past it; grown in time, as the text has it, it stays */
+    const char *sudden[] = {"bodies.0.membrane={ preset: latex-balloon, thickness: 0.001 }",
+                            "bodies.0.pressure={ inside: 4350 }", "stop.frames=110", "solver.dt=0.002"};
+    text = warning_of(BALLOON, sudden, 4, "largest-pressure", &summary);
+    assert_true(text != NULL && strstr(text, "jumped to a far larger size: 4350 Pa is near") != NULL);
+    assert_non_null(strstr(text, "let it grow in time (inside: { keys: [[0, 0], [1, 4350]] })"));
+    sudden[1] = "bodies.0.pressure={ inside: { keys: [[0, 0], [0.15, 4350]] } }";
+    assert_false(warns(BALLOON, sudden, 4, "largest-pressure"));
 }
 
 /* ---- loads ---- */

@@ -206,7 +206,7 @@ pel_status pel_warnings_check_scene(pel_run_state *run, pel_error *error)
     pel_status status = check_start(run, error);
     if (status == PEL_OK && run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
         status = pel_warnings_check_rows(run, error);
-    pel_warnings_check_pressures(run);
+    pel_warnings_check_pressures(run, 0);
     pel_warnings_check_blades(run);
     if (softness > SOFTNESS_LIMIT)
         pel_warn(&run->totals.warnings, PEL_WARN_SOFT, 0, softness);
@@ -397,6 +397,7 @@ void pel_warnings_check_end(pel_run_state *run)
         run->scene->sim.solver.analysis == PEL_ANALYSIS_NONE)
         pel_warn(&run->totals.warnings, PEL_WARN_CROSSING, frame, (double)run->intersection_count);
     pel_warnings_check_loads(run);
+    pel_warnings_check_pressures(run, frame);
     check_rest(run, frame);
     pel_warnings_check_bodies_end(run, frame);
     pel_warnings_check_springs(run, frame);

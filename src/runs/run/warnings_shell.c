@@ -43,6 +43,8 @@
 #define MOST_SAG 1.0
 /* of all moments of single vertices, that is rounding */
 #define LEAST_MOMENT 1e-6
+/* volume over that at the largest pressure */
+#define JUMP 1.5
 /* cosine of the largest angle between gravity and the way from the row to the center of mass of a body that hangs */
 #define LEAST_HANG 0.5
 /* share of the deflection, by the cells of two rows */
@@ -332,36 +334,52 @@ void pel_warnings_tell_row(const pel_run_state *run, char *text, size_t size)
 
 /* ---- pressures ---- */
 
-void pel_warnings_check_pressures(pel_run_state *run)
+/* the given pressure exceeds the largest, or, at the end, the body went far beyond where it is the largest */
+void pel_warnings_check_pressures(pel_run_state *run, int64_t frame)
 {
     const pel_model *model = run->sim->model;
     const pel_solver_def *solver = &run->scene->sim.solver;
     bool is_judged = solver->path != PEL_PATH_ARC_LENGTH && solver->analysis == PEL_ANALYSIS_NONE &&
-                     pel_stepper_knows_material(pel_stepper_of(solver->method));
+                     pel_stepper_knows_material(pel_stepper_of(solver->method)) &&
+                     run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count == 0;
     for (int32_t b = 0; is_judged && b < model->body_count; b++) {
+        const pel_body *body = &model->bodies[b];
         double ratio, largest = pel_pressure_peak(model, b, &ratio);
-        double given = model->bodies[b].shell != NULL ? pel_pressure_given(model->bodies[b].shell) : 0;
-        if (!(given > largest))
+        double given = body->shell != NULL ? pel_pressure_given(body->shell) : 0;
+        bool is_beyond = given > largest;
+        if (frame > 0 && given > 0 && isfinite(largest))
+            is_beyond |= pel_body_volume(model, b, run->sim->state->position) > JUMP * ratio * body->rest_volume;
+        if (!is_beyond)
             continue;
         if (run->totals.warnings.of[PEL_WARN_LARGEST_PRESSURE].count == 0)
             run->flagged[PEL_WARN_LARGEST_PRESSURE] = (pel_flagged_body){b, given, largest};
-        pel_warn(&run->totals.warnings, PEL_WARN_LARGEST_PRESSURE, 0, given);
+        pel_warn(&run->totals.warnings, PEL_WARN_LARGEST_PRESSURE, frame, given);
     }
 }
 
 void pel_warnings_tell_pressure(const pel_run_state *run, char *text, size_t size)
 {
+    static const char *const remedy =
+        "use less, prescribe the volume (pressure: { volume: ... }), or follow the equilibria (solver: { path: "
+        "arc-length })";
     const pel_flagged_body *flagged = &run->flagged[PEL_WARN_LARGEST_PRESSURE];
+    const char *name = run->scene->model.bodies[flagged->body].name;
     double ratio;
     bool has_end = pel_pressure_largest(run->model, flagged->body, &ratio) <= flagged->value;
     pel_pressure_peak(run->model, flagged->body, &ratio);
-    snprintf(
-        text, size,
-        "the pressure in body '%s' is up to %.4g Pa, but the largest that it balances is about %.4g Pa, at %.3g times "
-        "its volume: beyond it %s. use less, prescribe the volume (pressure: { volume: ... }), or follow the "
-        "equilibria (solver: { path: arc-length })",
-        run->scene->model.bodies[flagged->body].name, flagged->value, flagged->limit, ratio,
-        has_end ? "grows without bound" : "jumps to a far larger size");
+    if (flagged->value > flagged->limit)
+        snprintf(text, size,
+                 "the pressure in body '%s' is up to %.4g Pa, but the largest that it balances is about %.4g Pa, at "
+                 "%.3g times its volume: beyond it %s. %s",
+                 name, flagged->value, flagged->limit, ratio,
+                 has_end ? "grows without bound" : "jumps to a far larger size", remedy);
+    else
+        snprintf(
+            text, size,
+            "body '%s' jumped to a far larger size: %.4g Pa is near the largest pressure that it balances, %.4g Pa "
+            "if it were round, at %.3g times its volume, and less where it is wider or if the pressure acts at "
+            "once. let it grow in time (inside: { keys: [[0, 0], [1, %.4g]] }), %s",
+            name, flagged->value, flagged->limit, ratio, flagged->value, remedy);
 }
 
 /* ---- modes ---- */

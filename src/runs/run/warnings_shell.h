@@ -7,7 +7,7 @@
 /* Stiff shells that one row of vertices holds, or two; in a modal analysis those that turn. PEL_OUT_OF_MEMORY. */
 pel_status pel_warnings_check_rows(pel_run_state *run, pel_error *error);
 /* Before the first step: pressures that no state of the body balances. */
-void pel_warnings_check_pressures(pel_run_state *run);
+void pel_warnings_check_pressures(pel_run_state *run, int64_t frame);
 /* After a step of an analysis: waves of the mode that are short against the edges, bodies that turn about a row. */
 void pel_warnings_check_mode(pel_run_state *run);
 /* at the end of a run: the slowest vibrations of what still swings */
