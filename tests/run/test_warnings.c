@@ -421,6 +421,24 @@ static void test_unresolved_flutter(void **unused)
     assert_true(warning != NULL && strstr(warning->text, "explicit, without the damping") != NULL);
 }
 
+/* A material whose damping takes many times more substeps than xpbd has: energy appears, and no few more help. */
+static void test_damped_energy(void **unused)
+{
+    (void)unused;
+    static const char sheet[] =
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies:\n  - name: sheet\n    mesh: { shape: grid, nx: 10, ny: 5, size_x: "
+        "0.2, size_y: 0.1 }\n    membrane: { young: 1e6, thickness: 0.001, damping: { stiffness: 0.02 } }\n"
+        "    mass: { density: 1000 }\n    pinned: { box: { min: [-1, -1, -1], max: [-0.09, 1, 1] } }\n"
+        "solver: { method: xpbd, dt: 0.01, substeps: 4 }\nduration: 0.5\n";
+    const char *implicit[] = {"solver={ method: implicit, dt: 0.01 }"};
+    pel_run_summary summary;
+    run_scene(sheet, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
+    assert_true(warning != NULL && strstr(warning->text, "use the method implicit: the substeps are softer") != NULL);
+    run_scene(sheet, implicit, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
 /* A shell that bounces: what the method takes in contact is told as well, and not where friction may have taken it. */
 static void test_unresolved_bounce(void **unused)
 {
@@ -965,6 +983,7 @@ int main(void)
         cmocka_unit_test(test_energy_of_rest),
         cmocka_unit_test(test_unresolved),
         cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),
         cmocka_unit_test(test_unresolved_bounce),
         cmocka_unit_test(test_short_run),
         cmocka_unit_test(test_sudden_load),

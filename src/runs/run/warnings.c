@@ -588,9 +588,13 @@ static void tell_stray(const pel_warning_text *at)
              name, flagged->value);
 }
 
-static const char *energy_remedy(const pel_sim_def *sim)
+static const char *energy_remedy(const pel_run_state *run)
 {
+    const pel_sim_def *sim = &run->scene->sim;
     const pel_stepper *stepper = pel_stepper_of(sim->solver.method);
+    /* far fewer than a damping of the material asks for make energy at any length of a step */
+    if (stepper->is_compliant && run->totals.warnings.of[PEL_WARN_SOFT].count > 0)
+        return "use the method implicit: the substeps are softer than the material";
     /* pairs that touch are found once a step: substeps do not add any */
     bool is_step = stepper->energy_remedy == NULL || (stepper->is_compliant && sim->contact.enabled);
     return is_step ? "use a smaller solver.dt" : stepper->energy_remedy;
@@ -607,7 +611,7 @@ static void tell_cut(const pel_warning_text *at)
 static void tell_energy(const pel_warning_text *at)
 {
     double supplied = at->run->ledger.supplied, worst = at->tally->worst;
-    const char *remedy = energy_remedy(&at->run->scene->sim);
+    const char *remedy = energy_remedy(at->run);
     if (worst <= MOST_SHARE * supplied)
         snprintf(at->text, at->size, "%.3g J appeared: %.3g %% of the %.3g J that were supplied. %s", worst,
                  100 * worst / supplied, supplied, remedy);
