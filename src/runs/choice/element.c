@@ -9,6 +9,7 @@
 #include "math/extremes.h"
 #include "math/vec3.h"
 #include "model/model.h"
+#include "model/quantity.h"
 #include "pellicle/volume.h"
 #include "stage/stepper.h"
 
@@ -90,6 +91,56 @@ double pel_solid_bending_error(const pel_solid_shape *shape)
 {
     double share = shape->edge / shape->thickness;
     return shape->length > SLENDER * shape->thickness ? BENDING_ERROR * share * share : 0;
+}
+
+/* ---- fillings ---- */
+
+/* thicknesses that a slender body extends from its pins, and motion over that length that its weight would cause */
+#define EXTENDED 1.5
+#define MOST_SAG 0.1
+/* pairs of vertices and pins that are looked at */
+#define MOST_PAIRS 10000000
+
+/* m: how far vertices are from the nearest pin, at most: across gravity, whose unit vector is down, and along it */
+static void measure_reach(const pel_body_def *body, const double down[3], double *across, double *along)
+{
+    const int64_t pairs = (int64_t)body->mesh->vertex_count * body->pinned_count;
+    const int32_t stride = (int32_t)(1 + pairs / MOST_PAIRS);
+    *across = *along = 0;
+    for (int32_t v = 0; v < body->mesh->vertex_count; v += stride) {
+        double least[2] = {HUGE_VAL, HUGE_VAL};
+        for (int32_t i = 0; i < body->pinned_count; i++) {
+            double way[3];
+            pel_vec3_subtract(body->mesh->positions[v], body->mesh->positions[body->pinned[i]], way);
+            double fall = pel_vec3_dot(way, down), square = pel_vec3_squared_length(way);
+            least[0] = pel_min(least[0], square - fall * fall);
+            least[1] = pel_min(least[1], fabs(fall));
+        }
+        *across = pel_max(*across, sqrt(pel_max(least[0], 0)));
+        *along = pel_max(*along, least[1]);
+    }
+}
+
+/* As a round rod of the filling's modulus, held at both ends: its middle sags by w a^4 / (24 E I) at a distance a from
+   them, and one that hangs stretches by half of its weight. A cantilever sags three times as far. */
+bool pel_scene_is_carried(const pel_scene *scene, const pel_model *model, int32_t b)
+{
+    const pel_body_def *def = &scene->model.bodies[b];
+    const pel_body *body = &model->bodies[b];
+    const double g = pel_vec3_length(scene->model.gravity);
+    const double young = pel_quantity_mean(&def->volumetric_stiffness, def->mesh->vertex_count);
+    if (!(def->volumetric_depth > 0 && young > 0 && g > 0) || def->pinned_count == 0 || !body->has_volume)
+        return false;
+    double mass = 0, across, along, down[3];
+    for (int32_t i = body->slice_begin * PEL_WIDTH; i < body->slice_end * PEL_WIDTH; i++)
+        mass += (double)model->mass[i];
+    pel_vec3_scale(scene->model.gravity, 1 / g, down);
+    measure_reach(def, down, &across, &along);
+    const double thickness = 4 * fabs(body->rest_volume) / body->rest_area, weight = g * mass / fabs(body->rest_volume);
+    const double slenderness = across / thickness;
+    const double sag = 2.0 / 3 * weight * across * slenderness * slenderness / young;
+    return (slenderness > EXTENDED && sag > MOST_SAG) ||
+           (along > EXTENDED * thickness && 0.5 * weight * along / young > MOST_SAG);
 }
 
 /* ---- choice ---- */

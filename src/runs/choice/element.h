@@ -18,6 +18,10 @@ pel_solid_shape pel_solid_shape_of(const pel_mesh *filled);
 /* Share by which linear tetrahedra make it too stiff in bending; 0 of bodies that are not slender. */
 double pel_solid_bending_error(const pel_solid_shape *shape);
 
+/* Whether volumetric springs carry the weight of a pinned body that a solid of their modulus would not carry without a
+   large sag. */
+bool pel_scene_is_carried(const pel_scene *scene, const pel_model *model, int32_t body);
+
 /* Smooth elements, in the def and in the tree, with a line to the log, for bodies that bend or lock, where a scene
    gives no `element` and a step stays cheap; not under a given method that takes linear ones only. */
 void pel_scene_choose_elements(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene);

@@ -3,6 +3,7 @@
 #include "base/lane.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "choice/element.h"
 #include "choice/method.h"
 #include "choice/time_step.h"
 #include "def/row.h"
@@ -163,7 +164,7 @@ static void check_filling(pel_run_state *run, int32_t b)
     double motion = pel_vec3_length(run->scene->model.gravity) + pel_vec3_length(body->velocity);
     if (stiffness > 0 && motion > 0 && !is_supported(run->scene, b))
         pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, 0);
-    else if (pel_warnings_is_carried(run, b))
+    else if (pel_scene_is_carried(run->scene, run->model, b))
         pel_warn_body(run, PEL_WARN_HELD_IN_PLACE, b, stiffness, stiffness);
 }
 

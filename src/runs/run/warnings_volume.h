@@ -6,9 +6,6 @@
 
 /* Before the first step: a slender body whose tetrahedra are too large to bend, or any that they lock. */
 void pel_warnings_check_volume(pel_run_state *run, int32_t body);
-/* Whether volumetric springs carry the weight of a pinned body that a solid of their modulus would not carry without a
-   large sag. */
-bool pel_warnings_is_carried(const pel_run_state *run, int32_t body);
 void pel_tell_coarse_volume(const pel_warning_text *at);
 
 #endif
