@@ -181,7 +181,7 @@ static void test_refusals(void **unused)
         {HEAD BODY("4") MEMBRANE("300") "    rest: { shape: grid, nx: 4, ny: 4 }\ntear: { level: 1 }\n",
          "'rest' and tear.level exclude each other"},
         {HEAD BODY("4") MEMBRANE("300") "    mass: { per_vertex: 1 }\ntear: { level: 1 }\n",
-         "'mass.per_vertex' and tear.level exclude each other"},
+         "give mass: { total: 25 }, that of its 25 vertices"},
         {HEAD BODY("4") MEMBRANE("300") "    volumetric: { stiffness: 1 }\ntear: { level: 1 }\n",
          "'volumetric.stiffness' and tear.level exclude each other"},
     };

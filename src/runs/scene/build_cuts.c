@@ -46,14 +46,14 @@ static bool has_toughness(const pel_scene_value *body)
 }
 
 /* keys of a body that go with the number of its vertices */
-static pel_status check_finer(pel_scene_reader *reader, const pel_scene_value *body)
+static pel_status check_finer(pel_scene_reader *reader, const pel_scene_value *body, const pel_mesh *mesh)
 {
     static const char *const keys[][2] = {
         {"refine", "leave one of both out"},
         {"rest", "subdivide both meshes (pellicle subdivide), and leave tear.level out"},
         {"volume", "leave one of both out: a body with a volume does not tear"},
         {"follow", "leave one of both out"},
-        {"mass.per_vertex", "give mass.density or mass.total"},
+        {"mass.per_vertex", ""},
         {"volumetric.stiffness", "give volumetric.young"},
     };
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
@@ -63,6 +63,9 @@ static pel_status check_finer(pel_scene_reader *reader, const pel_scene_value *b
         pel_scene_fail(reader, &value->key_place, "'%s' and tear.level exclude each other: the mesh becomes finer",
                        keys[k][0]);
         pel_fail_remedy(reader->error, "%s", keys[k][1]);
+        if (strcmp(keys[k][0], "mass.per_vertex") == 0)
+            pel_fail_remedy(reader->error, "give mass: { total: %.17g }, that of its %d vertices",
+                            value->number * mesh->vertex_count, (int)mesh->vertex_count);
         return PEL_BAD_SCENE;
     }
     return PEL_OK;
@@ -99,7 +102,7 @@ pel_status pel_scene_refine_torn(pel_scene_reader *reader, const pel_scene_value
         return PEL_OK;
     pel_mesh *fine = NULL;
     uint8_t *has = NULL;
-    pel_status status = check_finer(reader, body);
+    pel_status status = check_finer(reader, body, *mesh);
     if (status == PEL_OK) {
         has = pel_allocate((size_t)(*mesh)->triangle_count, 1);
         status = has != NULL ? PEL_OK : pel_fail_memory(reader->error);
