@@ -169,9 +169,33 @@ static void test_box_faces(void **unused)
     }
 }
 
+/* of scissors the tips and, around the pivot, two points to the sides and one across, by which both blades are drawn */
+static void test_scissors_corners(void **unused)
+{
+    (void)unused;
+    pel_solid solid = {.shape = PEL_TOOL_SCISSORS, .edge = {{0.1, 0.03, 0}, {0.1, -0.03, 0}}};
+    for (int blade = 0; blade < 2; blade++) {
+        int tips = 0, sides = 0, across = 0;
+        const double *tip = solid.edge[blade];
+        double width = 0;
+        for (int32_t i = 4 * blade; i < 4 * blade + 4; i++) {
+            double x[3];
+            pel_solid_corner(&solid, i, x);
+            tips += pel_vec3_distance(x, tip) < 1e-12;
+            sides += fabs(x[2]) > 1e-6 && fabs(x[0]) + fabs(x[1]) < 1e-12;
+            across +=
+                x[2] == 0 && fabs(pel_vec3_dot(x, tip)) < 1e-12 && pel_vec3_length(x) < 0.1 * pel_vec3_length(tip);
+            width += fabs(x[2]) > 0 ? x[2] / fabs(x[2]) * pel_vec3_length(x) : 0;
+        }
+        assert_true(tips == 1 && sides == 2 && across == 1);
+        assert_near(width, 0, 1e-12); /* as wide on one side as on the other */
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_scissors_corners),
         cmocka_unit_test(test_box_faces),
         cmocka_unit_test(test_depth_against_samples),
         cmocka_unit_test(test_distance_outside_and_inside),
