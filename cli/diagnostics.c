@@ -102,8 +102,10 @@ pel_mesh *cli_read_mesh(const char *path, const pel_log *log, pel_json *json, in
     pel_mesh *mesh = NULL;
     pel_error error;
     *status = CLI_DONE;
-    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK)
+    if (pel_mesh_import(path, log, &mesh, &error) != PEL_OK) {
+        cli_name_file(&error, path);
         *status = cli_report_to(&error, json);
+    }
     return mesh;
 }
 

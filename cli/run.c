@@ -273,6 +273,7 @@ static int load_and_run(const cli_call *call, const char *const *settings, int s
         status = run_scene(call, scene, folder);
     } else {
         cli_suggest_scene(&error, call->arguments[0]);
+        cli_name_file(&error, call->arguments[0]);
         status = cli_report(&error);
         if (as_json)
             write_refusal(&error);
