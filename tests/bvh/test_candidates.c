@@ -194,7 +194,8 @@ static void test_groups(void **unused)
     for (int32_t v = 0; v < s.vertex_count; v++)
         group_of_vertex[v] = v / 3 % 2;
     pel_candidates *c = make_candidates(&s, 0.05), *all = make_candidates(&s, 0.05);
-    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, 2}, (const double(*)[3])s.start);
+    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, 2, NULL},
+                              (const double(*)[3])s.start);
     for (int step = 0; step < 10; step++) {
         /* no common motion, so that the boxes of both are the same whenever they search */
         for (int32_t v = 0; v < s.vertex_count; v++)
@@ -211,7 +212,7 @@ static void test_groups(void **unused)
     assert_true(c->counts.searches < 5);
     /* what may meet from now on is found */
     const uint8_t every[4] = {1, 1, 1, 1};
-    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, every, 2}, (const double(*)[3])s.start);
+    pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, every, 2, NULL}, (const double(*)[3])s.start);
     update(c, &s, 0.02, NULL);
     check_lists(c);
     pel_candidates_destroy(c);
@@ -257,7 +258,7 @@ static void test_bodies(void **unused)
     /* of convex bodies no tree would be needed */
     for (int k = 0; k < BODIES; k++)
         s.start[k * one.vertex_count][2] *= 0.5;
-    assert_int_equal(pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, BODIES},
+    assert_int_equal(pel_candidates_use_groups(c, &(pel_collision_groups){group_of_vertex, may_meet, BODIES, NULL},
                                                (const double(*)[3])s.start),
                      PEL_OK);
     assert_null(c->hulls);

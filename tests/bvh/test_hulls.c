@@ -57,7 +57,7 @@ static void make_heap(heap *h, bool has_dent)
         h->rest[vertices - 1][k] *= 0.5;
     for (int i = 0; i < BODIES * BODIES; i++)
         h->may_meet[i] = i / BODIES != i % BODIES;
-    h->groups = (pel_collision_groups){h->group_of_vertex, h->may_meet, BODIES};
+    h->groups = (pel_collision_groups){h->group_of_vertex, h->may_meet, BODIES, NULL};
     free_surface(&ball);
     free_surface(&box);
 }

@@ -96,11 +96,11 @@ void pel_contact_set_destroy(pel_contact_set *set)
         return;
     pel_collider_destroy(set->collider);
     PEL_FREE_ALL(set->obstacles, set->groups, set->next_triangles, set->group_of_point, set->may_meet, set->is_asleep,
-                 set->start, set->end, set->bend, set->is_stray, set->home, set->substep_start, set->substep_end,
-                 set->list.contacts, set->keys, set->other_keys, set->calm, set->watches, set->acts, set->active,
-                 set->origins, set->owed, set->other_contacts, set->heights.list.contacts, set->heights.triangles,
-                 set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts, set->impacts,
-                 set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
+                 set->start, set->end, set->shape, set->bend, set->is_stray, set->home, set->substep_start,
+                 set->substep_end, set->list.contacts, set->keys, set->other_keys, set->calm, set->watches, set->acts,
+                 set->active, set->origins, set->owed, set->other_contacts, set->heights.list.contacts,
+                 set->heights.triangles, set->heights.bounds, set->heights.places, set->heights.parts, set->conflicts,
+                 set->impacts, set->solved, set->zones, set->rings, set->wanted, set->rigid_wanted, set->tangles.pairs,
                  set->tangles.keys, set->body_shares, set->body_impacts);
     pel_contact_patches_clear(&set->patches);
     pel_travel_destroy(&set->travel);

@@ -189,6 +189,7 @@ typedef struct pel_contact_set {
     uint8_t *is_asleep;            /* (groups) nothing of it moves: pairs of two such groups are kept as they are */
     int32_t asleep_count;          /* bodies that are left out of the solver; 0 = is_asleep says nothing */
     double (*start)[3], (*end)[3]; /* (point_count) */
+    double (*shape)[3];            /* (point_count) at rest; obstacles in their own frames */
     double (*substep_start)[3], (*substep_end)[3]; /* (points of obstacles) */
     uint32_t substep;                              /* number of the substep, of all steps */
     double dt, time;                               /* s, of the step, to be brought; of the way from start to end */

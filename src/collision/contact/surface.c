@@ -199,15 +199,26 @@ static pel_status create_collider(pel_contact_set *set, pel_error *error)
         return status;
     pel_collider_use_pool(set->collider, set->def.pool);
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
-                                         set->def.body_count + set->def.obstacle_count};
+                                         set->def.body_count + set->def.obstacle_count, (const double(*)[3])set->shape};
     pel_free(set->next_triangles); /* it has a copy */
     set->next_triangles = NULL;
     return pel_collider_use_groups(set->collider, &groups, (const double(*)[3])set->start, error);
 }
 
+/* Which bodies are convex, and how their pairs are found, must not depend on when the surface was made. */
+static void find_shape(pel_contact_set *set)
+{
+    static const pel_pose none = {.rotation = {0, 0, 0, 1}};
+    for (int32_t p = 0; p < set->vertex_count; p++)
+        pel_vertex_position(set->def.rest, p, set->shape[p]);
+    for (int32_t i = 0; i < set->def.obstacle_count; i++)
+        pel_obstacle_points(&set->obstacles[i], &none, set->shape + set->obstacles[i].point_begin);
+}
+
 pel_status pel_contact_surface_finish(pel_contact_set *set, bool is_known, pel_error *error)
 {
     pel_status status;
+    find_shape(set);
     if (set->collider == NULL)
         status = create_collider(set, error);
     else
@@ -270,7 +281,7 @@ static pel_status allocate_surface(pel_contact_set *set, pel_error *error)
         PEL_ROOM(set->group_of_point, point_count), PEL_ROOM(set->may_meet, group_count * group_count),
         PEL_ROOM(set->is_asleep, group_count), PEL_ROOM(set->start, point_count + 1),
         PEL_ROOM(set->end, point_count + 1), PEL_ROOM(set->home, set->def.has_layers ? point_count : 0),
-        PEL_ROOM(set->bend, set->vertex_count), PEL_ROOM(set->is_stray, group_count),
+        PEL_ROOM(set->shape, point_count), PEL_ROOM(set->bend, set->vertex_count), PEL_ROOM(set->is_stray, group_count),
         PEL_ROOM(set->substep_start, obstacle_points), PEL_ROOM(set->substep_end, obstacle_points),
         PEL_ROOM(set->heights.bounds, triangles), PEL_ROOM(set->heights.places, set->vertex_count),
         PEL_ROOM(set->heights.parts, most / PEL_HEIGHT_CHUNK + 1));

@@ -88,6 +88,8 @@ pel_status pel_candidates_use_groups(pel_candidates *c, const pel_collision_grou
     pel_collision_groups others = c->groups = *groups;
     c->has_kept = false;
     pel_hulls_destroy(c->hulls);
+    if (groups->shape != NULL)
+        positions = groups->shape;
     pel_status status = pel_hulls_create(c->tree, positions, groups, &c->hulls);
     if (c->hulls != NULL)
         others.may_meet = c->hulls->may_meet;

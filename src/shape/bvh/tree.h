@@ -31,6 +31,7 @@ typedef struct pel_collision_groups {
     const int32_t *group_of_vertex; /* (vertex_count) null = everything may meet */
     const uint8_t *may_meet;        /* (group_count x group_count) symmetric */
     int32_t group_count;
+    const double (*shape)[3]; /* (vertex_count) positions at which groups are convex or not; null = the present ones */
 } pel_collision_groups;
 
 typedef struct pel_tree {

@@ -325,7 +325,7 @@ static pel_status visit_near_pairs(pel_sim *sim, double reach, visit_pair *visit
     if (status != PEL_OK)
         return status;
     const pel_collision_groups groups = {set->group_of_point, set->may_meet,
-                                         set->def.body_count + set->def.obstacle_count};
+                                         set->def.body_count + set->def.obstacle_count, (const double(*)[3])set->shape};
     status = pel_collider_use_groups(collider, &groups, (const double(*)[3])set->start, error);
     pel_collision_query query = pel_collision_query_default();
     query.start = query.end = set->start[0];
