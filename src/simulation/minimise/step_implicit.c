@@ -69,7 +69,7 @@ enum { COLLISION_STEPS = 2 };
 #define LIGHT_DRAG 5e-3
 /* largest relative change of energy in a step of the midpoint rule */
 #define ENERGY_SHARE 0.01
-/* steps in two stages until the midpoint rule is tried again */
+/* steps until the midpoint rule is tried again, or two stages after something touched */
 enum { UNRESOLVED_STEPS = 50 };
 
 /* g and q of the two stages */
@@ -215,10 +215,10 @@ static const pel_implicit_scheme *plain_scheme(const pel_sim *sim)
 static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
 {
     const pel_state *state = sim->state;
-    /* beside another simulation the scheme of its step, which is known */
-    if (sim->minimise->newton->lead != NULL)
-        return sim->minimise->newton->scheme;
     const pel_sim_newton *newton = sim->minimise->newton;
+    /* beside another simulation the scheme of its step, which is known */
+    if (newton->lead != NULL)
+        return newton->scheme;
     bool is_apart = memchr(state->contact, 1, (size_t)sim->model->vertex_count) == NULL;
     bool is_alone = sim->tools->held_vertices == NULL && is_apart && sim->solver.budget <= 0 &&
                     !pel_joints_drive(sim) && !volume_moves(sim) && !is_braked(sim);
@@ -227,7 +227,8 @@ static const pel_implicit_scheme *choose_scheme(const pel_sim *sim)
         state->unresolved == 0)
         return &midpoint;
     /* what nearly touches at the start lands in a step of first order, without speed */
-    if (is_alone && !newton->leads && (state->older_is_known || sim->rigids != NULL || !meets))
+    if (is_alone && !newton->leads &&
+        ((state->older_is_known && state->unresolved == 0) || sim->rigids != NULL || !meets))
         return &first_stage;
     return plain_scheme(sim);
 }
@@ -410,7 +411,6 @@ static double potential_at(pel_sim *sim, const double *position, double *elastic
 {
     pel_sim_newton *newton = sim->minimise->newton;
     const pel_tangent_input input = {
-
         .unknowns = newton->unknowns,
         .span = {pel_sim_part_time(sim, 0.5), 0.5 * sim->step.dt, 0.5 * sim->step.dt, false},
         .state = sim->state};
@@ -431,9 +431,8 @@ static double energy_noise(const pel_sim *sim)
 {
     const pel_minimise *minimise = sim->minimise;
     double farthest = 0;
-    for (int32_t v = 0; v < sim->model->vertex_count; v++)
-        for (int k = 0; k < 3; k++)
-            farthest = pel_max(farthest, fabs((double)sim->state->position[v][k]));
+    for (int32_t i = 0; i < 3 * sim->model->vertex_count; i++)
+        farthest = pel_max(farthest, fabs((double)sim->state->position[i / 3][i % 3]));
     double rounding = DBL_EPSILON * farthest;
     return minimise->stiff_force / minimise->mean_edge * rounding * rounding * sqrt(sim->model->vertex_count);
 }
@@ -447,8 +446,7 @@ static bool changes_energy(pel_sim *sim, double potential_before)
     for (int32_t v = 0; v < sim->model->vertex_count; v++)
         for (int k = 0; k < 3; k++) {
             double mass = (double)sim->model->mass[v], u = (double)state->velocity_next[v][k];
-            double w = (double)state->velocity[v][k];
-            double way = end[3 * v + k] - (double)state->position[v][k];
+            double w = (double)state->velocity[v][k], way = end[3 * v + k] - (double)state->position[v][k];
             kinetic += 0.5 * mass * u * u;
             change += 0.5 * mass * (u * u - w * w) - sim->minimise->newton->loads[3 * v + k] * way;
             change += drag_of(sim, v) * 0.25 * (u + w) * (u + w) * sim->step.dt;
@@ -527,6 +525,8 @@ static pel_status step(pel_sim *sim, pel_step_result *result, pel_error *error)
         status = solve(sim, plain_scheme(sim), result, error);
     if (status != PEL_OK)
         return status;
+    if (sim->rigids == NULL && touches(sim))
+        sim->state->unresolved = UNRESOLVED_STEPS;
     sim->part.is_refused = !sim->minimise->result.converged && pel_parts_can_halve(sim);
     sim->minimise->newton->has_stepped = true;
     find_collisions(sim);
