@@ -835,6 +835,60 @@ static void test_allocations(void **unused)
     assert_true(for_every_allocation_failure(create_case, &a) > 20);
 }
 
+/* m, the least distance of a pair at many times of straight ways */
+static double sampled_distance(const pel_contact_set *set, const pel_collision *pair, int count)
+{
+    double least = HUGE_VAL, x[4][3], w[4];
+    for (int i = 0; i <= count; i++) {
+        for (int p = 0; p < 4; p++)
+            for (int k = 0; k < 3; k++) {
+                double start = set->start[pair->vertices[p]][k], end = set->end[pair->vertices[p]][k];
+                x[p][k] = start + i * (end - start) / count;
+            }
+        double square = pair->edge_edge ? pel_closest_segment_segment(x[0], x[1], x[2], x[3], w)
+                                        : pel_closest_point_triangle(x[0], x[1], x[2], x[3], w);
+        least = square < least ? square : least;
+    }
+    return sqrt(least);
+}
+
+/* Pairs may touch exactly when straight ways bring them near: random ones, against many positions on the way. */
+static void test_ways(void **unused)
+{
+    (void)unused;
+    enum { PAIRS = 4000, SAMPLES = 200 };
+    random_state random = {11};
+    static arrays a;
+    make_sheets(&a, 3, 4, 4, 0.5, 0.01);
+    a.has_layers = true;
+    pel_contact_set *set = create(&a);
+    double reach = THICKNESS + set->margin;
+    int near_on_way = 0, apart = 0;
+    for (int n = 0; n < PAIRS; n++) {
+        pel_collision pair = {.edge_edge = n % 2 == 0, .vertices = {0, 1, a.vertex_count / 2, a.vertex_count / 2 + 1}};
+        int middle = pair.edge_edge ? 2 : 1;
+        if (!pair.edge_edge)
+            pair.vertices[1] = a.vertex_count / 2 + 4;
+        for (int p = 0; p < 4; p++)
+            for (int k = 0; k < 3; k++) {
+                double height = k == 2 && p < middle ? 0.15 : 0;
+                set->start[pair.vertices[p]][k] = height + random_between(&random, -0.1, 0.1);
+                set->end[pair.vertices[p]][k] = height * (n % 3 - 1) + random_between(&random, -0.1, 0.1);
+            }
+        double start = pel_contact_measure_start(set, &pair), least = sampled_distance(set, &pair, SAMPLES);
+        bool may = pel_contact_may_meet(set, &pair);
+        if (least <= reach) {
+            assert_true(may);
+            near_on_way += start > reach;
+        } else if (least > reach + 0.005) {
+            assert_false(may);
+            apart++;
+        }
+    }
+    assert_true(near_on_way > 200 && apart > 200);
+    pel_contact_set_destroy(set);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -847,7 +901,7 @@ int main(void)
         cmocka_unit_test(test_limit),          cmocka_unit_test(test_search_is_kept),
         cmocka_unit_test(test_far_through),    cmocka_unit_test(test_seconds),
         cmocka_unit_test(test_strangers),      cmocka_unit_test(test_serves),
-        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_ways),           cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

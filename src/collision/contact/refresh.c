@@ -16,7 +16,7 @@
 
 #include <string.h>
 
-enum { PAIRS_OF_CHUNK = 256 };
+enum { PAIRS_OF_CHUNK = 256, BYTES_OF_LINE = 64 };
 
 /* weights of closest points inside a feature are farther from 0 than this */
 #define INSIDE 1e-9
@@ -506,7 +506,7 @@ static void refresh_chunk(void *context, int32_t chunk)
 {
     const refresh_job *job = context;
     const pel_contact_set *set = job->set;
-    int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK;
+    int32_t begin = chunk * PAIRS_OF_CHUNK, end = begin + PAIRS_OF_CHUNK, chosen[PAIRS_OF_CHUNK], count = 0;
     for (int32_t c = begin; c < end && c < set->list.count; c++) {
         bool follows = set->is_moved && set->keys[c].obstacle >= 0 && !(set->keys[c].room > 0);
         if (!job->looks_at_all && !follows && set->calm[c] > set->travel.approach)
@@ -517,9 +517,15 @@ static void refresh_chunk(void *context, int32_t chunk)
         if (pel_contact_sleeps(set, &set->keys[c]))
             continue;
         bool has_room = set->calm[c] > 0 && set->watches[c].limit > 0;
-        if (job->looks_at_all || !has_room || !has_hardly_moved(job, c))
-            refresh_pair(job, c);
+        if (!job->looks_at_all && has_room && has_hardly_moved(job, c))
+            continue;
+        /* long lists are in no cache nearby: a pair comes while others are chosen */
+        for (size_t i = 0; i < sizeof *set->keys; i += BYTES_OF_LINE)
+            __builtin_prefetch((const char *)&set->keys[c] + i, 1);
+        chosen[count++] = c;
     }
+    for (int32_t i = 0; i < count; i++)
+        refresh_pair(job, chosen[i]);
 }
 
 /* Whether another pair before it in the list has the same point, edge or triangle that this vertex is before: one is

@@ -812,9 +812,9 @@ void pel_contacts_tell(pel_sim *sim)
         int32_t c = pel_contact_list_number(&contacts->list, i);
         double *owed = contacts->owed[c];
         pel_contact_key *key = &contacts->keys[c];
-        pel_contact contact = contacts->list.contacts[c];
         if (!(owed[0] > 0))
             continue;
+        pel_contact contact = contacts->list.contacts[c];
         key->has_pushed = true;
         key->mean_load += owed[0];
         contact.multiplier = (pel_real)(square * owed[0]);
