@@ -37,10 +37,11 @@ typedef struct pel_contact_def {
                            each other, and elasticity decides the rebound. Methods with velocities only */
     pel_ccd_method method; /* detection of contacts; the guard at the end of a step is always conservative */
     pel_contact_response response;
-    bool sleep;           /* bodies that rest in contact are left out of steps until something changes (pbd, xpbd) */
-    bool allow_tangled;   /* accept a start with intersections: ignore these pairs until they separate */
-    int32_t sweeps;       /* maximum number of sweeps over the contacts after a step; 0 = 10 */
-    int32_t limit;        /* maximum number of contacts; 0 = 64 per vertex. The guard handles the excess */
+    bool sleep;         /* bodies that rest in contact are left out of steps until something changes (pbd, xpbd) */
+    bool allow_tangled; /* accept a start with intersections: ignore these pairs until they separate */
+    int32_t sweeps; /* maximum number of sweeps over the contacts after a step, six times as many with rigid bodies; 0 =
+                       10 */
+    int32_t limit;  /* maximum number of contacts; 0 = 64 per vertex. The guard handles the excess */
     int64_t memory_limit; /* bytes for the candidate pairs of a step; 0 = the larger of 1 GiB and 4 KiB per triangle. A
                              step that needs more fails with PEL_BAD_ARGUMENT; use a shorter step */
 } pel_contact_def;

@@ -7,7 +7,7 @@
 #include "pellicle/shape.h"
 #include "pellicle/sim.h"
 
-enum { RIGID_BODIES = 16, RIGID_TOOLS = 4 };
+enum { RIGID_BODIES = 32, RIGID_TOOLS = 4 };
 
 typedef struct rigid_scene {
     pel_body_def bodies[RIGID_BODIES];

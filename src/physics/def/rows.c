@@ -830,7 +830,7 @@ static const pel_def_row rows[] = {
             "load, a key or a parameter changes for them. Bodies with pinned or held vertices and models that refine "
             "stay awake"},
     {"contact.sweeps", CONTACT(sweeps), INTEGER, COUNT_FROM(1), .preset = "10", AUTO(0), WHEN(is_enabled),
-     .doc = "maximum number of sweeps over the contacts after a step"},
+     .doc = "maximum number of sweeps over the contacts after a step, six times as many with rigid bodies"},
     {"contact.limit", CONTACT(limit), INTEGER, COUNT_FROM(0), .preset = "0", WHEN(is_enabled),
      .doc = "maximum number of contacts; 0: 64 per vertex. Vertices of contacts beyond the limit are stepped back"},
     {"contact.memory_limit", CONTACT(memory_limit), FIXED, NUMBER_OR("auto"), .unit = "bytes", POSITIVE,

@@ -28,7 +28,10 @@
 
 #include <string.h>
 
-enum { SWEEP_PRESET = 10, ROUND_LIMIT = 10, LAYER_ROUNDS = 2, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2 };
+/* RIGID_SWEEPS: so many times the sweeps of corrections where there are rigid bodies: those that squeeze others between
+   them need many, and after ten the guard stopped some of 30 falling boxes */
+enum { SWEEP_PRESET = 10, RIGID_SWEEPS = 6 };
+enum { ROUND_LIMIT = 10, LAYER_ROUNDS = 2, CONTACTS_PER_VERTEX = 64, SIDE_ROUNDS = 2 };
 
 /* pairs are searched for this many substeps at least, and for the rest of the step if it is shorter than this share */
 #define LEAST_HORIZON 4
@@ -640,6 +643,13 @@ static bool is_refused_at_once(pel_sim *sim)
     return helps_to_halve(sim, count_far_conflicts(contacts)) && is_refused(sim);
 }
 
+/* of a correction after the solver */
+static int32_t most_sweeps(const pel_sim *sim)
+{
+    int32_t sweeps = sim->touch->def.sweeps;
+    return sim->rigids != NULL && sweeps < INT32_MAX / RIGID_SWEEPS ? RIGID_SWEEPS * sweeps : sweeps;
+}
+
 /* Search and correct until all distances hold, or find that the part is to be repeated in halves; return the remaining
    conflicts. What a solver with contacts in its loop has left is corrected only so far that the guard lets it be: its
    layers decide all else. */
@@ -668,7 +678,7 @@ static pel_status respond(pel_sim *sim, double longest, pel_error *error)
             return status;
         contacts->minds_sides = round < SIDE_ROUNDS;
         const pel_contact_motion motion = motion_of(sim);
-        pel_contact_set_correct(contacts, &motion, once ? 1 : sim->touch->def.sweeps);
+        pel_contact_set_correct(contacts, &motion, once ? 1 : most_sweeps(sim));
         /* boxes are in the list */
         pel_tools_press(sim, longest, true);
         pel_contacts_place(sim);
