@@ -221,6 +221,20 @@ static void test_dent(void **unused)
     check_heap(true);
 }
 
+/* nor does one with a hole: sheets are flat at rest, and bend */
+static void test_hole(void **unused)
+{
+    (void)unused;
+    heap h;
+    make_heap(&h, false);
+    h.s.triangle_count--;
+    pel_candidates *c = make_candidates(&h);
+    assert_int_equal(c->hulls->count, BODIES - 1);
+    pel_candidates_destroy(c);
+    h.s.triangle_count++;
+    free_heap(&h);
+}
+
 static void test_refusals(void **unused)
 {
     (void)unused;
@@ -276,6 +290,7 @@ static void test_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_dent),
-                                       cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory)};
+                                       cmocka_unit_test(test_hole), cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,6 +58,11 @@ static bool is_convex(const pel_hulls *hulls, const pel_hull *hull, const double
     double size = 0;
     for (int32_t i = hull->begin; i < hull->end; i++)
         size = pel_max(size, pel_vec3_distance(x[hulls->vertices[i]], first));
+    /* sheets that are flat at rest bend */
+    for (int32_t f = hulls->fan_begin[hull->begin]; f < hulls->fan_begin[hull->end]; f++)
+        for (int32_t h = 3 * hulls->fans[f]; h < 3 * hulls->fans[f] + 3; h++)
+            if (hulls->tree->next_in_edge[h] == h)
+                return false;
     for (int32_t f = hulls->fan_begin[hull->begin]; f < hulls->fan_begin[hull->end]; f++)
         if (!is_behind(hulls, hull, x, hulls->fans[f], size))
             return false;

@@ -1,0 +1,119 @@
+/* Warnings of energy that the method takes, with steps and methods that would do. */
+#define _XOPEN_SOURCE 700 /* nftw */
+#include "run/warned.h"
+
+/* what nothing damps keeps its energy, or the run says so, with a step that would do */
+static void test_unresolved(void **unused)
+{
+    (void)unused;
+    const char *const balloon =
+        "version: 1\nbodies:\n"
+        "  - name: balloon\n    mesh: { shape: geodesic-sphere, frequency: 4, radius: 0.1 }\n"
+        "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.5, thickness: 0.001 }\n"
+        "    pressure: { inside: 2500 }\nduration: 0.3\n";
+    const char *overrides[] = {"solver.drag=20", "solver.dt=0.01"};
+    static const struct {
+        const char *method;
+        bool warns;
+    } cases[] = {{"solver.method=xpbd", true}, {"solver.method=implicit", false}};
+    pel_run_summary summary;
+    for (int i = 0; i < 2; i++) {
+        const char *own[] = {cases[i].method, overrides[i == 0 ? 0 : 1]};
+        run_scene(balloon, own, 1, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+        assert_true((warning != NULL) == cases[i].warns);
+        assert_true(warning == NULL || strstr(warning->text, "implicit with solver: { dt: 0.000") != NULL);
+        run_scene(balloon, own, 2, NULL, 0, &summary);
+        warning = find_warning(&summary, "unresolved-motion");
+        assert_true((warning != NULL) == !cases[i].warns);
+        assert_true(warning == NULL ||
+                    strstr(warning->text, "40 steps in the slowest vibration of body 'balloon'") != NULL);
+    }
+}
+
+/* Motion that goes down to the mesh, of a sheet in the wind: the step of explicit that is proposed keeps the energy; a
+   material with damping, which explicit lacks, is told to do without. */
+static void test_unresolved_flutter(void **unused)
+{
+    (void)unused;
+    static const char flag[] =
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies:\n  - name: flag\n    mesh: { shape: grid, nx: 12, ny: 8, size_x: "
+        "0.9, size_y: 0.6, rotate: { axis: [1, 0, 0], angle: 90 } }\n    membrane: { young: 1e6, thickness: 2e-4 }\n"
+        "    mass: { density: 500 }\n    pinned: { box: { min: [-1, -1, -1], max: [-0.449, 1, 1] } }\n"
+        "wind: { velocity: [12, 1, 0] }\nsolver: { method: xpbd, dt: 0.01 }\nduration: 1\n";
+    pel_run_summary summary;
+    run_scene(flag, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+    assert_non_null(warning);
+    const char *remedy = strstr(warning->text, "use solver: { method: explicit, dt: ");
+    char dt[40];
+    assert_non_null(remedy);
+    snprintf(dt, sizeof dt, "solver.dt=%.*s", (int)strcspn(strstr(remedy, "dt: ") + 4, " }"),
+             strstr(remedy, "dt: ") + 4);
+    const char *overrides[] = {"solver.method=explicit", dt};
+    const double lost = summary.ledger.dissipated_solver / summary.ledger.supplied;
+    run_scene(flag, overrides, 2, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+    assert_true(lost > 0.2 && summary.ledger.dissipated_solver < 0.06 * summary.ledger.supplied);
+    const char *damped[] = {"bodies.flag.membrane.damping.stiffness=0.0001"};
+    run_scene(flag, damped, 1, NULL, 0, &summary);
+    warning = find_warning(&summary, "unresolved-motion");
+    assert_true(warning != NULL && strstr(warning->text, "explicit, without the damping") != NULL);
+}
+
+/* A material whose damping takes many times more substeps than xpbd has: energy appears, and no few more help. */
+static void test_damped_energy(void **unused)
+{
+    (void)unused;
+    static const char sheet[] =
+        "version: 1\ngravity: [0, 0, -9.81]\nbodies:\n  - name: sheet\n    mesh: { shape: grid, nx: 10, ny: 5, size_x: "
+        "0.2, size_y: 0.1 }\n    membrane: { young: 1e6, thickness: 0.001, damping: { stiffness: 0.02 } }\n"
+        "    mass: { density: 1000 }\n    pinned: { box: { min: [-1, -1, -1], max: [-0.09, 1, 1] } }\n"
+        "solver: { method: xpbd, dt: 0.01, substeps: 4 }\nduration: 0.5\n";
+    const char *implicit[] = {"solver={ method: implicit, dt: 0.01 }"};
+    pel_run_summary summary;
+    run_scene(sheet, NULL, 0, NULL, 0, &summary);
+    const pel_run_warning *warning = find_warning(&summary, "energy-appears");
+    assert_true(warning != NULL && strstr(warning->text, "use the method implicit: the substeps are softer") != NULL);
+    run_scene(sheet, implicit, 1, NULL, 0, &summary);
+    assert_null(find_warning(&summary, "energy-appears"));
+}
+
+/* A shell that bounces: what the method takes in contact is told as well, and not where friction may have taken it. */
+static void test_unresolved_bounce(void **unused)
+{
+    (void)unused;
+    const char *overrides[] = {"contact.friction=0.3"};
+    for (int32_t rubs = 0; rubs < 2; rubs++) {
+        pel_run_summary summary;
+        run_scene("version: 1\nbodies:\n"
+                  "  - mesh: { shape: geodesic-sphere, frequency: 5, radius: 0.1, translate: [0, 0, 0.101] }\n"
+                  "    mass: { density: 1000, thickness: 0.005 }\n"
+                  "    membrane: { material: neo-hookean, young: 1.0e6, poisson: 0.45, thickness: 0.005 }\n"
+                  "    velocity: [0, 0, -2]\n"
+                  "tools: [{ name: floor, shape: box, size: [1, 1, 0.1], motion: [{ position: [0, 0, -0.05] }] }]\n"
+                  "contact: { self: true }\nsolver: { method: xpbd, dt: 0.002 }\nduration: 0.15\n"
+                  "output: { every: 0.002 }\n",
+                  overrides, rubs, NULL, 0, &summary);
+        const pel_run_warning *warning = find_warning(&summary, "unresolved-motion");
+        double whole = 100 * summary.ledger.dissipated_solver / summary.ledger.supplied;
+        char told[40];
+        assert_non_null(warning);
+        snprintf(told, sizeof told, "has taken %.2g %%", whole);
+        print_message("%s\n", warning->text);
+        assert_true(whole > 50);
+        assert_true((strstr(warning->text, told) != NULL) == (rubs == 0));
+        assert_true((strstr(warning->text, "while nothing touched") != NULL) == (rubs == 0));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_unresolved),
+        cmocka_unit_test(test_unresolved_flutter),
+        cmocka_unit_test(test_damped_energy),
+        cmocka_unit_test(test_unresolved_bounce),
+    };
+    return cmocka_run_group_tests(tests, make_folder, clear_folder);
+}
