@@ -12,8 +12,36 @@
 #define SLIDE_SHARE 0.35
 /* sine of the angle below which edges are parallel */
 #define PARALLEL 0.01
-/* of the thickness: edges, or lines along them, with this much room are kept apart once vertices are */
+/* of the thickness: lines with this much room keep their edges apart, once vertices do */
 #define ROOM_SHARE 0.9
+
+/* features hardly slide along each other in a step whose points move against each other by at most `way` [m] */
+static bool hardly_slides(const pel_contact_set *set, double way)
+{
+    return way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
+}
+
+/* Whether vertices keep two edges apart that hardly slide: their closest points at `start` lie at an end of one, and
+   the lines along them, which cross where the edges slide over each other, leave room for the layer; or they are
+   parallel. The lines are nearest to each other at the shares s of u and t of v; if one of these is not inside, the
+   edges meet at an end. */
+static bool is_kept_by_ends(const pel_contact_set *set, const pel_collision *pair)
+{
+    const double(*x)[3] = (const double(*)[3])set->start;
+    const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
+    double u[3], v[3], way[3], cross[3];
+    pel_vec3_subtract(x[pair->vertices[1]], a, u);
+    pel_vec3_subtract(x[pair->vertices[3]], b, v);
+    pel_vec3_subtract(b, a, way);
+    double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
+    double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
+    double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
+    if (sine < PARALLEL * PARALLEL * uu * vv)
+        return true;
+    pel_vec3_cross(u, v, cross);
+    double across = pel_vec3_dot(way, cross), room = ROOM_SHARE * pel_contact_pair_thickness(set, pair->vertices);
+    return (s < least || t < least || s > sine - least || t > sine - least) && across * across >= room * room * sine;
+}
 
 double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair)
 {
@@ -35,30 +63,6 @@ double pel_contact_measure_start(const pel_contact_set *set, pel_collision *pair
     return distance;
 }
 
-/* Whether vertices keep two edges apart that hardly slide: their closest points at `start` lie at an end of one, and
-   they, or the lines along them, leave room for the layer: the end has to pass by the other edge first, which its
-   vertex does at the distance of the layer. Or they are parallel. The lines are nearest to each other at the shares s
-   of u and t of v; if one of these is not inside, the edges meet at an end. */
-static bool is_kept_by_ends(const pel_contact_set *set, pel_collision *pair)
-{
-    const double(*x)[3] = (const double(*)[3])set->start;
-    const double *a = x[pair->vertices[0]], *b = x[pair->vertices[2]];
-    double u[3], v[3], way[3], cross[3];
-    pel_vec3_subtract(x[pair->vertices[1]], a, u);
-    pel_vec3_subtract(x[pair->vertices[3]], b, v);
-    pel_vec3_subtract(b, a, way);
-    double uu = pel_vec3_squared_length(u), vv = pel_vec3_squared_length(v), uv = pel_vec3_dot(u, v);
-    double along_u = pel_vec3_dot(way, u), along_v = pel_vec3_dot(way, v), sine = uu * vv - uv * uv;
-    double s = along_u * vv - along_v * uv, t = along_u * uv - along_v * uu, least = INSIDE * sine;
-    if (sine < PARALLEL * PARALLEL * uu * vv)
-        return true;
-    pel_vec3_cross(u, v, cross);
-    double across = pel_vec3_dot(way, cross), room = ROOM_SHARE * pel_contact_pair_thickness(set, pair->vertices);
-    if (s >= least && t >= least && s <= sine - least && t <= sine - least)
-        return false;
-    return across * across >= room * room * sine || pel_contact_measure_start(set, pair) >= room;
-}
-
 /* m */
 static double distance_at_end(const pel_contact_set *set, const pel_collision *pair)
 {
@@ -72,8 +76,6 @@ static double distance_at_end(const pel_contact_set *set, const pel_collision *p
 /* whether straight ways from start to end bring a pair within a distance, by the conservative test */
 static bool comes_within(const pel_contact_set *set, const pel_collision *pair, double distance)
 {
-    if (distance_at_end(set, pair) <= distance)
-        return true;
     const pel_ccd_batch batch = {.start = set->start[0],
                                  .end = set->end[0],
                                  .points = pair->vertices,
@@ -99,10 +101,10 @@ bool pel_contact_may_meet(const void *context, pel_collision *pair)
     if (obstacle >= 0 && set->obstacles[obstacle].mesh == NULL)
         return false;
     double way = pel_contact_longest_approach(set, pair);
-    bool hardly_slides = way + set->margin < SLIDE_SHARE * set->def.shortest_edge;
-    if (pair->edge_edge && hardly_slides && is_kept_by_ends(set, pair))
+    if (pair->edge_edge && hardly_slides(set, way) && is_kept_by_ends(set, pair))
         return false;
-    double distance = pel_contact_measure_start(set, pair),
-           reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
-    return distance <= reach || (distance <= reach + way && comes_within(set, pair, reach));
+    double distance = pel_contact_measure_start(set, pair);
+    double reach = pel_contact_pair_thickness(set, pair->vertices) + set->margin;
+    return distance <= reach ||
+           (distance <= reach + way && (distance_at_end(set, pair) <= reach || comes_within(set, pair, reach)));
 }

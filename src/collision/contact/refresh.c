@@ -516,8 +516,7 @@ static void refresh_chunk(void *context, int32_t chunk)
             continue;
         if (pel_contact_sleeps(set, &set->keys[c]))
             continue;
-        bool has_room = set->calm[c] > 0 && set->watches[c].limit > 0;
-        if (!job->looks_at_all && has_room && has_hardly_moved(job, c))
+        if (!job->looks_at_all && set->calm[c] > 0 && set->watches[c].limit > 0 && has_hardly_moved(job, c))
             continue;
         /* long lists are in no cache nearby: a pair comes while others are chosen */
         for (size_t i = 0; i < sizeof *set->keys; i += BYTES_OF_LINE)
