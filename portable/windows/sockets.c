@@ -8,10 +8,9 @@
 #undef rename
 #undef sigaction
 #undef tell
-#include <windows.h>
 #include <winsock2.h>
 #include <ws2tcpip.h>
-/* after windows.h */
+/* after windows.h, which winsock2.h includes */
 #include <ntsecapi.h>
 
 enum { SOCKETS = 1 << 24, MOST_POLLED = 1024 };
