@@ -29,6 +29,10 @@
 #define SOFT "    membrane: {young: 3.0e5, thickness: 0.001}\n    bending: {}\n"
 #define PINNED "    pinned: {vertices: [0]}\n"
 #define GAS "    pressure: {gas: {pressure: 2000}}\n"
+#define BESIDE                                                                                                         \
+    "  - mesh: {shape: geodesic-sphere, frequency: 2, radius: 0.01, translate: [0, 0, 0.05]}\n    rigid: {mass: "      \
+    "0.01}\n"                                                                                                          \
+    "gravity: [0, 0, -9.81]\n"
 #define PRESSED "    pressure: {inside: 1000}\n"
 
 typedef struct heard {
@@ -106,6 +110,9 @@ static void test_choice(void **unused)
         {BALL RUBBER "contact: {}\nsolver: {max_substeps: 200}\n", "implicit"},
         {BALL RUBBER, "implicit"},
         {BALL STEEL "contact: {}\n", "implicit"},
+        /* beside a rigid body too */
+        {SHEET STEEL PINNED BESIDE, "implicit"},
+        {SHEET SOFT PINNED BESIDE, NULL},
         /* a gas that swings, unless something damps or touches the body, or it takes long */
         {HEAD SOFT GAS, "implicit"},
         {HEAD SOFT GAS "solver: {drag: 1}\n", "implicit"},

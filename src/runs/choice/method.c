@@ -26,7 +26,7 @@ static bool needs_projection(const pel_model *model)
 {
     bool needs = false;
     for (int32_t b = 0; b < model->body_count; b++)
-        needs |= pel_shell_needs_projection(model->bodies[b].shell) || model->bodies[b].rigid != NULL;
+        needs |= pel_shell_needs_projection(model->bodies[b].shell);
     return needs;
 }
 
