@@ -155,7 +155,7 @@ static void test_search_again(void **unused)
     static pel_contact_key keys[4096];
     static pel_contact contacts[4096];
     static double calm[4096];
-    make_sheets(&a, 5, 6, 6, 0.025, 0.004);
+    make_sheets(&a, 5, 6, 6, 0.03, 0.004);
     a.has_layers = true;
     pel_contact_set *set = create(&a);
     int32_t upper = a.vertex_count / 2, known = 0, fresh = 0;

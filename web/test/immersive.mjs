@@ -2,22 +2,15 @@
 // carries, turns and scales them, its buttons undo and change the tool, and the page is as before once the session ends.
 // usage: node immersive.mjs PROGRAM [FOLDER FOR PICTURES]
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { startBrowser } from "./browser.mjs";
+import { startProgram } from "./program.mjs";
 
 const program = resolve(process.argv[2]);
 const pictures = process.argv[3] && resolve(process.argv[3]);
-const folder = mkdtempSync(join(tmpdir(), "pellicle-immersive-"));
-const child = spawn(program, ["live", "organ-press", "--no-open", "--fresh", "-q"], { stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: folder } });
-const ended = new Promise((done) => child.on("exit", done));
-const address = await new Promise((done, fail) => {
-    child.stdout.on("data", (bytes) => done(/http:\S+/.exec(bytes)[0]));
-    ended.then((status) => fail(new Error(`the program ended with ${status}`)));
-});
+const live = await startProgram([program], "organ-press");
 
 /* ---- the headset ---- */
 
@@ -146,11 +139,12 @@ async function leaving(page, kind, before) {
 }
 
 const browser = await startBrowser();
+let status;
 try {
-    const plain = await browser.visit(address);
+    const plain = await browser.visit(live.address);
     assert.equal(await plain.page.locator("#immersive-vr, #immersive-ar").count(), 0);
     await plain.page.close();
-    const { page, errors } = await browser.visit(address, { script: { content: headset } });
+    const { page, errors } = await browser.visit(live.address, { script: { content: headset } });
     await until(page, () => document.getElementById("immersive-ar"));
     await page.evaluate(() => {
         const { stage } = globalThis.pellicle;
@@ -172,9 +166,7 @@ try {
     assert.deepEqual(errors, []);
 } finally {
     await browser.close();
-    child.kill("SIGTERM");
-    await ended;
-    rmSync(folder, { recursive: true, force: true });
+    status = await live.stop();
 }
-assert.equal(await ended, 0);
+assert.equal(status, 0);
 console.log("the live page in a headset: as asked");

@@ -2,22 +2,15 @@
 // replay; a blade opens it. With PELLICLE_ALL a newcomer's drag goes once around: the hole is whole, and the page tells how round.
 // usage: node trainer.mjs PROGRAM [FOLDER FOR PICTURES]
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
-import { loadavg, tmpdir } from "node:os";
+import { loadavg } from "node:os";
 import { join, resolve } from "node:path";
 import { startBrowser } from "./browser.mjs";
+import { startProgram } from "./program.mjs";
 
 const program = resolve(process.argv[2]);
 const pictures = process.argv[3] && resolve(process.argv[3]);
 const isAll = Boolean(process.env.PELLICLE_ALL);
-const folder = mkdtempSync(join(tmpdir(), "pellicle-trainer-"));
-const child = spawn(program, ["live", "capsulorhexis", "--no-open", "--fresh", "-q"], { stdio: ["ignore", "pipe", "inherit"], env: { ...process.env, XDG_STATE_HOME: folder } });
-const ended = new Promise((done) => child.on("exit", done));
-const address = await new Promise((done, fail) => {
-    child.stdout.on("data", (bytes) => done(/http:\S+/.exec(bytes)[0]));
-    ended.then((status) => fail(new Error(`the program ended with ${status}`)));
-});
+const live = await startProgram([program], "capsulorhexis");
 
 /* ---- the page ---- */
 
@@ -135,7 +128,7 @@ async function replaying(page) {
 
 const browser = await startBrowser();
 try {
-    const { page, errors } = await browser.visit(address);
+    const { page, errors } = await browser.visit(live.address);
     await takingOver(page);
     await blading(page);
     if (isAll) await goingRound(page);
@@ -144,7 +137,5 @@ try {
     assert.deepEqual(errors, []);
 } finally {
     await browser.close();
-    child.kill("SIGTERM");
-    await ended;
-    rmSync(folder, { recursive: true, force: true });
+    await live.stop();
 }
