@@ -90,6 +90,31 @@ static void test_found_too_near(void **unused)
     check_contains("warned", "summary.json", "\"fall_backs\": 0,");
 }
 
+/* Lips of a cut that has not opened lie on each other, which crosses nothing; a flap between three sides of a cut that
+   is bent through the sheet does. */
+static void test_lips_of_a_cut(void **unused)
+{
+    (void)unused;
+    static const char *const cuts[] = {"[0, -0.02, 0], [0, 0.02, 0]", "[-0.02, -0.02, 0], [0.02, 0.02, 0]",
+                                       "[-0.01, -0.02, 0], [0.02, -0.02, 0], [0.02, 0.02, 0], [-0.01, 0.02, 0]"};
+    for (int i = 0; i < 4; i++) {
+        char text[900];
+        pel_run_summary summary;
+        snprintf(
+            text, sizeof text,
+            "version: 1\nbodies: [ { name: sheet, mesh: { shape: grid, nx: 20, ny: 20, size_x: 0.1, size_y: 0.1 }, "
+            "membrane: { preset: rubber, thickness: 0.001 }, bending: { model: none }, pinned: boundary } ]\n"
+            "cuts: [ { at: 0.02, path: [ %s ] }%s ]\n%ssolver: { method: implicit, dt: 0.01 }\nduration: 0.3\n",
+            cuts[i < 2 ? i : 2], i == 1 ? ", { at: 0.05, path: [ [0.02, -0.02, 0], [-0.02, 0.02, 0] ] }" : "",
+            i == 3 ? "loads: [ { name: tweezers, force: [-0.5, 0, 0], at: { sphere: { center: [0.018, 0, 0], "
+                     "radius: 0.004 } }, from: 0.05 } ]\n"
+                   : "");
+        run_scene(text, NULL, 0, NULL, 0, &summary);
+        assert_int_equal(summary.self_intersections_final > 0, i == 3);
+        assert_int_equal(find_warning(&summary, "surfaces-cross") != NULL, i == 3);
+    }
+}
+
 /* a plate that presses a ball on another one by its keys, which lead it beyond both */
 #define PRESS(keys)                                                                                                    \
     "version: 1\nbodies: [ { name: ball, mesh: { shape: geodesic-sphere, frequency: 1, radius: 0.05 }, membrane: { "   \
@@ -147,8 +172,8 @@ static void test_held_back(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade), cmocka_unit_test(test_low_sharpness),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_fast_blade),        cmocka_unit_test(test_low_sharpness),
                                        cmocka_unit_test(test_sheet_over_corner), cmocka_unit_test(test_found_too_near),
-                                       cmocka_unit_test(test_held_back)};
+                                       cmocka_unit_test(test_lips_of_a_cut),     cmocka_unit_test(test_held_back)};
     return cmocka_run_group_tests(tests, make_folder, clear_folder);
 }

@@ -11,6 +11,7 @@
 #include "pellicle/intersect.h"
 #include "pellicle/mesh_io.h"
 #include "pellicle/sim_surface.h"
+#include "pellicle/tear.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,6 +19,8 @@
 
 /* of the size of a body: error of positions from which float does not suffice */
 #define FLOAT_ERROR 1e-5
+/* of the mean edge: lips of a cut that are nearer have not opened */
+#define CLOSED_LIP 1e-6
 
 /* sources of fields that change with the surface alone */
 enum { SOURCE_MESH = PEL_FIELD_COUNT, SOURCE_BODY, SOURCE_LEVEL, SOURCE_MESH_VERTICES, SOURCE_MESH_WEIGHTS };
@@ -353,17 +356,69 @@ static pel_status read_fields(pel_run_surface *surface, pel_sim *sim, pel_error 
     return status;
 }
 
+/* m */
+static double closed_distance(const pel_run_surface *surface)
+{
+    double sum = 0;
+    for (int32_t t = 0; t < surface->triangle_count; t++)
+        sum += pel_vec3_distance(surface->positions + 3 * (size_t)surface->triangles[3 * (size_t)t],
+                                 surface->positions + 3 * (size_t)surface->triangles[3 * (size_t)t + 1]);
+    return CLOSED_LIP * sum / pel_max(surface->triangle_count, 1);
+}
+
+/* Copies of vertices along cuts that lie where another copy, or their original, does: map has the one of them that
+   comes first, other vertices themselves. links lead from each copy to the one before it, and at last to the original.
+ */
+static void close_lips(const pel_run_surface *surface, const pel_sim *sim, int32_t *links, int32_t *map)
+{
+    const double closed = closed_distance(surface);
+    for (int32_t v = 0; v < surface->vertex_count; v++)
+        links[v] = map[v] = v;
+    for (int32_t b = 0; b < surface->body_count; b++) {
+        const int32_t begin = surface->begin[b];
+        int32_t *origins = surface->row_numbers + begin;
+        if (pel_sim_refines(sim, b))
+            continue;
+        pel_sim_get_origins(sim, b, origins);
+        for (int32_t v = begin; v < surface->begin[b + 1]; v++) {
+            int32_t origin = begin + origins[v - begin], at = v;
+            if (origin == v)
+                continue;
+            links[v] = links[origin];
+            links[origin] = v;
+            do {
+                at = links[at];
+                if (map[v] == v && pel_vec3_distance(surface->positions + 3 * (size_t)v,
+                                                     surface->positions + 3 * (size_t)at) <= closed)
+                    map[v] = map[at];
+            } while (at != origin);
+        }
+    }
+}
+
+/* lips of a cut that has not opened lie on each other, and are joined */
 pel_status pel_run_surface_intersections(pel_run_surface *surface, const pel_sim *sim, int64_t *count, pel_error *error)
 {
+    int32_t *links = NULL, *map = NULL, *triangles = NULL;
     pel_status status = refresh(surface, sim, error);
     if (status != PEL_OK)
         return status;
     read_positions(surface, sim);
-    const pel_mesh mesh = {.vertex_count = surface->vertex_count,
-                           .triangle_count = surface->triangle_count,
-                           .positions = (double(*)[3])surface->positions,
-                           .triangles = (int32_t(*)[3])surface->triangles};
-    return pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
+    const size_t corner_count = 3 * (size_t)surface->triangle_count;
+    if (PEL_ALLOCATE_ALL(PEL_ROOM(links, surface->vertex_count), PEL_ROOM(map, surface->vertex_count),
+                         PEL_ROOM(triangles, corner_count))) {
+        close_lips(surface, sim, links, map);
+        for (size_t i = 0; i < corner_count; i++)
+            triangles[i] = map[surface->triangles[i]];
+        const pel_mesh mesh = {.vertex_count = surface->vertex_count,
+                               .triangle_count = surface->triangle_count,
+                               .positions = (double(*)[3])surface->positions,
+                               .triangles = (int32_t(*)[3])triangles};
+        status = pel_mesh_self_intersections(&mesh, NULL, 0, count, error);
+    } else
+        status = pel_fail_memory(error);
+    PEL_FREE_ALL(links, map, triangles);
+    return status;
 }
 
 /* ---- writing ---- */
