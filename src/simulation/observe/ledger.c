@@ -5,6 +5,7 @@
      pressure  with a potential U(V): U(V0) - U(V1) with the pressure over the step; else the mean of the forces at
                both ends times the displacement
      tools     -(F . dp + T . theta): F and T on the tool, about its position; dp and theta its translation and rotation
+               (where it was held back, also the ways of surfaces off it, which it still pushed, times their loads)
      material  keyed stiffness: energy at x0 with the new numbers less that with the old; active fibres likewise
      damping   drag and damping of vertices: of the leapfrog with the velocity in the middle of the step, exactly as the
                step takes it; of substeps (T0 + T1) tanh(rate dt), which is exact for an exponential decay; of the
@@ -345,6 +346,31 @@ static void rotation_between(const double a[4], const double b[4], double rotati
     pel_vec3_scale(axis, sine > 0 ? (scalar < 0 ? -angle : angle) / sine : 0, rotation);
 }
 
+/* Gaps that stay open where a tool cannot go on close while it stands, which is work too: the mean load of the step
+   times the ways along normals that surfaces go off the tool [J]. A step goes to rest in tries, whose first loads also
+   drag what settles: each takes back what the one before has booked. */
+static double closing_work(pel_sim *sim, int32_t t)
+{
+    const pel_tool *tool = &sim->tools->items[t];
+    const pel_contact_forces *forces = &sim->contact_forces;
+    pel_closing *closing = &sim->ledger->closings[t];
+    double load_before = 0, load = 0, approach = 0;
+    if (!sim->stepper->is_static || !forces->is_kept || !(tool->is_held_back || tool->stride < 1))
+        return 0;
+    for (int32_t b = 0; b < forces->body_count; b++) {
+        const int32_t at = b * forces->group_count + forces->body_count + t;
+        load_before += forces->pair[at].load_size;
+        load += forces->pair_next[at].load_size;
+        approach += forces->pair_next[at].approach;
+    }
+    if (!closing->is_open || closing->step != sim->state->step)
+        *closing = (pel_closing){.is_open = true, .step = sim->state->step, .load = load_before};
+    double booked = closing->booked;
+    closing->way -= load > 0 ? approach / load : 0;
+    closing->booked = 0.5 * (closing->load + load) * closing->way;
+    return closing->booked - booked;
+}
+
 /* Readings of methods with velocities are impulses over dt, means of the step; the others are forces at its end. */
 static void add_tools(pel_sim *sim)
 {
@@ -359,7 +385,8 @@ static void add_tools(pel_sim *sim)
         }
         pel_vec3_subtract(now.position, before->position, shift);
         rotation_between(before->rotation, now.rotation, rotation);
-        sim->ledger->sums.work_tools -= pel_vec3_dot(force, shift) + pel_vec3_dot(torque, rotation);
+        sim->ledger->sums.work_tools +=
+            closing_work(sim, t) - pel_vec3_dot(force, shift) - pel_vec3_dot(torque, rotation);
         *before = now;
     }
     sim->ledger->sums.work_tools += pel_tools_follow_work(sim) + sim->tie_work;
@@ -541,6 +568,7 @@ void pel_ledger_follow(pel_sim *sim)
 {
     for (int32_t t = 0; t < sim->tools->count; t++)
         pel_sim_get_tool(sim, t, &sim->ledger->tools[t]);
+    memset(sim->ledger->closings, 0, (size_t)sim->tools->count * sizeof *sim->ledger->closings);
     for (int32_t b = 0; b < sim->model->body_count; b++) {
         memcpy(sim->ledger->factors[b], sim->state->factors[b], sizeof *sim->ledger->factors);
         sim->ledger->volumes[b] = sim->checked_volumes[b] = (double)NAN;
@@ -559,8 +587,9 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 {
     pel_ledger *ledger = sim->ledger;
     size_t body_count = (size_t)sim->model->body_count;
-    if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tools->count), PEL_ROOM(ledger->factors, body_count),
-                          PEL_ROOM(ledger->volumes, body_count), PEL_ROOM(sim->checked_volumes, body_count),
+    if (!PEL_ALLOCATE_ALL(PEL_ROOM(ledger->tools, sim->tools->count), PEL_ROOM(ledger->closings, sim->tools->count),
+                          PEL_ROOM(ledger->factors, body_count), PEL_ROOM(ledger->volumes, body_count),
+                          PEL_ROOM(sim->checked_volumes, body_count),
                           PEL_ROOM(ledger->chunks, pel_slice_chunk_count(0, sim->model->slice_count))))
         return pel_fail_memory(error);
     pel_ledger_refill(sim);
@@ -570,8 +599,8 @@ pel_status pel_ledger_create(pel_sim *sim, pel_error *error)
 
 void pel_ledger_destroy(pel_sim *sim)
 {
-    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->factors, sim->ledger->volumes, sim->checked_volumes,
-                 sim->ledger->chunks);
+    PEL_FREE_ALL(sim->ledger->tools, sim->ledger->closings, sim->ledger->factors, sim->ledger->volumes,
+                 sim->checked_volumes, sim->ledger->chunks);
 }
 
 /* ---- snapshots ---- */

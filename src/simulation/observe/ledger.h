@@ -13,6 +13,15 @@ typedef struct pel_ledger_chunk {
     double damping;   /* J */
 } pel_ledger_chunk;
 
+/* of a tool that is held back: the gaps that it closes in a step at rest */
+typedef struct pel_closing {
+    bool is_open;
+    int64_t step;  /* in which */
+    double load;   /* N, before the step */
+    double way;    /* m, of surfaces off the tool, in all tries of the step */
+    double booked; /* J, of the last try */
+} pel_closing;
+
 typedef struct pel_ledger {
     pel_sim_ledger sums;                    /* over all steps; members of the present state stay 0 */
     double gravity_level;                   /* J, work of gravity from the rest shape to where it was booked last */
@@ -21,6 +30,7 @@ typedef struct pel_ledger {
     bool has_damping, has_radial_damping;   /* any vertex has its own damping, along its volumetric spring */
     double rounding;                        /* J, energy that rounding of positions alone can show */
     pel_tool_reading *tools;                /* (tool_count) at the start of the step */
+    pel_closing *closings;                  /* (tool_count) */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters, in the step before */
     double *volumes;                        /* (body_count) m3, at the start of the step; NAN = unknown */
     pel_ledger_chunk *chunks;               /* scratch of the sums over vertices */
