@@ -53,6 +53,34 @@ static void test_pendulum(void **state)
     rigid_scene_end(&scene);
 }
 
+/* a bar that is told to turn about its center starts about the joint, with its angular momentum about it: w I / (I + M
+   d^2); what the joint takes is no energy of the run, under any method */
+static void test_start_speed(void **state)
+{
+    (void)state;
+    static const double center[3] = {0.05, 0, 0}, d = 0.15;
+    static const pel_method methods[] = {PEL_METHOD_XPBD, PEL_METHOD_IMPLICIT, PEL_METHOD_EXPLICIT};
+    for (int m = 0; m < 3; m++) {
+        pel_joint_def joint = joint_of("hinge", PEL_JOINT_HINGE, -0.1, 0, 0);
+        rigid_scene scene;
+        begin_joints(&scene, methods[m], &joint, 1);
+        pel_body_def *body = rigid_scene_add(&scene, make_box(0.4, 0.1, 0.02, center), 1000);
+        pel_vec3_set(body->angular_velocity, 0.5, 2, 0);
+        rigid_scene_make(&scene);
+        double own = (0.4 * 0.4 + 0.02 * 0.02) / 12, spin = 2 * own / (own + d * d);
+        pel_rigid_reading bar = rigid_scene_read(&scene, 0);
+        assert_near(bar.spin[0], 0, 1e-9);
+        assert_near(bar.spin[1], spin, 1e-9);
+        assert_near(bar.velocity[2], -spin * d, 1e-9);
+        rigid_scene_run(&scene, 0.05);
+        pel_sim_ledger ledger;
+        pel_sim_get_ledger(scene.sim, &ledger);
+        assert_near(ledger.kinetic_start / (0.8 * (own + d * d) * spin * spin / 2), 1, 1e-6);
+        assert_near(ledger.kinetic / ledger.kinetic_start, 1, 2e-3);
+        rigid_scene_end(&scene);
+    }
+}
+
 /* two free bodies on a joint of each kind: momentum and angular momentum stay, and so does what the joint holds */
 static void test_pairs(void **state)
 {
@@ -384,10 +412,10 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_pairs),  cmocka_unit_test(test_chain),
-        cmocka_unit_test(test_slider),   cmocka_unit_test(test_motor),  cmocka_unit_test(test_limit),
-        cmocka_unit_test(test_sleep),    cmocka_unit_test(test_stop),   cmocka_unit_test(test_snapshot),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_start_speed), cmocka_unit_test(test_pairs),
+        cmocka_unit_test(test_chain),    cmocka_unit_test(test_slider),      cmocka_unit_test(test_motor),
+        cmocka_unit_test(test_limit),    cmocka_unit_test(test_sleep),       cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_refusals),    cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,8 +8,10 @@
 #include "base/status.h"
 #include "io/file.h"
 #include "math/extremes.h"
+#include "math/vec3.h"
 #include "pellicle/parallel.h"
 #include "pellicle/sim_adjoint.h"
+#include "pellicle/sim_rigid.h"
 #include "results/files.h"
 #include "run/state.h"
 #include "run/warnings.h"
@@ -652,6 +654,29 @@ static pel_status finish(pel_run_state *run, pel_status status, pel_run_summary 
 /* bodies that the first lines of a run name */
 enum { MOST_NAMED = 8 };
 
+/* of what a scene asks for */
+#define SAME_SPEED 1e-3
+
+/* A rigid body starts as its pins and joints let it. */
+static void tell_start_speed(const pel_run_state *run, int32_t b)
+{
+    const pel_body_def *body = &run->scene->model.bodies[b];
+    const double *asked = body->velocity, *turn = body->angular_velocity;
+    pel_rigid_reading now;
+    double apart[3], turned[3];
+    if (pel_sim_step_count(run->sim) > 0 || !pel_sim_get_rigid(run->sim, b, &now))
+        return;
+    pel_vec3_subtract(now.velocity, asked, apart);
+    pel_vec3_subtract(now.spin, turn, turned);
+    if (pel_vec3_squared_length(apart) > SAME_SPEED * SAME_SPEED * pel_vec3_squared_length(asked) ||
+        pel_vec3_squared_length(turned) > SAME_SPEED * SAME_SPEED * pel_vec3_squared_length(turn))
+        pel_log_line(run->def->log,
+                     "body '%s' starts as its pins and joints let it: its center of mass at %.3g m/s and turning at "
+                     "%.3g rad/s, in place of %.3g and %.3g. give the velocity of the center too to turn about a joint",
+                     body->name, pel_vec3_length(now.velocity), pel_vec3_length(now.spin), pel_vec3_length(asked),
+                     pel_vec3_length(turn));
+}
+
 /* what a scene leaves to defaults and the numbers of a run depend on: laws and contact thickness */
 static void tell_start(const pel_run_state *run)
 {
@@ -666,6 +691,7 @@ static void tell_start(const pel_run_state *run)
             pel_log_line(run->def->log, "body '%s': %s%s%s", model->bodies[b].name,
                          membrane->on ? pel_membrane_kind_name(membrane->kind) : "",
                          membrane->on && common > 0 ? ", " : "", contact);
+        tell_start_speed(run, b);
     }
     if (model->body_count > MOST_NAMED)
         pel_log_line(run->def->log, "%d further bodies: see scene.yaml and summary.json",

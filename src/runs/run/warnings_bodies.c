@@ -289,6 +289,6 @@ void pel_tell_nothing(const pel_warning_text *at)
             fluid);
     else
         snprintf(at->text, at->size,
-                 "nothing acts: no vertex moved, and no work was done. add gravity, a load, a pressure, a velocity, or "
-                 "a tool that moves into a body");
+                 "nothing acts: no vertex moved, and no work was done. add gravity, a load, a pressure, a velocity, "
+                 "a tool that moves into a body, or hold less: a rigid body with pinned vertices off a line is held");
 }

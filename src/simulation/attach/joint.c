@@ -491,6 +491,8 @@ pel_status pel_joints_create(pel_sim *sim, const pel_sim_def *def, pel_error *er
     sim->joints->count = def->joint_count;
     for (int32_t i = 0; i < def->joint_count; i++)
         make(sim, &def->joints[i], &sim->joints->items[i]);
+    if (!sim->goes_on)
+        pel_joints_start_speeds(sim);
     return PEL_OK;
 }
 

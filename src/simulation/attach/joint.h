@@ -71,6 +71,8 @@ double pel_joints_renew_rows(pel_sim *sim);
 void pel_joint_couple(const pel_newton_row *row, double couple[3]);
 /* After a stage: velocities across the rows end by impulses along them (joint_speed.c). */
 void pel_joints_keep_speeds(pel_sim *sim);
+/* Likewise of the velocities at the start, before the first step. */
+void pel_joints_start_speeds(pel_sim *sim);
 /* loads, position and work of the step from the rows */
 void pel_joints_take_rows(pel_sim *sim);
 

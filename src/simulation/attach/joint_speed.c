@@ -103,14 +103,31 @@ static void keep_speeds(pel_joints *joints, int32_t count)
     }
 }
 
-void pel_joints_keep_speeds(pel_sim *sim)
+static void end_speeds(pel_sim *sim, const pel_record *positions, pel_record *velocities)
 {
     pel_joints *joints = sim->joints;
-    if (joints == NULL)
-        return;
     const pel_joint *last = &joints->items[joints->count - 1];
     keep_speeds(joints, (int32_t)(last->rows + last->row_count - joints->rows));
     for (int32_t i = 0; i < sim->rigids->count; i++)
-        pel_rigid_place_velocities(&sim->rigids->items[i], sim->rigids, sim->state->position_next,
-                                   sim->state->velocity_next);
+        pel_rigid_place_velocities(&sim->rigids->items[i], sim->rigids, positions, velocities);
+}
+
+void pel_joints_keep_speeds(pel_sim *sim)
+{
+    if (sim->joints != NULL)
+        end_speeds(sim, sim->state->position_next, sim->state->velocity_next);
+}
+
+void pel_joints_start_speeds(pel_sim *sim)
+{
+    pel_newton_rigids unused;
+    if (sim->joints == NULL || sim->state->velocity == NULL)
+        return;
+    pel_rigids_begin(sim);
+    pel_joints_set_rows(sim, 1, &unused);
+    end_speeds(sim, sim->state->position, sim->state->velocity);
+    for (int32_t i = 0; i < sim->rigids->count; i++) {
+        const pel_rigid *rigid = &sim->rigids->items[i];
+        sim->state->rigids[sim->model->body_of_slice[rigid->begin / PEL_WIDTH]] = rigid->state;
+    }
 }
