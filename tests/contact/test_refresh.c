@@ -1,6 +1,6 @@
 /* Pairs of a search while features slide over each other in substeps: what is near acts, by all pairs. */
-#include "contact/sweep.h"
 #include "set_fixture.h"
+#include "sweep/sweep.h"
 
 /* they turn after some, so that they get past where they began */
 enum { SUBSTEPS = 17, TURN = 7 };

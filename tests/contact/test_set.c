@@ -1,8 +1,8 @@
 /* The set of contacts over arrays alone: its pairs against all pairs, its effects against closed forms. */
 #include "base/memory.h"
-#include "contact/sweep.h"
 #include "failing_malloc.h"
 #include "set_fixture.h"
+#include "sweep/sweep.h"
 
 /* ---- pairs ---- */
 

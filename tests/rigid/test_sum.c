@@ -1,68 +1,6 @@
 /* Sums of vertices of rigid bodies and loose ones: values, mobility and momenta against what they do. */
+#include "pair_fixture.h"
 #include "random.h"
-#include "rigid/sum.h"
-#include "rigid_scene.h"
-
-enum { SIZE = 32 };
-
-typedef struct pair {
-    pel_rigid_shape shapes[2];
-    pel_rigid items[2];
-    pel_rigids rigids;
-    pel_record rest[SIZE], places[SIZE];
-    pel_real inverse[SIZE];
-    int32_t of_slice[SIZE];
-    pel_mesh *meshes[2];
-} pair;
-
-/* boxes at the vertices 0 and 8, loose vertices from 16 on */
-static void make_pair(pair *p)
-{
-    static const double centers[2][3] = {{0, 0, 0}, {0.05, 0.02, 0.4}}, velocity[3] = {0.2, 0.5, 0},
-                        spin[3] = {1, 2, 3};
-    memset(p, 0, sizeof *p);
-    p->rigids = (pel_rigids){.count = 2,
-                             .items = p->items,
-                             .of_slice = p->of_slice,
-                             .rest = p->rest,
-                             .inverse_mass = p->inverse,
-                             .rate = 50};
-    for (int s = 0; s < SIZE; s++)
-        p->of_slice[s] = s * PEL_WIDTH < 8 ? 0 : s * PEL_WIDTH < 16 ? 1 : -1;
-    for (int v = 0; v < SIZE; v++) {
-        p->inverse[v] = 1;
-        p->rest[v] = p->places[v] = (pel_record){0, 0, (pel_real)0.1 * (pel_real)v, 1};
-    }
-    for (int b = 0; b < 2; b++) {
-        pel_inertia inertia;
-        pel_rigid_state start;
-        p->meshes[b] = make_box(0.1, 0.2, 0.3, centers[b]);
-        pel_inertia_of_solid(p->meshes[b], b == 0 ? 1000 : 300, &inertia);
-        pel_rigid_shape_set(&p->shapes[b], &inertia, p->meshes[b], NULL, 0);
-        for (int v = 0; v < 8; v++)
-            for (int k = 0; k < 3; k++)
-                p->rest[8 * b + v][k] = (pel_real)p->meshes[b]->positions[v][k];
-        pel_rigid_state_start(&p->shapes[b], velocity, spin, &start);
-        p->items[b] = (pel_rigid){.shape = &p->shapes[b], .begin = 8 * b, .end = 8 * b + 8};
-        pel_rigid_begin(&p->items[b], &start);
-        pel_rigid_drift(&p->items[b], 0.01 * (b + 1));
-    }
-    pel_rigids_place(&p->rigids, p->places);
-}
-
-static void end_pair(pair *p)
-{
-    pel_mesh_destroy(p->meshes[0]);
-    pel_mesh_destroy(p->meshes[1]);
-}
-
-static void value_of(const pair *p, const int32_t vertices[4], const double weights[4], double value[3])
-{
-    pel_vec3_set(value, 0, 0, 0);
-    for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 3; k++)
-            value[k] += weights[i] * (double)p->places[vertices[i]][k];
-}
 
 /* a body and loose vertices, or within one body: the value, and the way by a small push */
 static void test_mobility(void **state)
@@ -109,18 +47,9 @@ static void test_momenta(void **state)
     random_state random = {7};
     for (int trial = 0; trial < 50; trial++) {
         pair p;
-        double before[2][3] = {{0}}, after[2][3] = {{0}}, turn[3], push[3];
+        double before[2][3], after[2][3], push[3];
         make_pair(&p);
-        for (int b = 0; b < 2; b++) {
-            const pel_rigid_state *start = &p.items[b].started;
-            pel_vec3_add(before[0], start->momentum, before[0]);
-            pel_vec3_cross(start->pivot, start->momentum, turn);
-            pel_vec3_add(before[1], turn, before[1]);
-            pel_vec3_add(before[1], start->angular_momentum, before[1]);
-            /* a drift that was not that of a substep of this rate is one */
-            pel_vec3_along(start->pivot, 1 / (p.rigids.rate * p.shapes[b].mass), start->momentum,
-                           p.items[b].state.pivot);
-        }
+        drift_pair(&p, before);
         for (int i = 0; i < 3; i++) {
             pel_rigid_sum sum;
             for (int k = 0; k < 3; k++)
@@ -128,13 +57,7 @@ static void test_momenta(void **state)
             pel_rigid_sum_set(&sum, &p.rigids, vertices, weights, 4, p.places);
             pel_rigid_sum_push(&sum, &p.rigids, p.places, push);
         }
-        for (int b = 0; b < 2; b++) {
-            const pel_rigid_state *end = &p.items[b].state;
-            pel_vec3_add(after[0], end->momentum, after[0]);
-            pel_vec3_cross(end->pivot, end->momentum, turn);
-            pel_vec3_add(after[1], turn, after[1]);
-            pel_vec3_add(after[1], end->angular_momentum, after[1]);
-        }
+        find_momenta(&p, after);
         for (int i = 0; i < 2; i++)
             for (int k = 0; k < 3; k++)
                 assert_near(after[i][k], before[i][k], 1e-13);

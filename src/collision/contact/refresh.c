@@ -10,9 +10,9 @@
    both features; from then on the normal is followed. */
 #include "contact/layer.h"
 #include "contact/set.h"
-#include "contact/sweep.h"
 #include "geom/wide4.h"
 #include "math/extremes.h"
+#include "sweep/sweep.h"
 
 #include <string.h>
 

@@ -5,8 +5,8 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "contact/layer.h"
-#include "contact/sweep.h"
 #include "math/extremes.h"
+#include "sweep/sweep.h"
 
 #include <string.h>
 

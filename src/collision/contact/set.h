@@ -17,11 +17,11 @@
 
 #include "collide/collider.h"
 #include "collide/travel.h"
-#include "contact/contact.h"
-#include "contact/patch.h"
 #include "geom/solid.h"
 #include "math/pose.h"
 #include "pellicle/sim_contact.h"
+#include "sweep/contact.h"
+#include "sweep/patch.h"
 
 /* in mean edges: what goes farther in a step is not corrected after the solver, but stopped */
 #define PEL_CONTACT_FAR 2.0

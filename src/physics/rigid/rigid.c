@@ -211,7 +211,10 @@ void pel_rigid_begin(pel_rigid *rigid, const pel_rigid_state *state)
     rigid->started = *state;
     pel_vec3_set(rigid->impulse, 0, 0, 0);
     pel_vec3_set(rigid->moment, 0, 0, 0);
+    pel_vec3_set(rigid->way, 0, 0, 0);
+    pel_vec3_set(rigid->turned, 0, 0, 0);
     rigid->unrest = 0;
+    PEL_ASSERT(!rigid->is_owed);
     set_matrix(rigid);
 }
 
@@ -245,6 +248,7 @@ void pel_rigids_place(pel_rigids *rigids, pel_record *positions)
 {
     for (int32_t i = 0; rigids != NULL && i < rigids->count; i++) {
         pel_rigid *rigid = &rigids->items[i];
+        pel_rigid_settle(rigid);
         if (rigid->is_moved)
             place(rigid, rigids, positions);
         rigid->is_moved = false;
@@ -382,17 +386,36 @@ void pel_rigid_turn_by(const pel_rigid *rigid, const double moment[3], double tu
 
 void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment[3], double rate)
 {
-    double theta[3], impulse[3], turned[3];
+    pel_rigid_shift_later(rigid, push, moment, rate);
+    pel_rigid_settle(rigid);
+}
+
+void pel_rigid_shift_later(pel_rigid *rigid, const double push[3], const double moment[3], double rate)
+{
+    double theta[3], inverse_mass = rigid->shape->inverse_mass;
     if (rigid->is_fixed)
         return;
-    pel_vec3_scale(push, rate, impulse);
-    pel_vec3_scale(moment, rate, turned);
-    pel_rigid_hit_by(rigid, impulse, turned);
     turn_by(rigid, moment, theta);
-    pel_vec3_along(rigid->state.pivot, rigid->shape->inverse_mass, push, rigid->state.pivot);
-    turn(rigid->state.rotation, theta, true);
+    pel_vec3_along(rigid->state.pivot, inverse_mass, push, rigid->state.pivot);
+    pel_vec3_along(rigid->way, inverse_mass, push, rigid->way);
+    pel_vec3_add(rigid->turned, theta, rigid->turned);
+    pel_vec3_add(rigid->owed_turn, theta, rigid->owed_turn);
+    pel_vec3_along(rigid->owed_impulse, rate, push, rigid->owed_impulse);
+    pel_vec3_along(rigid->owed_moment, rate, moment, rigid->owed_moment);
+    rigid->is_owed = rigid->is_moved = true;
+}
+
+void pel_rigid_settle(pel_rigid *rigid)
+{
+    if (!rigid->is_owed)
+        return;
+    pel_rigid_hit_by(rigid, rigid->owed_impulse, rigid->owed_moment);
+    turn(rigid->state.rotation, rigid->owed_turn, true);
     set_matrix(rigid);
-    rigid->is_moved = true;
+    pel_vec3_set(rigid->owed_turn, 0, 0, 0);
+    pel_vec3_set(rigid->owed_impulse, 0, 0, 0);
+    pel_vec3_set(rigid->owed_moment, 0, 0, 0);
+    rigid->is_owed = false;
 }
 
 void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3])

@@ -50,18 +50,28 @@ typedef struct pel_rigid {
     bool is_fixed;                /* it moves only as it is told in this step: held, or asleep */
     bool is_moved;                /* its vertices are not where it is */
     double unrest;                /* m: all ways that sweeps moved points of it in this substep */
+    double way[3], turned[3];     /* m, rad: of the pivot and of the body, by pushes in this substep */
+    bool is_owed;                 /* the state lacks: */
+    double owed_turn[3], owed_impulse[3], owed_moment[3]; /* rad, N s, N m s */
 } pel_rigid;
+
+/* see rigid/row.h */
+typedef struct pel_rigid_row pel_rigid_row;
 
 /* all of a simulation */
 typedef struct pel_rigids {
     int32_t count;
     pel_rigid *items;             /* (count) */
+    bool are_all;                 /* nothing else is in the simulation */
     int32_t *of_slice;            /* (slices) -1 = the body of the slice is not rigid */
     const pel_record *rest;       /* (vertex_count) */
     const pel_real *inverse_mass; /* (vertex_count) 0 = pinned */
     double rate;                  /* 1/s: impulses over the numbers that move the bodies, 0 = momenta stay */
     pel_rigid_state *path;        /* (count x PEL_RIGID_KNOTS) theirs */
     int32_t substep;              /* of the step */
+    pel_rigid_row *rows;          /* (row_count) of contacts that were pushed since rows began anew, as often as */
+    int32_t row_count, row_round; /* this tells */
+    size_t row_capacity;
 } pel_rigids;
 
 /* the rigid body of a vertex; null = none */
@@ -143,6 +153,9 @@ void pel_rigid_turn_by(const pel_rigid *rigid, const double moment[3], double tu
 /* Moves the body by a push [N s2] on its pivot and a moment [N m s2] about it; its momenta change by rate times those.
  */
 void pel_rigid_shift(pel_rigid *rigid, const double push[3], const double moment[3], double rate);
+/* The same, but that the body turns, and its momenta change, only with the next pel_rigid_settle. */
+void pel_rigid_shift_later(pel_rigid *rigid, const double push[3], const double moment[3], double rate);
+void pel_rigid_settle(pel_rigid *rigid);
 /* momenta alone, by an impulse [N s] on the sum; or on the pivot with a moment [N m s] about it */
 void pel_rigid_hit_by(pel_rigid *rigid, const double impulse[3], const double moment[3]);
 void pel_rigid_hit(const pel_rigid_grip *grip, const double impulse[3]);

@@ -17,6 +17,7 @@ static pel_rigid_grip *find_grip(pel_rigid_sum *sum, pel_rigid *rigid)
         if (sum->grips[i].rigid == rigid)
             return &sum->grips[i];
     PEL_ASSERT(sum->grip_count < PEL_SUM_GRIPS);
+    pel_rigid_settle(rigid);
     sum->grips[sum->grip_count] = (pel_rigid_grip){.rigid = rigid};
     return &sum->grips[sum->grip_count++];
 }

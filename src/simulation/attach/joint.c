@@ -330,6 +330,8 @@ static double project(pel_joint *joint, double substep)
 double pel_joints_project(pel_sim *sim, double substep)
 {
     double largest = 0;
+    for (int32_t i = 0; sim->joints != NULL && i < sim->rigids->count; i++)
+        pel_rigid_settle(&sim->rigids->items[i]);
     for (int32_t i = 0; sim->joints != NULL && i < sim->joints->count; i++)
         largest = pel_max(largest, project(&sim->joints->items[i], substep));
     return largest;

@@ -5,11 +5,11 @@
 #include "base/sort.h"
 #include "base/status.h"
 #include "boundary/hold.h"
-#include "contact/contact.h"
 #include "contact/set.h"
 #include "math/extremes.h"
 #include "pellicle/geometry.h"
 #include "stage/surface_view.h"
+#include "sweep/contact.h"
 #include "tool/pose.h"
 
 #include <math.h>

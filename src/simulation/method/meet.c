@@ -2,10 +2,10 @@
 
 #include "attach/joint.h"
 #include "attach/tie.h"
-#include "contact/backing.h"
-#include "contact/sweep.h"
 #include "math/extremes.h"
 #include "stage/rigids.h"
+#include "sweep/backing.h"
+#include "sweep/sweep.h"
 #include "tool/reading.h"
 #include "tool/solid.h"
 #include "tool/tools.h"
@@ -110,7 +110,8 @@ static double rigid_tolerance(const pel_contact_list *list, double least)
 /* what tools hold, in both lists, against what presses it */
 static void find_supports(pel_sim *sim, pel_contact_list *const lists[2])
 {
-    bool is_asked = lists[0] != NULL && (sim->tools->count > 0 || lists[0]->is_uneven);
+    bool is_loose = sim->rigids == NULL || !sim->rigids->are_all;
+    bool is_asked = is_loose && lists[0] != NULL && (sim->tools->count > 0 || lists[0]->is_uneven);
     pel_contact **supports = is_asked ? sim->touch->supports : NULL;
     if (supports != NULL)
         memset(supports, 0, 2 * (size_t)sim->model->vertex_count * sizeof *supports);

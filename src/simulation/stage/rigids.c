@@ -46,6 +46,7 @@ pel_status pel_rigids_create(pel_sim *sim, pel_error *error)
         !PEL_ALLOCATE_ALL(PEL_ROOM(rigids->items, count), PEL_ROOM(rigids->of_slice, model->slice_count),
                           PEL_ROOM(rigids->path, (size_t)count * PEL_RIGID_KNOTS)))
         return pel_fail_memory(error);
+    rigids->are_all = count == model->body_count;
     rigids->rest = model->rest;
     rigids->inverse_mass = model->inverse_mass;
     for (int32_t s = 0; s < model->slice_count; s++)
@@ -70,7 +71,7 @@ void pel_rigids_destroy(pel_sim *sim)
 {
     if (sim->rigids == NULL)
         return;
-    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->rigids->path);
+    PEL_FREE_ALL(sim->rigids->items, sim->rigids->of_slice, sim->rigids->path, sim->rigids->rows);
     pel_free(sim->rigids);
 }
 

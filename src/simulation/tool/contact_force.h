@@ -2,7 +2,7 @@
 #ifndef PEL_TOOL_CONTACT_FORCE_H
 #define PEL_TOOL_CONTACT_FORCE_H
 
-#include "contact/contact.h"
+#include "sweep/contact.h"
 #include "tool/tool.h"
 
 /* Adds it to the forces of the step. */

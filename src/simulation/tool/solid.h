@@ -1,13 +1,13 @@
 /* Spheres, capsules and boxes in the substeps of position-based methods: one contact for each vertex near a tool and
    one for each triangle near it, whose weights, normal and gap follow the present positions in every sweep. Near
-   features are found once a step. The contacts are layers, as those between surfaces are (contact/sweep.c). */
+   features are found once a step. The contacts are layers, as those between surfaces are (sweep/sweep.c). */
 #ifndef PEL_TOOL_SOLID_H
 #define PEL_TOOL_SOLID_H
 
 #include "collide/travel.h"
-#include "contact/patch.h"
 #include "geom/solid.h"
 #include "stage/transfer.h"
+#include "sweep/patch.h"
 
 typedef struct pel_solid_pair {
     int32_t tool;

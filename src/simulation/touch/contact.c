@@ -6,7 +6,6 @@
 #include "base/room.h"
 #include "base/status.h"
 #include "boundary/loads.h"
-#include "contact/sweep.h"
 #include "geom/wide4.h"
 #include "math/bounds.h"
 #include "math/extremes.h"
@@ -16,6 +15,7 @@
 #include "stage/accessors.h"
 #include "stage/layer.h"
 #include "stage/surface_view.h"
+#include "sweep/sweep.h"
 #include "tool/contact_force.h"
 #include "tool/pose.h"
 #include "tool/reading.h"
@@ -150,8 +150,7 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
     if (status != PEL_OK)
         return status;
     pel_contacts_place(sim);
-    if (!sim->is_opened)
-        status = pel_contacts_update_surface(sim, error);
+    status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK && !sim->goes_on)
         status = pel_contacts_limit_by_start(sim, error);
     if (status == PEL_OK && !sim->goes_on)

@@ -24,7 +24,7 @@ struct pel_touch {
     pel_contact_def def;
     int64_t *revisions;          /* (body_count) of the surface in the set */
     pel_thickness_limit *limits; /* (body_count) */
-    pel_contact **supports;      /* (2 vertex_count) scratch, see contact/backing.h */
+    pel_contact **supports;      /* (2 vertex_count) scratch, see sweep/backing.h */
     int32_t *origins; /* (vertex_count) of each vertex the one that it was before cuts; null = nothing is cut */
     bool is_loaded;   /* memory of the collider and revisions are of a snapshot, the surface of the set is not yet */
     bool has_stepped_back; /* vertices, in this part: the guard */

@@ -3,9 +3,9 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
-#include "contact/sweep.h"
 #include "math/extremes.h"
 #include "math/functions.h"
+#include "sweep/sweep.h"
 
 #include <math.h>
 #include <string.h>

@@ -24,12 +24,12 @@
 
 #include "base/pool.h"
 #include "batch/batches.h"
-#include "contact/contact.h"
 #include "model/boundary.h"
 #include "model/shell.h"
 #include "model/state.h"
 #include "pellicle/solver.h"
 #include "solve/spin.h"
+#include "sweep/contact.h"
 
 /* Drag and volumetric spring of a vertex in a substep, as shares of its mass: tau d w and tau^2 k' w. */
 typedef struct pel_restraint {

@@ -14,10 +14,10 @@
 
    with the rest r_s = gap + c_s multiplier of the equation of each contact of the chain, and the force F_v that
    they leave on a vertex. That is exact for whatever chain is taken, which only has to be a good one. */
-#include "contact/backing.h"
+#include "sweep/backing.h"
 
-#include "contact/sweep_rigid.h"
 #include "math/vec3.h"
+#include "sweep/sweep_rigid.h"
 
 enum { MOST_NODES = 128 };
 

@@ -1,8 +1,8 @@
 /* Which contacts of rigid bodies the sweeps keep. */
 #include "../rigid/rigid_scene.h"
-#include "contact/patch.h"
 #include "contact/set.h"
 #include "stage/stage.h"
+#include "sweep/patch.h"
 
 enum { SIDE = 5, COUNT = SIDE * SIDE };
 

@@ -2,10 +2,10 @@
    contact: dozens of them, with one normal. Their gaps are linear over the patch, so that those at its border hold all
    others. Sweeps need only these: the farthest contacts in eight directions across the normal, the nearest one, and
    those that carry a load. */
-#ifndef PEL_CONTACT_PATCH_H
-#define PEL_CONTACT_PATCH_H
+#ifndef PEL_SWEEP_PATCH_H
+#define PEL_SWEEP_PATCH_H
 
-#include "contact/contact.h"
+#include "sweep/contact.h"
 
 enum { PEL_PATCH_DIRECTIONS = 8 };
 

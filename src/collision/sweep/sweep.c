@@ -13,10 +13,11 @@
    compliance an infeasible load would grow without bound; with it the load is the stiffness times the depth, and hardly
    depends on the length of a step. Friction has the same mobility along every direction, and Coulomb's cone is one on
    the multipliers: |drag| <= friction multiplier. */
-#include "contact/sweep.h"
+#include "sweep/sweep.h"
 
-#include "contact/backing.h"
-#include "contact/sweep_rigid.h"
+#include "rigid/row.h"
+#include "sweep/backing.h"
+#include "sweep/sweep_rigid.h"
 
 #include <math.h>
 
@@ -205,6 +206,8 @@ static bool is_rubbed(const pel_contact *contact)
 void pel_contacts_rouse(pel_contact_list *list, double calm)
 {
     list->calm = calm;
+    if (list->rigids != NULL && calm < 0)
+        pel_rigid_rows_begin(list->rigids);
     for (int32_t c = 0; list->rigids != NULL && c < list->count; c++)
         list->contacts[c].settled = 0;
 }

@@ -1,4 +1,4 @@
-#include "contact/patch.h"
+#include "sweep/patch.h"
 
 #include "base/memory.h"
 #include "base/room.h"

@@ -1,8 +1,8 @@
 /* The sweeps of sweep.c for contacts that touch rigid bodies, whose vertices follow six unknowns. */
-#ifndef PEL_CONTACT_SWEEP_RIGID_H
-#define PEL_CONTACT_SWEEP_RIGID_H
+#ifndef PEL_SWEEP_SWEEP_RIGID_H
+#define PEL_SWEEP_SWEEP_RIGID_H
 
-#include "contact/contact.h"
+#include "sweep/contact.h"
 
 /* whether a vertex of the contact belongs to a rigid body */
 static inline bool pel_contact_is_rigid(const pel_rigids *rigids, const pel_contact *contact)

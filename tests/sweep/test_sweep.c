@@ -2,7 +2,7 @@
    limit. */
 #include "check.h"
 
-#include "contact/sweep.h"
+#include "sweep/sweep.h"
 
 static pel_contact vertex_on_face(double friction)
 {

@@ -1,9 +1,9 @@
 /* Loose vertices that are held from below while something heavier presses them: contacts on the way of a load to what
    holds it are solved together. */
-#ifndef PEL_CONTACT_BACKING_H
-#define PEL_CONTACT_BACKING_H
+#ifndef PEL_SWEEP_BACKING_H
+#define PEL_SWEEP_BACKING_H
 
-#include "contact/contact.h"
+#include "sweep/contact.h"
 
 enum { PEL_BACKING_MOST = 48 };
 

@@ -1,8 +1,8 @@
 /* A light vertex between a tool and a heavy one: a sweep that knows its support finds both loads at once. */
 #include "check.h"
 
-#include "contact/backing.h"
-#include "contact/sweep.h"
+#include "sweep/backing.h"
+#include "sweep/sweep.h"
 
 #define IN_FLOAT(in_double, in_float) (sizeof(pel_real) == 8 ? (in_double) : (in_float))
 

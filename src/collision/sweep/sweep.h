@@ -1,10 +1,10 @@
 /* Contacts in a position-based solver: compliant layers whose gap C = sum_i w_i x_i . n - separation is kept open
    (paper B, section 4, with the side remembered), met by sweeps of Gauss-Seidel, and Coulomb's friction on the way
    across the normal. */
-#ifndef PEL_CONTACT_SWEEP_H
-#define PEL_CONTACT_SWEEP_H
+#ifndef PEL_SWEEP_SWEEP_H
+#define PEL_SWEEP_SWEEP_H
 
-#include "contact/contact.h"
+#include "sweep/contact.h"
 
 /* At the start of a step or substep of this length [s]: no contact carries a load. */
 void pel_contacts_begin(pel_contact_list *list, double substep);

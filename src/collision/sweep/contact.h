@@ -7,8 +7,8 @@
    a tool, whose motion is given, only the body's points stand here: the tool's share of the sum is in `separation`, and
    what it moved since the start of the step in `drift`. The normal points to the side on which the first one was in the
    last free state (paper B, section 4; theory page, section 7). */
-#ifndef PEL_CONTACT_CONTACT_H
-#define PEL_CONTACT_CONTACT_H
+#ifndef PEL_SWEEP_CONTACT_H
+#define PEL_SWEEP_CONTACT_H
 
 #include "math/record.h"
 #include "rigid/rigid.h"
@@ -29,6 +29,7 @@ typedef struct pel_contact {
     pel_real drift[3];   /* m: motion of the tool's share of the sum since the start of the (sub)step; else 0 */
     pel_real stopped[3]; /* m/s: sum of the changes of velocity by pel_contacts_stop */
     double settled;      /* m: sweeps pass over it while 1 + the unrest of its rigid bodies is at most this */
+    int32_t row, round;  /* its row (rigid/row.h), in this round of them */
 } pel_contact;
 
 /* what a solver sweeps over */
@@ -41,7 +42,7 @@ typedef struct pel_contact_list {
     double substep;         /* s, whose square is in the multipliers */
     double carried;         /* m: the largest way that a load moved its gap by, in the last sweep */
     pel_rigids *rigids;     /* null = all vertices move by themselves */
-    pel_contact **supports; /* (2 vertex_count) see contact/backing.h; null = none are known */
+    pel_contact **supports; /* (2 vertex_count) see sweep/backing.h; null = none are known */
     bool is_uneven;         /* something heavy presses something light, since the substep began */
     double rigid_moved;     /* m: the largest correction of a gap where nothing but rigid bodies gives way, in the last
                                sweep */
