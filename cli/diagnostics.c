@@ -14,7 +14,7 @@ int cli_report(const pel_error *error)
 {
     char text[1200];
     fprintf(stderr, "%s\n", pel_error_text(error, text, sizeof text));
-    bool failed = error->status == PEL_OUT_OF_MEMORY || error->status == PEL_DIVERGED || error->status == PEL_STOPPED;
+    bool failed = error->status == PEL_DIVERGED || error->status == PEL_STOPPED;
     return failed ? CLI_FAILED : CLI_BAD_INPUT;
 }
 

@@ -259,7 +259,7 @@ static int run_scene(const cli_call *call, const pel_scene *scene, const char *f
         print_summary(call, scene, folder, &summary);
     if (status == PEL_OK)
         return cli_has(call, "strict") && summary.warning_count > 0 ? CLI_FAILED : CLI_DONE;
-    return started || status == PEL_OUT_OF_MEMORY ? CLI_FAILED : CLI_BAD_INPUT;
+    return started ? CLI_FAILED : CLI_BAD_INPUT;
 }
 
 static int load_and_run(const cli_call *call, const char *const *settings, int setting_count, const char *folder)

@@ -60,6 +60,35 @@ static void test_ends(void **unused)
 }
 
 /* the last moment at which anything is scheduled to change */
+/* what a run still writes, from its start and where it goes on */
+static void test_need(void **unused)
+{
+    (void)unused;
+    pel_scene scene = make_scene(0.01, 10, 0.1, 0);
+    scene.output.checkpoint = 0.5;
+    pel_run_plan plan = pel_run_plan_make(&scene, 0);
+    pel_disk_need need = pel_run_plan_need(&plan, &scene, 0, 0);
+    assert_true(need.frame_count == 101 && need.checkpoint_count == 20 && !need.may_take_less);
+    assert_near(need.frame_seconds, 0.1, 1e-12);
+    assert_near(need.checkpoint_seconds, 0.5, 1e-12);
+    need = pel_run_plan_need(&plan, &scene, 50, 500);
+    assert_true(need.frame_count == 51 && need.checkpoint_count == 10);
+    plan = pel_run_plan_make(&scene, 7);
+    need = pel_run_plan_need(&plan, &scene, 0, 0);
+    assert_true(need.frame_count == 8 && need.checkpoint_count == 1);
+    scene.output.checkpoint = 0;
+    plan = pel_run_plan_make(&scene, 0);
+    assert_true(pel_run_plan_need(&plan, &scene, 0, 0).checkpoint_count == 0);
+    for (int rule = 0; rule < 4; rule++) {
+        pel_scene ends = scene;
+        ends.rest_speed = rule == 0;
+        ends.least_volume_ratio = rule == 1;
+        ends.stop_at_contact = rule == 2;
+        ends.sim.solver.path = rule == 3 ? PEL_PATH_ARC_LENGTH : ends.sim.solver.path;
+        assert_true(pel_run_plan_need(&plan, &ends, 0, 0).may_take_less);
+    }
+}
+
 static void test_settled(void **unused)
 {
     (void)unused;
@@ -99,6 +128,6 @@ static void test_settled(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_frames), cmocka_unit_test(test_ends),
-                                       cmocka_unit_test(test_settled)};
+                                       cmocka_unit_test(test_need), cmocka_unit_test(test_settled)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

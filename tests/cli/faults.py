@@ -216,17 +216,31 @@ def file_limit(f):
 def full_disk(f):
     """a small file system of its own, where one can be mounted"""
     script = """set -e; mkdir -p full; mount -t tmpfs -o size=300k none full
-        set +e; "$0" run scene.yaml -q -o full/run; echo "status $?"; ls full/run
+        set +e; "$0" run scene.yaml -q -o full/none; echo "refused $?"; ls full
+        "$0" run scene.yaml -q -o full/run --set stop.at_rest=1e-12; echo "status $?"; ls full/run
         rm -rf full/*; "$0" run scene.yaml -q -o once --frames 3; head -c 303104 /dev/zero > full/fill; "$0" render once -q --size 320x180 -o full/film.mp4; echo "film $?"; ls full
         "$0" convert once full/sequence.obj; echo "export $?"; ls full"""
     result = subprocess.run(["unshare", "-rm", "bash", "-c", script, f.program], cwd=f.folder, capture_output=True,
                             text=True, check=False)
     if "status" not in result.stdout:
         return "not tried: no file system can be mounted"
+    assert "refused 2" in result.stdout and "none" not in result.stdout and "and the disk has 0.0003" in result.stderr, result.stdout + result.stderr
     assert "status 1" in result.stdout and "No space left" in result.stderr, result.stdout + result.stderr
     assert "film 0" not in result.stdout and "film.mp4" not in result.stdout, result.stdout
     assert "checkpoint" in result.stdout and "summary.json" in result.stdout, result.stdout
     return "run and film fail with a message"
+
+
+def many_frames(f):
+    """what fills the disk is refused with numbers before anything is written; the numbers are those of the files"""
+    status, _, errors = f.run("run", "scene.yaml", "-q", "-o", "many", "--set", "output.every=1e-12", "--set", "solver.dt=1e-7", "--set", "duration=1000")
+    assert status == 2 and not (f.folder / "many").exists() and "10000000001 frames of " in errors and "in more files than 10000000" in errors, (status, errors)
+    told = float(errors.split("frames of ")[1].split()[0]) * 1e6
+    status, _, errors = f.run("run", "scene.yaml", "-q", "-o", "few", "--frames", "1")
+    assert status == 0, errors
+    written = (f.folder / "few/frames/f00001.vtp").stat().st_size + (f.folder / "few/series.csv").stat().st_size / 2
+    assert 0.8 < told / written < 1.1, (told, written)
+    return f"a frame takes {written:.0f} bytes, {told:.0f} are told"
 
 
 def broken_film(f):
@@ -265,17 +279,27 @@ def read_only(f):
 
 
 def out_of_memory(f):
-    """more and more address space: the run says that memory is out until it ends well"""
+    """more and more address space: the run says that memory is out until it ends well; a scene that cannot fit is refused with numbers"""
     if os.environ.get("PELLICLE_SANITIZE"):
         return "not tried: a sanitizer needs the address space"
     said, resumable = 0, 0
+    # 1.8 million triangles: their mesh fits, a scene of them does not
+    (f.folder / "large.yaml").write_text(SCENE.replace("frequency: 5", "frequency: 300"))
+    for command in (["run", "large.yaml", "-q", "-o", "large"], ["check", "large.yaml"]):
+        status, _, errors = f.run(*command, limits={resource.RLIMIT_AS: 400 << 20})
+        assert status == 2 and "1.8 million triangles, which need at least 0.45 GB of 0.419 GB" in errors, (status, errors)
+    assert not (f.folder / "large").exists()
+    # one block that is larger than all
+    status, _, errors = f.run("run", "scene.yaml", "-q", "-o", "large", "--set", "bodies.0.mesh.frequency=2000", limits={resource.RLIMIT_AS: 400 << 20})
+    assert status == 2 and "0.96 GB more were needed at once, of 0.419 GB in all" in errors, (status, errors)
     for megabytes in range(24, 900, 3 if "PELLICLE_ALL" in os.environ else 8):
         status, _, errors = f.run("run", "scene.yaml", "-q", "-o", "small", "--frames", "1", "--threads", "1",
                                   "--set", "bodies.0.mesh.frequency=50", limits={resource.RLIMIT_AS: megabytes << 20})
         if status == 0:
             break
         if "shared lib" not in errors and "find-object" not in errors:
-            assert status > 0 and "error: out of memory" in errors and not errors.startswith("error:"), (megabytes, status, errors)
+            assert status in (1, 2) and "error: out of memory" in errors and not errors.startswith("error:"), (megabytes, status, errors)
+            assert status == 1 or not (f.folder / "small" / "frames").exists(), (megabytes, errors)
             said += 1
             resumable += "the last good state" in errors
             f.check_whole("small")
@@ -348,7 +372,7 @@ def inputs(f):
 def main():
     program = str(pathlib.Path(sys.argv[1]).resolve())
     failures = 0
-    for fault in (killed, stopped, stopped_within, stopped_in_jam, piled, file_limit, full_disk, broken_film, read_only, out_of_memory, locked, links, inputs):
+    for fault in (killed, stopped, stopped_within, stopped_in_jam, piled, file_limit, full_disk, many_frames, broken_film, read_only, out_of_memory, locked, links, inputs):
         with tempfile.TemporaryDirectory() as folder:
             try:
                 print(f"{fault.__name__}: {fault(Faults(program, folder))}")

@@ -37,11 +37,28 @@ static void advise_huge_pages(void *block, size_t bytes)
 #endif
 }
 
+static _Thread_local size_t refused;
+
+size_t pel_memory_refused(void)
+{
+    const size_t bytes = refused;
+    refused = 0;
+    return bytes;
+}
+
+/* no block for these bytes, or the one that there is */
+static void *note(void *block, size_t count, size_t size)
+{
+    if (block == NULL && size > 0)
+        refused = count > SIZE_MAX / size ? SIZE_MAX : count * size;
+    return block;
+}
+
 /* Large blocks come from the system page by page as they are touched, which costs as much as filling them once
    (measured: subdivision of 330,000 triangles in a fresh process takes 1.5 times as long). */
 void *pel_allocate(size_t count, size_t size)
 {
-    void *block = pel_patience_is_lost() ? NULL : calloc(count > 0 ? count : 1, size);
+    void *block = pel_patience_is_lost() ? NULL : note(calloc(count > 0 ? count : 1, size), count, size);
     if (block == NULL || count * size < 2 * (size_t)HUGE_PAGE)
         return block;
     size_t before = (HUGE_PAGE - (uintptr_t)block % HUGE_PAGE) % HUGE_PAGE;
@@ -58,7 +75,7 @@ void *pel_allocate_aligned(size_t count, size_t size)
         return NULL;
     size_t alignment = count * size < 4 * huge_page ? cache_line : huge_page;
     size_t bytes = (count * size + alignment - 1) / alignment * alignment;
-    void *block = aligned_alloc(alignment, bytes);
+    void *block = note(aligned_alloc(alignment, bytes), bytes, 1);
     if (block == NULL)
         return NULL;
     if (alignment == huge_page)
@@ -80,7 +97,7 @@ void *pel_reallocate(void *block, size_t count, size_t size)
         count = 1;
     if (count > SIZE_MAX / size || pel_patience_is_lost())
         return NULL;
-    return realloc(block, count * size);
+    return note(realloc(block, count * size), count, size);
 }
 
 void pel_free(void *block)

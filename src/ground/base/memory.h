@@ -18,6 +18,9 @@ void pel_free(void *block);
 /* copy of a string, or null */
 char *pel_copy_string(const char *text);
 
+/* Bytes of the last block that this thread did not get since it asked here; 0 if it got all. */
+size_t pel_memory_refused(void);
+
 /* Bytes that this process may use: the memory of the machine, or a lower limit of its group or resources; HUGE_VAL if
    the system does not tell. */
 double pel_memory_limit(void);

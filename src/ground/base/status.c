@@ -1,10 +1,16 @@
 #include "base/status.h"
 
+#include "base/memory.h"
 #include "base/patience.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+/* bytes that a message names */
+#define LEAST_BLOCK 1e6
+#define LARGEST_BLOCK 1e15
 
 static const char *const status_texts[PEL_STATUS_COUNT] = {
     "ok",       "out of memory", "bad argument", "bad file", "bad format",
@@ -63,7 +69,15 @@ pel_status pel_fail_memory(pel_error *error)
 {
     if (pel_patience_is_lost())
         return pel_fail(error, PEL_STOPPED, "stopped on request");
-    return pel_refuse(error, PEL_OUT_OF_MEMORY, "use a smaller mesh or free some memory", "out of memory");
+    const char *remedy = "use a smaller mesh or free some memory";
+    const double needed = (double)pel_memory_refused(), most = pel_memory_limit();
+    /* sizes that overflow say nothing, and small ones that all is taken */
+    if (!(most < (double)HUGE_VAL) || !(needed < LARGEST_BLOCK))
+        return pel_refuse(error, PEL_OUT_OF_MEMORY, remedy, "out of memory");
+    if (needed < LEAST_BLOCK)
+        return pel_refuse(error, PEL_OUT_OF_MEMORY, remedy, "out of memory: %.3g GB are not enough", 1e-9 * most);
+    return pel_refuse(error, PEL_OUT_OF_MEMORY, remedy,
+                      "out of memory: %.3g GB more were needed at once, of %.3g GB in all", 1e-9 * needed, 1e-9 * most);
 }
 
 void pel_fail_remedy(pel_error *error, const char *format, ...)

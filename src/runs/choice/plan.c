@@ -99,3 +99,16 @@ pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames)
     plan.frame_end = max_frames > 0 && max_frames < plan.frame_total ? max_frames : plan.frame_total;
     return plan;
 }
+
+pel_disk_need pel_run_plan_need(const pel_run_plan *plan, const pel_scene *scene, int64_t frame, int64_t step)
+{
+    const int64_t steps = pel_run_plan_step(plan, plan->frame_end) - step;
+    return (pel_disk_need){
+        .frame_count = (double)(plan->frame_end + 1 - frame),
+        .checkpoint_count = plan->checkpoint_steps > 0 ? (double)(steps / plan->checkpoint_steps) : 0,
+        .frame_seconds = plan->steps_per_frame * plan->dt,
+        .checkpoint_seconds = (double)plan->checkpoint_steps * plan->dt,
+        .may_take_less = scene->rest_speed > 0 || scene->least_volume_ratio > 0 || scene->stop_at_contact ||
+                         scene->sim.solver.path == PEL_PATH_ARC_LENGTH,
+    };
+}

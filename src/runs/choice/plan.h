@@ -3,6 +3,7 @@
 #define PEL_RUN_PLAN_H
 
 #include "pellicle/scene.h"
+#include "results/disk.h"
 
 typedef struct pel_run_plan {
     double dt;                /* s */
@@ -21,5 +22,8 @@ pel_run_plan pel_run_plan_make(const pel_scene *scene, int64_t max_frames);
 int64_t pel_run_plan_step(const pel_run_plan *plan, int64_t frame);
 
 double pel_run_plan_time(const pel_run_plan *plan, int64_t frame);
+
+/* What is written from a frame and a step on, but for the sizes. */
+pel_disk_need pel_run_plan_need(const pel_run_plan *plan, const pel_scene *scene, int64_t frame, int64_t step);
 
 #endif

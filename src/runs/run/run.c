@@ -314,6 +314,15 @@ static size_t last_files_size(const pel_run_state *run)
     return run->checkpoint_size + mesh + list_entry * (size_t)listed + others;
 }
 
+static pel_status check_disk(const pel_run_state *run, pel_error *error)
+{
+    pel_disk_need need = pel_run_plan_need(&run->plan, run->scene, run->totals.frame_count, run->start_step);
+    need.frame_bytes = pel_run_frame_bytes(&run->frames.surface, &run->scene->output);
+    need.checkpoint_bytes = (double)run->checkpoint_size;
+    need.may_take_less |= run->def->overwrite;
+    return pel_run_check_disk(run->def->folder, &need, run->def->log, error);
+}
+
 static pel_status open_folder(pel_run_state *run, pel_error *error)
 {
     const char *folder = run->def->folder;
@@ -721,6 +730,8 @@ pel_status pel_run_with(const pel_scene *scene, const pel_run_def *def, pel_run_
     status = prepare(&run, cause);
     if (status != PEL_OK && status != PEL_OUT_OF_MEMORY)
         pel_scene_locate(scene, cause);
+    if (status == PEL_OK && def->folder != NULL)
+        status = check_disk(&run, cause);
     if (status == PEL_OK)
         status = open_folder(&run, cause);
     if (status == PEL_OK)

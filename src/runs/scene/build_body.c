@@ -1,5 +1,6 @@
 #include "scene/build.h"
 
+#include "base/memory.h"
 #include "keys/table.h"
 #include "scene/mesh.h"
 #include "scene/region.h"
@@ -158,6 +159,24 @@ static pel_status read_rests(pel_scene_reader *reader, const pel_scene_value *ro
     return status;
 }
 
+/* bytes of a triangle in the smallest scene: springs alone, explicit, without contact (measured: 290) */
+#define LEAST_BYTES 250.0
+
+/* before minutes pass until the memory is used up, and the system ends the program without a word */
+static pel_status check_memory(pel_scene_reader *reader, const pel_scene_value *body, double triangle_count)
+{
+    const double needed = LEAST_BYTES * triangle_count, most = pel_memory_limit();
+    if (needed <= most)
+        return PEL_OK;
+    pel_fail(
+        reader->error, PEL_OUT_OF_MEMORY,
+        "out of memory: with this body the scene has %.3g million triangles, which need at least %.3g GB of %.3g GB",
+        1e-6 * triangle_count, 1e-9 * needed, 1e-9 * most);
+    pel_fail_remedy(reader->error, "use a coarser mesh: %.3g million triangles are the most, fewer with contact",
+                    1e-6 * most / LEAST_BYTES);
+    return pel_scene_fail_at(reader, &body->place);
+}
+
 pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_value *root, const char *folder,
                                   pel_scene *scene, pel_mesh **meshes, int32_t *mesh_count, pel_sim_def *opened)
 {
@@ -167,11 +186,16 @@ pel_status pel_scene_build_bodies(pel_scene_reader *reader, const pel_scene_valu
         return pel_fail_memory(reader->error);
     pel_status status = pel_scene_check_names(reader, list);
     int32_t count = 0;
+    double triangle_count = 0;
     for (const pel_scene_value *value = list->first; status == PEL_OK && value != NULL; value = value->next) {
         status = pel_scene_mesh(reader, pel_scene_value_entry(value, "mesh"), folder, &meshes[count]);
         if (status != PEL_OK)
             break;
         *mesh_count = count + 1;
+        triangle_count += meshes[count]->triangle_count;
+        status = check_memory(reader, value, triangle_count);
+        if (status != PEL_OK)
+            break;
         status = pel_scene_fill_mesh(reader, value, &meshes[count]);
         if (status == PEL_OK)
             status = pel_scene_refine_torn(reader, root, value, &meshes[count]);
