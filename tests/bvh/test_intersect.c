@@ -2,6 +2,7 @@
 #include "check.h"
 #include "failing_malloc.h"
 
+#include "base/status.h"
 #include "bvh/intersect.h"
 #include "pellicle/geometry.h"
 #include "pellicle/mesh_io.h"
@@ -52,6 +53,26 @@ static void check_parts(const pel_mesh *mesh, const pair_set *all)
     }
 }
 
+/* of the pairs of a mesh, those of triangles that count as changed: none, some, all */
+static void check_changed(const pel_mesh *mesh, const pair_set *all)
+{
+    random_state random = {(uint64_t)mesh->triangle_count};
+    uint8_t *changed = malloc((size_t)mesh->triangle_count);
+    for (int round = 0; round < 40; round++) {
+        double share = round == 0   ? 0
+                       : round == 1 ? 1
+                                    : random_between(&random, 0, 0.3) * random_between(&random, 0, 1);
+        bool expected = false, found;
+        for (int32_t t = 0; t < mesh->triangle_count; t++)
+            changed[t] = random_between(&random, 0, 1) < share;
+        for (size_t i = 0; i < all->count; i++)
+            expected |= changed[all->pairs[i].first] || changed[all->pairs[i].second];
+        assert_int_equal(pel_mesh_changed_intersect(mesh, changed, &found), PEL_OK);
+        assert_int_equal(found, expected);
+    }
+    free(changed);
+}
+
 static void check_mesh(const pel_mesh *mesh, bool expect_some)
 {
     pair_set expected = {0}, found = {0};
@@ -70,6 +91,7 @@ static void check_mesh(const pel_mesh *mesh, bool expect_some)
     found.count = found.capacity = (size_t)count;
     assert_true(pairs_equal(&found, &expected));
     check_parts(mesh, &expected);
+    check_changed(mesh, &expected);
     /* the list may be short, the count is exact */
     assert_int_equal(pel_mesh_self_intersections(mesh, found.pairs, count < 3 ? (int32_t)count : 3, &count, NULL),
                      PEL_OK);
@@ -222,11 +244,22 @@ static pel_status find_case(const void *data, pel_error *error)
     return status;
 }
 
+static pel_status look_case(const void *data, pel_error *error)
+{
+    const surface *s = data;
+    pel_mesh mesh = mesh_of(s, s->start);
+    uint8_t changed[60] = {[7] = 1, [50] = 1};
+    bool found;
+    pel_status status = pel_mesh_changed_intersect(&mesh, changed, &found);
+    return status == PEL_OK ? PEL_OK : pel_fail_memory(error);
+}
+
 static void test_allocations(void **unused)
 {
     (void)unused;
     surface s = make_soup(60, 0.3, 2);
     assert_true(for_every_allocation_failure(find_case, &s) > 6);
+    assert_true(for_every_allocation_failure(look_case, &s) > 6);
     free_surface(&s);
 }
 

@@ -5,6 +5,7 @@
 #include "pellicle/sim_contact.h"
 #include "pellicle/sim_ledger.h"
 #include "stage/stage.h"
+#include "touch/contact.h"
 
 static const pel_method methods[] = {PEL_METHOD_XPBD,     PEL_METHOD_PBD,          PEL_METHOD_IMPLICIT,
                                      PEL_METHOD_EXPLICIT, PEL_METHOD_QUASI_STATIC, PEL_METHOD_PBD_DISTANCE,
@@ -248,6 +249,60 @@ static void test_same_bits(void **unused)
     }
 }
 
+/* ---- what a cut changes, and the whole surface ---- */
+
+/* a sheet in folds that lie on each other: a height over a plane intersects nowhere, but lips that part may */
+static void fold(pel_sim *sim, const double *x)
+{
+    assert_int_equal(pel_sim_set_positions(sim, 0, x, NULL), PEL_OK);
+    pel_contacts_place_start(sim);
+    assert_int_equal(pel_contacts_update_surface(sim, NULL), PEL_OK);
+    assert_int_equal(pel_tangles_find(sim->contacts, NULL), PEL_OK);
+    assert_int_equal(sim->contacts->tangles.count, 0);
+}
+
+/* With the surface before known to be clear only what changed is looked at, else all of it: the same cuts are made and
+   held back, with the same bits. */
+static void test_look_at_changes(void **unused)
+{
+    (void)unused;
+    random_state random = {3401};
+    int made = 0, held = 0;
+    for (int round = 0; round < LONG(2000, 200); round++) {
+        pel_mesh *mesh = make_grid(8, 8, 1, 1, (pel_grid_diagonals)random_below(&random, 3));
+        pel_body_def body = sheet_of(mesh, PEL_METHOD_XPBD);
+        pel_model *model = make_model(&body);
+        pel_sim_def def = lone_sim(model, PEL_METHOD_XPBD, 1e-3);
+        def.contact.enabled = def.contact.self = true;
+        def.contact.thickness = 1e-3;
+        pel_sim *sims[2] = {make_sim(&def), make_sim(&def)};
+        double *x = malloc((size_t)mesh->vertex_count * 24), squeeze = exp(random_between(&random, -9, -3));
+        for (int32_t v = 0; v < mesh->vertex_count; v++)
+            pel_vec3_set(x + 3 * v, squeeze * mesh->positions[v][0], squeeze * mesh->positions[v][1],
+                         random_between(&random, -0.5, 0.5));
+        int32_t path[10], count = random_path(mesh, &random, (int32_t)random_integer(&random, 2, 10), path);
+        pel_status status[2];
+        for (int i = 0; i < 2; i++) {
+            fold(sims[i], x);
+            sims[i]->contacts->tangles.is_known = i == 0;
+            status[i] = pel_cut(sims[i], 0, path, count, NULL);
+        }
+        assert_int_equal(status[0], status[1]);
+        assert_true(pel_sim_cut_is_held(sims[0]) == pel_sim_cut_is_held(sims[1]));
+        assert_true(pel_sim_hash(sims[0]) == pel_sim_hash(sims[1]));
+        assert_true(status[0] != PEL_OK || intersections_of(sims[0]) == 0);
+        made += status[0] == PEL_OK;
+        held += pel_sim_cut_is_held(sims[0]);
+        free(x);
+        pel_sim_destroy(sims[0]);
+        pel_sim_destroy(sims[1]);
+        pel_model_destroy(model);
+        pel_mesh_destroy(mesh);
+    }
+    print_message("%d cuts made, %d held back\n", made, held);
+    assert_true(made > 10 && held > 10);
+}
+
 /* ---- held back ---- */
 
 /* so far away that the gap of lips is less than the rounding of positions: there the cut waits */
@@ -276,7 +331,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_cuts), cmocka_unit_test(test_pressed_lips), cmocka_unit_test(test_closed_lips),
-        cmocka_unit_test(test_same_bits),   cmocka_unit_test(test_held_back),
+        cmocka_unit_test(test_same_bits),   cmocka_unit_test(test_held_back),    cmocka_unit_test(test_look_at_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

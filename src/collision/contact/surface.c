@@ -170,7 +170,7 @@ void pel_contact_surface_add(pel_contact_set *set, const int32_t corners[3])
     memcpy(set->next_triangles[set->next_count++], corners, sizeof set->next_triangles[0]);
 }
 
-/* of the bodies: obstacles may have far larger triangles */
+/* of the bodies at rest: obstacles may have far larger triangles */
 static double mean_edge(const pel_contact_set *set)
 {
     double sum = 0;
@@ -178,7 +178,7 @@ static double mean_edge(const pel_contact_set *set)
     for (int32_t t = set->obstacle_triangle_count; t < set->next_count; t++) {
         const int32_t *v = set->next_triangles[t];
         for (int c = 0; c < 3; c++, count++)
-            sum += pel_vec3_distance(set->start[v[c]], set->start[v[(c + 1) % 3]]);
+            sum += pel_vec3_distance(set->shape[v[c]], set->shape[v[(c + 1) % 3]]);
     }
     return isfinite(sum) ? sum / (double)count : 0;
 }

@@ -23,6 +23,10 @@ typedef struct certificate {
     int32_t pair_limit;
     int32_t split; /* above 0: only pairs of a triangle before it and one from it on, and no more than one a chunk */
     int64_t counts[PEL_SEARCH_CHUNKS]; /* pairs that intersect, of each chunk */
+    /* usable triangles that have changed, for a search of their pairs alone */
+    int32_t changed_count;
+    int32_t (*changed)[3];    /* (usable_count x 3) */
+    int32_t *changed_numbers; /* (usable_count) among the usable ones */
 } certificate;
 
 static bool is_usable(const pel_mesh *mesh, const int32_t v[3])
@@ -131,17 +135,26 @@ static pel_status fail_limit(const certificate *it, pel_error *error)
     return PEL_BAD_MESH;
 }
 
-static pel_status find_pairs(certificate *it, pel_error *error)
+/* a tree over some of the triangles, with the boxes of all vertices */
+static pel_status make_tree(certificate *it, int32_t (*triangles)[3], int32_t count, pel_error *error)
 {
     const double(*positions)[3] = (const double(*)[3])it->positions;
-    pel_status status = pel_tree_create(positions, it->mesh->vertex_count, (const int32_t(*)[3])it->triangles,
-                                        it->usable_count, PEL_TREE_TRIANGLES, &it->tree, error);
+    pel_status status = pel_tree_create(positions, it->mesh->vertex_count, (const int32_t(*)[3])triangles, count,
+                                        PEL_TREE_TRIANGLES, &it->tree, error);
     if (status != PEL_OK)
         return status;
     pel_motion rest = {positions, positions, it->mesh->vertex_count};
     pel_frame frame = pel_frame_centre(&rest);
     pel_boxes_of_motion(&frame, &rest, 0, NULL, it->boxes);
     pel_tree_refit(it->tree, it->boxes, NULL);
+    return PEL_OK;
+}
+
+static pel_status find_pairs(certificate *it, pel_error *error)
+{
+    pel_status status = make_tree(it, it->triangles, it->usable_count, error);
+    if (status != PEL_OK)
+        return status;
     it->search.keep = keep_pair;
     it->search.context = it;
     status = pel_find_pairs(it->tree, it->tree, 1u << PEL_PAIR_FACE_FACE, NULL, &it->search, error);
@@ -172,7 +185,7 @@ static void list_pairs(const certificate *it, pel_pair *pairs, int64_t *count)
 
 static void clear(certificate *it)
 {
-    PEL_FREE_ALL(it->triangles, it->numbers, it->positions, it->boxes);
+    PEL_FREE_ALL(it->triangles, it->numbers, it->positions, it->boxes, it->changed, it->changed_numbers);
     pel_tree_destroy(it->tree);
     pel_pair_search_clear(&it->search);
 }
@@ -211,5 +224,52 @@ pel_status pel_mesh_parts_intersect(const pel_mesh *mesh, int32_t split, bool *f
     int64_t count = 0;
     pel_status status = search(&it, NULL, &count, NULL);
     *found = count > 0;
+    return status;
+}
+
+/* ---- pairs of changed triangles ---- */
+
+static pel_status collect_changed(certificate *it, const uint8_t *changed)
+{
+    pel_status status = collect_triangles(it);
+    if (status == PEL_OK &&
+        !PEL_ALLOCATE_ALL(PEL_ROOM(it->changed, it->usable_count), PEL_ROOM(it->changed_numbers, it->usable_count)))
+        status = PEL_OUT_OF_MEMORY;
+    for (int32_t t = 0; status == PEL_OK && t < it->usable_count; t++) {
+        if (!changed[it->numbers[t]])
+            continue;
+        memcpy(it->changed[it->changed_count], it->triangles[t], sizeof it->changed[0]);
+        it->changed_numbers[it->changed_count++] = t;
+    }
+    return status;
+}
+
+/* one after the other against the tree of those that have changed; these have a turn of their own later */
+static pel_status find_changed(certificate *it, const uint8_t *changed, bool *found)
+{
+    pel_element_list near = {0};
+    pel_status status = make_tree(it, it->changed, it->changed_count, NULL);
+    for (int32_t t = 0; status == PEL_OK && !*found && t < it->usable_count; t++) {
+        const int32_t *v = it->triangles[t];
+        pel_box box = pel_box_join(pel_box_join(it->boxes[v[0]], it->boxes[v[1]]), it->boxes[v[2]]);
+        bool is_changed = changed[it->numbers[t]];
+        status = pel_find_in_box(it->tree, &box, &near, NULL);
+        for (size_t i = 0; status == PEL_OK && !*found && i < near.count; i++) {
+            int32_t other = it->changed_numbers[near.elements[i]];
+            *found = (is_changed ? other > t : other != t) && triangles_intersect(it, (pel_pair){t, other});
+        }
+    }
+    pel_free(near.elements);
+    return status;
+}
+
+pel_status pel_mesh_changed_intersect(const pel_mesh *mesh, const uint8_t *changed, bool *found)
+{
+    certificate it = {.mesh = mesh};
+    *found = false;
+    pel_status status = collect_changed(&it, changed);
+    if (status == PEL_OK && it.changed_count > 0)
+        status = find_changed(&it, changed, found);
+    clear(&it);
     return status;
 }

@@ -8,4 +8,9 @@
    overlap. */
 pel_status pel_mesh_parts_intersect(const pel_mesh *mesh, int32_t split, bool *found);
 
+/* Whether a triangle that has changed (triangle_count, 1 = it has) and any other one have such a common point: all that
+   can be new where no triangles intersected before. Its time is that of passing over the triangles, for few changed
+   ones. PEL_OUT_OF_MEMORY. */
+pel_status pel_mesh_changed_intersect(const pel_mesh *mesh, const uint8_t *changed, bool *found);
+
 #endif

@@ -163,7 +163,7 @@ static pel_status remake(pel_house *house, pel_house *old, const pel_change *cha
     def.model = model != NULL ? model : sim->given;
     const pel_ledger ledger = house->ledger;
     move(house, old);
-    *house = (pel_house){.sim.goes_on = true};
+    *house = (pel_house){.sim.goes_on = true, .sim.is_opened = change->surfaces != NULL && change->state == NULL};
     pel_status status = pel_sim_build(house, &def, error);
     sim->cuts_done = change->surfaces != NULL ? change->surfaces->cuts_done : old->sim.cuts_done;
     sim->cut_revision = old->sim.cut_revision + (change->surfaces != NULL);

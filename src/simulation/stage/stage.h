@@ -106,6 +106,7 @@ struct pel_sim {
     int64_t state_number; /* another one for each state */
     pel_sim_def def;      /* the def with all changes since creation */
     bool goes_on;         /* continues from a state: skip the checks of a start at rest */
+    bool is_opened;       /* after a cut: contact takes its surface where that is, not at rest first */
     int32_t cuts_done;    /* of def.cuts */
     bool cut_is_held;     /* the last cut that was tried is held back: its lips would intersect */
     int64_t cut_revision; /* another one after each change of the triangles by a cut */

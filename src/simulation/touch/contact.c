@@ -150,7 +150,8 @@ pel_status pel_contacts_create(pel_sim *sim, const pel_contact_def *def, pel_err
     if (status != PEL_OK)
         return status;
     pel_contacts_place(sim);
-    status = pel_contacts_update_surface(sim, error);
+    if (!sim->is_opened)
+        status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK && !sim->goes_on)
         status = pel_contacts_limit_by_start(sim, error);
     if (status == PEL_OK && !sim->goes_on)

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "bvh/intersect.h"
 #include "tool/start.h"
 #include "touch/contact.h"
 
@@ -127,6 +128,55 @@ static pel_status count_before(pel_sim *sim, int64_t *count, pel_error *error)
     return pel_sim_intersections(sim, count, error);
 }
 
+/* whether nothing intersected before a cut, so that only what it changed can intersect */
+static bool was_clear(const pel_sim *before, const pel_sim *sim)
+{
+    const pel_contact_set *set = before->contacts;
+    if (set == NULL || !set->tangles.is_known || set->tangles.count > 0 ||
+        set->triangle_count != sim->contacts->triangle_count || !pel_contacts_are_of_present(before))
+        return false;
+    for (int32_t t = 0; t < sim->tools->count; t++)
+        if (memcmp(&before->tools->items[t].pose, &sim->tools->items[t].pose, sizeof before->tools->items[t].pose) != 0)
+            return false;
+    return true;
+}
+
+/* triangles of bodies with a corner that is another vertex than before, or elsewhere */
+static void mark_changed(const pel_sim *before, const pel_sim *sim, uint8_t *changed)
+{
+    const pel_contact_set *old = before->contacts, *set = sim->contacts;
+    for (int32_t i = 3 * set->obstacle_triangle_count; i < 3 * set->triangle_count; i++) {
+        int32_t was = old->triangles[i / 3][i % 3], is = set->triangles[i / 3][i % 3];
+        double x[3];
+        pel_vertex_position(before->state->position, was, x);
+        changed[i / 3] |=
+            before->model->mesh_vertex[was] != sim->model->mesh_vertex[is] || memcmp(x, set->start[is], sizeof x) != 0;
+    }
+}
+
+/* a cut changes few triangles: they are looked at alone, and the whole surface only if they may be in the way */
+static pel_status find_tangles(const pel_sim *before, pel_sim *sim, pel_error *error)
+{
+    pel_contact_set *set = sim->contacts;
+    if (!was_clear(before, sim))
+        return pel_tangles_find(set, error);
+    uint8_t *changed = pel_allocate((size_t)set->triangle_count, 1);
+    if (changed == NULL)
+        return pel_fail_memory(error);
+    bool found;
+    const pel_mesh mesh = pel_contact_mesh(set);
+    mark_changed(before, sim, changed);
+    pel_status status = pel_mesh_changed_intersect(&mesh, changed, &found);
+    pel_free(changed);
+    if (status != PEL_OK)
+        return pel_fail_memory(error);
+    if (found)
+        return pel_tangles_find(set, error);
+    set->statistics.tangled = set->tangles.count = 0;
+    set->tangles.is_known = true;
+    return PEL_OK;
+}
+
 pel_status pel_contacts_check_lips(pel_sim *before, pel_sim *sim, pel_error *error)
 {
     int64_t count;
@@ -135,7 +185,7 @@ pel_status pel_contacts_check_lips(pel_sim *before, pel_sim *sim, pel_error *err
     pel_contacts_place_start(sim);
     pel_status status = pel_contacts_update_surface(sim, error);
     if (status == PEL_OK)
-        status = pel_tangles_find(sim->contacts, error);
+        status = find_tangles(before, sim, error);
     if (status != PEL_OK || sim->contacts->tangles.count == 0)
         return status;
     status = count_before(before, &count, error);
