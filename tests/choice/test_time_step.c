@@ -19,6 +19,15 @@
 #define PINCH(until)                                                                                                   \
     "tools: [ { shape: sphere, radius: 0.01, press: false, grasp: { reach: 0.001, until: " until                       \
     " }, motion: [ { position: [0.1, 0, 0] } ] } ]\n"
+#define THUMB(end)                                                                                                     \
+    "tools: [ { shape: sphere, radius: 0.005, motion: [ { position: [0.095, 0, 0.006] }, { time: 0.2, position: "      \
+    "[0.095, 0, -0.004] }, { time: 0.21, position: " end " } ] } ]\n"
+#define BAND                                                                                                           \
+    "version: 1\nbodies:\n  - name: band\n"                                                                            \
+    "    mesh: { shape: grid, nx: 20, ny: 2, size_x: 0.2, size_y: 0.02 }\n    mass: { density: 1000 }\n"               \
+    "    membrane: { young: 1.0e6, poisson: 0, thickness: 0.001, material: linear }\n"                                 \
+    "    pinned: { box: { min: [-0.11, -1, -1], max: [-0.085, 1, 1] } }\n"
+#define AT_END "at: { box: { min: [0.0999, -1, -1], max: [0.1001, 1, 1] } }"
 #define BALL                                                                                                           \
     "version: 1\nbodies:\n  - name: ball\n    mesh: { shape: geodesic-sphere, frequency: 3, radius: 0.05 }\n"          \
     "    membrane: { preset: steel-sheet }\n    bending: {}\n    pressure: { inside: 1000 }\n"
@@ -53,6 +62,16 @@ static void test_choice(void **unused)
          "vibration of body 'ruler', 11."},
         {SHAKEN "    support: { motion: [ { time: 0 }, { time: 0.002, position: [0, 0, 0.01] } ] }\nduration: 2\n",
          0.0005, "4 steps in what ruler_support does in 0.002 s"},
+        /* a thumb that bends the ruler and goes away, or stays */
+        {RULER "duration: 1\n" THUMB("[0.2, 0, -0.004]"), 0.002, "vibration of body 'ruler', 10."},
+        {RULER "duration: 1\n" THUMB("[0.095, 0, -0.004]"), 0.01, NULL},
+        /* what a load starts along a band is faster than its slowest vibration, 0.6 Hz, if the load is sudden */
+        {BAND "duration: 0.5\nloads: [ { name: pull, force: [0.2, 0, 0], " AT_END " } ]\n", 0.0005,
+         "vibration that load 'pull' starts, 45."},
+        {BAND "duration: 0.5\nloads: [ { force: [0.2, 0, 0], keys: [[0, 0], [0.4, 1]], " AT_END " } ]\n", 0.01, NULL},
+        {BAND "duration: 0.5\nloads: [ { force: [0, 0, 0.0001], " AT_END " } ]\n", 0.01, NULL},
+        {BAND "    velocity: [0.1, 0, 0]\nduration: 0.5\n", 0.0005,
+         "vibration that the motion at the start starts, 41."},
         /* motion at the start, contact with nothing, and ties that open change nothing */
         {RULER "    velocity: [0, 0, 1]\n    angular_velocity: [0, 1, 0]\nduration: 1\n", 0.002,
          "vibration of body 'ruler', 10."},

@@ -2,6 +2,7 @@
 #ifndef PEL_CHOICE_TIME_STEP_H
 #define PEL_CHOICE_TIME_STEP_H
 
+#include "choice/excited.h"
 #include "choice/mode_wave.h"
 #include "keys/value.h"
 #include "pellicle/scene.h"
@@ -21,11 +22,14 @@ typedef struct pel_motions {
 
 /* What nothing touches goes on moving to the end of the run: no damping of vertices, and hardly any drag. */
 bool pel_scene_is_undamped(const pel_scene *scene);
+/* A tool goes away from all bodies, or opens its grasp, before the end of the run. */
+bool pel_scene_lets_go(const pel_scene *scene);
 /* The lowest vibration of a body, see pel_scene_frequency. */
 typedef struct pel_vibration {
     double frequency; /* Hz; 0 = none */
     double strain;    /* share of its stiffness that the damping of the body's material meets */
     pel_mode_wave wave;
+    pel_excited excited;
 } pel_vibration;
 pel_status pel_scene_find_vibration(const pel_scene *scene, int32_t body, pel_vibration *vibration);
 

@@ -108,6 +108,10 @@ static const char *const codes[PEL_WARN_COUNT] = {
 #define LONG_EXPLICIT 300
 /* of the energy: what a method may take */
 #define LITTLE_LOSS 0.04
+/* of the energy of a stretched start: the rest covers what projections find anew of it */
+#define STRETCHED_SHARE 0.95
+/* of the supplied energy, in the tolerance of the ledger (sim_ledger.h) */
+#define TOLERATED 0.05
 
 /* ---- the scene ---- */
 
@@ -349,6 +353,18 @@ static bool is_dt_long(const pel_run_state *run)
     return pel_scene_find_motions(run->scene, dt, 0, &motions) == PEL_OK && motions.fastest.dt < LONG_SHARE * dt;
 }
 
+/* J, by which bodies have been stretched from the start, and still are */
+static double held_energy(const pel_sim_ledger *ledger)
+{
+    return pel_max(pel_min(ledger->elastic, ledger->elastic_start), 0);
+}
+
+/* of what was supplied to the motion */
+static double share_of_motion(const pel_sim_ledger *ledger, double loss)
+{
+    return pel_min(loss / pel_max(ledger->supplied - held_energy(ledger), DBL_MIN), 1);
+}
+
 /* Of methods that follow a motion and the material, in frames in which nothing touched. A volume that is driven is
    followed, not resolved; a limit of a joint stops a body as contact does. */
 static void check_motion(pel_run_state *run, int64_t frame)
@@ -365,10 +381,12 @@ static void check_motion(pel_run_state *run, int64_t frame)
         return;
     const double angle = pel_swing_angle(run);
     run->flagged[PEL_WARN_UNRESOLVED] = (pel_flagged_body){0, angle, 0};
-    bool loses = run->totals.free_loss > ledger->tolerance && shows_motion(run);
+    const double tolerance = ledger->tolerance - TOLERATED * STRETCHED_SHARE * held_energy(ledger);
+    bool loses = run->totals.free_loss > tolerance;
+    loses &= shows_motion(run);
     if (loses || (angle > 0 && is_dt_long(run)))
         pel_warn(&run->totals.warnings, PEL_WARN_UNRESOLVED, frame,
-                 loses ? run->totals.free_loss / ledger->supplied : 0);
+                 loses ? share_of_motion(ledger, run->totals.free_loss) : 0);
 }
 
 /* Whether a tool moved to press something and never had a force. One that stands still may be a floor, and forces of
@@ -791,7 +809,7 @@ static void tell_unresolved(const pel_warning_text *at)
         tell_coarse_steps(at, pel_min(good_dt, dt * GOOD_ANGLE / angle));
         return;
     }
-    double whole = at->run->totals.loss / at->run->ledger.supplied;
+    double whole = share_of_motion(&at->run->ledger, at->run->totals.loss);
     char part[40] = "", remedy[300];
     if (takes_in_contact(scene) && whole > TOUCH_SHARE * at->tally->worst)
         snprintf(part, sizeof part, ", %.2g %% while nothing touched", 100 * at->tally->worst);

@@ -114,9 +114,11 @@ static pel_status list_mesh_files(pel_scene_reader *reader, const pel_scene_valu
 static pel_status choose_method(pel_scene_reader *reader, const pel_scene_value *root, pel_scene *scene)
 {
     pel_status status = pel_scene_choose_method(reader, root, scene);
-    if (status == PEL_OK)
-        pel_scene_choose_bending(root, scene);
-    return status;
+    if (status != PEL_OK)
+        return status;
+    pel_scene_choose_bending(root, scene);
+    pel_scene_choose_order(reader, root, scene);
+    return PEL_OK;
 }
 
 /* bodies, loads, tools, cuts and seams */

@@ -208,11 +208,11 @@ pel_status pel_solids_find(pel_sim *sim, pel_error *error)
 
 bool pel_solids_carry(const pel_sim *sim)
 {
-    const pel_contact_list *list = &sim->tools->solids->list;
-    for (int32_t i = 0; i < pel_contact_list_length(list); i++)
-        if (pel_contact_list_at(list, i)->multiplier > 0)
-            return true;
-    return false;
+    const pel_sim_solids *solids = sim->tools->solids;
+    bool any = false;
+    for (int32_t c = 0; c < solids->list.count; c++)
+        any |= solids->list.contacts[c].multiplier > 0 || solids->pairs[c].owed + solids->pairs[c].mean_load > 0;
+    return any;
 }
 
 void pel_solids_forget_loads(pel_sim *sim, int32_t body, int32_t tool)

@@ -7,6 +7,7 @@
 #include "linear/eigen.h"
 #include "linear/pcg.h"
 #include "math/extremes.h"
+#include "math/vec3.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,6 +18,7 @@
 #define BUCKLING_TOLERANCE 1e-4
 enum { MOST_PRODUCTS = 30, MOST_ITERATIONS = 200 };
 /* of stiffness times place, in forces at rest */
+#define PI 3.14159265358979323846
 #define ROUNDING (16 * (double)PEL_REAL_EPSILON)
 /* of the first look for the lowest factor, above which no shift can be */
 #define ROUGH_TOLERANCE 1e-2
@@ -25,6 +27,8 @@ enum { ROUGH_ITERATIONS = 8 };
 #define SHIFT_SHARE 1e-8
 #define MOST_SHIFT_SHARE 1e-3
 #define SHIFT_GROWTH 100
+/* of a force squared: a smaller part along rigid motions is an error of their modes, which are exact to 1e-4 */
+#define RIGID_FORCE_SHARE 1e-6
 /* squared frequencies below this share of the shift are those of rigid motions */
 #define RIGID_SHARE 1e-5
 
@@ -346,9 +350,7 @@ static double value_of(const pel_modes *modes, double inverse)
     if (modes->analysis == PEL_ANALYSIS_BUCKLING)
         return modes->shift + 1 / inverse;
     double square = 1 / inverse - modes->shift;
-    return fabs(square) <= RIGID_SHARE * modes->shift
-               ? 0
-               : copysign(sqrt(fabs(square)), square) / (2 * 3.14159265358979323846);
+    return fabs(square) <= RIGID_SHARE * modes->shift ? 0 : copysign(sqrt(fabs(square)), square) / (2 * PI);
 }
 
 static void take_vector(pel_modes *modes, int32_t number)
@@ -420,4 +422,59 @@ pel_status pel_modes_solve(pel_modes *modes, const pel_newton_problem *problem, 
     int32_t found = pel_eigen_solve(modes->eigen, &def).count;
     status = pel_pool_check(modes->system.pool, error);
     return status == PEL_OK ? take_modes(modes, found, error) : status;
+}
+
+/* ---- response ---- */
+
+/* N2/kg */
+static double square_of(const pel_modes *modes, const double *force)
+{
+    double sum = 0;
+    for (int32_t u = 0; u < modes->pattern->unknown_count; u++)
+        sum += modes->masses[u] > 0 ? force[u] * force[u] / modes->masses[u] : 0;
+    return sum;
+}
+
+/* Takes the rigid motions out of a displacement, or what moves the body so out of a force, if it has such a part. */
+static void leave_rigid_part(const pel_modes *modes, bool is_force, double whole, double *vector)
+{
+    for (int32_t m = 0; m < modes->count && modes->values[m] == 0; m++) {
+        const double *mode = pel_modes_vector(modes, m);
+        double along = 0, mass = 0;
+        for (int32_t u = 0; u < modes->pattern->unknown_count; u++) {
+            along += (is_force ? 1 : modes->masses[u]) * mode[u] * vector[u];
+            mass += modes->masses[u] * mode[u] * mode[u];
+        }
+        const double share = !is_force || along * along > RIGID_FORCE_SHARE * whole * mass ? along / mass : 0;
+        for (int32_t u = 0; u < modes->pattern->unknown_count; u++)
+            vector[u] -= share * (is_force ? modes->masses[u] : 1) * mode[u];
+    }
+}
+
+pel_modes_response pel_modes_respond(pel_modes *modes, const pel_newton_frames *frames, double *force)
+{
+    const int32_t count = modes->pattern->unknown_count;
+    pel_modes_response response = {0};
+    double kinetic = 0;
+    const double whole = square_of(modes, force);
+    leave_rigid_part(modes, true, whole, force);
+    pel_newton_frames_turn(frames, force);
+    for (int32_t u = 0; u < count; u++)
+        modes->right[u] = modes->fixed[u] ? 0 : force[u];
+    const double left = square_of(modes, modes->right);
+    solve(modes, force);
+    pel_newton_frames_turn_back(frames, force);
+    leave_rigid_part(modes, false, 0, force);
+    for (int32_t v = 0; v < modes->pattern->vertex_count; v++) {
+        const double *move = force + 3 * (size_t)v;
+        response.reach = pel_max(response.reach, pel_vec3_length(move));
+        kinetic += modes->system.masses[3 * v] * pel_vec3_dot(move, move);
+    }
+    pel_newton_frames_turn(frames, force);
+    for (int32_t u = 0; u < count; u++)
+        response.energy += modes->right[u] * force[u];
+    double square = kinetic > 0 ? response.energy / kinetic - modes->shift : 0;
+    if (left > RIGID_FORCE_SHARE * whole && square > RIGID_SHARE * modes->shift)
+        response.frequency = sqrt(square) / (2 * PI);
+    return response;
 }

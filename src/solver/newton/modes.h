@@ -34,4 +34,16 @@ double pel_modes_value(const pel_modes *modes, int32_t number);
 /* (unknown_count) largest move of a vertex 1, its largest component positive */
 const double *pel_modes_vector(const pel_modes *modes, int32_t number);
 
+/* What a force starts that acts at once: the linear displacement u = K^-1 f that it swings about. The body swings
+   mainly in the modes that u consists of, at Rayleigh's quotient of it. */
+typedef struct pel_modes_response {
+    double frequency; /* Hz, sqrt(u.K u / u.M u) / 2 pi; 0 = the force moves the body as a whole */
+    double energy;    /* J, u.K u */
+    double reach;     /* m, the longest move */
+} pel_modes_response;
+
+/* Of a force (unknown_count), which is overwritten, about the state of the last solve of frequencies, with the axes of
+   its problem. */
+pel_modes_response pel_modes_respond(pel_modes *modes, const pel_newton_frames *frames, double *force);
+
 #endif
