@@ -1,6 +1,6 @@
 /* Fields that are added after a run: the same as those of a run that had them from the start. */
 #define _XOPEN_SOURCE 700 /* nftw */
-#include "run_fixture.h"
+#include "run/run_fixture.h"
 
 #include "pellicle/frames.h"
 
