@@ -105,6 +105,7 @@ typedef struct newton_run {
     double work;           /* J, of terms, inertia and fixed unknowns since the start of the step, each part positive */
     double slope;          /* J, of the energy along the last step that went by it */
     double press;          /* N, sum over vertices of the sizes of the forces of terms */
+    bool lacks;            /* forces on the fixed unknowns of a body are not what it takes to hold it yet */
     double share;          /* of the forces that balance the start, and of the ways of fixed unknowns, that is left */
     double longest;        /* m, that a step downhill moves any vertex by; 0 = any */
     int32_t limit;         /* of iterations so far */

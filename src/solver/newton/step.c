@@ -29,7 +29,8 @@ enum { KEPT_PRODUCTS = 8 };
  */
 enum { ASSEMBLY_WORK = 2, FACTOR_WORK = 5 };
 
-/* Of the work in a step: energy that constraints may leave. Of what they press: change by the last step. */
+/* Of the work in a step: energy that constraints may leave. Of what they press: change by the last step; of the forces
+   on fixed unknowns: what these may lack. */
 #define SETTLED_SHARE 4e-3
 #define PRESS_SHARE 0.02
 /* of the tolerance, that a step of L-BFGS may leave */
@@ -164,13 +165,14 @@ static void find_drift(const newton_run *run, int32_t begin, int32_t end, double
 }
 
 /* Under constraints: the work of what acts on a body since the start of the step, beside its drift, so that it is the
-   same in every frame that moves uniformly; and how much constraints press. The gradient is along x, y, z, with that
-   before the terms in newton->before_terms. */
+   same in every frame that moves uniformly; how much constraints press; and whether the forces on fixed unknowns lack
+   what is left on the others, since both add up to loads, inertia and constraints. The gradient is along x, y, z, with
+   that before the terms in newton->before_terms. */
 static void measure_work(newton_run *run, int32_t begin, int32_t end)
 {
     const pel_newton *newton = run->newton;
     const pel_newton_problem *problem = run->problem;
-    double drift[3];
+    double drift[3], left[3] = {0}, held = 0, work = 0;
     find_drift(run, begin, end, drift);
     for (int32_t v = begin; v < end; v++) {
         const double *gradient = newton->gradient + 3 * (size_t)v, *before = newton->before_terms + 3 * (size_t)v;
@@ -181,15 +183,22 @@ static void measure_work(newton_run *run, int32_t begin, int32_t end)
         pel_vec3_subtract(run->unknowns + 3 * (size_t)v, problem->points[v], inertia);
         run->press += pel_vec3_length(push);
         run->work += fabs(pel_vec3_dot(push, way)) + fabs(problem->point_stiffness[v] * pel_vec3_dot(inertia, way));
-        for (int k = 0; k < 3; k++)
-            run->work += newton->fixed[3 * v + k] ? fabs(gradient[k] * way[k]) : 0;
+        for (int k = 0; k < 3; k++) {
+            bool is_fixed = newton->fixed[3 * v + k];
+            left[k] += is_fixed ? 0 : gradient[k];
+            held += is_fixed ? fabs(gradient[k]) : 0;
+            work += is_fixed ? gradient[k] * way[k] : 0;
+        }
     }
+    run->work += fabs(work);
+    run->lacks |= held > 0 && pel_vec3_length(left) > PRESS_SHARE * held;
 }
 
 static void measure_works(newton_run *run)
 {
     const pel_model *model = run->newton->model;
     run->work = run->press = 0;
+    run->lacks = false;
     for (int32_t b = 0; b < model->body_count; b++)
         measure_work(run, model->bodies[b].slice_begin * PEL_WIDTH, pel_body_place_end(model, b));
 }
@@ -592,7 +601,8 @@ bool pel_newton_has_converged(newton_run *run)
 bool pel_newton_has_settled(const newton_run *run, double slope, double press)
 {
     return run->problem->settles > 0 && run->result->iterations >= run->problem->settles && run->press > 0 &&
-           -0.5 * slope <= SETTLED_SHARE * run->work && fabs(run->press - press) <= PRESS_SHARE * run->press;
+           -0.5 * slope <= SETTLED_SHARE * run->work && fabs(run->press - press) <= PRESS_SHARE * run->press &&
+           !run->lacks;
 }
 
 void pel_newton_fix_unknowns(newton_run *run)
