@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/room.h"
 #include "base/status.h"
+#include "stage/plastic.h"
 
 #include <string.h>
 
@@ -101,7 +102,7 @@ pel_status pel_sim_prepared_begin(pel_sim *sim, const pel_newton_problem *proble
     pel_sim_newton *newton = sim->minimise->newton;
     pel_newton_base *base = newton->base;
     size_t unknowns = (size_t)pel_newton_pattern(sim->newton)->unknown_count;
-    uint64_t fixed = pel_hash_block(PEL_HASH_START, newton->fixed, unknowns);
+    uint64_t fixed = pel_plastic_hash(sim, pel_hash_block(PEL_HASH_START, newton->fixed, unknowns));
     if (base->is_due || base->rate != newton->rate || base->fixed != fixed) {
         base->is_due = base->is_made = false;
         base->rate = newton->rate;
@@ -109,12 +110,8 @@ pel_status pel_sim_prepared_begin(pel_sim *sim, const pel_newton_problem *proble
         take_numbers(sim, problem);
         memcpy(base->unknowns, newton->unknowns, unknowns * sizeof *base->unknowns);
     }
-    if (!base->is_made || !pel_newton_is_prepared(sim->newton)) {
-        pel_status status = make(sim, problem, error);
-        if (status != PEL_OK)
-            return status;
-    }
-    return PEL_OK;
+    const bool is_there = base->is_made && pel_newton_is_prepared(sim->newton);
+    return is_there ? PEL_OK : make(sim, problem, error);
 }
 
 void pel_sim_prepared_transfer(pel_cursor *at, const pel_sim *sim)

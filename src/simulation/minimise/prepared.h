@@ -10,7 +10,7 @@ struct pel_newton_base {
     bool is_due;      /* in snapshots, like all but the last two: the next step makes another one */
     double rate;      /* 1/s, of the springs that inertia is */
     pel_span span;    /* of loads */
-    uint64_t fixed;   /* hash of the fixed unknowns */
+    uint64_t fixed;   /* hash of the fixed unknowns, and of what yielded */
     double *unknowns; /* (unknown_count) */
     double (*factors)[PEL_PARAMETER_COUNT]; /* (body_count) of keyed parameters */
     double (*radial)[4];                    /* (vertex_count) damping along volumetric springs; null = none */

@@ -1,5 +1,6 @@
 #include "stage/plastic.h"
 
+#include "base/hash.h"
 #include "stage/transfer.h"
 
 #include <string.h>
@@ -43,6 +44,12 @@ void pel_plastic_accept(pel_sim *sim)
 {
     copy(sim->state->plastic.folds, sim->state->plastic_next.folds, fold_size(sim));
     copy(sim->state->plastic.flows, sim->state->plastic_next.flows, flow_size(sim));
+}
+
+uint64_t pel_plastic_hash(const pel_sim *sim, uint64_t hash)
+{
+    hash = pel_hash_block(hash, sim->state->plastic_next.folds, fold_size(sim));
+    return pel_hash_block(hash, sim->state->plastic_next.flows, flow_size(sim));
 }
 
 void pel_transfer_plastic(pel_cursor *at, const pel_sim *sim, int32_t unused)
